@@ -1,0 +1,53 @@
+// An actuator as a file: the constants of Eq. 2-4, its ratings, how far the constants can be trusted, where they come from.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/sea.hpp"
+#include "common/toml.hpp"
+
+namespace ukemi {
+
+/// The five constants of the fit, in the order of U = [K_p K_d K_SEA C_SEA I_motor] (Sec. 3 of [1]).
+inline constexpr int kConstants = 5;
+inline constexpr std::array<const char*, kConstants> kConstantNames = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
+inline constexpr std::array<const char*, kConstants> kConstantUnits = {"Nm/rad", "Nm/(rad/s)", "Nm/rad", "Nm/(rad/s)",
+                                                                      "kg m^2"};
+/// The same constants as a vector and back; the other fields of `sea` stay.
+template <class T>
+std::array<T, kConstants> constants(const SeaParameters<T>& sea) {
+  return {sea.k_p, sea.k_d, sea.k_sea, sea.c_sea, sea.i_motor};
+}
+template <class T, class Vector>
+void set_constants(SeaParameters<T>& sea, const Vector& u) {
+  sea.k_p = u[0], sea.k_d = u[1], sea.k_sea = u[2], sea.c_sea = u[3], sea.i_motor = u[4];
+}
+
+struct Actuator {
+  std::string name;
+  SeaParameters<double> sea;
+  std::optional<double> speed_max;         ///< rated motor speed at the output [rad/s]; a rating, not a term
+  std::vector<std::string> uncertain;      ///< [uncertainty] order: the constants that were fitted
+  Eigen::MatrixXd covariance;              ///< of those, in their order
+  std::vector<std::pair<std::string, std::string>> provenance;  ///< written as text
+
+  /// Standard error of a constant, where the file gives one.
+  std::optional<double> standard_error(const std::string& constant) const;
+};
+
+/// Reads an actuator file; throws InputError (see common/toml.hpp).
+Actuator read_actuator(const std::string& path);
+
+/// The file's text: [actuator], with a covariance [uncertainty] (order, std, ci95, covariance), and [provenance].
+/// `half_width` is the factor from a standard error to the half width of the 95 % interval.
+std::string to_toml(const Actuator& actuator, double half_width = 1.959963984540054);
+
+/// Reads `feedback = "output" | "motor"` of a section.
+std::optional<Feedback> read_feedback(TomlSection& section);
+const char* name(Feedback feedback);
+
+}  // namespace ukemi

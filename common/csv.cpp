@@ -1,0 +1,154 @@
+#include "common/csv.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "common/files.hpp"
+
+namespace ukemi {
+
+namespace {
+
+constexpr std::size_t kLongestLine = 1 << 20;
+
+std::string_view trim(std::string_view s) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!s.empty() && blank(s.front())) s.remove_prefix(1);
+  while (!s.empty() && blank(s.back())) s.remove_suffix(1);
+  return s;
+}
+
+char separator_of(std::string_view header) {
+  char best = ',';
+  std::size_t count = 0;
+  for (const char c : {',', ';', '\t'}) {
+    std::size_t n = 0;
+    for (const char x : header) n += x == c;
+    if (n > count) best = c, count = n;
+  }
+  return best;
+}
+
+/// Calls use(cell, byte column) for each cell of a line.
+template <class Use>
+void for_cells(std::string_view line, char separator, Use&& use) {
+  std::size_t begin = 0;
+  for (;;) {
+    const std::size_t end = std::min(line.find(separator, begin), line.size());
+    const std::string_view raw = line.substr(begin, end - begin), cell = trim(raw);
+    use(cell, long(cell.empty() ? begin : cell.data() - line.data()) + 1);
+    if (end == line.size()) return;
+    begin = end + 1;
+  }
+}
+
+double parse_number(std::string_view cell, const Location& where, const std::string& column) {
+  std::string_view digits = cell;
+  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::result_out_of_range)
+    throw InputError(where, "column '" + column + "': " + quoted(std::string(cell)) + ": the number is out of range");
+  if (error != std::errc() || end != digits.data() + digits.size())
+    throw InputError(where, "column '" + column + "': " + quoted(std::string(cell)) + ": a number is needed");
+  if (!std::isfinite(value))
+    throw InputError(where, "column '" + column + "': " + quoted(std::string(cell)) + ": a finite number is needed");
+  return value;
+}
+
+}  // namespace
+
+int CsvTable::find(const std::string& name) const {
+  for (std::size_t i = 0; i < header.size(); ++i)
+    if (header[i] == name) return int(i);
+  return -1;
+}
+
+CsvTable read_csv(const std::string& path) {
+  return read_csv(path, [](const std::string&) { return true; });
+}
+
+CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context) {
+  const std::string text = read_text_file(path, kLongestLine);
+  CsvTable table;
+  table.file = path;
+  char separator = ',';
+  std::vector<bool> use;
+  long number = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string_view line(text.data() + begin, end - begin);
+    begin = end + 1;
+    ++number;
+    if (number == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
+    if (trim(line).empty() || trim(line).front() == '#') continue;
+    if (table.header.empty()) {
+      separator = separator_of(line);
+      table.header_line = number;
+      for_cells(line, separator, [&](std::string_view cell, long column) {
+        if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+        const std::string name(cell);
+        if (table.find(name) >= 0)
+          throw InputError({path, number, column}, "column " + quoted(name) + ": the header names it twice");
+        table.header.push_back(name);
+        table.header_column.push_back(column);
+        use.push_back(wanted(name, context));
+      });
+      table.columns.resize(table.header.size());
+      table.column_of.resize(table.header.size());
+      continue;
+    }
+    std::size_t c = 0;
+    for_cells(line, separator, [&](std::string_view cell, long column) {
+      if (c >= table.header.size())
+        throw InputError({path, number, column}, fmt::format("{}: more cells than the header's {} columns",
+                                                             quoted(std::string(cell)), table.header.size()));
+      if (use[c]) {
+        const bool empty = cell.empty();
+        table.columns[c].push_back(empty ? std::numeric_limits<double>::quiet_NaN()
+                                         : parse_number(cell, {path, number, column}, table.header[c]));
+        table.column_of[c].push_back(column);
+      }
+      ++c;
+    });
+    if (c != table.header.size())
+      throw InputError({path, number, 1}, fmt::format("{} cells: the header has {} columns", c, table.header.size()));
+    table.line.push_back(number);
+  }
+  if (table.header.empty()) throw InputError({path}, "the file is empty: a header line with column names is needed");
+  if (table.line.empty()) throw InputError({path, table.header_line}, "no rows: at least one row of numbers is needed");
+  return table;
+}
+
+std::string shortest(double value) { return fmt::format("{}", value); }
+
+void CsvWriter::comment(const std::string& text) {
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    if (end > begin || end < text.size()) text_ += "# " + text.substr(begin, end - begin) + "\n";
+    begin = end + 1;
+  }
+}
+void CsvWriter::header(const std::vector<std::string>& names) {
+  for (const std::string& n : names) cell(n);
+  end_row();
+}
+CsvWriter& CsvWriter::cell(const std::string& text) {
+  if (!first_) text_ += ',';
+  first_ = false;
+  text_ += text;
+  return *this;
+}
+CsvWriter& CsvWriter::cell(double value) { return cell(std::isfinite(value) ? shortest(value) : std::string()); }
+CsvWriter& CsvWriter::cell(long value) { return cell(std::to_string(value)); }
+void CsvWriter::end_row() { text_ += '\n', first_ = true; }
+void CsvWriter::row(const std::vector<double>& values) {
+  for (const double v : values) cell(v);
+  end_row();
+}
+
+}  // namespace ukemi

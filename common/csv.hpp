@@ -1,0 +1,66 @@
+// Tables of numbers: read with every malformed cell located, written with provenance in `#` lines.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/error.hpp"
+
+namespace ukemi {
+
+/// A column's cells as numbers, with where each stands. An empty cell is NaN and `empty` there.
+struct CsvTable {
+  std::string file;
+  std::vector<std::string> header;           ///< column names, trimmed
+  std::vector<std::vector<double>> columns;  ///< columns[c][row]; every value finite unless the cell is empty
+  std::vector<long> line;                    ///< line of each row in the file
+  std::vector<std::vector<long>> column_of;  ///< byte column of each cell, [c][row]
+  std::vector<long> header_column;           ///< byte column of each name in the header line
+  long header_line = 0;
+
+  std::size_t rows() const { return line.size(); }
+  /// Index of a column, or -1.
+  int find(const std::string& name) const;
+  Location at(int column, std::size_t row) const { return {file, line[row], column_of[column][row]}; }
+};
+
+/// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, told from the header.
+/// Throws InputError, with file:line:column, on: a missing, unreadable or empty file; NUL or control bytes ("not a text file");
+/// a line beyond 1 MiB; a repeated column name; a row with another number of cells; text, NaN or infinity where a number is
+/// needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text.
+template <class Wanted>
+CsvTable read_csv(const std::string& path, Wanted&& wanted);
+CsvTable read_csv(const std::string& path);
+CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context);
+
+template <class Wanted>
+CsvTable read_csv(const std::string& path, Wanted&& wanted) {
+  return read_csv_columns(
+      path, [](const std::string& name, const void* w) { return bool((*static_cast<const Wanted*>(w))(name)); }, &wanted);
+}
+
+/// Builds a CSV text: comment lines, header, rows. Numbers are the shortest that read back exactly; NaN is an empty cell.
+class CsvWriter {
+ public:
+  void comment(const std::string& text);  ///< every line of `text` behind "# "
+  void header(const std::vector<std::string>& names);
+  CsvWriter& cell(const std::string& text);
+  CsvWriter& cell(const char* text) { return cell(std::string(text)); }
+  CsvWriter& cell(double value);
+  CsvWriter& cell(long value);
+  CsvWriter& cell(int value) { return cell(long(value)); }
+  void end_row();
+  void row(const std::vector<double>& values);
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  bool first_ = true;
+};
+
+/// Shortest text that reads back as the same double; "nan", "inf", "-inf" for the others.
+std::string shortest(double value);
+
+}  // namespace ukemi

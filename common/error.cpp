@@ -1,0 +1,55 @@
+#include "common/error.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace ukemi {
+
+std::string Location::text() const {
+  std::string s = file;
+  if (line > 0) s += ":" + std::to_string(line);
+  if (line > 0 && column > 0) s += ":" + std::to_string(column);
+  return s;
+}
+
+namespace {
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substitute = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({substitute, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+}  // namespace
+
+std::string nearest(const std::string& given, const std::vector<std::string>& known) {
+  std::string best;
+  std::size_t distance = std::max<std::size_t>(2, given.size() / 3) + 1;
+  for (const std::string& k : known) {
+    const bool contained = given.size() > 2 && (k.find(given) != std::string::npos || given.find(k) != std::string::npos);
+    const std::size_t d = contained ? std::min<std::size_t>(2, edit_distance(given, k)) : edit_distance(given, k);
+    if (d < distance) best = k, distance = d;
+  }
+  return best;
+}
+
+std::string hint(const std::string& given, const std::vector<std::string>& known) {
+  const std::string best = nearest(given, known);
+  return best.empty() ? "" : " (did you mean \"" + best + "\"?)";
+}
+
+std::string quoted(const std::string& value) {
+  std::string s = value.substr(0, 40);
+  for (char& c : s)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return "'" + s + (value.size() > 40 ? "...'" : "'");
+}
+
+}  // namespace ukemi

@@ -1,0 +1,33 @@
+// Bad input: one exception, one line that says where, what, the value and the rule.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace ukemi {
+
+/// Where in a file something stands; line and column count from 1, 0: not known.
+struct Location {
+  std::string file;
+  long line = 0, column = 0;
+  std::string text() const;  ///< "file:line:column", as far as known
+};
+
+/// Bad usage or bad input. what() is `file:line:column: what: value (rule)` on one line.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(const std::string& message) : std::runtime_error(message) {}
+  InputError(const Location& where, const std::string& message) : std::runtime_error(where.text() + ": " + message) {}
+};
+
+/// The key of `known` nearest to `given` by edit distance, or empty where none is near (distance above a third of its length).
+std::string nearest(const std::string& given, const std::vector<std::string>& known);
+
+/// ` (did you mean "x"?)` for the nearest key, or an empty text.
+std::string hint(const std::string& given, const std::vector<std::string>& known);
+
+/// A value from a file for an error message: control characters shown as '?', cut after 40 bytes.
+std::string quoted(const std::string& value);
+
+}  // namespace ukemi

@@ -1,0 +1,60 @@
+// What `double` and `ceres::Jet` share, so that an equation is written once for both.
+//
+// Kernels never branch on a Scalar: they use select(mask, a, b), and both a and b must be finite.
+// Mode decisions are booleans that the drivers fix between events; any(mask) lets a kernel skip work that no lane needs.
+#pragma once
+
+#include <ceres/jet.h>
+
+#include <cmath>
+#include <concepts>
+
+namespace ukemi {
+
+/// A real number with the field operations, a square root and the two trigonometric functions that the dynamics need.
+template <class T>
+concept Scalar = requires(T a, T b) {
+  T(0.5);
+  { -a } -> std::convertible_to<T>;
+  { a + b } -> std::convertible_to<T>;
+  { a - b } -> std::convertible_to<T>;
+  { a* b } -> std::convertible_to<T>;
+  { a / b } -> std::convertible_to<T>;
+};
+
+/// mask ? a : b.
+inline double select(bool mask, double a, double b) { return mask ? a : b; }
+template <int P>
+ceres::Jet<double, P> select(bool mask, const ceres::Jet<double, P>& a, const ceres::Jet<double, P>& b) {
+  return mask ? a : b;
+}
+
+/// True where any lane of the mask is set; a plain bool has one lane.
+inline bool any(bool mask) { return mask; }
+
+/// The value without its derivatives.
+inline double value_of(double x) { return x; }
+template <int P>
+double value_of(const ceres::Jet<double, P>& x) {
+  return x.a;
+}
+
+/// Number of derivatives that a scalar carries, and one of them.
+template <class T>
+inline constexpr int kDerivatives = 0;
+template <int P>
+inline constexpr int kDerivatives<ceres::Jet<double, P>> = P;
+template <int P>
+double derivative_of(const ceres::Jet<double, P>& x, int slot) {
+  return x.v[slot];
+}
+
+/// y += w x, without temporaries: the inner operation of every integrator.
+inline void add_scaled(double& y, double w, double x) { y += w * x; }
+template <int P>
+void add_scaled(ceres::Jet<double, P>& y, double w, const ceres::Jet<double, P>& x) {
+  y.a += w * x.a;
+  for (int i = 0; i < P; ++i) y.v[i] += w * x.v[i];
+}
+
+}  // namespace ukemi

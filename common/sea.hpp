@@ -1,0 +1,128 @@
+// The series elastic actuator: Eq. 2-4 of the source paper, written once for every scalar.
+//
+// [1] Altangerel, Tsujita, Sekine, Abiko, "Generation of Shock Absorbing Motion of a One-Legged Robot with a Flexible
+//     Joint", Sec. 2.3. The three optional terms (stiffening spring, dry friction, motor-side feedback) are ours.
+// SI units: rad, rad/s, Nm. The motor's angle is taken at the gear's output side; i_motor is the reflected inertia.
+// Tests: test/unit/sea.cpp.
+#pragma once
+
+#include <limits>
+
+#include "common/scalar.hpp"
+
+namespace ukemi {
+
+/// Which angle Eq. 3 feeds back: the output angle phi_1 as printed in [1], or the motor angle phi_m as many real drives do.
+enum class Feedback { kOutput, kMotor };
+
+/// Below this motor speed dry friction is smoothed, v_s in `friction_torque` [rad/s]. Ours.
+inline constexpr double kFrictionSpeed = 0.005;
+
+/// The constants of one series elastic actuator.
+template <class T>
+struct SeaParameters {
+  T k_p;                                                ///< K_p, proportional gain [Nm/rad], >= 0
+  T k_d;                                                ///< K_d, derivative gain [Nm/(rad/s)], >= 0
+  T k_sea;                                              ///< K_SEA, stiffness of the spring [Nm/rad], >= 0
+  T c_sea;                                              ///< C_SEA, damping of the spring [Nm/(rad/s)], >= 0
+  T i_motor;                                            ///< I_motor, reflected motor inertia [kg m^2], > 0
+  T tau_max = T(std::numeric_limits<double>::infinity());  ///< limit of the spring torque [Nm], >= 0; infinite: none
+  T friction = T(0);                                    ///< tau_c, Coulomb torque on the motor [Nm], >= 0; 0: none
+  T k_sea_cubic = T(0);                                 ///< K_3, cubic stiffness [Nm/rad^3], >= 0; 0: linear spring
+  Feedback feedback = Feedback::kOutput;                ///< what Eq. 3 feeds back
+
+  /// The same constants in another scalar.
+  template <class U>
+  SeaParameters<U> cast() const {
+    return {U(k_p), U(k_d), U(k_sea), U(c_sea), U(i_motor), U(tau_max), U(friction), U(k_sea_cubic), feedback};
+  }
+};
+
+/// Which optional terms a kernel is compiled with. A kernel without a term pays nothing for it.
+struct SeaTerms {
+  bool torque_limit = true;  ///< the clamp of Eq. 2
+  bool extended = false;     ///< stiffening, dry friction and motor-side feedback
+};
+
+/// True where `p` needs the extended kernel.
+inline bool is_extended(const SeaParameters<double>& p) {
+  return p.friction != 0 || p.k_sea_cubic != 0 || p.feedback == Feedback::kMotor;
+}
+
+/// Angles and rates on both sides of the spring.
+template <class T>
+struct SeaState {
+  T phi;     ///< phi_1, output angle [rad]
+  T phi_m;   ///< phi_m, motor angle [rad]
+  T dphi;    ///< [rad/s]
+  T dphi_m;  ///< [rad/s]
+};
+
+/// The reference that Eq. 3 follows.
+template <class T>
+struct Reference {
+  T phi;   ///< phi_ref [rad]
+  T dphi;  ///< dphi_ref [rad/s]
+};
+
+/// tau' = K_SEA d + K_3 d^3 + C_SEA d', d = phi_m - phi_1: the spring's torque on the output before the limit [Nm]. Eq. 2.
+template <SeaTerms kTerms, Scalar T>
+T spring_torque(const SeaParameters<T>& p, const SeaState<T>& s) {
+  const T d = s.phi_m - s.phi;
+  T torque = p.k_sea * d + p.c_sea * (s.dphi_m - s.dphi);
+  if constexpr (kTerms.extended) torque += p.k_sea_cubic * d * d * d;
+  return torque;
+}
+
+/// d tau'/dt for given accelerations of both sides [Nm/s]; locates the torque limit in time.
+template <SeaTerms kTerms, Scalar T>
+T spring_torque_rate(const SeaParameters<T>& p, const SeaState<T>& s, const T& ddphi, const T& ddphi_m) {
+  const T d_rate = s.dphi_m - s.dphi;
+  T rate = p.k_sea * d_rate + p.c_sea * (ddphi_m - ddphi);
+  if constexpr (kTerms.extended) {
+    const T d = s.phi_m - s.phi;
+    rate += T(3) * p.k_sea_cubic * d * d * d_rate;
+  }
+  return rate;
+}
+
+/// tau_SEA = clamp(tau', -tau_max, tau_max), Eq. 2, with the branch held: `saturation` is -1, 0 or +1 between events.
+template <SeaTerms kTerms, Scalar T>
+T limited_torque(const SeaParameters<T>& p, const T& torque, int saturation) {
+  if constexpr (kTerms.torque_limit) {
+    if (saturation > 0) return p.tau_max;
+    if (saturation < 0) return -p.tau_max;
+  }
+  return torque;
+}
+
+/// tau_mot = K_p (phi_ref - phi) + K_d (dphi_ref - dphi), Eq. 3; phi is phi_1, or phi_m with motor-side feedback [Nm].
+template <SeaTerms kTerms, Scalar T>
+T motor_torque(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref) {
+  if constexpr (kTerms.extended) {
+    const bool motor = p.feedback == Feedback::kMotor;
+    return p.k_p * (ref.phi - select(motor, s.phi_m, s.phi)) + p.k_d * (ref.dphi - select(motor, s.dphi_m, s.dphi));
+  } else {
+    return p.k_p * (ref.phi - s.phi) + p.k_d * (ref.dphi - s.dphi);
+  }
+}
+
+/// Dry friction against the motor's motion, tau_c v / sqrt(v^2 + v_s^2) [Nm]. Ours.
+template <SeaTerms kTerms, Scalar T>
+T friction_torque(const SeaParameters<T>& p, const T& dphi_m) {
+  using std::sqrt;
+  if constexpr (kTerms.extended)
+    return p.friction * dphi_m / sqrt(dphi_m * dphi_m + T(kFrictionSpeed * kFrictionSpeed));
+  else
+    return T(0);
+}
+
+/// ddphi_m = (tau_mot - tau_SEA - friction) / I_motor, Eq. 4 [rad/s^2].
+template <SeaTerms kTerms, Scalar T>
+T motor_acceleration(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref, const T& tau_sea) {
+  T torque = motor_torque<kTerms>(p, s, ref) - tau_sea;
+  if constexpr (kTerms.extended) torque -= friction_torque<kTerms>(p, s.dphi_m);
+  return torque / p.i_motor;
+}
+
+}  // namespace ukemi

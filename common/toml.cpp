@@ -1,0 +1,234 @@
+#include "common/toml.hpp"
+
+#include <fmt/format.h>
+#define TOML_HEADER_ONLY 1
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "common/csv.hpp"
+#include "common/files.hpp"
+
+namespace ukemi {
+
+Range Range::any() { return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false, "a number"}; }
+Range Range::positive() { return {0, std::numeric_limits<double>::infinity(), true, "above 0"}; }
+Range Range::non_negative() { return {0, std::numeric_limits<double>::infinity(), false, "at least 0"}; }
+
+struct TomlFile::Data {
+  std::string path;
+  toml::table root;
+  std::map<std::string, std::set<std::string>> asked;  // section -> keys
+  std::set<std::string> all;                           // sections that take every key
+
+  Location at(const toml::node& n) const { return {path, long(n.source().begin.line), long(n.source().begin.column)}; }
+};
+
+namespace {
+const toml::node* as_node(const void* p) { return static_cast<const toml::node*>(p); }
+const toml::table& as_table(const void* p) { return *static_cast<const toml::table*>(p); }
+std::string show(const toml::node& n) {
+  std::ostringstream s;
+  n.visit([&](const auto& x) { s << x; });
+  return quoted(s.str());
+}
+}  // namespace
+
+TomlFile::TomlFile(const std::string& path) : data_(std::make_unique<Data>()) {
+  data_->path = path;
+  const std::string text = read_text_file(path);
+  try {
+    data_->root = toml::parse(text, path);
+  } catch (const toml::parse_error& e) {
+    throw InputError({path, long(e.source().begin.line), long(e.source().begin.column)}, std::string(e.description()));
+  }
+}
+TomlFile::~TomlFile() = default;
+TomlFile::TomlFile(TomlFile&&) noexcept = default;
+const std::string& TomlFile::path() const { return data_->path; }
+
+std::optional<TomlSection> TomlFile::optional(const std::string& name) {
+  data_->asked[name];
+  const toml::node* n = data_->root.get(name);
+  if (!n) return std::nullopt;
+  if (!n->is_table()) throw InputError(data_->at(*n), "'" + name + "': " + show(*n) + ": a table [" + name + "] is needed");
+  return TomlSection(data_.get(), n->as_table(), name);
+}
+
+TomlSection TomlFile::require(const std::string& name) {
+  if (auto s = optional(name)) return *s;
+  std::vector<std::string> there;
+  for (const auto& [k, v] : data_->root) there.emplace_back(k.str());
+  const std::string near = nearest(name, there);
+  throw InputError({data_->path}, "the table [" + name + "] is missing" + (near.empty() ? "" : " (there is [" + near + "])"));
+}
+
+void TomlFile::finish() const {
+  std::vector<std::string> sections;
+  for (const auto& [name, keys] : data_->asked) sections.push_back(name);
+  for (const auto& [key, node] : data_->root) {
+    const std::string name(key.str());
+    const Location where{data_->path, long(key.source().begin.line), long(key.source().begin.column)};
+    const auto it = data_->asked.find(name);
+    if (it == data_->asked.end()) {
+      std::string in;  // a key at top level may belong into a table
+      for (const auto& [section, keys] : data_->asked)
+        if (keys.count(name)) in = " (it belongs into [" + section + "])";
+      throw InputError(where, "unknown " + std::string(node.is_table() ? "table" : "key") + " '" + name + "'" +
+                                  (in.empty() ? hint(name, sections) : in));
+    }
+    if (data_->all.count(name) || !node.is_table()) continue;
+    const std::vector<std::string> known(it->second.begin(), it->second.end());
+    for (const auto& [k, v] : *node.as_table())
+      if (!it->second.count(std::string(k.str())))
+        throw InputError({data_->path, long(k.source().begin.line), long(k.source().begin.column)},
+                         "unknown key '" + std::string(k.str()) + "' in [" + name + "]" + hint(std::string(k.str()), known));
+  }
+}
+
+TomlSection::TomlSection(TomlFile::Data* data, const void* table, std::string name)
+    : data_(data), table_(table), name_(std::move(name)) {}
+
+const void* TomlSection::node(const std::string& key) {
+  data_->asked[name_].insert(key);
+  return as_table(table_).get(key);
+}
+bool TomlSection::has(const std::string& key) const { return as_table(table_).contains(key); }
+void TomlSection::accept_all() { data_->all.insert(name_); }
+
+Location TomlSection::where(const std::string& key) const {
+  const toml::node* n = key.empty() ? nullptr : as_table(table_).get(key);
+  return data_->at(n ? *n : static_cast<const toml::node&>(as_table(table_)));
+}
+void TomlSection::fail(const std::string& key, const std::string& message) const {
+  throw InputError(where(key), "[" + name_ + "] " + key + ": " + message);
+}
+
+double TomlSection::checked(const std::string& key, const void* n, const Range& range) const {
+  const auto value = as_node(n)->value<double>();
+  if (!value || as_node(n)->is_boolean()) fail(key, show(*as_node(n)) + ": a number is needed");
+  if (!std::isfinite(*value)) fail(key, shortest(*value) + ": a finite number is needed");
+  if (*value < range.low || *value > range.high || (range.low_open && *value <= range.low))
+    fail(key, shortest(*value) + ": must be " + range.rule);
+  return *value;
+}
+
+std::optional<double> TomlSection::optional_number(const std::string& key, const Range& range) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  return checked(key, n, range);
+}
+double TomlSection::number(const std::string& key, const Range& range) {
+  if (const auto v = optional_number(key, range)) return *v;
+  std::vector<std::string> there;
+  for (const auto& [k, v] : as_table(table_)) there.emplace_back(k.str());
+  const std::string near = nearest(key, there);
+  throw InputError(where(), "[" + name_ + "] the key '" + key + "' is missing" + (near.empty() ? "" : " (there is '" + near + "')"));
+}
+
+namespace {
+constexpr double kDegree = std::numbers::pi / 180;
+}
+
+std::optional<double> TomlSection::angle_of(const std::string& key, bool required) {
+  const std::string in_degrees = key + "_deg";
+  if (has(key) && has(in_degrees)) fail(in_degrees, "given beside '" + key + "': one of the two is needed");
+  if (const auto v = optional_number(in_degrees, Range::any())) {
+    node(key);
+    return *v * kDegree;
+  }
+  const auto v = optional_number(key, Range::any());
+  if (v && std::abs(*v) > 2 * std::numbers::pi)
+    fail(key, shortest(*v) + ": an angle in radians beyond 2 pi; for degrees name the key '" + in_degrees + "'");
+  if (!v && required) return number(in_degrees, Range::any());  // says that it is missing
+  return v;
+}
+double TomlSection::angle(const std::string& key) { return *angle_of(key, true); }
+std::optional<double> TomlSection::optional_angle(const std::string& key) { return angle_of(key, false); }
+
+std::optional<std::array<double, 2>> TomlSection::optional_angle_pair(const std::string& key) {
+  const std::string in_degrees = key + "_deg";
+  if (has(key) && has(in_degrees)) fail(in_degrees, "given beside '" + key + "': one of the two is needed");
+  const auto degrees = optional_numbers(in_degrees, 2, Range::any());
+  if (degrees) {
+    node(key);
+    return std::array{(*degrees)[0] * kDegree, (*degrees)[1] * kDegree};
+  }
+  const auto radians = optional_numbers(key, 2, Range::any());
+  if (!radians) return std::nullopt;
+  for (const double v : *radians)
+    if (std::abs(v) > 2 * std::numbers::pi)
+      fail(key, shortest(v) + ": an angle in radians beyond 2 pi; for degrees name the key '" + in_degrees + "'");
+  return std::array{(*radians)[0], (*radians)[1]};
+}
+
+std::optional<std::vector<double>> TomlSection::optional_numbers(const std::string& key, std::size_t count, const Range& range) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  const toml::array* array = as_node(n)->as_array();
+  if (!array || array->size() != count)
+    fail(key, show(*as_node(n)) + ": " + std::to_string(count) + " numbers in [ ] are needed");
+  std::vector<double> out;
+  for (const toml::node& x : *array) out.push_back(checked(key, &x, range));
+  return out;
+}
+std::vector<double> TomlSection::numbers(const std::string& key, std::size_t count, const Range& range) {
+  if (auto v = optional_numbers(key, count, range)) return *v;
+  throw InputError(where(), "[" + name_ + "] the key '" + key + "' is missing: " + std::to_string(count) + " numbers are needed");
+}
+
+std::optional<std::vector<std::vector<double>>> TomlSection::optional_matrix(const std::string& key) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  const toml::array* rows = as_node(n)->as_array();
+  if (!rows) fail(key, "rows of numbers in [ ] are needed");
+  std::vector<std::vector<double>> out;
+  for (const toml::node& r : *rows) {
+    const toml::array* row = r.as_array();
+    if (!row || row->size() != rows->size()) fail(key, "a square matrix is needed");
+    out.emplace_back();
+    for (const toml::node& x : *row) out.back().push_back(checked(key, &x, Range::any()));
+  }
+  return out;
+}
+
+std::optional<std::string> TomlSection::optional_text(const std::string& key) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  const auto v = as_node(n)->value<std::string>();
+  if (!v) fail(key, show(*as_node(n)) + ": a text in quotes is needed");
+  return *v;
+}
+std::string TomlSection::text(const std::string& key) {
+  if (auto v = optional_text(key)) return *v;
+  throw InputError(where(), "[" + name_ + "] the key '" + key + "' is missing");
+}
+std::optional<std::vector<std::string>> TomlSection::optional_texts(const std::string& key) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  const toml::array* array = as_node(n)->as_array();
+  if (!array) fail(key, show(*as_node(n)) + ": texts in [ ] are needed");
+  std::vector<std::string> out;
+  for (const toml::node& x : *array) {
+    if (!x.is_string()) fail(key, show(x) + ": a text in quotes is needed");
+    out.push_back(*x.value<std::string>());
+  }
+  return out;
+}
+std::optional<std::string> TomlSection::optional_choice(const std::string& key, const std::vector<std::string>& choices) {
+  const auto v = optional_text(key);
+  if (!v) return std::nullopt;
+  std::string all;
+  for (const std::string& c : choices) {
+    if (c == *v) return v;
+    all += (all.empty() ? "\"" : ", \"") + c + "\"";
+  }
+  fail(key, quoted(*v) + ": one of " + all + " is needed");
+}
+
+}  // namespace ukemi

@@ -1,0 +1,83 @@
+// TOML files in: every key is asked for with its rule; what nobody asked for is an error that names the nearest known key.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+
+namespace ukemi {
+
+/// The values a number may take.
+struct Range {
+  double low, high;
+  bool low_open = false;
+  std::string rule;  ///< the rule in words, for the message
+
+  static Range any();
+  static Range positive();
+  static Range non_negative();
+};
+
+class TomlSection;
+
+/// One TOML file. Ask it for its sections, then call `finish`.
+class TomlFile {
+ public:
+  explicit TomlFile(const std::string& path);  ///< throws InputError with the parser's line and column
+  ~TomlFile();
+  TomlFile(TomlFile&&) noexcept;
+
+  /// A table. A missing one that is `required` throws; an optional one gives an empty optional.
+  TomlSection require(const std::string& name);
+  std::optional<TomlSection> optional(const std::string& name);
+  /// Throws on the first table or key that was not asked for.
+  void finish() const;
+  const std::string& path() const;
+
+ private:
+  friend class TomlSection;
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// One table of a file. Each getter throws InputError with file:line:column on a wrong type or a value outside its rule.
+class TomlSection {
+ public:
+  double number(const std::string& key, const Range& range);
+  std::optional<double> optional_number(const std::string& key, const Range& range);
+  /// `key` [rad] or `key_deg`; an angle in radians beyond 2 pi is refused with a hint.
+  double angle(const std::string& key);
+  std::optional<double> optional_angle(const std::string& key);
+  std::optional<std::array<double, 2>> optional_angle_pair(const std::string& key);
+  std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range);
+  std::optional<std::vector<double>> optional_numbers(const std::string& key, std::size_t count, const Range& range);
+  std::optional<std::vector<std::vector<double>>> optional_matrix(const std::string& key);
+  std::string text(const std::string& key);
+  std::optional<std::string> optional_text(const std::string& key);
+  std::optional<std::vector<std::string>> optional_texts(const std::string& key);
+  /// One of `choices`.
+  std::optional<std::string> optional_choice(const std::string& key, const std::vector<std::string>& choices);
+  /// Accepts whatever else the table holds (provenance).
+  void accept_all();
+  bool has(const std::string& key) const;
+  /// Where a key stands, or the table if it has no such key.
+  Location where(const std::string& key = "") const;
+  [[noreturn]] void fail(const std::string& key, const std::string& message) const;
+
+ private:
+  friend class TomlFile;
+  TomlSection(TomlFile::Data* data, const void* table, std::string name);
+  const void* node(const std::string& key);
+  std::optional<double> angle_of(const std::string& key, bool required);
+  double checked(const std::string& key, const void* node, const Range& range) const;
+
+  TomlFile::Data* data_;
+  const void* table_;
+  std::string name_;
+};
+
+}  // namespace ukemi

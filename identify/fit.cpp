@@ -1,0 +1,403 @@
+#include "identify/fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+#include "identify/least_squares.hpp"
+#include "identify/starts.hpp"
+
+namespace ukemi::identify {
+
+void FitOptions::validate() const {
+  for (int i = 0; i < kConstants; ++i) {
+    const auto k = std::size_t(i);
+    if (!(lower[k] >= 0))
+      throw InputError(fmt::format("lower bound of {}: {}: must be at least 0", kConstantNames[k], shortest(lower[k])));
+    if (!(lower[k] < upper[k]))
+      throw InputError(fmt::format("bounds of {}: {} to {}: lower < upper is needed", kConstantNames[k], shortest(lower[k]),
+                                   shortest(upper[k])));
+  }
+  if (!(huber >= 0)) throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
+  if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
+    throw InputError(fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
+}
+
+namespace {
+
+bool fitted(NuisanceTerms::Term t) { return t == NuisanceTerms::Term::kFitted; }
+
+/// Which parameter of the problem is which.
+struct Layout {
+  std::vector<int> constants;            ///< global g is constant constants[g]; friction comes after them
+  bool friction, initial_angle, initial_rate;
+
+  explicit Layout(const FitOptions& o)
+      : friction(fitted(o.nuisance.friction)),
+        initial_angle(fitted(o.nuisance.initial_angle)),
+        initial_rate(fitted(o.nuisance.initial_rate)) {
+    for (int i = 0; i < kConstants; ++i)
+      if (o.free[std::size_t(i)]) constants.push_back(i);
+  }
+  int globals() const { return int(constants.size()) + friction; }
+  int locals() const { return int(initial_angle) + int(initial_rate); }
+
+  /// Puts a point of the problem into the model; `lift(value, slot)` makes the scalar of derivative slot `slot`.
+  template <class T, class Lift>
+  void apply(const double* global, const double* local, SeaParameters<T>& sea, InitialState<T>& initial, Lift&& lift) const {
+    auto u = ukemi::constants(sea);
+    int slot = 0;
+    for (const int c : constants) u[std::size_t(c)] = lift(global[slot], slot), ++slot;
+    set_constants(sea, u);
+    if (friction) sea.friction = lift(global[slot], slot), ++slot;
+    if (initial_angle) initial.angle = lift(local[0], slot), ++slot;
+    if (initial_rate) initial.rate = lift(local[initial_angle], slot);
+  }
+};
+
+/// Residuals of one trial and, with a Jet, their Jacobians. Derivatives are taken with respect to value / scale, so that they are
+/// angles whatever the parameter's unit, as the integrator's error control expects; the Jacobians are not scaled.
+template <class T>
+bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& layout, const PreparedTrial& prepared,
+              const RolloutOptions& options, double weight, const std::vector<double>& scale, const double* global,
+              const double* local, double* r, double* jg, double* jl) {
+  auto sea = base.cast<T>();
+  InitialState<T> initial;
+  layout.apply<T>(global, local, sea, initial, [&](double v, [[maybe_unused]] int slot) {
+    T x(v);
+    if constexpr (kDerivatives<T> > 0) x.v[slot] = scale[std::size_t(slot)];
+    return x;
+  });
+  thread_local std::vector<T> phi, phi_m;
+  if (rollout(rig, sea, initial, prepared, options, phi, phi_m) != RolloutStatus::kDone) return false;
+  const int G = layout.globals(), L = layout.locals();
+  int row = 0;
+  const auto compare = [&](const std::vector<double>& measured, const std::vector<T>& predicted) {
+    for (std::size_t i = 0; i < measured.size(); ++i, ++row) {
+      r[row] = weight * (value_of(predicted[i]) - measured[i]);
+      if constexpr (kDerivatives<T> > 0) {
+        for (int g = 0; jg && g < G; ++g) jg[row * G + g] = weight * predicted[i].v[g] / scale[std::size_t(g)];
+        for (int l = 0; jl && l < L; ++l) jl[row * L + l] = weight * predicted[i].v[G + l] / scale[std::size_t(G + l)];
+      }
+    }
+  };
+  compare(prepared.trial->phi, phi);
+  compare(prepared.trial->phi_motor, phi_m);
+  return true;
+}
+
+/// Size of a constant for scaling, where the start is 0.
+double typical(int constant, const Suggestion& s) { return ukemi::constants(s.centre)[std::size_t(constant)]; }
+
+LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared, const std::vector<double>& weights,
+                                 const SeaParameters<double>& start, const Suggestion& suggestion, const Layout& layout,
+                                 const FitOptions& options, const RolloutOptions& rollout_options) {
+  LeastSquaresProblem problem;
+  const auto u = ukemi::constants(start);
+  for (const int c : layout.constants) {
+    const auto k = std::size_t(c);
+    const double size = u[k] > 0 ? u[k] : typical(c, suggestion);
+    // i_motor divides Eq. 4: its bound of 0 is the smallest positive number that the model can be asked with.
+    const double lower = c == 4 ? std::max(options.lower[k], 1e-6 * size) : options.lower[k];
+    problem.globals.push_back({kConstantNames[k], kConstantUnits[k], std::max(u[k], 0.1 * size), lower, options.upper[k], size});
+  }
+  if (layout.friction) {
+    const double size = 0.01 * start.k_p > 0 ? 0.01 * start.k_p : 0.1;
+    problem.globals.push_back({"friction", "Nm", start.friction > 0 ? start.friction : size, 0, FitOptions::kInfinity, size});
+  }
+  const double inf = FitOptions::kInfinity;
+  if (layout.initial_angle) problem.locals.push_back({"initial_angle", "rad", 0, -inf, inf, 0.01});
+  if (layout.initial_rate) problem.locals.push_back({"initial_rate", "rad/s", 0, -inf, inf, 0.1});
+  std::vector<double> scale;
+  for (const auto& list : {problem.globals, problem.locals})
+    for (const Parameter& p : list) scale.push_back(p.scale);
+  const bool small = layout.globals() + layout.locals() <= kSmallJet;
+  for (std::size_t m = 0; m < prepared.size(); ++m) {
+    const PreparedTrial* trial = &prepared[m];
+    const double weight = weights[m];
+    problem.blocks.push_back(
+        {int(trial->trial->measurements()),
+         [=, &rig](const double* g, const double* l, double* r, double* jg, double* jl) {
+           if (!jg && !jl)
+             return evaluate<double>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
+           if (small)
+             return evaluate<ceres::Jet<double, kSmallJet>>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
+           return evaluate<ceres::Jet<double, kLargeJet>>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
+         }});
+  }
+  return problem;
+}
+
+TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const SeaParameters<double>& sea,
+                   const InitialState<double>& initial, const RolloutOptions& options) {
+  const Trial& trial = *prepared.trial;
+  TrialResult out{.file = trial.file, .samples = trial.samples(), .phi = {}, .phi_m = {}, .initial = initial};
+  out.noise = std::max(noise_level(trial.phi), noise_level(trial.phi_motor));
+  out.status = rollout(rig, sea, initial, prepared, options, out.phi, out.phi_m);
+  if (out.status != RolloutStatus::kDone) {
+    out.phi.clear(), out.phi_m.clear();
+    return out;
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < trial.phi.size(); ++i) sum += (out.phi[i] - trial.phi[i]) * (out.phi[i] - trial.phi[i]);
+  for (std::size_t i = 0; i < trial.phi_motor.size(); ++i)
+    sum += (out.phi_m[i] - trial.phi_motor[i]) * (out.phi_m[i] - trial.phi_motor[i]);
+  if (trial.measurements() > 0) out.rms = std::sqrt(sum / double(trial.measurements()));
+  return out;
+}
+
+double pooled(const std::vector<TrialResult>& trials, const std::vector<Trial>& logs, double TrialResult::*field) {
+  double sum = 0, n = 0;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const double count = double(logs[m].measurements()), v = trials[m].*field;
+    sum += count * v * v, n += count;
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+
+/// Warnings that need no fit: short pulses.
+void warn_of_logs(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+  for (const Trial& t : trials)
+    if (const int n = shortest_pulse(t); n > 0 && n < 8)
+      warnings.push_back(fmt::format("{}: a pulse of {} samples: below 8 the log loses part of the impulse and biases the fit",
+                                     t.file, n));
+}
+
+/// The parameters, their errors and what can be said of them.
+void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, const Layout& layout, const FitOptions& options,
+            Fit& out) {
+  const long dof = s.residuals - s.free_parameters;
+  const double variance = dof > 0 ? s.cost / double(dof) : std::numeric_limits<double>::quiet_NaN();
+  out.half_width = t_quantile_975(std::max(dof, 1l));
+  const int G = layout.globals();
+  out.covariance = s.global_covariance * variance;
+  out.correlation = Eigen::MatrixXd::Identity(G, G);
+  for (int i = 0; i < G; ++i)
+    for (int j = 0; j < G; ++j)
+      out.correlation(i, j) = out.covariance(i, j) / std::sqrt(out.covariance(i, i) * out.covariance(j, j));
+  out.eigenvalues = s.eigenvalues;
+  const auto estimate = [&](int g) {
+    const Parameter& p = problem.globals[std::size_t(g)];
+    Estimate e{.name = p.name, .unit = p.unit, .value = s.globals[g], .std = {}, .at_bound = s.at_bound[std::size_t(g)]};
+    if (const double v = out.covariance(g, g); v >= 0 && std::isfinite(v)) {
+      e.std = std::sqrt(v);
+      e.ci_low = e.value - out.half_width * *e.std, e.ci_high = e.value + out.half_width * *e.std;
+    }
+    return e;
+  };
+  const auto u = ukemi::constants(out.sea);
+  out.identifiable = true;
+  for (int c = 0, g = 0; c < kConstants; ++c) {
+    const auto k = std::size_t(c);
+    if (!options.free[k]) {
+      out.parameters.push_back({.name = kConstantNames[k], .unit = kConstantUnits[k], .value = u[k], .std = {}, .free = false});
+      continue;
+    }
+    out.fitted.push_back(kConstantNames[k]);
+    out.parameters.push_back(estimate(g++));
+    const Estimate& e = out.parameters.back();
+    if (e.at_bound) {
+      out.warnings.push_back(fmt::format("{} ended at its bound {}: no standard error", e.name, shortest(e.value)));
+    } else if (!e.std) {
+      out.identifiable = false;
+      out.warnings.push_back(e.name + " is not determined by these trials");
+    } else if (out.half_width * *e.std > 0.5 * std::abs(e.value)) {
+      out.identifiable = false;
+      out.warnings.push_back(fmt::format("{} is not identifiable: the 95 % interval is {:.0f} % of its value either way", e.name,
+                                         100 * out.half_width * *e.std / std::abs(e.value)));
+    }
+  }
+  if (layout.friction) {
+    out.fitted.push_back("friction");
+    out.nuisance.push_back(estimate(G - 1));
+  }
+  for (int i = 0; i < G; ++i)
+    for (int j = 0; j < i; ++j)
+      if (std::abs(out.correlation(i, j)) > 0.95)
+        out.warnings.push_back(fmt::format("{} and {} correlate by {:.3f}: these trials hardly tell them apart",
+                                           out.fitted[std::size_t(j)], out.fitted[std::size_t(i)], out.correlation(i, j)));
+  for (int l = 0; l < layout.locals(); ++l)
+    for (int m = 0; m < int(problem.blocks.size()); ++m) {
+      const Parameter& p = problem.locals[std::size_t(l)];
+      Estimate e{.name = p.name, .unit = p.unit, .value = s.locals(m, l), .std = {}, .trial = m};
+      if (const double v = s.local_variance(m, l) * variance; v >= 0 && std::isfinite(v)) {
+        e.std = std::sqrt(v);
+        e.ci_low = e.value - out.half_width * *e.std, e.ci_high = e.value + out.half_width * *e.std;
+      }
+      out.nuisance.push_back(e);
+    }
+}
+
+}  // namespace
+
+Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<SeaParameters<double>>& start,
+        const SeaParameters<double>& base, const FitOptions& options) {
+  options.validate();
+  if (trials.empty()) throw InputError("no trials: at least one is needed");
+  const Layout layout(options);
+  if (layout.globals() == 0) throw InputError("nothing to fit: at least one free constant is needed");
+  Fit out;
+  warn_of_logs(trials, out.warnings);
+  std::vector<PreparedTrial> prepared;
+  for (const Trial& t : trials) prepared.emplace_back(t);
+  std::vector<double> weights(trials.size(), 1.0);
+  const RolloutOptions rollout_options{.accuracy = options.accuracy, .escape = options.escape};
+  const LeastSquaresOptions solver{.max_iterations = options.max_iterations, .huber = options.huber};
+  const Suggestion suggestion = suggest(rig, trials);
+
+  const auto problem_from = [&](const SeaParameters<double>& p) {
+    return make_problem(rig, prepared, weights, p, suggestion, layout, options, rollout_options);
+  };
+  // Candidates, best first, judged on a coarse rollout of up to three trials. What is not free stays as given.
+  const auto candidates = [&](std::uint64_t seed) {
+    const int kDraws = 240;
+    std::vector<SeaParameters<double>> drawn = draw_starts(suggestion, kDraws, seed);
+    if (start) {  // half of them about the given start instead
+      const auto about = draw_starts({*start, 10, 10}, kDraws / 2, seed + 1);
+      std::copy(about.begin(), about.end(), drawn.begin());
+    }
+    std::vector<PreparedTrial> few;
+    for (std::size_t m = 0; m < prepared.size() && few.size() < 3; m += std::max<std::size_t>(1, prepared.size() / 3))
+      few.push_back(prepared[m]);
+    const RolloutOptions coarse{.accuracy = 1e-4, .escape = options.escape, .max_steps = 5000};
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      auto u = ukemi::constants(drawn[i]);
+      const auto given = ukemi::constants(start.value_or(base));
+      for (std::size_t k = 0; k < kConstants; ++k)
+        u[k] = options.free[k] ? std::clamp(u[k], options.lower[k], options.upper[k]) : given[k];
+      drawn[i] = base;
+      set_constants(drawn[i], u);
+      const LeastSquaresProblem p =
+          make_problem(rig, few, std::vector<double>(few.size(), 1.0), drawn[i], suggestion, layout, options, coarse);
+      Eigen::VectorXd x(layout.globals());
+      for (int g = 0; g < layout.globals(); ++g) x[g] = p.globals[std::size_t(g)].start;
+      order.emplace_back(cost_at(p, solver, x), i);
+    }
+    std::sort(order.begin(), order.end());
+    // The best, each at least a factor of 3 in some constant away from those before it: no two from one basin if possible.
+    std::vector<SeaParameters<double>> chosen;
+    for (const auto& [cost, i] : order) {
+      const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const SeaParameters<double>& c) {
+        const auto a = ukemi::constants(c), b = ukemi::constants(drawn[i]);
+        double farthest = 0;
+        for (std::size_t k = 0; k < kConstants; ++k)
+          if (a[k] > 0 && b[k] > 0) farthest = std::max(farthest, std::abs(std::log(a[k] / b[k])));
+        return farthest < std::log(3.0);
+      });
+      if (std::isfinite(cost) && !near) chosen.push_back(drawn[i]);
+    }
+    return chosen;
+  };
+
+  // The logs' own noise decides whether a minimum is believed.
+  double noise2 = 0, measured = 0;
+  for (const Trial& t : trials) {
+    const double a = noise_level(t.phi), b = noise_level(t.phi_motor);
+    noise2 += double(t.phi.size()) * a * a + double(t.phi_motor.size()) * b * b;
+    measured += double(t.measurements());
+  }
+  if (measured == 0) throw InputError("no measured angle in any trial: phi is needed");
+  const auto believed = [&](const LeastSquaresSolution& s) {
+    return s.usable && s.converged && s.cost <= kFarAboveNoise * kFarAboveNoise * noise2;
+  };
+
+  LeastSquaresSolution best;
+  best.cost = FitOptions::kInfinity;
+  SeaParameters<double> best_from = base;
+  int times_found = 0;
+  const auto attempt = [&](const SeaParameters<double>& from) {
+    const LeastSquaresProblem problem = problem_from(from);
+    LeastSquaresSolution s = solve(problem, solver);
+    ++out.starts;
+    if (s.usable && s.cost < best.cost * (1 - 1e-6)) times_found = 0;
+    if (s.usable && s.cost < best.cost * (1 + 1e-6)) ++times_found;
+    if (s.usable && (s.cost < best.cost || !best.usable)) best = std::move(s), best_from = from;
+    else if (best.message.empty()) best.message = s.message;
+  };
+  if (start) {
+    for (int c = 0; c < kConstants; ++c)
+      if (options.free[std::size_t(c)] && ukemi::constants(*start)[std::size_t(c)] <= 0)
+        out.warnings.push_back(fmt::format("{} started at 0: moved off it", kConstantNames[std::size_t(c)]));
+    SeaParameters<double> from = base;
+    set_constants(from, ukemi::constants(*start));
+    attempt(from);
+  }
+  if (!believed(best)) {
+    const auto list = candidates(options.seed);
+    constexpr int kSame = 4;  // the best minimum found so often is taken for the global one
+    for (int i = 0; i < options.restarts && i < int(list.size()) && !believed(best) && times_found < kSame; ++i)
+      attempt(list[std::size_t(i)]);
+  }
+  if (!best.usable) {
+    out.sea = start.value_or(base);
+    out.message = "no start could be followed through the trials: " + (best.message.empty() ? "every rollout escapes or diverges"
+                                                                                            : best.message);
+    for (const PreparedTrial& t : prepared) out.trials.push_back(replay(rig, t, out.sea, {}, rollout_options));
+    for (int c = 0; c < kConstants; ++c)
+      out.parameters.push_back({.name = kConstantNames[std::size_t(c)], .unit = kConstantUnits[std::size_t(c)],
+                                .value = ukemi::constants(out.sea)[std::size_t(c)], .std = {}, .free = options.free[std::size_t(c)]});
+    return out;
+  }
+
+  const auto unpack = [&] {
+    out.sea = best_from;
+    out.trials.clear();
+    for (std::size_t m = 0; m < prepared.size(); ++m) {
+      InitialState<double> initial;
+      const Eigen::VectorXd local = best.locals.row(long(m));
+      layout.apply<double>(best.globals.data(), local.data(), out.sea, initial, [](double v, int) { return v; });
+      out.trials.push_back(replay(rig, prepared[m], out.sea, initial, rollout_options));
+    }
+  };
+  unpack();
+  if (options.weights == FitOptions::Weights::kTrial) {
+    const double all = pooled(out.trials, trials, &TrialResult::rms);
+    for (std::size_t m = 0; m < trials.size(); ++m) weights[m] = out.trials[m].rms > 0 ? all / out.trials[m].rms : 1;
+    best.cost = FitOptions::kInfinity;
+    attempt(out.sea);
+    unpack();
+  }
+  out.cost = best.cost;
+  out.rms = pooled(out.trials, trials, &TrialResult::rms);
+  out.converged = best.converged;
+  out.iterations = best.iterations;
+  if (!best.converged) out.message = best.message;
+  report(best, problem_from(best_from), layout, options, out);
+  const double noise = std::sqrt(noise2 / measured);
+  if (noise > 0 && out.rms > kFarAboveNoise * noise)
+    out.warnings.push_back(fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad after {} starts: the model "
+                                       "lacks something, or no start found the minimum",
+                                       out.rms, out.rms / noise, noise, out.starts));
+  return out;
+}
+
+Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea, const FitOptions& options) {
+  options.validate();
+  Fit out;
+  warn_of_logs(trials, out.warnings);
+  out.sea = sea;
+  out.converged = out.identifiable = true;
+  const RolloutOptions rollout_options{.accuracy = options.accuracy, .escape = options.escape};
+  for (const Trial& t : trials) {
+    const PreparedTrial prepared(t);
+    out.trials.push_back(replay(rig, prepared, sea, {}, rollout_options));
+    const TrialResult& r = out.trials.back();
+    if (r.status != RolloutStatus::kDone) {
+      out.converged = false;
+      out.message = t.file + ": " + name(r.status);
+    }
+    out.cost += r.rms * r.rms * double(t.measurements());
+  }
+  out.rms = pooled(out.trials, trials, &TrialResult::rms);
+  const auto u = constants(sea);
+  for (int c = 0; c < kConstants; ++c)
+    out.parameters.push_back({.name = kConstantNames[std::size_t(c)], .unit = kConstantUnits[std::size_t(c)], .value = u[std::size_t(c)],
+                              .std = {}, .free = false});
+  return out;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,94 @@
+// Identification (Sec. 3 of [1]): the constants that make the rollouts of all trials meet the logs,
+//
+//     min E(U) = sum_m sum_n (phi_exp[m](n) - phi_sim[m](n))^2,   U = [K_p K_d K_SEA C_SEA I_motor] >= 0,
+//
+// with standard errors from the Fisher information scaled by the residual variance.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/actuator.hpp"
+#include "identify/rollout.hpp"
+
+namespace ukemi::identify {
+
+/// Terms that may be fitted along with the constants.
+struct NuisanceTerms {
+  enum class Term { kAbsent, kFitted };
+  Term friction = Term::kAbsent;       ///< Coulomb torque on the motor, one for all trials [Nm], >= 0
+  Term initial_angle = Term::kAbsent;  ///< a trial each [rad]
+  Term initial_rate = Term::kAbsent;   ///< a trial each [rad/s]
+};
+
+struct FitOptions {
+  std::array<bool, kConstants> free{true, true, true, true, true};  ///< the others stay at the start
+  std::array<double, kConstants> lower{};                           ///< >= 0
+  std::array<double, kConstants> upper{kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
+  NuisanceTerms nuisance;
+  double huber = 0;  ///< Huber's delta on each sample's residual [rad]; 0: squares
+  enum class Weights { kEqual, kTrial } weights = Weights::kEqual;  ///< kTrial: 1 / each trial's own residual variance
+  double accuracy = 1e-9;                                           ///< relative tolerance of the rollout
+  double escape = kEscape;                                          ///< [rad]; infinite for multi-turn trials
+  int restarts = 8;          ///< further starts where the residual stays far above the noise
+  std::uint64_t seed = 1;    ///< of the drawn starts
+  int max_iterations = 200;  ///< of the solver, each start
+  void validate() const;     ///< throws InputError
+
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+};
+
+/// A residual this many times the logs' own noise is far above it: the minimum may be a bad one, or the model wrong.
+inline constexpr double kFarAboveNoise = 1.5;
+
+struct Estimate {
+  std::string name, unit;
+  double value = 0;
+  std::optional<double> std;  ///< standard error; absent where it cannot be estimated (fixed, at a bound, undetermined)
+  double ci_low = 0, ci_high = 0;  ///< 95 %, with `std`
+  bool at_bound = false, free = true;
+  int trial = -1;  ///< of a nuisance term that each trial has; -1: one for all
+};
+
+struct TrialResult {
+  std::string file;
+  std::size_t samples = 0;
+  double rms = 0;                  ///< over phi and, where measured, phi_motor [rad]
+  double noise = 0;                ///< the log's own noise [rad]
+  std::vector<double> phi, phi_m;  ///< predicted; empty where the rollout failed
+  RolloutStatus status = RolloutStatus::kDone;
+  InitialState<double> initial;
+};
+
+struct Fit {
+  SeaParameters<double> sea;             ///< the result, tau_max and feedback included
+  std::vector<Estimate> parameters;      ///< the five constants, in order
+  std::vector<Estimate> nuisance;
+  std::vector<std::string> fitted;       ///< order of `covariance`: free constants, then friction
+  Eigen::MatrixXd covariance;            ///< NaN where not determined
+  Eigen::MatrixXd correlation;
+  Eigen::VectorXd eigenvalues;           ///< of the scaled information, ascending, largest 1
+  double half_width = 1.96;              ///< 95 % interval in standard errors (Student's t)
+  double rms = 0;                        ///< unweighted, over every measured output [rad]
+  double cost = 0;                       ///< E(U) [rad^2]; weighted or robust where asked for
+  bool converged = false, identifiable = false;
+  int iterations = 0;                    ///< of the start that won
+  int starts = 0;                        ///< how many were run
+  std::vector<std::string> warnings;
+  std::vector<TrialResult> trials;
+  std::string message;                   ///< why it did not converge
+};
+
+/// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max, feedback,
+/// stiffening, friction. A start at 0 is moved off it. Never throws on numbers: see Fit::converged.
+[[nodiscard]] Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<SeaParameters<double>>& start,
+                      const SeaParameters<double>& base, const FitOptions& options = {});
+
+/// The rig's motion for given constants against the logs, nothing fitted. rms is 0 where nothing is measured.
+[[nodiscard]] Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
+                          const FitOptions& options = {});
+
+}  // namespace ukemi::identify

@@ -1,0 +1,231 @@
+#include "identify/least_squares.hpp"
+
+#include <ceres/ceres.h>
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+namespace ukemi::identify {
+
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// r -> sign(r) sqrt(rho(r^2)) with Huber's rho, so that the sum of squares is the robust cost; scales the Jacobian's row.
+void robustify(double delta, int n, double* r, double* j_global, int globals, double* j_local, int locals) {
+  for (int i = 0; i < n; ++i) {
+    const double a = std::abs(r[i]);
+    if (a <= delta) continue;
+    const double robust = std::sqrt(2 * delta * a - delta * delta), slope = delta / robust;  // d robust / d a
+    r[i] = std::copysign(robust, r[i]);
+    for (int c = 0; j_global && c < globals; ++c) j_global[i * globals + c] *= slope;
+    for (int c = 0; j_local && c < locals; ++c) j_local[i * locals + c] *= slope;
+  }
+}
+
+/// A block in scaled parameters.
+class BlockCost final : public ceres::CostFunction {
+ public:
+  BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, double huber)
+      : problem_(problem), block_(block), huber_(huber) {
+    set_num_residuals(block.size);
+    mutable_parameter_block_sizes()->push_back(int(problem.globals.size()));
+    if (!problem.locals.empty()) mutable_parameter_block_sizes()->push_back(int(problem.locals.size()));
+  }
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const int globals = int(problem_.globals.size()), locals = int(problem_.locals.size());
+    std::vector<double> g(problem_.globals.size()), l(problem_.locals.size());
+    for (int i = 0; i < globals; ++i) g[std::size_t(i)] = x[0][i] * problem_.globals[std::size_t(i)].scale;
+    for (int i = 0; i < locals; ++i) l[std::size_t(i)] = x[1][i] * problem_.locals[std::size_t(i)].scale;
+    double *j_global = jacobians ? jacobians[0] : nullptr, *j_local = jacobians && locals ? jacobians[1] : nullptr;
+    if (!block_.evaluate(g.data(), l.data(), residuals, j_global, j_local)) return false;
+    for (int r = 0; r < block_.size; ++r) {
+      if (!std::isfinite(residuals[r])) return false;
+      for (int c = 0; j_global && c < globals; ++c) j_global[r * globals + c] *= problem_.globals[std::size_t(c)].scale;
+      for (int c = 0; j_local && c < locals; ++c) j_local[r * locals + c] *= problem_.locals[std::size_t(c)].scale;
+    }
+    if (huber_ > 0) robustify(huber_, block_.size, residuals, j_global, globals, j_local, locals);
+    return true;
+  }
+
+ private:
+  const LeastSquaresProblem& problem_;
+  const ResidualBlock& block_;
+  double huber_;
+};
+
+std::vector<double> scaled_start(const std::vector<Parameter>& list) {
+  std::vector<double> x;
+  for (const Parameter& p : list) x.push_back(std::clamp(p.start, p.lower, p.upper) / p.scale);
+  return x;
+}
+
+void set_bounds(ceres::Problem& problem, double* x, const std::vector<Parameter>& list) {
+  for (int i = 0; i < int(list.size()); ++i) {
+    const Parameter& p = list[std::size_t(i)];
+    if (std::isfinite(p.lower)) problem.SetParameterLowerBound(x, i, p.lower / p.scale);
+    if (std::isfinite(p.upper)) problem.SetParameterUpperBound(x, i, p.upper / p.scale);
+  }
+}
+
+/// Information of the globals with the locals eliminated block by block (Schur complement), and from it the covariances.
+void covariances(const LeastSquaresProblem& problem, const LeastSquaresOptions& options, const std::vector<double>& x,
+                 std::vector<std::vector<double>>& locals, LeastSquaresSolution& out) {
+  const int G = int(problem.globals.size()), L = int(problem.locals.size()), B = int(problem.blocks.size());
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(G, G);
+  std::vector<Eigen::MatrixXd> cross, inverse;
+  for (int b = 0; b < B; ++b) {
+    const ResidualBlock& block = problem.blocks[std::size_t(b)];
+    RowMajor jg(block.size, G), jl(block.size, L);
+    std::vector<double> r(std::size_t(block.size));
+    const BlockCost cost(problem, block, options.huber);
+    const double* parameters[2] = {x.data(), L ? locals[std::size_t(b)].data() : nullptr};
+    double* jacobians[2] = {jg.data(), jl.data()};
+    if (!cost.Evaluate(parameters, r.data(), jacobians)) return;
+    information += jg.transpose() * jg;
+    if (L == 0) continue;
+    const Eigen::MatrixXd c = jl.transpose() * jl, x_cross = jg.transpose() * jl;
+    inverse.push_back(c.completeOrthogonalDecomposition().pseudoInverse());
+    cross.push_back(x_cross);
+    information -= x_cross * inverse.back() * x_cross.transpose();
+  }
+  std::vector<int> free;
+  for (int i = 0; i < G; ++i)
+    if (!out.at_bound[std::size_t(i)]) free.push_back(i);
+  const int F = int(free.size());
+  out.free_parameters = F + long(B) * L;
+  out.global_covariance.setConstant(G, G, kNaN);
+  out.local_variance.setConstant(B, L, kNaN);
+  if (F == 0) return;
+  // Unit diagonal first: eigenvalues then speak of directions, not of units.
+  Eigen::VectorXd d(F);
+  Eigen::MatrixXd m(F, F);
+  for (int i = 0; i < F; ++i) d[i] = std::sqrt(std::max(information(free[std::size_t(i)], free[std::size_t(i)]), 0.0));
+  for (int i = 0; i < F; ++i)
+    for (int j = 0; j < F; ++j) {
+      const double scale = d[i] * d[j];
+      m(i, j) = scale > 0 ? information(free[std::size_t(i)], free[std::size_t(j)]) / scale : (i == j ? 0.0 : 0.0);
+    }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
+  const double largest = eigen.eigenvalues()[F - 1];
+  out.eigenvalues = largest > 0 ? Eigen::VectorXd(eigen.eigenvalues() / largest) : Eigen::VectorXd::Zero(F);
+  constexpr double kSingular = 1e-13;  // below the rounding of J'J nothing is determined
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(F, F);
+  std::vector<bool> determined(std::size_t(F), true);
+  for (int e = 0; e < F; ++e) {
+    const auto v = eigen.eigenvectors().col(e);
+    if (out.eigenvalues[e] > kSingular) {
+      covariance += v * v.transpose() / eigen.eigenvalues()[e];
+    } else {
+      for (int i = 0; i < F; ++i)
+        if (v[i] * v[i] > 1e-6) determined[std::size_t(i)] = false;
+    }
+  }
+  for (int i = 0; i < F; ++i)
+    for (int j = 0; j < F; ++j)
+      if (determined[std::size_t(i)] && determined[std::size_t(j)])
+        out.global_covariance(free[std::size_t(i)], free[std::size_t(j)]) =
+            covariance(i, j) / (d[i] * d[j]) * problem.globals[std::size_t(free[std::size_t(i)])].scale *
+            problem.globals[std::size_t(free[std::size_t(j)])].scale;
+  for (int b = 0; b < B && L > 0; ++b) {
+    Eigen::MatrixXd of_free(F, L);
+    for (int i = 0; i < F; ++i) of_free.row(i) = cross[std::size_t(b)].row(free[std::size_t(i)]) / (d[i] > 0 ? d[i] : 1);
+    const Eigen::MatrixXd variance =
+        inverse[std::size_t(b)] +
+        inverse[std::size_t(b)] * of_free.transpose() * covariance * of_free * inverse[std::size_t(b)].transpose();
+    for (int l = 0; l < L; ++l) {
+      const double scale = problem.locals[std::size_t(l)].scale;
+      out.local_variance(b, l) = variance(l, l) > 0 ? variance(l, l) * scale * scale : kNaN;
+    }
+  }
+}
+
+void quiet_glog() {
+  static std::once_flag once;
+  std::call_once(once, [] { FLAGS_minloglevel = 3; });
+}
+
+}  // namespace
+
+LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquaresOptions& options) {
+  quiet_glog();
+  LeastSquaresSolution out;
+  std::vector<double> x = scaled_start(problem.globals);
+  std::vector<std::vector<double>> locals(problem.blocks.size(), scaled_start(problem.locals));
+
+  ceres::Problem ceres_problem;
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
+    std::vector<double*> blocks{x.data()};
+    if (!problem.locals.empty()) blocks.push_back(locals[b].data());
+    ceres_problem.AddResidualBlock(new BlockCost(problem, problem.blocks[b], options.huber), nullptr, blocks);
+    out.residuals += problem.blocks[b].size;
+  }
+  set_bounds(ceres_problem, x.data(), problem.globals);
+  if (!problem.locals.empty())
+    for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
+
+  ceres::Solver::Options o;
+  o.linear_solver_type = ceres::DENSE_QR;
+  o.max_num_iterations = options.max_iterations;
+  o.function_tolerance = 1e-14;
+  o.parameter_tolerance = 1e-11;
+  o.gradient_tolerance = 1e-15;
+  o.max_num_consecutive_invalid_steps = 30;
+  o.initial_trust_region_radius = 100;  // the scaled start is 1: a first step of its own size
+  o.logging_type = ceres::SILENT;
+  o.num_threads = 1;  // the sum over blocks must not depend on the number of threads
+  ceres::Solver::Summary summary;
+  ceres::Solve(o, &ceres_problem, &summary);
+
+  out.usable = summary.IsSolutionUsable();
+  out.converged = summary.termination_type == ceres::CONVERGENCE;
+  out.iterations = int(summary.iterations.size()) - 1;
+  out.message = summary.message;
+  out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
+  const int G = int(problem.globals.size());
+  out.globals.resize(G);
+  for (int i = 0; i < G; ++i) {
+    const Parameter& p = problem.globals[std::size_t(i)];
+    out.globals[i] = x[std::size_t(i)] * p.scale;
+    const bool low = x[std::size_t(i)] <= p.lower / p.scale, high = x[std::size_t(i)] >= p.upper / p.scale;
+    if (low) out.globals[i] = p.lower;
+    if (high) out.globals[i] = p.upper;
+    out.at_bound.push_back(low || high);
+  }
+  out.locals.resize(long(problem.blocks.size()), long(problem.locals.size()));
+  for (std::size_t b = 0; b < locals.size(); ++b)
+    for (std::size_t l = 0; l < problem.locals.size(); ++l) out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
+  if (out.usable) covariances(problem, options, x, locals, out);
+  return out;
+}
+
+double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& options, const Eigen::VectorXd& globals) {
+  std::vector<double> local(problem.locals.size());
+  for (std::size_t i = 0; i < local.size(); ++i) local[i] = problem.locals[i].start;
+  double sum = 0;
+  for (const ResidualBlock& block : problem.blocks) {
+    std::vector<double> r(std::size_t(block.size));
+    if (!block.evaluate(globals.data(), local.data(), r.data(), nullptr, nullptr)) return std::numeric_limits<double>::infinity();
+    if (options.huber > 0) robustify(options.huber, block.size, r.data(), nullptr, 0, nullptr, 0);
+    for (const double v : r) sum += v * v;
+  }
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+double t_quantile_975(long dof) {
+  // Cornish-Fisher expansion of Student's t about the normal quantile; exact enough (1e-3) from 3 degrees of freedom on.
+  constexpr double z = 1.959963984540054;
+  if (dof < 3) return dof == 2 ? 4.302652729911275 : 12.706204736432095;
+  const double n = double(dof), z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) +
+         (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
+}
+
+}  // namespace ukemi::identify

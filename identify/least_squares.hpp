@@ -1,0 +1,66 @@
+// Bounded nonlinear least squares over any rollout: predicted minus measured, exact derivatives, rejected steps, covariance.
+//
+// Parameters are global (shared by every block) or local (a block's own copy of the same list). They are scaled, never
+// logged, so that a bound at 0 can be reached. Ceres (trust region, Levenberg-Marquardt) is private to the .cpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace ukemi::identify {
+
+struct Parameter {
+  std::string name, unit;
+  double start;
+  double lower, upper;  ///< may be infinite
+  double scale;         ///< typical size, > 0: the solver sees value / scale
+};
+
+/// One block of residuals. `evaluate` fills residuals [size] and, where the pointers are set, the row-major Jacobians
+/// [size x globals] and [size x locals]; it returns false where the model cannot be evaluated (a rejected step).
+struct ResidualBlock {
+  int size = 0;
+  std::function<bool(const double* global, const double* local, double* residuals, double* j_global, double* j_local)> evaluate;
+};
+
+struct LeastSquaresProblem {
+  std::vector<Parameter> globals;
+  std::vector<Parameter> locals;  ///< each block has its own copy
+  std::vector<ResidualBlock> blocks;
+};
+
+struct LeastSquaresOptions {
+  int max_iterations = 200;
+  double huber = 0;  ///< Huber's delta on each residual; 0: plain squares
+};
+
+struct LeastSquaresSolution {
+  Eigen::VectorXd globals;  ///< in the parameters' own units
+  Eigen::MatrixXd locals;   ///< blocks x locals
+  double cost = 0;          ///< sum of squares (robustified where huber > 0), not half of it
+  bool usable = false;      ///< the start could be evaluated and no iterate was lost
+  bool converged = false;
+  int iterations = 0;
+  std::string message;                ///< the solver's reason
+  std::vector<bool> at_bound;         ///< of the globals
+  long residuals = 0;                 ///< n
+  /// Inverse of the Fisher information for unit residual variance, over the globals; rows and columns at a bound, and of what
+  /// the data do not determine, are NaN. Multiply by the residual variance.
+  Eigen::MatrixXd global_covariance;
+  Eigen::MatrixXd local_variance;     ///< blocks x locals, the same for each local
+  Eigen::VectorXd eigenvalues;        ///< of the scaled information of the free globals, ascending, largest = 1
+  long free_parameters = 0;           ///< p
+};
+
+/// Minimises the sum of squares within the bounds. A start outside is moved inside.
+LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquaresOptions& options);
+
+/// The sum of squares at a point; infinite where a block cannot be evaluated.
+double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& options, const Eigen::VectorXd& globals);
+
+/// t quantile at 97.5 % for n - p degrees of freedom: the half width of a 95 % interval in standard errors.
+double t_quantile_975(long degrees_of_freedom);
+
+}  // namespace ukemi::identify

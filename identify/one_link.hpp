@@ -1,0 +1,74 @@
+// The rig as a hybrid system: Eq. 5 with the actuator of Eq. 2-4. No floor, no gravity: nothing of them is in this kernel.
+#pragma once
+
+#include "common/integrate/hybrid.hpp"
+#include "common/sea.hpp"
+
+namespace ukemi::identify {
+
+/// Force and reference on one stretch of a trial, linear in time from `t`.
+struct Excitation {
+  double t = 0;                            ///< start [s]
+  double force = 0, force_rate = 0;        ///< F_e [N], [N/s]
+  double phi_ref = 0, phi_ref_rate = 0;    ///< [rad], [rad/s]
+  double dphi_ref = 0, dphi_ref_rate = 0;  ///< what Eq. 3 sees as the reference's rate [rad/s], [rad/s^2]
+};
+
+/// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t), Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
+/// Test: test/unit/one_link.cpp against the closed-form linear response.
+template <SeaTerms kTerms, Scalar T>
+class OneLinkSystem {
+ public:
+  enum { kPhi, kPhiM, kOmega, kOmegaM, kStates };
+  static constexpr int kControlled = kStates, kGuards = 2, kTorqueUpper = 0, kTorqueLower = 1;
+  using State = Eigen::Matrix<T, kStates, 1>;
+
+  OneLinkSystem(const SeaParameters<T>& actuator, double length, double inertia)
+      : sea(actuator), length_(length), inverse_inertia_(1 / inertia) {
+    if (kTerms.torque_limit && value_of(sea.tau_max) == 0) saturation = 1;
+  }
+
+  SeaParameters<T> sea;
+  Excitation input;
+  int saturation = 0;
+
+  static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
+
+  State derivative(double t, const State& y) const {
+    using std::cos;
+    const double u = t - input.t, force = input.force + input.force_rate * u;
+    const SeaState<T> s = sea_state(y);
+    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), saturation);
+    const Reference<T> ref{T(input.phi_ref + input.phi_ref_rate * u), T(input.dphi_ref + input.dphi_ref_rate * u)};
+    State dy;
+    dy[kPhi] = y[kOmega];
+    dy[kPhiM] = y[kOmegaM];
+    dy[kOmega] = (force != 0 ? tau + (length_ * force) * cos(y[kPhi]) : tau) * inverse_inertia_;
+    dy[kOmegaM] = motor_acceleration<kTerms>(sea, s, ref, tau);
+    return dy;
+  }
+
+  void guards(double, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+    out = {};
+    if constexpr (kTerms.torque_limit) {
+      if (value_of(sea.tau_max) == 0) return;
+      const SeaState<double> s{value_of(y[kPhi]), value_of(y[kPhiM]), value_of(y[kOmega]), value_of(y[kOmegaM])};
+      const SeaParameters<double> p{0, 0, value_of(sea.k_sea), value_of(sea.c_sea), 1, value_of(sea.tau_max),
+                                    0, value_of(sea.k_sea_cubic)};
+      const double tau = spring_torque<kTerms>(p, s), limit = p.tau_max,
+                   rate = spring_torque_rate<kTerms>(p, s, value_of(dy[kOmega]), value_of(dy[kOmegaM]));
+      if (saturation >= 0) out.set(kTorqueUpper, saturation ? tau - limit : limit - tau, saturation ? rate : -rate);
+      if (saturation <= 0) out.set(kTorqueLower, saturation ? -limit - tau : limit + tau, saturation ? -rate : rate);
+    }
+  }
+
+  void cross(int guard) { saturation = saturation ? 0 : (guard == kTorqueUpper ? 1 : -1); }
+
+  /// 0.1 rad, and that at 10 1/s.
+  double tolerance_unit(int i) const { return i < kOmega ? 0.1 : 1.0; }
+
+ private:
+  double length_, inverse_inertia_;
+};
+
+}  // namespace ukemi::identify

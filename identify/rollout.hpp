@@ -1,0 +1,60 @@
+// From constants to predicted angles: one trial on the rig, for double or ceres::Jet.
+#pragma once
+
+#include <ceres/jet.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "identify/one_link.hpp"
+#include "identify/rig.hpp"
+#include "identify/trial.hpp"
+
+namespace ukemi::identify {
+
+/// A trial cut where its inputs bend: between cuts force and reference are linear in time.
+struct PreparedTrial {
+  explicit PreparedTrial(const Trial& trial);
+
+  struct Stretch {
+    Excitation input;
+    double t_end;                    ///< [s]
+    std::size_t first, last;         ///< samples first < i <= last lie in it
+    bool jumps;                      ///< the reference jumps where it starts
+  };
+  const Trial* trial;
+  std::vector<Stretch> stretches;
+  double phi_start;  ///< phi_ref at the first sample, else 0 [rad]
+};
+
+/// How a rollout starts: at rest at the reference, but for these (a nuisance of the fit each).
+template <class T>
+struct InitialState {
+  T angle{0};  ///< moves phi_1 and phi_m together: the spring starts relaxed [rad]
+  T rate{0};   ///< dphi_1 [rad/s]
+};
+
+/// Beyond this |phi_1| from the start the trial has escaped (turns past any useful angle) [rad].
+inline constexpr double kEscape = 3.14159265358979;
+
+enum class RolloutStatus { kDone, kEscaped, kDiverged };
+const char* name(RolloutStatus status);
+
+struct RolloutOptions {
+  double accuracy = 1e-9;   ///< relative tolerance of each step
+  double escape = kEscape;  ///< infinite for multi-turn trials [rad]
+  long max_steps = 10'000;  ///< beyond it the constants are too stiff to follow: diverged
+};
+
+/// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives pass
+/// through its events without a jump). On kEscaped or kDiverged the outputs are not complete.
+template <class T>
+[[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
+                                    const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
+                                    std::vector<T>& phi_m);
+
+/// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole registers.
+inline constexpr int kSmallJet = 6, kLargeJet = 8;
+
+}  // namespace ukemi::identify

@@ -1,0 +1,44 @@
+// One logged trial in SI units, with the checks that a log must pass.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ukemi::identify {
+
+/// A log. Every column has as many samples as `t`, or none where the log lacks it.
+struct Trial {
+  std::string file;
+  std::vector<double> t;          ///< [s], increasing
+  std::vector<double> phi;        ///< measured output angle [rad]
+  std::vector<double> force;      ///< at the link's tip, along +y [N]; linear between samples
+  std::vector<double> phi_ref;    ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
+  std::vector<double> dphi_ref;   ///< [rad/s]; linear between samples
+  std::vector<double> phi_motor;  ///< measured motor angle at the gear's output side [rad]
+
+  std::size_t samples() const { return t.size(); }
+  /// Measured outputs that a fit compares: phi, then phi_motor.
+  std::size_t measurements() const { return phi.size() + phi_motor.size(); }
+};
+
+/// How a file's columns become a Trial.
+struct TrialOptions {
+  std::string columns;             ///< "t=Time,phi=-defl_deg,...": name here = name there; a leading minus flips the sign
+  bool require_phi = true;         ///< prediction can do without
+  enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;  ///< kOneTurn refuses |angle| > 2 pi
+  double gear_ratio = 1;           ///< divides phi_motor
+};
+
+/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor; suffixes _ms and _deg convert.
+/// Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name given), fewer than
+/// two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2 pi unless multi-turn.
+Trial read_trial(const std::string& path, const TrialOptions& options = {});
+
+/// Fewest samples of any pulse of the force (a run above 5 % of the largest |force|); 0 without force.
+int shortest_pulse(const Trial& trial);
+
+/// Standard deviation of the measurement noise of a column, from the median of its fourth differences [same unit]; the signal
+/// must be slow against the sampling. A log that mostly stands still is taken as quantised: its smallest step / sqrt(12).
+double noise_level(const std::vector<double>& column);
+
+}  // namespace ukemi::identify

@@ -1,0 +1,30 @@
+// The landing motion of Sec. 4: the knee reference moves from phi_I to phi_F in `duration` after the first touchdown.
+#pragma once
+
+#include "common/sea.hpp"
+
+namespace ukemi::landing {
+
+/// x = [phi_I phi_F t] of Eq. 6. A motion with phi_i = phi_f holds its reference.
+struct Motion {
+  double phi_i;     ///< phi_I, reference until the first touchdown [rad]
+  double phi_f;     ///< phi_F, reference after the motion [rad]
+  double duration;  ///< t, from phi_I to phi_F [s], > 0
+};
+
+/// The quintic with zero velocity and acceleration at both ends:
+/// phi_ref = phi_I + (phi_F - phi_I) (10 s^3 - 15 s^4 + 6 s^5), s = time / duration in [0, 1]. Fig. 5 (b) of [1].
+template <class T>
+Reference<T> quintic(const T& phi_i, const T& phi_f, const T& duration, const T& time) {
+  const T s = time / duration, range = phi_f - phi_i, rest = T(1) - s;
+  return {phi_i + range * (s * s * s * (T(10) + s * (T(-15) + T(6) * s))),
+          range * (T(30) * s * s * rest * rest) / duration};
+}
+
+/// Largest |dphi_ref| of a motion, at its middle: 15/8 |phi_F - phi_I| / t [rad/s].
+inline double peak_reference_rate(const Motion& m) {
+  const double range = m.phi_f > m.phi_i ? m.phi_f - m.phi_i : m.phi_i - m.phi_f;
+  return range == 0 ? 0 : 1.875 * range / m.duration;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,28 @@
+// What a motion is worth when it is played inexactly.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "landing/simulate.hpp"
+
+namespace ukemi::landing {
+
+/// Worst peaks within the scene's execution tolerance around a motion x.
+struct TolerantPeak {
+  double peak = 0;     ///< f(x) [m/s^2]
+  double value = 0;    ///< the largest f over x, six face centres and eight corners of the box x + (i da, j da, k dt)
+  Motion worst{};      ///< where
+  double sampled = 0;  ///< the largest f on random points inside the box; may exceed `value`
+  int samples = 0;
+  bool failed = false;  ///< some landing in the box could not be followed
+};
+
+/// The motions of the tolerant peak: x, six face centres, eight corners. Its box may leave the search range.
+std::vector<Motion> execution_box(const Motion& motion, const ExecutionTolerance& tolerance);
+
+/// Evaluates them, and `samples` random points inside for the check, on `threads` threads.
+[[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                                         const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
+
+}  // namespace ukemi::landing

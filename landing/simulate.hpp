@@ -1,0 +1,91 @@
+// One landing: released, in flight, through its contacts, to rest.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/integrate/hybrid.hpp"
+#include "landing/motion.hpp"
+#include "landing/scene.hpp"
+
+namespace ukemi::landing {
+
+/// Why a run ended.
+enum class End {
+  kRest,       ///< at rest (landing/rest.hpp): no later peak can exceed the running one
+  kTimeLimit,  ///< at t_end
+  kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
+  kFailed,     ///< the numbers did not work out; `status` says why, the result so far is kept
+};
+const char* name(End end);
+
+struct SimulateOptions {
+  double accuracy = 1e-9;  ///< relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why
+  double abandon_above = std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2]
+  long max_steps = 200'000;                                        ///< steps and events before a run is given up
+  enum class Rest { kStop, kIgnore } rest = Rest::kStop;           ///< kIgnore: follow to t_end whatever happens
+  void validate() const;                                           ///< throws InputError
+};
+
+/// What a search needs of a landing. Nothing in it allocates.
+struct LandingPeak {
+  double peak = 0;    ///< f(x) of Eq. 6: max over time of |ddr_0| [m/s^2]
+  double t_peak = 0;  ///< when, from release [s]
+  double t_end = 0;   ///< how long the run was followed, from release [s]
+  End end = End::kFailed;
+  integrate::Status status = integrate::Status::kStepped;  ///< with kFailed
+  integrate::Counters work;
+};
+
+/// A point meets the floor and leaves it.
+struct Touch {
+  Point point;
+  double t_touchdown;      ///< from release [s]
+  double t_liftoff;        ///< when it rises through y = 0 again [s]; NaN if it never does
+  double peak_force = 0;   ///< largest |F_j| of this contact [N]
+  double peak_acc = 0;     ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
+};
+
+/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Touchdowns of a point within
+/// kChatter of its last lift-off do not open an interval.
+struct Peak {
+  double t;             ///< [s]
+  double acceleration;  ///< [m/s^2]
+  int point;            ///< Point that opened the interval; -1: before the first touchdown
+};
+inline constexpr double kChatter = 0.01;
+
+/// One row of a trajectory, SI units; phi_0, phi_1 as in [1], r_0 the thigh's centre of mass.
+struct Sample {
+  double t, x0, y0, phi0, phi1, phi_m, dx0, dy0, dphi0, dphi1, dphi_m, ddx0, ddy0, acc, tau_sea, phi_ref;
+  std::array<Vec2<double>, kPoints> force;
+};
+
+/// Largest values that an actuator must stand, over the whole run.
+struct Demands {
+  double motor_speed = 0;       ///< max |dphi_m| [rad/s]
+  double motor_torque = 0;      ///< max |tau_mot| [Nm]
+  double sea_torque = 0;        ///< max |tau_SEA| [Nm]
+  double phi_min = 0, phi_max = 0;  ///< range of the joint phi_1 [rad]
+};
+
+/// A landing with everything that a report needs.
+struct Landing : LandingPeak {
+  std::vector<Touch> touches;
+  std::vector<Peak> peaks;
+  std::vector<Sample> trajectory;  ///< empty unless a rate was given
+  Demands demands;
+  double energy_residual = 0;  ///< mismatch of the energy check over the energy turned over
+};
+
+/// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are taken
+/// at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
+[[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                                            const SimulateOptions& options = {});
+
+/// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every 1/rate s
+/// from release and two at each event, its left and right limits.
+[[nodiscard]] Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                               const SimulateOptions& options = {}, double rate = 0);
+
+}  // namespace ukemi::landing

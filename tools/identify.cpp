@@ -1,0 +1,316 @@
+// ukemi identify, ukemi predict.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <sstream>
+
+#include "common/error.hpp"
+#include "identify/rig.hpp"
+#include "tools/report.hpp"
+#include "tools/verbs.hpp"
+
+namespace ukemi::tools {
+
+namespace {
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> out;
+  std::stringstream s(list);
+  for (std::string item; std::getline(s, item, ',');) out.push_back(item);
+  return out;
+}
+
+std::size_t constant_index(const std::string& option, const std::string& name) {
+  const std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (known[i] == name) return i;
+  throw InputError(option + ": " + quoted(name) + ": one of k_p, k_d, k_sea, c_sea, i_motor is needed" + hint(name, known));
+}
+
+double to_number(const std::string& option, const std::string& text) {
+  try {
+    std::size_t end = 0;
+    const double v = std::stod(text, &end);
+    if (end == text.size() && std::isfinite(v)) return v;
+  } catch (const std::exception&) {
+  }
+  throw InputError(option + ": " + quoted(text) + ": a finite number is needed");
+}
+
+void parse_bounds(const std::string& option, const std::string& list, std::array<double, kConstants>& bounds) {
+  for (const std::string& item : split(list)) {
+    const std::size_t equals = item.find('=');
+    if (equals == std::string::npos) throw InputError(option + ": " + quoted(item) + ": NAME=VALUE is needed");
+    bounds[constant_index(option, item.substr(0, equals))] = to_number(option, item.substr(equals + 1));
+  }
+}
+
+identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions& common) {
+  identify::FitOptions o;
+  o.seed = common.seed;
+  o.accuracy = a.accuracy;
+  if (a.angles == identify::TrialOptions::Angles::kMultiTurn) o.escape = identify::FitOptions::kInfinity;
+  if (!a.free.empty()) {
+    o.free.fill(false);
+    for (const std::string& name : split(a.free)) o.free[constant_index("--free", name)] = true;
+  }
+  const std::vector<std::string> later = {"encoder_offset", "force_gain", "force_bias", "time_shift", "stiffening"};
+  for (const std::string& name : split(a.nuisance)) {
+    using Term = identify::NuisanceTerms::Term;
+    if (name == "friction") o.nuisance.friction = Term::kFitted;
+    else if (name == "initial_angle") o.nuisance.initial_angle = Term::kFitted;
+    else if (name == "initial_rate") o.nuisance.initial_rate = Term::kFitted;
+    else if (std::find(later.begin(), later.end(), name) != later.end())
+      throw InputError("--nuisance: " + quoted(name) + ": this term is not in this version");
+    else
+      throw InputError("--nuisance: " + quoted(name) + ": one of initial_angle, initial_rate, friction is needed" +
+                       hint(name, {"initial_angle", "initial_rate", "friction"}));
+  }
+  parse_bounds("--lower", a.lower, o.lower);
+  parse_bounds("--upper", a.upper, o.upper);
+  if (a.loss.rfind("huber:", 0) == 0) {
+    o.huber = to_number("--loss", a.loss.substr(6));
+    if (!(o.huber > 0)) throw InputError("--loss: " + quoted(a.loss) + ": Huber's delta must be above 0 rad");
+  } else if (a.loss != "none") {
+    throw InputError("--loss: " + quoted(a.loss) + ": none or huber:DELTA is needed");
+  }
+  if (a.weights == "trial") o.weights = identify::FitOptions::Weights::kTrial;
+  else if (a.weights != "equal") throw InputError("--weights: " + quoted(a.weights) + ": equal or trial is needed");
+  o.validate();
+  return o;
+}
+
+Json estimate_json(const identify::Estimate& e) {
+  Json j;
+  j["value"] = number(e.value);
+  j["std"] = number(e.std);
+  j["ci95"] = e.std ? Json{e.ci_low, e.ci_high} : Json(nullptr);
+  j["unit"] = e.unit;
+  j["at_bound"] = e.at_bound;
+  j["free"] = e.free;
+  return j;
+}
+
+std::string text_of(const identify::Estimate& e) {
+  if (!e.free) return fmt::format("{:.6g} (fixed)", e.value);
+  if (e.at_bound) return fmt::format("{:.6g} (at bound)", e.value);
+  if (!e.std) return fmt::format("{:.6g} (not determined)", e.value);
+  return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
+}
+
+std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, const identify::Fit& fit) {
+  CsvWriter csv = run.csv();
+  bool motor = false;
+  for (const auto& t : trials) motor = motor || !t.phi_motor.empty();
+  csv.comment("residual = phi_sim - phi; trial counts from 1. Units: s, rad.");
+  std::vector<std::string> header = {"trial", "t", "phi", "phi_sim", "residual"};
+  if (motor) header.insert(header.end(), {"phi_motor", "phi_motor_sim", "residual_motor"});
+  csv.header(header);
+  const double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const identify::Trial& t = trials[m];
+    const identify::TrialResult& r = fit.trials[m];
+    for (std::size_t i = 0; i < t.samples(); ++i) {
+      const double phi = t.phi.empty() ? kNone : t.phi[i], sim = r.phi.empty() ? kNone : r.phi[i];
+      csv.cell(long(m + 1)).cell(t.t[i]).cell(phi).cell(sim).cell(sim - phi);
+      if (motor) {
+        const double measured = t.phi_motor.empty() ? kNone : t.phi_motor[i], sim_m = r.phi_m.empty() ? kNone : r.phi_m[i];
+        csv.cell(measured).cell(sim_m).cell(sim_m - measured);
+      }
+      csv.end_row();
+    }
+  }
+  return csv.text();
+}
+
+std::string report_html(const Run& run, const std::string& title, const std::vector<identify::Trial>& trials,
+                        const identify::Fit& fit) {
+  Report report(title);
+  report.paragraph(fit.converged ? "Done." : "Not converged: " + fit.message);
+  report.list(run.warnings());
+  report.heading("Constants");
+  std::vector<std::vector<std::string>> rows;
+  const auto row = [&](const identify::Estimate& e, const std::string& name) {
+    rows.push_back({name, text_of(e), e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "", e.unit});
+  };
+  for (const auto& e : fit.parameters) row(e, e.name);
+  for (const auto& e : fit.nuisance) row(e, e.trial < 0 ? e.name : fmt::format("{} (trial {})", e.name, e.trial + 1));
+  report.table({"constant", "value ± standard error", "95 % interval", "unit"}, rows);
+  if (fit.correlation.rows() > 1) {
+    report.heading("Correlations");
+    rows.clear();
+    for (long i = 0; i < fit.correlation.rows(); ++i) {
+      rows.push_back({fit.fitted[std::size_t(i)]});
+      for (long j = 0; j < fit.correlation.cols(); ++j) rows.back().push_back(fmt::format("{:.3f}", fit.correlation(i, j)));
+    }
+    std::vector<std::string> header = {""};
+    header.insert(header.end(), fit.fitted.begin(), fit.fitted.end());
+    report.table(header, rows);
+    std::string eigenvalues = "Eigenvalues of the scaled Fisher information, largest 1:";
+    for (const double e : fit.eigenvalues) eigenvalues += fmt::format(" {:.3g}", e);
+    report.paragraph(eigenvalues);
+  }
+  report.heading("Trials");
+  rows.clear();
+  for (std::size_t m = 0; m < trials.size(); ++m)
+    rows.push_back({trials[m].file, std::to_string(trials[m].samples()), fmt::format("{:.4g}", fit.trials[m].rms),
+                    fmt::format("{:.4g}", fit.trials[m].noise), identify::name(fit.trials[m].status)});
+  report.table({"file", "samples", "residual rms [rad]", "log's own noise [rad]", "rollout"}, rows);
+  for (std::size_t m = 0; m < trials.size() && m < 12; ++m) {
+    report.heading(trials[m].file);
+    std::vector<Series> series;
+    if (!trials[m].phi.empty()) series.push_back({"measured", trials[m].t, trials[m].phi});
+    if (!fit.trials[m].phi.empty()) series.push_back({"predicted", trials[m].t, fit.trials[m].phi});
+    if (!trials[m].phi_motor.empty()) series.push_back({"motor, measured", trials[m].t, trials[m].phi_motor});
+    if (!trials[m].phi_motor.empty() && !fit.trials[m].phi_m.empty())
+      series.push_back({"motor, predicted", trials[m].t, fit.trials[m].phi_m});
+    report.plot("t [s]", "phi_1 [rad]", series);
+  }
+  report.heading("Provenance");
+  std::vector<std::string> lines;
+  for (const auto& [key, value] : run.provenance()) lines.push_back(key + ": " + value);
+  report.list(lines);
+  return report.html();
+}
+
+}  // namespace
+
+std::vector<identify::Trial> read_trials(const std::vector<std::string>& paths, const identify::Rig& rig,
+                                         identify::TrialOptions options, Run& run) {
+  if (paths.empty()) throw InputError("no trials: at least one trial file is needed");
+  options.gear_ratio = rig.gear_ratio.value_or(1);
+  std::vector<identify::Trial> trials;
+  for (const std::string& path : paths) {
+    run.input(path);
+    trials.push_back(identify::read_trial(path, options));
+  }
+  return trials;
+}
+
+int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuator* fitted) {
+  const bool predict = !a.actuator.empty();
+  Run run(predict ? "predict" : "identify", common);
+  const identify::Rig rig = identify::read_rig(a.rig);
+  run.input(a.rig);
+  const std::string& given = predict ? a.actuator : a.start;
+  std::optional<Actuator> start;
+  if (!given.empty()) {
+    start = read_actuator(given);
+    run.input(given);
+  }
+  const identify::FitOptions options = fit_options(a, common);
+  const std::vector<identify::Trial> trials =
+      read_trials(a.trials, rig, {.columns = a.columns, .require_phi = !predict, .angles = a.angles}, run);
+  if (!predict && !start)
+    for (int i = 0; i < kConstants; ++i)
+      if (!options.free[std::size_t(i)])
+        throw InputError("--free: " + std::string(kConstantNames[std::size_t(i)]) + " is not free and needs a value: give --start");
+
+  // tau_max and feedback: the rig's, else the given actuator's, else no limit and Eq. 3 as printed.
+  SeaParameters<double> base{};
+  if (start) base = start->sea;
+  base.tau_max = rig.tau_max.value_or(base.tau_max);
+  base.feedback = rig.feedback.value_or(base.feedback);
+  const std::string assumed =
+      fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
+                  std::isfinite(base.tau_max) ? fmt::format("{:g} Nm ({})", base.tau_max, rig.tau_max ? "rig" : "actuator")
+                                              : std::string("no limit (neither rig nor actuator names one)"),
+                  name(base.feedback), rig.feedback ? "rig" : start ? "actuator" : "default");
+
+  run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", trials.size()));
+  identify::Fit fit = predict ? identify::predict(rig, trials, base, options)
+                              : identify::fit(rig, trials, start ? std::optional(start->sea) : std::nullopt, base, options);
+  for (const std::string& w : fit.warnings) run.warn(w);
+  if (!fit.converged) run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
+
+  Json parameters, nuisance = Json::object(), rows = Json::array();
+  for (const auto& e : fit.parameters) {
+    parameters[e.name] = estimate_json(e);
+    run.say(fmt::format("{:8} {:28} {}", e.name, text_of(e), e.unit));
+  }
+  for (const auto& e : fit.nuisance) {
+    if (e.trial < 0) nuisance[e.name] = estimate_json(e);
+    else nuisance[e.name].push_back(estimate_json(e));
+    run.say(fmt::format("{:8} {:28} {}", e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1), text_of(e), e.unit));
+  }
+  for (const auto& t : fit.trials)
+    rows.push_back({{"file", t.file}, {"samples", t.samples}, {"rms", number(t.rms)}, {"noise", number(t.noise)}});
+  run.say(assumed);
+  if (options.nuisance.friction == identify::NuisanceTerms::Term::kFitted || base.friction > 0)
+    run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
+  run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, trials.size()));
+
+  Json summary;
+  summary["parameters"] = parameters;
+  summary["nuisance"] = nuisance;
+  summary["rms"] = number(fit.rms);
+  summary["cost"] = number(fit.cost);
+  summary["converged"] = fit.converged;
+  summary["iterations"] = fit.iterations;
+  summary["identifiable"] = fit.identifiable;
+  summary["starts"] = fit.starts;
+  summary["assumed"] = assumed;
+  summary["friction_speed"] = kFrictionSpeed;
+  Json correlation = Json::array();
+  for (long i = 0; i < fit.correlation.rows(); ++i) {
+    Json line = Json::array();
+    for (long j = 0; j < fit.correlation.cols(); ++j) line.push_back(number(fit.correlation(i, j)));
+    correlation.push_back(line);
+  }
+  summary["fitted"] = fit.fitted;
+  summary["correlation"] = correlation;
+  summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
+  summary["trials"] = rows;
+
+  Actuator out;
+  out.name = predict ? start->name : fmt::format("identified from {} trials", trials.size());
+  out.sea = fit.sea;
+  if (start) out.speed_max = start->speed_max;
+  // Only what was determined goes into the covariance: a file holds numbers, not gaps.
+  std::vector<long> determined;
+  for (long i = 0; i < fit.covariance.rows(); ++i)
+    if (std::isfinite(fit.covariance(i, i))) determined.push_back(i), out.uncertain.push_back(fit.fitted[std::size_t(i)]);
+  out.covariance = fit.covariance(determined, determined);
+  out.provenance = run.provenance();
+  if (!predict) {
+    out.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");
+    run.add("actuator.toml", to_toml(out, fit.half_width));
+  }
+  run.add("fit.csv", fit_csv(run, trials, fit));
+  run.add("report.html", report_html(run, predict ? "Prediction" : "Identification", trials, fit));
+  if (fitted) *fitted = out;
+  return run.finish(summary, fit.converged ? kDone : kNumbers);
+}
+
+void add_identify(CLI::App& app, Action& chosen) {
+  for (const bool predict : {false, true}) {
+    auto args = std::make_shared<IdentifyArguments>();
+    auto common = std::make_shared<CommonOptions>();
+    CLI::App* verb = predict ? app.add_subcommand("predict", "the rig's motion for given constants, against the log")
+                             : app.add_subcommand("identify", "fit the actuator's constants to impact trials");
+    verb->add_option("TRIAL", args->trials, "trial files (CSV: t [s], phi [rad], force [N] and/or phi_ref [rad])")->required();
+    verb->add_option("--rig", args->rig, "rig file (TOML)")->required();
+    if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+    verb->add_option("--columns", args->columns, "t=Time,phi=-defl_deg,...: columns by other names, a minus flips the sign");
+    verb->add_flag_callback(
+        "--multi-turn", [args] { args->angles = identify::TrialOptions::Angles::kMultiTurn; }, "angles beyond 2 pi are meant");
+    verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
+    if (!predict) {
+      verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
+      verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
+      verb->add_option("--nuisance", args->nuisance, "fitted along: initial_angle, initial_rate (a trial each), friction");
+      verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
+      verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
+      verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
+      verb->add_option("--weights", args->weights, "equal, or trial: 1 / each trial's own residual variance [equal]");
+      verb->add_flag_callback("--strict", [] { throw InputError("--strict: not in this version"); }, "not in this version");
+    }
+    add_common(*verb, *common);
+    verb->footer(predict ? "Example: ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"
+                         : "Example: ukemi identify trial_*.csv --rig rig.toml -o out");
+    verb->callback([args, common, &chosen] { chosen = [args, common] { return run_identify(*args, *common); }; });
+  }
+}
+
+}  // namespace ukemi::tools

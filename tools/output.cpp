@@ -1,0 +1,107 @@
+#include "tools/output.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+
+#include "common/error.hpp"
+#include "common/files.hpp"
+
+namespace ukemi::tools {
+
+namespace {
+std::string command_line;
+}
+
+void set_command_line(int argc, char** argv) {
+  command_line = "ukemi";
+  for (int i = 1; i < argc; ++i) command_line += std::string(" ") + argv[i];
+}
+
+Run::Run(std::string verb, const CommonOptions& options)
+    : verb_(std::move(verb)), options_(options), start_(std::chrono::steady_clock::now()) {
+  if (options_.folder.empty()) options_.folder = "ukemi-out/" + verb_;
+  require_writable_folder(options_.folder);
+}
+
+void Run::input(const std::string& path) { inputs_.emplace_back(path, checksum(path)); }
+void Run::add(const std::string& name, std::string content) { files_[name] = std::move(content); }
+void Run::warn(const std::string& message) {
+  warnings_.push_back(message);
+  fmt::print(stderr, "ukemi {}: warning: {}\n", verb_, message);
+}
+void Run::info(const std::string& message) const {
+  if (options_.messages == CommonOptions::Messages::kShow) fmt::print(stderr, "{}\n", message);
+}
+void Run::say(const std::string& line) const {
+  if (options_.out == CommonOptions::Stdout::kText) fmt::print("{}\n", line);
+}
+void Run::progress(const std::string& what, long done, long total) const {
+  if (options_.messages == CommonOptions::Messages::kQuiet || !isatty(fileno(stderr)) || total <= 0) return;
+  const double elapsed = seconds(), rate = elapsed > 0 ? double(done) / elapsed : 0;
+  const int filled = int(30 * done / total);
+  fmt::print(stderr, "\r{} [{}{}] {:.0f}/s, {:.0f} s left  ", what, std::string(std::size_t(filled), '#'),
+             std::string(std::size_t(30 - filled), ' '), rate, rate > 0 ? double(total - done) / rate : 0);
+  if (done >= total) fmt::print(stderr, "\n");
+  std::fflush(stderr);
+}
+double Run::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+std::vector<std::pair<std::string, std::string>> Run::provenance() const {
+  std::vector<std::pair<std::string, std::string>> p = {
+      {"program", "ukemi " UKEMI_VERSION}, {"command", command_line}, {"seed", std::to_string(options_.seed)}};
+  for (const auto& [path, sum] : inputs_) p.emplace_back("checksum " + path, "fnv1a-64 " + sum);
+  p.emplace_back("time", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))));
+  return p;
+}
+std::string Run::provenance_text() const {
+  std::string text;
+  for (const auto& [key, value] : provenance()) text += key + ": " + value + "\n";
+  return text;
+}
+CsvWriter Run::csv() const {
+  CsvWriter csv;
+  csv.comment(provenance_text());
+  return csv;
+}
+
+int Run::finish(Json summary, int exit_code) {
+  Json provenance_block;
+  for (const auto& [key, value] : provenance()) provenance_block[key] = value;
+  summary["warnings"] = warnings_;
+  summary["time_s"] = seconds();
+  summary["provenance"] = provenance_block;
+  summary_ = std::move(summary);
+  add("summary.json", summary_.dump(2) + "\n");
+  for (const auto& [name, content] : files_) {
+    if (name == "report.html" && options_.report == CommonOptions::Report::kSkip) continue;
+    write_file(options_.folder + "/" + name, content);
+  }
+  info("wrote " + options_.folder + "/");
+  if (options_.out == CommonOptions::Stdout::kJson) fmt::print("{}\n", summary_.dump(2));
+  return exit_code;
+}
+
+std::string dataset(const std::string& relative) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> roots;
+  if (const char* given = std::getenv("UKEMI_DATASETS")) roots.emplace_back(given);
+  std::error_code ec;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  if (!ec) roots.push_back(program.parent_path().parent_path() / "share/ukemi/datasets");
+  roots.emplace_back(UKEMI_SOURCE_DATASETS);
+  for (const fs::path& root : roots)
+    if (fs::exists(root / relative, ec)) return (root / relative).string();
+  throw InputError("the shipped data are not found: " + relative + ": set UKEMI_DATASETS to the project's datasets folder");
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+}  // namespace ukemi::tools

@@ -1,0 +1,28 @@
+// Plain HTML reports: headings, tables and line plots as inline SVG, one file, nothing fetched.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ukemi::tools {
+
+struct Series {
+  std::string name;
+  std::vector<double> x, y;
+};
+
+class Report {
+ public:
+  explicit Report(const std::string& title);
+  void heading(const std::string& text);
+  void paragraph(const std::string& text);
+  void list(const std::vector<std::string>& items);
+  void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
+  void plot(const std::string& x_label, const std::string& y_label, const std::vector<Series>& series);
+  std::string html() const { return html_ + "</body></html>\n"; }
+
+ private:
+  std::string html_;
+};
+
+}  // namespace ukemi::tools

@@ -1,0 +1,65 @@
+// The program `ukemi`: see tools/docs or `ukemi --help`.
+#include <fmt/format.h>
+
+#include <exception>
+
+#include "common/error.hpp"
+#include "tools/verbs.hpp"
+
+namespace ukemi::tools {
+
+void add_common(CLI::App& verb, CommonOptions& o) {
+  verb.add_option("-o,--output", o.folder, "folder for the results [./ukemi-out/VERB]")->type_name("DIR");
+  verb.add_flag_callback("--json", [&o] { o.out = CommonOptions::Stdout::kJson; }, "stdout carries one JSON object, nothing else");
+  verb.add_option("--threads", o.threads, "threads [all cores]; results do not depend on it")->check(CLI::Range(1, 4096));
+  verb.add_option("--seed", o.seed, "seed of every random draw [1]");
+  verb.add_flag_callback("--quiet", [&o] { o.messages = CommonOptions::Messages::kQuiet; }, "no messages on stderr but warnings");
+  verb.add_flag_callback("--no-report", [&o] { o.report = CommonOptions::Report::kSkip; }, "no report.html");
+}
+
+namespace {
+
+/// Verbs that later versions bring: named, so that a script learns why.
+void add_later(CLI::App& app, Action& chosen) {
+  for (const char* name : {"bench", "map", "risk", "atlas", "design", "calibrate"}) {
+    CLI::App* verb = app.add_subcommand(name, "not in this version");
+    verb->allow_extras();
+    verb->callback([name, &chosen] {
+      chosen = [name]() -> int { throw InputError(std::string(name) + ": this verb is not in this version"); };
+    });
+  }
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("ukemi: identify a series elastic actuator, plan the landing it should make", "ukemi");
+  app.set_version_flag("--version", "ukemi " UKEMI_VERSION);
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 done; 1 the numbers did not work out; 2 bad usage or bad input.");
+  set_command_line(argc, argv);
+  Action chosen;
+  add_identify(app, chosen);
+  add_simulate(app, chosen);
+  add_optimize(app, chosen);
+  add_compare(app, chosen);
+  add_demo(app, chosen);
+  add_later(app, chosen);
+  try {
+    app.parse(argc, argv);
+    return chosen();
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+    fmt::print(stderr, "ukemi: {}\n", e.what());
+    return kBadInput;
+  } catch (const InputError& e) {
+    fmt::print(stderr, "ukemi: {}\n", e.what());
+    return kBadInput;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "ukemi: {}\n", e.what());
+    return kNumbers;
+  }
+}
+
+}  // namespace
+}  // namespace ukemi::tools
+
+int main(int argc, char** argv) { return ukemi::tools::run(argc, argv); }

@@ -1,0 +1,68 @@
+// The verbs of the program: each adds its subcommand and, when chosen, its action.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/actuator.hpp"
+#include "identify/fit.hpp"
+#include "landing/optimize.hpp"
+#include "tools/output.hpp"
+
+namespace ukemi::tools {
+
+using Action = std::function<int()>;
+
+/// -o, --json, --threads, --seed, --quiet, --no-report.
+void add_common(CLI::App& verb, CommonOptions& options);
+
+void add_identify(CLI::App& app, Action& chosen);  // identify, predict
+void add_simulate(CLI::App& app, Action& chosen);
+void add_optimize(CLI::App& app, Action& chosen);
+void add_compare(CLI::App& app, Action& chosen);
+void add_demo(CLI::App& app, Action& chosen);
+
+struct IdentifyArguments {
+  std::vector<std::string> trials;
+  std::string rig, start, actuator;  ///< start: identify; actuator: predict
+  std::string free, nuisance, lower, upper, loss = "none", weights = "equal", columns;
+  identify::TrialOptions::Angles angles = identify::TrialOptions::Angles::kOneTurn;
+  double accuracy = 1e-9;
+};
+/// Fits (or, with `actuator` set, predicts) and writes the verb's files. `fitted` receives the result.
+int run_identify(const IdentifyArguments& arguments, const CommonOptions& common, Actuator* fitted = nullptr);
+
+struct OptimizeArguments {
+  std::string scene, actuator, solver = "auto";
+  std::optional<long> evaluations;
+  double rate = 1000;
+};
+int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common, landing::Optimum* best = nullptr);
+
+struct CompareArguments {
+  std::string nominal, identified, scene, rig;
+  std::vector<std::string> trials;
+  std::optional<landing::Optimum> identified_best;  ///< where it is known already
+};
+int run_compare(const CompareArguments& arguments, const CommonOptions& common, Json* summary = nullptr);
+
+/// Trials read the way the rig says.
+std::vector<identify::Trial> read_trials(const std::vector<std::string>& paths, const identify::Rig& rig,
+                                         identify::TrialOptions options, Run& run);
+
+/// Where a robot could not follow a motion: the actuator's ratings against its demands.
+Json ratings(const landing::Motion& motion, const landing::Landing& landing, const Actuator& actuator, Run& run);
+
+/// The words for an outcome, and JSON pieces that several verbs write.
+std::string failure(const landing::LandingPeak& landing);
+Json motion_json(const landing::Motion& motion);
+Json contacts_json(const landing::Landing& landing);
+Json peaks_json(const landing::Landing& landing);
+std::string order_of(const landing::Landing& landing);  ///< "foot, knee, hip"; chatter left out
+
+inline constexpr double kDegrees = 57.29577951308232;
+
+}  // namespace ukemi::tools
