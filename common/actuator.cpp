@@ -46,13 +46,21 @@ Actuator read_actuator(const std::string& path) {
     if (!order || !covariance) u->fail("order", "both 'order' and 'covariance' are needed");
     if (covariance->size() != order->size())
       u->fail("covariance", fmt::format("{} rows: 'order' names {}", covariance->size(), order->size()));
+    for (std::size_t i = 0; i < order->size(); ++i) {
+      const std::vector<std::string> known = {"k_p", "k_d", "k_sea", "c_sea", "i_motor", "friction", "k_sea_cubic"};
+      const std::string& name = (*order)[i];
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        u->fail("order", quoted(name) + ": not a constant of the actuator" + hint(name, known));
+      if (std::find(order->begin(), order->begin() + long(i), name) != order->begin() + long(i))
+        u->fail("order", quoted(name) + ": named twice");
+    }
     a.uncertain = *order;
     a.covariance.resize(long(order->size()), long(order->size()));
     for (std::size_t i = 0; i < order->size(); ++i)
       for (std::size_t j = 0; j < order->size(); ++j) a.covariance(long(i), long(j)) = (*covariance)[i][j];
     for (long i = 0; i < a.covariance.rows(); ++i)
       if (!(a.covariance(i, i) >= 0)) u->fail("covariance", "a variance below 0 on its diagonal");
-    u->accept_all();
+    u->accept("std"), u->accept("ci95");  // follow from the covariance
   }
   if (auto p = file.optional("provenance")) p->accept_all();
   file.finish();
@@ -60,17 +68,19 @@ Actuator read_actuator(const std::string& path) {
 }
 
 std::string to_toml(const Actuator& a, double half_width) {
+  // TOML takes UTF-8 without control characters; whatever else a file name holds becomes '?'.
   const auto escape = [](const std::string& s) {
     std::string out;
     for (const char c : s) {
       if (c == '"' || c == '\\') out += '\\';
-      out += c == '\n' ? ' ' : c;
+      out += static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126 ? '?' : c;
     }
     return out;
   };
   std::string t = fmt::format("[actuator]\nname = \"{}\"\n", escape(a.name));
   const auto u = constants(a.sea);
-  for (int i = 0; i < kConstants; ++i) t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
+  for (int i = 0; i < kConstants; ++i)
+    t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s\n", shortest(*a.speed_max));
   if (a.sea.friction != 0) t += fmt::format("friction = {}  # Nm\n", shortest(a.sea.friction));
@@ -92,12 +102,14 @@ std::string to_toml(const Actuator& a, double half_width) {
     list("order", [&](std::size_t i) { return "\"" + a.uncertain[i] + "\""; });
     list("std", [&](std::size_t i) { return shortest(error(i)); });
     list("ci95", [&](std::size_t i) {
-      return fmt::format("[{}, {}]", shortest(value(i) - half_width * error(i)), shortest(value(i) + half_width * error(i)));
+      return fmt::format("[{}, {}]", shortest(value(i) - half_width * error(i)),
+                         shortest(value(i) + half_width * error(i)));
     });
     t += "covariance = [\n";
     for (std::size_t i = 0; i < a.uncertain.size(); ++i) {
       t += "  [";
-      for (std::size_t j = 0; j < a.uncertain.size(); ++j) t += (j ? ", " : "") + shortest(a.covariance(long(i), long(j)));
+      for (std::size_t j = 0; j < a.uncertain.size(); ++j)
+        t += (j ? ", " : "") + shortest(a.covariance(long(i), long(j)));
       t += "],\n";
     }
     t += "]\n";

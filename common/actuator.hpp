@@ -1,4 +1,5 @@
-// An actuator as a file: the constants of Eq. 2-4, its ratings, how far the constants can be trusted, where they come from.
+// An actuator as a file: the constants of Eq. 2-4, its ratings, how far the constants can be trusted, where they come
+// from.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +17,7 @@ namespace ukemi {
 inline constexpr int kConstants = 5;
 inline constexpr std::array<const char*, kConstants> kConstantNames = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
 inline constexpr std::array<const char*, kConstants> kConstantUnits = {"Nm/rad", "Nm/(rad/s)", "Nm/rad", "Nm/(rad/s)",
-                                                                      "kg m^2"};
+                                                                       "kg m^2"};
 /// The same constants as a vector and back; the other fields of `sea` stay.
 template <class T>
 std::array<T, kConstants> constants(const SeaParameters<T>& sea) {
@@ -30,9 +31,9 @@ void set_constants(SeaParameters<T>& sea, const Vector& u) {
 struct Actuator {
   std::string name;
   SeaParameters<double> sea;
-  std::optional<double> speed_max;         ///< rated motor speed at the output [rad/s]; a rating, not a term
-  std::vector<std::string> uncertain;      ///< [uncertainty] order: the constants that were fitted
-  Eigen::MatrixXd covariance;              ///< of those, in their order
+  std::optional<double> speed_max;     ///< rated motor speed at the output [rad/s]; a rating, not a term
+  std::vector<std::string> uncertain;  ///< [uncertainty] order: the constants that were fitted
+  Eigen::MatrixXd covariance;          ///< of those, in their order
   std::vector<std::pair<std::string, std::string>> provenance;  ///< written as text
 
   /// Standard error of a constant, where the file gives one.

@@ -47,7 +47,7 @@ void for_cells(std::string_view line, char separator, Use&& use) {
 
 double parse_number(std::string_view cell, const Location& where, const std::string& column) {
   std::string_view digits = cell;
-  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-' && digits[1] != '+') digits.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::result_out_of_range)
@@ -71,7 +71,8 @@ CsvTable read_csv(const std::string& path) {
   return read_csv(path, [](const std::string&) { return true; });
 }
 
-CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context) {
+CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*),
+                          const void* context) {
   const std::string text = read_text_file(path, kLongestLine);
   CsvTable table;
   table.file = path;

@@ -26,22 +26,25 @@ struct CsvTable {
   Location at(int column, std::size_t row) const { return {file, line[row], column_of[column][row]}; }
 };
 
-/// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, told from the header.
-/// Throws InputError, with file:line:column, on: a missing, unreadable or empty file; NUL or control bytes ("not a text file");
-/// a line beyond 1 MiB; a repeated column name; a row with another number of cells; text, NaN or infinity where a number is
-/// needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text.
+/// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, told from the
+/// header. Throws InputError, with file:line:column, on: a missing, unreadable or empty file; NUL or control bytes
+/// ("not a text file"); a line beyond 1 MiB; a repeated column name; a row with another number of cells; text, NaN or
+/// infinity where a number is needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text.
 template <class Wanted>
 CsvTable read_csv(const std::string& path, Wanted&& wanted);
 CsvTable read_csv(const std::string& path);
-CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context);
+CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*),
+                          const void* context);
 
 template <class Wanted>
 CsvTable read_csv(const std::string& path, Wanted&& wanted) {
   return read_csv_columns(
-      path, [](const std::string& name, const void* w) { return bool((*static_cast<const Wanted*>(w))(name)); }, &wanted);
+      path, [](const std::string& name, const void* w) { return bool((*static_cast<const Wanted*>(w))(name)); },
+      &wanted);
 }
 
-/// Builds a CSV text: comment lines, header, rows. Numbers are the shortest that read back exactly; NaN is an empty cell.
+/// Builds a CSV text: comment lines, header, rows. Numbers are the shortest that read back exactly; NaN is an empty
+/// cell.
 class CsvWriter {
  public:
   void comment(const std::string& text);  ///< every line of `text` behind "# "

@@ -33,7 +33,8 @@ std::string nearest(const std::string& given, const std::vector<std::string>& kn
   std::string best;
   std::size_t distance = std::max<std::size_t>(2, given.size() / 3) + 1;
   for (const std::string& k : known) {
-    const bool contained = given.size() > 2 && (k.find(given) != std::string::npos || given.find(k) != std::string::npos);
+    const bool contained =
+        given.size() > 2 && (k.find(given) != std::string::npos || given.find(k) != std::string::npos);
     const std::size_t d = contained ? std::min<std::size_t>(2, edit_distance(given, k)) : edit_distance(given, k);
     if (d < distance) best = k, distance = d;
   }

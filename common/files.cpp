@@ -50,7 +50,8 @@ std::string read_text_file(const std::string& path, std::size_t longest_line) {
     } else if (c < 32 && c != '\t' && c != '\r' && c != '\f') {
       throw InputError({path, line, long(i - start) + 1}, fmt::format("byte 0x{:02x}: not a text file", c));
     } else if (i - start >= longest_line) {
-      throw InputError({path, line, long(i - start) + 1}, fmt::format("the line is longer than {} bytes", longest_line));
+      throw InputError({path, line, long(i - start) + 1},
+                       fmt::format("the line is longer than {} bytes", longest_line));
     }
   }
   return text;
@@ -79,7 +80,8 @@ void require_writable_folder(const std::string& folder) {
   std::error_code ec;
   fs::path p = fs::absolute(folder, ec);
   while (!fs::exists(p, ec) && p.has_parent_path() && p != p.parent_path()) p = p.parent_path();
-  if (!fs::is_directory(p, ec)) throw InputError({folder}, "the output folder cannot be made: " + p.string() + " is not a folder");
+  if (!fs::is_directory(p, ec))
+    throw InputError({folder}, "the output folder cannot be made: " + p.string() + " is not a folder");
   const std::string probe = (p / fmt::format(".ukemi-{}.part", ::getpid())).string();
   std::FILE* out = std::fopen(probe.c_str(), "wb");
   if (!out) throw InputError({folder}, std::string("the output folder cannot be written: ") + std::strerror(errno));

@@ -5,12 +5,12 @@
 
 namespace ukemi {
 
-/// The bytes of a text file. Throws InputError on a missing or unreadable file, a folder, NUL or control bytes (with their
-/// line and column), and a line longer than `longest_line` bytes.
+/// The bytes of a text file. Throws InputError on a missing or unreadable file, a folder, NUL or control bytes (with
+/// their line and column), and a line longer than `longest_line` bytes.
 std::string read_text_file(const std::string& path, std::size_t longest_line = 1 << 20);
 
-/// Writes `content` under a temporary name beside `path`, then renames it: never a partial file. Makes the folder where it is
-/// missing. Throws InputError naming the path and the system's reason.
+/// Writes `content` under a temporary name beside `path`, then renames it: never a partial file. Makes the folder where
+/// it is missing. Throws InputError naming the path and the system's reason.
 void write_file(const std::string& path, const std::string& content);
 
 /// Checks, before any work, that a folder can be made and written in; leaves nothing in it. Throws InputError.

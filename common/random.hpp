@@ -10,7 +10,8 @@ namespace ukemi {
 /// SplitMix64 (Steele, Lea, Flood 2014): a small generator whose streams are keyed by (seed, index).
 class Random {
  public:
-  explicit Random(std::uint64_t seed, std::uint64_t index = 0) : state_(mix(seed + 0x9E3779B97F4A7C15ull * (index + 1))) {}
+  explicit Random(std::uint64_t seed, std::uint64_t index = 0)
+      : state_(mix(seed + 0x9E3779B97F4A7C15ull * (index + 1))) {}
 
   std::uint64_t bits() {
     state_ += 0x9E3779B97F4A7C15ull;

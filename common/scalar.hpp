@@ -1,7 +1,8 @@
 // What `double` and `ceres::Jet` share, so that an equation is written once for both.
 //
 // Kernels never branch on a Scalar: they use select(mask, a, b), and both a and b must be finite.
-// Mode decisions are booleans that the drivers fix between events; any(mask) lets a kernel skip work that no lane needs.
+// Mode decisions are booleans that the drivers fix between events; any(mask) lets a kernel skip work that no lane
+// needs.
 #pragma once
 
 #include <ceres/jet.h>

@@ -12,7 +12,8 @@
 
 namespace ukemi {
 
-/// Which angle Eq. 3 feeds back: the output angle phi_1 as printed in [1], or the motor angle phi_m as many real drives do.
+/// Which angle Eq. 3 feeds back: the output angle phi_1 as printed in [1], or the motor angle phi_m as many real drives
+/// do.
 enum class Feedback { kOutput, kMotor };
 
 /// Below this motor speed dry friction is smoothed, v_s in `friction_torque` [rad/s]. Ours.
@@ -21,15 +22,15 @@ inline constexpr double kFrictionSpeed = 0.005;
 /// The constants of one series elastic actuator.
 template <class T>
 struct SeaParameters {
-  T k_p;                                                ///< K_p, proportional gain [Nm/rad], >= 0
-  T k_d;                                                ///< K_d, derivative gain [Nm/(rad/s)], >= 0
-  T k_sea;                                              ///< K_SEA, stiffness of the spring [Nm/rad], >= 0
-  T c_sea;                                              ///< C_SEA, damping of the spring [Nm/(rad/s)], >= 0
-  T i_motor;                                            ///< I_motor, reflected motor inertia [kg m^2], > 0
+  T k_p;                                                   ///< K_p, proportional gain [Nm/rad], >= 0
+  T k_d;                                                   ///< K_d, derivative gain [Nm/(rad/s)], >= 0
+  T k_sea;                                                 ///< K_SEA, stiffness of the spring [Nm/rad], >= 0
+  T c_sea;                                                 ///< C_SEA, damping of the spring [Nm/(rad/s)], >= 0
+  T i_motor;                                               ///< I_motor, reflected motor inertia [kg m^2], > 0
   T tau_max = T(std::numeric_limits<double>::infinity());  ///< limit of the spring torque [Nm], >= 0; infinite: none
-  T friction = T(0);                                    ///< tau_c, Coulomb torque on the motor [Nm], >= 0; 0: none
-  T k_sea_cubic = T(0);                                 ///< K_3, cubic stiffness [Nm/rad^3], >= 0; 0: linear spring
-  Feedback feedback = Feedback::kOutput;                ///< what Eq. 3 feeds back
+  T friction = T(0);                                       ///< tau_c, Coulomb torque on the motor [Nm], >= 0; 0: none
+  T k_sea_cubic = T(0);                                    ///< K_3, cubic stiffness [Nm/rad^3], >= 0; 0: linear spring
+  Feedback feedback = Feedback::kOutput;                   ///< what Eq. 3 feeds back
 
   /// The same constants in another scalar.
   template <class U>
@@ -65,7 +66,8 @@ struct Reference {
   T dphi;  ///< dphi_ref [rad/s]
 };
 
-/// tau' = K_SEA d + K_3 d^3 + C_SEA d', d = phi_m - phi_1: the spring's torque on the output before the limit [Nm]. Eq. 2.
+/// tau' = K_SEA d + K_3 d^3 + C_SEA d', d = phi_m - phi_1: the spring's torque on the output before the limit [Nm].
+/// Eq. 2.
 template <SeaTerms kTerms, Scalar T>
 T spring_torque(const SeaParameters<T>& p, const SeaState<T>& s) {
   const T d = s.phi_m - s.phi;

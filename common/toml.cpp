@@ -16,7 +16,9 @@
 
 namespace ukemi {
 
-Range Range::any() { return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false, "a number"}; }
+Range Range::any() {
+  return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false, "a number"};
+}
 Range Range::positive() { return {0, std::numeric_limits<double>::infinity(), true, "above 0"}; }
 Range Range::non_negative() { return {0, std::numeric_limits<double>::infinity(), false, "at least 0"}; }
 
@@ -56,7 +58,8 @@ std::optional<TomlSection> TomlFile::optional(const std::string& name) {
   data_->asked[name];
   const toml::node* n = data_->root.get(name);
   if (!n) return std::nullopt;
-  if (!n->is_table()) throw InputError(data_->at(*n), "'" + name + "': " + show(*n) + ": a table [" + name + "] is needed");
+  if (!n->is_table())
+    throw InputError(data_->at(*n), "'" + name + "': " + show(*n) + ": a table [" + name + "] is needed");
   return TomlSection(data_.get(), n->as_table(), name);
 }
 
@@ -65,7 +68,8 @@ TomlSection TomlFile::require(const std::string& name) {
   std::vector<std::string> there;
   for (const auto& [k, v] : data_->root) there.emplace_back(k.str());
   const std::string near = nearest(name, there);
-  throw InputError({data_->path}, "the table [" + name + "] is missing" + (near.empty() ? "" : " (there is [" + near + "])"));
+  throw InputError({data_->path},
+                   "the table [" + name + "] is missing" + (near.empty() ? "" : " (there is [" + near + "])"));
 }
 
 void TomlFile::finish() const {
@@ -79,15 +83,16 @@ void TomlFile::finish() const {
       std::string in;  // a key at top level may belong into a table
       for (const auto& [section, keys] : data_->asked)
         if (keys.count(name)) in = " (it belongs into [" + section + "])";
-      throw InputError(where, "unknown " + std::string(node.is_table() ? "table" : "key") + " '" + name + "'" +
+      throw InputError(where, "unknown " + std::string(node.is_table() ? "table" : "key") + " " + quoted(name) +
                                   (in.empty() ? hint(name, sections) : in));
     }
     if (data_->all.count(name) || !node.is_table()) continue;
     const std::vector<std::string> known(it->second.begin(), it->second.end());
     for (const auto& [k, v] : *node.as_table())
       if (!it->second.count(std::string(k.str())))
-        throw InputError({data_->path, long(k.source().begin.line), long(k.source().begin.column)},
-                         "unknown key '" + std::string(k.str()) + "' in [" + name + "]" + hint(std::string(k.str()), known));
+        throw InputError(
+            {data_->path, long(k.source().begin.line), long(k.source().begin.column)},
+            "unknown key " + quoted(std::string(k.str())) + " in [" + name + "]" + hint(std::string(k.str()), known));
   }
 }
 
@@ -128,7 +133,8 @@ double TomlSection::number(const std::string& key, const Range& range) {
   std::vector<std::string> there;
   for (const auto& [k, v] : as_table(table_)) there.emplace_back(k.str());
   const std::string near = nearest(key, there);
-  throw InputError(where(), "[" + name_ + "] the key '" + key + "' is missing" + (near.empty() ? "" : " (there is '" + near + "')"));
+  throw InputError(
+      where(), "[" + name_ + "] the key '" + key + "' is missing" + (near.empty() ? "" : " (there is '" + near + "')"));
 }
 
 namespace {
@@ -167,7 +173,8 @@ std::optional<std::array<double, 2>> TomlSection::optional_angle_pair(const std:
   return std::array{(*radians)[0], (*radians)[1]};
 }
 
-std::optional<std::vector<double>> TomlSection::optional_numbers(const std::string& key, std::size_t count, const Range& range) {
+std::optional<std::vector<double>> TomlSection::optional_numbers(const std::string& key, std::size_t count,
+                                                                 const Range& range) {
   const void* n = node(key);
   if (!n) return std::nullopt;
   const toml::array* array = as_node(n)->as_array();
@@ -179,7 +186,8 @@ std::optional<std::vector<double>> TomlSection::optional_numbers(const std::stri
 }
 std::vector<double> TomlSection::numbers(const std::string& key, std::size_t count, const Range& range) {
   if (auto v = optional_numbers(key, count, range)) return *v;
-  throw InputError(where(), "[" + name_ + "] the key '" + key + "' is missing: " + std::to_string(count) + " numbers are needed");
+  throw InputError(
+      where(), "[" + name_ + "] the key '" + key + "' is missing: " + std::to_string(count) + " numbers are needed");
 }
 
 std::optional<std::vector<std::vector<double>>> TomlSection::optional_matrix(const std::string& key) {
@@ -220,7 +228,8 @@ std::optional<std::vector<std::string>> TomlSection::optional_texts(const std::s
   }
   return out;
 }
-std::optional<std::string> TomlSection::optional_choice(const std::string& key, const std::vector<std::string>& choices) {
+std::optional<std::string> TomlSection::optional_choice(const std::string& key,
+                                                        const std::vector<std::string>& choices) {
   const auto v = optional_text(key);
   if (!v) return std::nullopt;
   std::string all;

@@ -1,4 +1,5 @@
-// TOML files in: every key is asked for with its rule; what nobody asked for is an error that names the nearest known key.
+// TOML files in: every key is asked for with its rule; what nobody asked for is an error that names the nearest known
+// key.
 #pragma once
 
 #include <array>
@@ -44,7 +45,8 @@ class TomlFile {
   std::unique_ptr<Data> data_;
 };
 
-/// One table of a file. Each getter throws InputError with file:line:column on a wrong type or a value outside its rule.
+/// One table of a file. Each getter throws InputError with file:line:column on a wrong type or a value outside its
+/// rule.
 class TomlSection {
  public:
   double number(const std::string& key, const Range& range);
@@ -61,6 +63,8 @@ class TomlSection {
   std::optional<std::vector<std::string>> optional_texts(const std::string& key);
   /// One of `choices`.
   std::optional<std::string> optional_choice(const std::string& key, const std::vector<std::string>& choices);
+  /// A key that is known and not read.
+  void accept(const std::string& key) { node(key); }
   /// Accepts whatever else the table holds (provenance).
   void accept_all();
   bool has(const std::string& key) const;

@@ -18,12 +18,13 @@ void FitOptions::validate() const {
     if (!(lower[k] >= 0))
       throw InputError(fmt::format("lower bound of {}: {}: must be at least 0", kConstantNames[k], shortest(lower[k])));
     if (!(lower[k] < upper[k]))
-      throw InputError(fmt::format("bounds of {}: {} to {}: lower < upper is needed", kConstantNames[k], shortest(lower[k]),
-                                   shortest(upper[k])));
+      throw InputError(fmt::format("bounds of {}: {} to {}: lower < upper is needed", kConstantNames[k],
+                                   shortest(lower[k]), shortest(upper[k])));
   }
   if (!(huber >= 0)) throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
   if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
-    throw InputError(fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
+    throw InputError(
+        fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
 }
 
 namespace {
@@ -32,7 +33,7 @@ bool fitted(NuisanceTerms::Term t) { return t == NuisanceTerms::Term::kFitted; }
 
 /// Which parameter of the problem is which.
 struct Layout {
-  std::vector<int> constants;            ///< global g is constant constants[g]; friction comes after them
+  std::vector<int> constants;  ///< global g is constant constants[g]; friction comes after them
   bool friction, initial_angle, initial_rate;
 
   explicit Layout(const FitOptions& o)
@@ -47,7 +48,8 @@ struct Layout {
 
   /// Puts a point of the problem into the model; `lift(value, slot)` makes the scalar of derivative slot `slot`.
   template <class T, class Lift>
-  void apply(const double* global, const double* local, SeaParameters<T>& sea, InitialState<T>& initial, Lift&& lift) const {
+  void apply(const double* global, const double* local, SeaParameters<T>& sea, InitialState<T>& initial,
+             Lift&& lift) const {
     auto u = ukemi::constants(sea);
     int slot = 0;
     for (const int c : constants) u[std::size_t(c)] = lift(global[slot], slot), ++slot;
@@ -58,8 +60,9 @@ struct Layout {
   }
 };
 
-/// Residuals of one trial and, with a Jet, their Jacobians. Derivatives are taken with respect to value / scale, so that they are
-/// angles whatever the parameter's unit, as the integrator's error control expects; the Jacobians are not scaled.
+/// Residuals of one trial and, with a Jet, their Jacobians. Derivatives are taken with respect to value / scale, so
+/// that they are angles whatever the parameter's unit, as the integrator's error control expects; the Jacobians are not
+/// scaled.
 template <class T>
 bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& layout, const PreparedTrial& prepared,
               const RolloutOptions& options, double weight, const std::vector<double>& scale, const double* global,
@@ -68,7 +71,7 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
   InitialState<T> initial;
   layout.apply<T>(global, local, sea, initial, [&](double v, [[maybe_unused]] int slot) {
     T x(v);
-    if constexpr (kDerivatives<T> > 0) x.v[slot] = scale[std::size_t(slot)];
+    if constexpr (kDerivatives < T >> 0) x.v[slot] = scale[std::size_t(slot)];
     return x;
   });
   thread_local std::vector<T> phi, phi_m;
@@ -78,7 +81,7 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
   const auto compare = [&](const std::vector<double>& measured, const std::vector<T>& predicted) {
     for (std::size_t i = 0; i < measured.size(); ++i, ++row) {
       r[row] = weight * (value_of(predicted[i]) - measured[i]);
-      if constexpr (kDerivatives<T> > 0) {
+      if constexpr (kDerivatives < T >> 0) {
         for (int g = 0; jg && g < G; ++g) jg[row * G + g] = weight * predicted[i].v[g] / scale[std::size_t(g)];
         for (int l = 0; jl && l < L; ++l) jl[row * L + l] = weight * predicted[i].v[G + l] / scale[std::size_t(G + l)];
       }
@@ -92,9 +95,10 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
 /// Size of a constant for scaling, where the start is 0.
 double typical(int constant, const Suggestion& s) { return ukemi::constants(s.centre)[std::size_t(constant)]; }
 
-LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared, const std::vector<double>& weights,
-                                 const SeaParameters<double>& start, const Suggestion& suggestion, const Layout& layout,
-                                 const FitOptions& options, const RolloutOptions& rollout_options) {
+LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
+                                 const std::vector<double>& weights, const SeaParameters<double>& start,
+                                 const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
+                                 const RolloutOptions& rollout_options) {
   LeastSquaresProblem problem;
   const auto u = ukemi::constants(start);
   for (const int c : layout.constants) {
@@ -102,11 +106,13 @@ LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial
     const double size = u[k] > 0 ? u[k] : typical(c, suggestion);
     // i_motor divides Eq. 4: its bound of 0 is the smallest positive number that the model can be asked with.
     const double lower = c == 4 ? std::max(options.lower[k], 1e-6 * size) : options.lower[k];
-    problem.globals.push_back({kConstantNames[k], kConstantUnits[k], std::max(u[k], 0.1 * size), lower, options.upper[k], size});
+    problem.globals.push_back(
+        {kConstantNames[k], kConstantUnits[k], std::max(u[k], 0.1 * size), lower, options.upper[k], size});
   }
   if (layout.friction) {
     const double size = 0.01 * start.k_p > 0 ? 0.01 * start.k_p : 0.1;
-    problem.globals.push_back({"friction", "Nm", start.friction > 0 ? start.friction : size, 0, FitOptions::kInfinity, size});
+    problem.globals.push_back(
+        {"friction", "Nm", start.friction > 0 ? start.friction : size, 0, FitOptions::kInfinity, size});
   }
   const double inf = FitOptions::kInfinity;
   if (layout.initial_angle) problem.locals.push_back({"initial_angle", "rad", 0, -inf, inf, 0.01});
@@ -118,15 +124,17 @@ LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial
   for (std::size_t m = 0; m < prepared.size(); ++m) {
     const PreparedTrial* trial = &prepared[m];
     const double weight = weights[m];
-    problem.blocks.push_back(
-        {int(trial->trial->measurements()),
-         [=, &rig](const double* g, const double* l, double* r, double* jg, double* jl) {
-           if (!jg && !jl)
-             return evaluate<double>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
-           if (small)
-             return evaluate<ceres::Jet<double, kSmallJet>>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
-           return evaluate<ceres::Jet<double, kLargeJet>>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
-         }});
+    problem.blocks.push_back({int(trial->trial->measurements()),
+                              [=, &rig](const double* g, const double* l, double* r, double* jg, double* jl) {
+                                if (!jg && !jl)
+                                  return evaluate<double>(rig, start, layout, *trial, rollout_options, weight, scale, g,
+                                                          l, r, jg, jl);
+                                if (small)
+                                  return evaluate<ceres::Jet<double, kSmallJet>>(
+                                      rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
+                                return evaluate<ceres::Jet<double, kLargeJet>>(
+                                    rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
+                              }});
   }
   return problem;
 }
@@ -139,6 +147,7 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const SeaParam
   out.status = rollout(rig, sea, initial, prepared, options, out.phi, out.phi_m);
   if (out.status != RolloutStatus::kDone) {
     out.phi.clear(), out.phi_m.clear();
+    out.rms = std::numeric_limits<double>::quiet_NaN();
     return out;
   }
   double sum = 0;
@@ -162,13 +171,13 @@ double pooled(const std::vector<TrialResult>& trials, const std::vector<Trial>& 
 void warn_of_logs(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
   for (const Trial& t : trials)
     if (const int n = shortest_pulse(t); n > 0 && n < 8)
-      warnings.push_back(fmt::format("{}: a pulse of {} samples: below 8 the log loses part of the impulse and biases the fit",
-                                     t.file, n));
+      warnings.push_back(fmt::format(
+          "{}: a pulse of {} samples: below 8 the log loses part of the impulse and biases the fit", t.file, n));
 }
 
 /// The parameters, their errors and what can be said of them.
-void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, const Layout& layout, const FitOptions& options,
-            Fit& out) {
+void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, const Layout& layout,
+            const FitOptions& options, Fit& out) {
   const long dof = s.residuals - s.free_parameters;
   const double variance = dof > 0 ? s.cost / double(dof) : std::numeric_limits<double>::quiet_NaN();
   out.half_width = t_quantile_975(std::max(dof, 1l));
@@ -181,7 +190,8 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
   out.eigenvalues = s.eigenvalues;
   const auto estimate = [&](int g) {
     const Parameter& p = problem.globals[std::size_t(g)];
-    Estimate e{.name = p.name, .unit = p.unit, .value = s.globals[g], .std = {}, .at_bound = s.at_bound[std::size_t(g)]};
+    Estimate e{
+        .name = p.name, .unit = p.unit, .value = s.globals[g], .std = {}, .at_bound = s.at_bound[std::size_t(g)]};
     if (const double v = out.covariance(g, g); v >= 0 && std::isfinite(v)) {
       e.std = std::sqrt(v);
       e.ci_low = e.value - out.half_width * *e.std, e.ci_high = e.value + out.half_width * *e.std;
@@ -193,7 +203,8 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
   for (int c = 0, g = 0; c < kConstants; ++c) {
     const auto k = std::size_t(c);
     if (!options.free[k]) {
-      out.parameters.push_back({.name = kConstantNames[k], .unit = kConstantUnits[k], .value = u[k], .std = {}, .free = false});
+      out.parameters.push_back(
+          {.name = kConstantNames[k], .unit = kConstantUnits[k], .value = u[k], .std = {}, .free = false});
       continue;
     }
     out.fitted.push_back(kConstantNames[k]);
@@ -206,8 +217,9 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
       out.warnings.push_back(e.name + " is not determined by these trials");
     } else if (out.half_width * *e.std > 0.5 * std::abs(e.value)) {
       out.identifiable = false;
-      out.warnings.push_back(fmt::format("{} is not identifiable: the 95 % interval is {:.0f} % of its value either way", e.name,
-                                         100 * out.half_width * *e.std / std::abs(e.value)));
+      out.warnings.push_back(
+          fmt::format("{} is not identifiable: the 95 % interval is {:.0f} % of its value either way", e.name,
+                      100 * out.half_width * *e.std / std::abs(e.value)));
     }
   }
   if (layout.friction) {
@@ -218,7 +230,8 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
     for (int j = 0; j < i; ++j)
       if (std::abs(out.correlation(i, j)) > 0.95)
         out.warnings.push_back(fmt::format("{} and {} correlate by {:.3f}: these trials hardly tell them apart",
-                                           out.fitted[std::size_t(j)], out.fitted[std::size_t(i)], out.correlation(i, j)));
+                                           out.fitted[std::size_t(j)], out.fitted[std::size_t(i)],
+                                           out.correlation(i, j)));
   for (int l = 0; l < layout.locals(); ++l)
     for (int m = 0; m < int(problem.blocks.size()); ++m) {
       const Parameter& p = problem.locals[std::size_t(l)];
@@ -253,14 +266,14 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   };
   // Candidates, best first, judged on a coarse rollout of up to three trials. What is not free stays as given.
   const auto candidates = [&](std::uint64_t seed) {
-    const int kDraws = 240;
+    const int kDraws = 60;
     std::vector<SeaParameters<double>> drawn = draw_starts(suggestion, kDraws, seed);
     if (start) {  // half of them about the given start instead
-      const auto about = draw_starts({*start, 10, 10}, kDraws / 2, seed + 1);
+      const auto about = draw_starts({.centre = *start, .spread_gains = 10, .spread_rest = 10}, kDraws / 2, seed + 1);
       std::copy(about.begin(), about.end(), drawn.begin());
     }
     std::vector<PreparedTrial> few;
-    for (std::size_t m = 0; m < prepared.size() && few.size() < 3; m += std::max<std::size_t>(1, prepared.size() / 3))
+    for (std::size_t m = 0; m < prepared.size() && few.size() < 2; m += std::max<std::size_t>(1, prepared.size() / 2))
       few.push_back(prepared[m]);
     const RolloutOptions coarse{.accuracy = 1e-4, .escape = options.escape, .max_steps = 5000};
     std::vector<std::pair<double, std::size_t>> order;
@@ -278,7 +291,8 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
       order.emplace_back(cost_at(p, solver, x), i);
     }
     std::sort(order.begin(), order.end());
-    // The best, each at least a factor of 3 in some constant away from those before it: no two from one basin if possible.
+    // The best, each at least a factor of 3 in some constant away from those before it: no two from one basin if
+    // possible.
     std::vector<SeaParameters<double>> chosen;
     for (const auto& [cost, i] : order) {
       const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const SeaParameters<double>& c) {
@@ -315,8 +329,10 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     ++out.starts;
     if (s.usable && s.cost < best.cost * (1 - 1e-6)) times_found = 0;
     if (s.usable && s.cost < best.cost * (1 + 1e-6)) ++times_found;
-    if (s.usable && (s.cost < best.cost || !best.usable)) best = std::move(s), best_from = from;
-    else if (best.message.empty()) best.message = s.message;
+    if (s.usable && (s.cost < best.cost || !best.usable))
+      best = std::move(s), best_from = from;
+    else if (best.message.empty())
+      best.message = s.message;
   };
   if (start) {
     for (int c = 0; c < kConstants; ++c)
@@ -328,18 +344,21 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   }
   if (!believed(best)) {
     const auto list = candidates(options.seed);
-    constexpr int kSame = 4;  // the best minimum found so often is taken for the global one
+    constexpr int kSame = 5;  // the best minimum found so often is taken for the global one
     for (int i = 0; i < options.restarts && i < int(list.size()) && !believed(best) && times_found < kSame; ++i)
       attempt(list[std::size_t(i)]);
   }
   if (!best.usable) {
     out.sea = start.value_or(base);
-    out.message = "no start could be followed through the trials: " + (best.message.empty() ? "every rollout escapes or diverges"
-                                                                                            : best.message);
+    out.message = "no start could be followed through the trials: " +
+                  (best.message.empty() ? "every rollout escapes or diverges" : best.message);
     for (const PreparedTrial& t : prepared) out.trials.push_back(replay(rig, t, out.sea, {}, rollout_options));
     for (int c = 0; c < kConstants; ++c)
-      out.parameters.push_back({.name = kConstantNames[std::size_t(c)], .unit = kConstantUnits[std::size_t(c)],
-                                .value = ukemi::constants(out.sea)[std::size_t(c)], .std = {}, .free = options.free[std::size_t(c)]});
+      out.parameters.push_back({.name = kConstantNames[std::size_t(c)],
+                                .unit = kConstantUnits[std::size_t(c)],
+                                .value = ukemi::constants(out.sea)[std::size_t(c)],
+                                .std = {},
+                                .free = options.free[std::size_t(c)]});
     return out;
   }
 
@@ -369,13 +388,15 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   report(best, problem_from(best_from), layout, options, out);
   const double noise = std::sqrt(noise2 / measured);
   if (noise > 0 && out.rms > kFarAboveNoise * noise)
-    out.warnings.push_back(fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad after {} starts: the model "
-                                       "lacks something, or no start found the minimum",
-                                       out.rms, out.rms / noise, noise, out.starts));
+    out.warnings.push_back(
+        fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad after {} starts: the model "
+                    "lacks something, or no start found the minimum",
+                    out.rms, out.rms / noise, noise, out.starts));
   return out;
 }
 
-Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea, const FitOptions& options) {
+Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
+            const FitOptions& options) {
   options.validate();
   Fit out;
   warn_of_logs(trials, out.warnings);
@@ -395,8 +416,11 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
   out.rms = pooled(out.trials, trials, &TrialResult::rms);
   const auto u = constants(sea);
   for (int c = 0; c < kConstants; ++c)
-    out.parameters.push_back({.name = kConstantNames[std::size_t(c)], .unit = kConstantUnits[std::size_t(c)], .value = u[std::size_t(c)],
-                              .std = {}, .free = false});
+    out.parameters.push_back({.name = kConstantNames[std::size_t(c)],
+                              .unit = kConstantUnits[std::size_t(c)],
+                              .value = u[std::size_t(c)],
+                              .std = {},
+                              .free = false});
   return out;
 }
 

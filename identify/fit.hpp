@@ -33,7 +33,7 @@ struct FitOptions {
   enum class Weights { kEqual, kTrial } weights = Weights::kEqual;  ///< kTrial: 1 / each trial's own residual variance
   double accuracy = 1e-9;                                           ///< relative tolerance of the rollout
   double escape = kEscape;                                          ///< [rad]; infinite for multi-turn trials
-  int restarts = 8;          ///< further starts where the residual stays far above the noise
+  int restarts = 10;         ///< further starts where the residual stays far above the noise
   std::uint64_t seed = 1;    ///< of the drawn starts
   int max_iterations = 200;  ///< of the solver, each start
   void validate() const;     ///< throws InputError
@@ -56,7 +56,7 @@ struct Estimate {
 struct TrialResult {
   std::string file;
   std::size_t samples = 0;
-  double rms = 0;                  ///< over phi and, where measured, phi_motor [rad]
+  double rms = 0;                  ///< over phi and, where measured, phi_motor [rad]; NaN where the rollout failed
   double noise = 0;                ///< the log's own noise [rad]
   std::vector<double> phi, phi_m;  ///< predicted; empty where the rollout failed
   RolloutStatus status = RolloutStatus::kDone;
@@ -64,28 +64,29 @@ struct TrialResult {
 };
 
 struct Fit {
-  SeaParameters<double> sea;             ///< the result, tau_max and feedback included
-  std::vector<Estimate> parameters;      ///< the five constants, in order
+  SeaParameters<double> sea;         ///< the result, tau_max and feedback included
+  std::vector<Estimate> parameters;  ///< the five constants, in order
   std::vector<Estimate> nuisance;
-  std::vector<std::string> fitted;       ///< order of `covariance`: free constants, then friction
-  Eigen::MatrixXd covariance;            ///< NaN where not determined
+  std::vector<std::string> fitted;  ///< order of `covariance`: free constants, then friction
+  Eigen::MatrixXd covariance;       ///< NaN where not determined
   Eigen::MatrixXd correlation;
-  Eigen::VectorXd eigenvalues;           ///< of the scaled information, ascending, largest 1
-  double half_width = 1.96;              ///< 95 % interval in standard errors (Student's t)
-  double rms = 0;                        ///< unweighted, over every measured output [rad]
-  double cost = 0;                       ///< E(U) [rad^2]; weighted or robust where asked for
+  Eigen::VectorXd eigenvalues;  ///< of the scaled information, ascending, largest 1
+  double half_width = 1.96;     ///< 95 % interval in standard errors (Student's t)
+  double rms = 0;               ///< unweighted, over every measured output [rad]
+  double cost = 0;              ///< E(U) [rad^2]; weighted or robust where asked for
   bool converged = false, identifiable = false;
-  int iterations = 0;                    ///< of the start that won
-  int starts = 0;                        ///< how many were run
+  int iterations = 0;  ///< of the start that won
+  int starts = 0;      ///< how many were run
   std::vector<std::string> warnings;
   std::vector<TrialResult> trials;
-  std::string message;                   ///< why it did not converge
+  std::string message;  ///< why it did not converge
 };
 
-/// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max, feedback,
-/// stiffening, friction. A start at 0 is moved off it. Never throws on numbers: see Fit::converged.
-[[nodiscard]] Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<SeaParameters<double>>& start,
-                      const SeaParameters<double>& base, const FitOptions& options = {});
+/// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max,
+/// feedback, stiffening, friction. A start at 0 is moved off it. Never throws on numbers: see Fit::converged.
+[[nodiscard]] Fit fit(const Rig& rig, const std::vector<Trial>& trials,
+                      const std::optional<SeaParameters<double>>& start, const SeaParameters<double>& base,
+                      const FitOptions& options = {});
 
 /// The rig's motion for given constants against the logs, nothing fitted. rms is 0 where nothing is measured.
 [[nodiscard]] Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,

@@ -16,7 +16,8 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// r -> sign(r) sqrt(rho(r^2)) with Huber's rho, so that the sum of squares is the robust cost; scales the Jacobian's row.
+/// r -> sign(r) sqrt(rho(r^2)) with Huber's rho, so that the sum of squares is the robust cost; scales the Jacobian's
+/// row.
 void robustify(double delta, int n, double* r, double* j_global, int globals, double* j_local, int locals) {
   for (int i = 0; i < n; ++i) {
     const double a = std::abs(r[i]);
@@ -74,7 +75,8 @@ void set_bounds(ceres::Problem& problem, double* x, const std::vector<Parameter>
   }
 }
 
-/// Information of the globals with the locals eliminated block by block (Schur complement), and from it the covariances.
+/// Information of the globals with the locals eliminated block by block (Schur complement), and from it the
+/// covariances.
 void covariances(const LeastSquaresProblem& problem, const LeastSquaresOptions& options, const std::vector<double>& x,
                  std::vector<std::vector<double>>& locals, LeastSquaresSolution& out) {
   const int G = int(problem.globals.size()), L = int(problem.locals.size()), B = int(problem.blocks.size());
@@ -136,10 +138,11 @@ void covariances(const LeastSquaresProblem& problem, const LeastSquaresOptions& 
             problem.globals[std::size_t(free[std::size_t(j)])].scale;
   for (int b = 0; b < B && L > 0; ++b) {
     Eigen::MatrixXd of_free(F, L);
-    for (int i = 0; i < F; ++i) of_free.row(i) = cross[std::size_t(b)].row(free[std::size_t(i)]) / (d[i] > 0 ? d[i] : 1);
-    const Eigen::MatrixXd variance =
-        inverse[std::size_t(b)] +
-        inverse[std::size_t(b)] * of_free.transpose() * covariance * of_free * inverse[std::size_t(b)].transpose();
+    for (int i = 0; i < F; ++i)
+      of_free.row(i) = cross[std::size_t(b)].row(free[std::size_t(i)]) / (d[i] > 0 ? d[i] : 1);
+    const Eigen::MatrixXd variance = inverse[std::size_t(b)] + inverse[std::size_t(b)] * of_free.transpose() *
+                                                                   covariance * of_free *
+                                                                   inverse[std::size_t(b)].transpose();
     for (int l = 0; l < L; ++l) {
       const double scale = problem.locals[std::size_t(l)].scale;
       out.local_variance(b, l) = variance(l, l) > 0 ? variance(l, l) * scale * scale : kNaN;
@@ -201,7 +204,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   }
   out.locals.resize(long(problem.blocks.size()), long(problem.locals.size()));
   for (std::size_t b = 0; b < locals.size(); ++b)
-    for (std::size_t l = 0; l < problem.locals.size(); ++l) out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
+    for (std::size_t l = 0; l < problem.locals.size(); ++l)
+      out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
   if (out.usable) covariances(problem, options, x, locals, out);
   return out;
 }
@@ -212,7 +216,8 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
   double sum = 0;
   for (const ResidualBlock& block : problem.blocks) {
     std::vector<double> r(std::size_t(block.size));
-    if (!block.evaluate(globals.data(), local.data(), r.data(), nullptr, nullptr)) return std::numeric_limits<double>::infinity();
+    if (!block.evaluate(globals.data(), local.data(), r.data(), nullptr, nullptr))
+      return std::numeric_limits<double>::infinity();
     if (options.huber > 0) robustify(options.huber, block.size, r.data(), nullptr, 0, nullptr, 0);
     for (const double v : r) sum += v * v;
   }
@@ -220,7 +225,8 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
 }
 
 double t_quantile_975(long dof) {
-  // Cornish-Fisher expansion of Student's t about the normal quantile; exact enough (1e-3) from 3 degrees of freedom on.
+  // Cornish-Fisher expansion of Student's t about the normal quantile; exact enough (1e-3) from 3 degrees of freedom
+  // on.
   constexpr double z = 1.959963984540054;
   if (dof < 3) return dof == 2 ? 4.302652729911275 : 12.706204736432095;
   const double n = double(dof), z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;

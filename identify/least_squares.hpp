@@ -1,4 +1,5 @@
-// Bounded nonlinear least squares over any rollout: predicted minus measured, exact derivatives, rejected steps, covariance.
+// Bounded nonlinear least squares over any rollout: predicted minus measured, exact derivatives, rejected steps,
+// covariance.
 //
 // Parameters are global (shared by every block) or local (a block's own copy of the same list). They are scaled, never
 // logged, so that a bound at 0 can be reached. Ceres (trust region, Levenberg-Marquardt) is private to the .cpp.
@@ -22,7 +23,8 @@ struct Parameter {
 /// [size x globals] and [size x locals]; it returns false where the model cannot be evaluated (a rejected step).
 struct ResidualBlock {
   int size = 0;
-  std::function<bool(const double* global, const double* local, double* residuals, double* j_global, double* j_local)> evaluate;
+  std::function<bool(const double* global, const double* local, double* residuals, double* j_global, double* j_local)>
+      evaluate;
 };
 
 struct LeastSquaresProblem {
@@ -43,15 +45,15 @@ struct LeastSquaresSolution {
   bool usable = false;      ///< the start could be evaluated and no iterate was lost
   bool converged = false;
   int iterations = 0;
-  std::string message;                ///< the solver's reason
-  std::vector<bool> at_bound;         ///< of the globals
-  long residuals = 0;                 ///< n
-  /// Inverse of the Fisher information for unit residual variance, over the globals; rows and columns at a bound, and of what
-  /// the data do not determine, are NaN. Multiply by the residual variance.
+  std::string message;         ///< the solver's reason
+  std::vector<bool> at_bound;  ///< of the globals
+  long residuals = 0;          ///< n
+  /// Inverse of the Fisher information for unit residual variance, over the globals; rows and columns at a bound, and
+  /// of what the data do not determine, are NaN. Multiply by the residual variance.
   Eigen::MatrixXd global_covariance;
-  Eigen::MatrixXd local_variance;     ///< blocks x locals, the same for each local
-  Eigen::VectorXd eigenvalues;        ///< of the scaled information of the free globals, ascending, largest = 1
-  long free_parameters = 0;           ///< p
+  Eigen::MatrixXd local_variance;  ///< blocks x locals, the same for each local
+  Eigen::VectorXd eigenvalues;     ///< of the scaled information of the free globals, ascending, largest = 1
+  long free_parameters = 0;        ///< p
 };
 
 /// Minimises the sum of squares within the bounds. A start outside is moved inside.

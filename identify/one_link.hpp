@@ -1,4 +1,5 @@
-// The rig as a hybrid system: Eq. 5 with the actuator of Eq. 2-4. No floor, no gravity: nothing of them is in this kernel.
+// The rig as a hybrid system: Eq. 5 with the actuator of Eq. 2-4. No floor, no gravity: nothing of them is in this
+// kernel.
 #pragma once
 
 #include "common/integrate/hybrid.hpp"
@@ -53,8 +54,8 @@ class OneLinkSystem {
     if constexpr (kTerms.torque_limit) {
       if (value_of(sea.tau_max) == 0) return;
       const SeaState<double> s{value_of(y[kPhi]), value_of(y[kPhiM]), value_of(y[kOmega]), value_of(y[kOmegaM])};
-      const SeaParameters<double> p{0, 0, value_of(sea.k_sea), value_of(sea.c_sea), 1, value_of(sea.tau_max),
-                                    0, value_of(sea.k_sea_cubic)};
+      const SeaParameters<double> p{
+          0, 0, value_of(sea.k_sea), value_of(sea.c_sea), 1, value_of(sea.tau_max), 0, value_of(sea.k_sea_cubic)};
       const double tau = spring_torque<kTerms>(p, s), limit = p.tau_max,
                    rate = spring_torque_rate<kTerms>(p, s, value_of(dy[kOmega]), value_of(dy[kOmegaM]));
       if (saturation >= 0) out.set(kTorqueUpper, saturation ? tau - limit : limit - tau, saturation ? rate : -rate);

@@ -13,8 +13,10 @@ Rig read_rig(const std::string& path) {
   const auto joint = s.optional_number("inertia_joint", Range::positive());
   const auto mass = s.optional_number("mass", Range::positive());
   const auto com = s.optional_number("inertia_com", Range::positive());
-  if (joint && (mass || com)) s.fail("inertia_joint", "given beside mass and inertia_com: one of the two forms is needed");
-  if (!joint && !(mass && com)) s.fail("inertia_joint", "the key is missing: inertia_joint, or mass and inertia_com, is needed");
+  if (joint && (mass || com))
+    s.fail("inertia_joint", "given beside mass and inertia_com: one of the two forms is needed");
+  if (!joint && !(mass && com))
+    s.fail("inertia_joint", "the key is missing: inertia_joint, or mass and inertia_com, is needed");
   rig.inertia = joint ? *joint : *com + *mass * 0.25 * rig.length * rig.length;
   rig.tau_max = s.optional_number("tau_max", Range::non_negative());
   rig.gear_ratio = s.optional_number("gear_ratio", Range::positive());

@@ -16,7 +16,8 @@ struct Rig {
   std::optional<Feedback> feedback;  ///< what Eq. 3 feeds back
 };
 
-/// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5). Throws InputError.
+/// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5). Throws
+/// InputError.
 Rig read_rig(const std::string& path);
 
 }  // namespace ukemi::identify

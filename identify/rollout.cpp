@@ -6,9 +6,12 @@ namespace ukemi::identify {
 
 const char* name(RolloutStatus status) {
   switch (status) {
-    case RolloutStatus::kDone: return "done";
-    case RolloutStatus::kEscaped: return "the link escapes";
-    case RolloutStatus::kDiverged: return "the motion diverges";
+    case RolloutStatus::kDone:
+      return "done";
+    case RolloutStatus::kEscaped:
+      return "the link escapes";
+    case RolloutStatus::kDiverged:
+      return "the motion diverges";
   }
   return "?";
 }
@@ -29,8 +32,8 @@ PreparedTrial::PreparedTrial(const Trial& source) : trial(&source) {
     if (!stretches.empty() && constant) {
       Stretch& last = stretches.back();
       const Excitation& p = last.input;
-      if (p.force_rate == 0 && p.phi_ref_rate == 0 && p.dphi_ref_rate == 0 && p.force == e.force && p.phi_ref == e.phi_ref &&
-          p.dphi_ref == e.dphi_ref) {
+      if (p.force_rate == 0 && p.phi_ref_rate == 0 && p.dphi_ref_rate == 0 && p.force == e.force &&
+          p.phi_ref == e.phi_ref && p.dphi_ref == e.dphi_ref) {
         last.t_end = t[i + 1], last.last = i + 1;
         continue;
       }
@@ -43,8 +46,9 @@ PreparedTrial::PreparedTrial(const Trial& source) : trial(&source) {
 namespace {
 
 template <SeaTerms kTerms, class T>
-RolloutStatus run(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial, const PreparedTrial& trial,
-                  const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m) {
+RolloutStatus run(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
+                  const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
+                  std::vector<T>& phi_m) {
   using System = OneLinkSystem<kTerms, T>;
   System system(sea, rig.length, rig.inertia);
   const std::vector<double>& t = trial.trial->t;
@@ -57,6 +61,7 @@ RolloutStatus run(const Rig& rig, const SeaParameters<T>& sea, const InitialStat
   integrate::Integrator<integrate::DormandPrince853, System> integrator(
       system, t[0], y, {.accuracy = options.accuracy, .first_step = 1e-3, .max_step = 0.05});
   long steps = 0;
+  double paced = t[0];
   for (const PreparedTrial::Stretch& stretch : trial.stretches) {
     system.input = stretch.input;
     if (stretch.jumps) integrator.refresh();
@@ -65,9 +70,14 @@ RolloutStatus run(const Rig& rig, const SeaParameters<T>& sea, const InitialStat
       const integrate::Outcome outcome = integrator.step(stretch.t_end);
       if (outcome.status > integrate::Status::kEvent || ++steps > options.max_steps) return RolloutStatus::kDiverged;
       const double end = integrator.time();
-      // Constants too stiff for an explicit method show early: at this pace the trial would take more than max_steps.
-      if (steps % 500 == 0 && double(steps) * (t.back() - t[0]) > double(options.max_steps) * (end - t[0]) + 500)
-        return RolloutStatus::kDiverged;
+      // Constants too stiff for an explicit method show early: at the pace of the last steps the rest would take too
+      // many.
+      constexpr long kPace = 200;
+      if (steps % kPace == 0) {
+        if (double(kPace) * (t.back() - end) > double(options.max_steps) * (end - paced))
+          return RolloutStatus::kDiverged;
+        paced = end;
+      }
       const bool reached = outcome.status == integrate::Status::kReached;
       while (sample <= stretch.last && (t[sample] < end || reached)) {
         if (sample == stretch.last && reached) {
@@ -95,28 +105,33 @@ RolloutStatus run(const Rig& rig, const SeaParameters<T>& sea, const InitialStat
 }  // namespace
 
 template <class T>
-RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial, const PreparedTrial& trial,
-                      const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m) {
+RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
+                      const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
+                      std::vector<T>& phi_m) {
   // Value and derivative both count: a constant at 0 that is being fitted needs its term.
   const auto present = [](const T& x) {
-    if constexpr (std::is_same_v<T, double>) return x != 0;
-    else return x.a != 0 || !x.v.isZero(0);
+    if constexpr (std::is_same_v<T, double>)
+      return x != 0;
+    else
+      return x.a != 0 || !x.v.isZero(0);
   };
   const bool limited = std::isfinite(value_of(sea.tau_max));
   const bool extended = present(sea.friction) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
   const auto with = [&]<SeaTerms kTerms>() { return run<kTerms>(rig, sea, initial, trial, options, phi, phi_m); };
   if (extended)
-    return limited ? with.template operator()<SeaTerms{true, true}>() : with.template operator()<SeaTerms{false, true}>();
-  return limited ? with.template operator()<SeaTerms{true, false}>() : with.template operator()<SeaTerms{false, false}>();
+    return limited ? with.template operator()<SeaTerms{true, true}>()
+                   : with.template operator()<SeaTerms{false, true}>();
+  return limited ? with.template operator()<SeaTerms{true, false}>()
+                 : with.template operator()<SeaTerms{false, false}>();
 }
 
-template RolloutStatus rollout(const Rig&, const SeaParameters<double>&, const InitialState<double>&, const PreparedTrial&,
-                               const RolloutOptions&, std::vector<double>&, std::vector<double>&);
+template RolloutStatus rollout(const Rig&, const SeaParameters<double>&, const InitialState<double>&,
+                               const PreparedTrial&, const RolloutOptions&, std::vector<double>&, std::vector<double>&);
 using Small = ceres::Jet<double, kSmallJet>;
 using Large = ceres::Jet<double, kLargeJet>;
-template RolloutStatus rollout(const Rig&, const SeaParameters<Small>&, const InitialState<Small>&, const PreparedTrial&,
-                               const RolloutOptions&, std::vector<Small>&, std::vector<Small>&);
-template RolloutStatus rollout(const Rig&, const SeaParameters<Large>&, const InitialState<Large>&, const PreparedTrial&,
-                               const RolloutOptions&, std::vector<Large>&, std::vector<Large>&);
+template RolloutStatus rollout(const Rig&, const SeaParameters<Small>&, const InitialState<Small>&,
+                               const PreparedTrial&, const RolloutOptions&, std::vector<Small>&, std::vector<Small>&);
+template RolloutStatus rollout(const Rig&, const SeaParameters<Large>&, const InitialState<Large>&,
+                               const PreparedTrial&, const RolloutOptions&, std::vector<Large>&, std::vector<Large>&);
 
 }  // namespace ukemi::identify

@@ -19,9 +19,9 @@ struct PreparedTrial {
 
   struct Stretch {
     Excitation input;
-    double t_end;                    ///< [s]
-    std::size_t first, last;         ///< samples first < i <= last lie in it
-    bool jumps;                      ///< the reference jumps where it starts
+    double t_end;             ///< [s]
+    std::size_t first, last;  ///< samples first < i <= last lie in it
+    bool jumps;               ///< the reference jumps where it starts
   };
   const Trial* trial;
   std::vector<Stretch> stretches;
@@ -47,14 +47,15 @@ struct RolloutOptions {
   long max_steps = 10'000;  ///< beyond it the constants are too stiff to follow: diverged
 };
 
-/// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives pass
-/// through its events without a jump). On kEscaped or kDiverged the outputs are not complete.
+/// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives
+/// pass through its events without a jump). On kEscaped or kDiverged the outputs are not complete.
 template <class T>
 [[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
                                     const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                                     std::vector<T>& phi_m);
 
-/// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole registers.
+/// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole
+/// registers.
 inline constexpr int kSmallJet = 6, kLargeJet = 8;
 
 }  // namespace ukemi::identify

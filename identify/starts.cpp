@@ -61,7 +61,7 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   s.centre.k_sea = 2 * std::max(stiffness, 0.5 * s.centre.k_p);
   s.centre.c_sea = 0.3 * s.centre.k_sea / omega;
   s.centre.i_motor = s.centre.k_p / (omega * omega);
-  s.spread_gains = moments ? 2 : 30;
+  s.spread_gains = moments ? 1.2 : 30;
   s.spread_rest = 10;
   return s;
 }

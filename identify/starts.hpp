@@ -12,7 +12,8 @@
 namespace ukemi::identify {
 
 /// What the logs suggest without a fit. From rest to rest the motor and the link together give, torque limit or not,
-///     K_p int phi dt = int l cos(phi) F dt        and        K_p int t phi dt - K_d int phi dt = int t l cos(phi) F dt,
+///     K_p int phi dt = int l cos(phi) F dt        and        K_p int t phi dt - K_d int phi dt = int t l cos(phi) F
+///     dt,
 /// the rest is scaled from the link's inertia and the log's dominant angular frequency.
 struct Suggestion {
   SeaParameters<double> centre;

@@ -85,13 +85,15 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
       const auto& column = table.columns[std::size_t(c)];
       out.resize(column.size());
       for (std::size_t i = 0; i < column.size(); ++i) {
-        if (std::isnan(column[i])) throw InputError(table.at(c, i), "column '" + s.column + "': empty: a number is needed");
+        if (std::isnan(column[i]))
+          throw InputError(table.at(c, i), "column '" + s.column + "': empty: a number is needed");
         out[i] = column[i] * s.scale;
         if (is_angle(name) && name != "dphi_ref" && options.angles == TrialOptions::Angles::kOneTurn &&
             std::abs(out[i] / (name == "phi_motor" ? options.gear_ratio : 1)) > 2 * std::numbers::pi)
-          throw InputError(table.at(c, i), fmt::format("column '{}': {}: an angle beyond 2 pi rad; are these degrees? then name "
-                                                       "the column {}_deg (or --columns {}=..._deg); --multi-turn if it is meant",
-                                                       s.column, shortest(column[i]), name, name));
+          throw InputError(table.at(c, i),
+                           fmt::format("column '{}': {}: an angle beyond 2 pi rad; are these degrees? then name "
+                                       "the column {}_deg (or --columns {}=..._deg); --multi-turn if it is meant",
+                                       s.column, shortest(column[i]), name, name));
       }
     }
     if (out.empty() && given.count(name))
@@ -111,11 +113,10 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
   if (trial.t.empty()) missing("t");
   if (options.require_phi && trial.phi.empty()) missing("phi");
   if (trial.force.empty() && trial.phi_ref.empty())
-    throw InputError({path, table.header_line}, "no column 'force' or 'phi_ref': at least one excitation is needed" +
-                                                    hint("force", table.header));
+    throw InputError({path, table.header_line},
+                     "no column 'force' or 'phi_ref': at least one excitation is needed" + hint("force", table.header));
   if (!trial.dphi_ref.empty() && trial.phi_ref.empty()) missing("phi_ref");
-  if (trial.samples() < 2)
-    throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
+  if (trial.samples() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
   for (std::size_t i = 1; i < trial.t.size(); ++i)
     if (!(trial.t[i] > trial.t[i - 1]))
       throw InputError(table.at(index["t"], i), fmt::format("column 't': {}: time must increase; {} stands before it",
@@ -143,16 +144,20 @@ int shortest_pulse(const Trial& trial) {
 double noise_level(const std::vector<double>& x) {
   if (x.size() < 9) return 0;
   std::vector<double> d(x.size() - 4);
-  for (std::size_t i = 0; i + 4 < x.size(); ++i) d[i] = std::abs(x[i] - 4 * x[i + 1] + 6 * x[i + 2] - 4 * x[i + 3] + x[i + 4]);
+  for (std::size_t i = 0; i + 4 < x.size(); ++i)
+    d[i] = std::abs(x[i] - 4 * x[i + 1] + 6 * x[i + 2] - 4 * x[i + 3] + x[i + 4]);
   std::nth_element(d.begin(), d.begin() + long(d.size() / 2), d.end());
-  const double white = d[d.size() / 2] / (0.6744897501960817 * std::sqrt(70.0));  // median of |normal|; 1 + 16 + 36 + 16 + 1 = 70
+  const double white =
+      d[d.size() / 2] / (0.6744897501960817 * std::sqrt(70.0));  // median of |normal|; 1 + 16 + 36 + 16 + 1 = 70
   // A coarsely quantised log stands still most of the time: then its step, spread evenly, is the noise.
   double step = 0;
   std::size_t still = 0;
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     const double change = std::abs(x[i + 1] - x[i]);
-    if (change < 1e-12) ++still;
-    else step = step == 0 ? change : std::min(step, change);
+    if (change < 1e-12)
+      ++still;
+    else
+      step = step == 0 ? change : std::min(step, change);
   }
   return 2 * still > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
 }

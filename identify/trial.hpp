@@ -23,22 +23,24 @@ struct Trial {
 
 /// How a file's columns become a Trial.
 struct TrialOptions {
-  std::string columns;             ///< "t=Time,phi=-defl_deg,...": name here = name there; a leading minus flips the sign
-  bool require_phi = true;         ///< prediction can do without
+  std::string columns;      ///< "t=Time,phi=-defl_deg,...": name here = name there; a leading minus flips the sign
+  bool require_phi = true;  ///< prediction can do without
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;  ///< kOneTurn refuses |angle| > 2 pi
-  double gear_ratio = 1;           ///< divides phi_motor
+  double gear_ratio = 1;                                                 ///< divides phi_motor
 };
 
-/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor; suffixes _ms and _deg convert.
-/// Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name given), fewer than
-/// two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2 pi unless multi-turn.
+/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor; suffixes _ms and _deg
+/// convert. Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name
+/// given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2 pi unless
+/// multi-turn.
 Trial read_trial(const std::string& path, const TrialOptions& options = {});
 
 /// Fewest samples of any pulse of the force (a run above 5 % of the largest |force|); 0 without force.
 int shortest_pulse(const Trial& trial);
 
-/// Standard deviation of the measurement noise of a column, from the median of its fourth differences [same unit]; the signal
-/// must be slow against the sampling. A log that mostly stands still is taken as quantised: its smallest step / sqrt(12).
+/// Standard deviation of the measurement noise of a column, from the median of its fourth differences [same unit]; the
+/// signal must be slow against the sampling. A log that mostly stands still is taken as quantised: its smallest step /
+/// sqrt(12).
 double noise_level(const std::vector<double>& column);
 
 }  // namespace ukemi::identify

@@ -1,6 +1,6 @@
-// The landing robot as a hybrid system: Eq. 1 with the actuator of Eq. 2-4 and the floor of Sec. 2.4, one smooth mode at a
-// time. State: see Component; with kAccounts three further components integrate the work of the joint torque, of the floor
-// and on the motor, for the energy check.
+// The landing robot as a hybrid system: Eq. 1 with the actuator of Eq. 2-4 and the floor of Sec. 2.4, one smooth mode
+// at a time. State: see Component; with kAccounts three further components integrate the work of the joint torque, of
+// the floor and on the motor, for the energy check.
 #pragma once
 
 #include "common/integrate/hybrid.hpp"
@@ -52,7 +52,8 @@ class LandingSystem {
   Phase phase = Phase::kBefore;
   double motion_start = 0;  ///< time of the first touchdown [s]
 
-  /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in turn.
+  /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
+  /// turn.
   Pose<T> pose(const State& y) const {
     if (!(y[kTheta0] == theta0_ && y[kTheta1] == theta1_)) {
       using std::cos, std::sin;
@@ -74,7 +75,13 @@ class LandingSystem {
 
   /// Eq. 1-4 and Sec. 2.4 in the present mode.
   Field evaluate(double t, const State& y) const {
-    Field f{.pose = pose(y), .sea = sea_state(y), .tau_sea = T(0), .reference = reference(t), .force = {}, .acc = {}, .ddphi_m = T(0)};
+    Field f{.pose = pose(y),
+            .sea = sea_state(y),
+            .tau_sea = T(0),
+            .reference = reference(t),
+            .force = {},
+            .acc = {},
+            .ddphi_m = T(0)};
     Loads<T> load;
     for (int j = 0; j < kPoints; ++j) {
       f.force[j].setZero();
@@ -94,7 +101,8 @@ class LandingSystem {
     const Field f = evaluate(t, y);
     State dy;
     for (int i = 0; i < kVx; ++i) dy[i] = y[kVx + i];
-    dy[kVx] = f.acc.x, dy[kVy] = f.acc.y, dy[kOmega0] = f.acc.theta0, dy[kOmega1] = f.acc.theta1, dy[kOmegaM] = f.ddphi_m;
+    dy[kVx] = f.acc.x, dy[kVy] = f.acc.y, dy[kOmega0] = f.acc.theta0, dy[kOmega1] = f.acc.theta1,
+    dy[kOmegaM] = f.ddphi_m;
     if constexpr (kAccounts) {
       dy[kWorkJoint] = f.tau_sea * f.sea.dphi;
       T floor_power(0);
@@ -155,9 +163,7 @@ class LandingSystem {
   }
 
   /// Potential and kinetic energy of the links, and the motor's kinetic energy [J].
-  T link_energy(const State& y) const {
-    return kinetic_energy(link, pose(y)) + link.total_mass * link.gravity * y[kY];
-  }
+  T link_energy(const State& y) const { return kinetic_energy(link, pose(y)) + link.total_mass * link.gravity * y[kY]; }
   T motor_energy(const State& y) const { return T(0.5) * sea.i_motor * y[kOmegaM] * y[kOmegaM]; }
 
  private:

@@ -18,10 +18,15 @@ struct Entry {
   bool global;
 };
 const std::map<std::string, Entry>& entries() {
-  static const std::map<std::string, Entry> map = {
-      {"crs2", {NLOPT_GN_CRS2_LM, true}},      {"direct_l", {NLOPT_GN_DIRECT_L, true}}, {"isres", {NLOPT_GN_ISRES, true}},
-      {"esch", {NLOPT_GN_ESCH, true}},         {"mlsl", {NLOPT_G_MLSL_LDS, true}},      {"sbplx", {NLOPT_LN_SBPLX, false}},
-      {"nelder_mead", {NLOPT_LN_NELDERMEAD, false}}, {"cobyla", {NLOPT_LN_COBYLA, false}}, {"bobyqa", {NLOPT_LN_BOBYQA, false}}};
+  static const std::map<std::string, Entry> map = {{"crs2", {NLOPT_GN_CRS2_LM, true}},
+                                                   {"direct_l", {NLOPT_GN_DIRECT_L, true}},
+                                                   {"isres", {NLOPT_GN_ISRES, true}},
+                                                   {"esch", {NLOPT_GN_ESCH, true}},
+                                                   {"mlsl", {NLOPT_G_MLSL_LDS, true}},
+                                                   {"sbplx", {NLOPT_LN_SBPLX, false}},
+                                                   {"nelder_mead", {NLOPT_LN_NELDERMEAD, false}},
+                                                   {"cobyla", {NLOPT_LN_COBYLA, false}},
+                                                   {"bobyqa", {NLOPT_LN_BOBYQA, false}}};
   return map;
 }
 
@@ -59,12 +64,15 @@ const std::vector<std::string>& nlopt_names() {
 }
 bool is_global(const std::string& name) { return entries().at(name).global; }
 
-NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, const NloptStop& stop, std::uint64_t seed) {
+NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, const NloptStop& stop,
+                     std::uint64_t seed) {
   const auto it = entries().find(algorithm);
-  if (it == entries().end()) throw InputError("solver: " + quoted(algorithm) + ": not known" + hint(algorithm, nlopt_names()));
+  if (it == entries().end())
+    throw InputError("solver: " + quoted(algorithm) + ": not known" + hint(algorithm, nlopt_names()));
   const auto n = unsigned(problem.lower.size());
   using Handle = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
-  const Handle opt(nlopt_create(it->second.algorithm, n), &nlopt_destroy), local(nlopt_create(NLOPT_LN_SBPLX, n), &nlopt_destroy);
+  const Handle opt(nlopt_create(it->second.algorithm, n), &nlopt_destroy),
+      local(nlopt_create(NLOPT_LN_SBPLX, n), &nlopt_destroy);
   Run run{&problem, opt.get(), {problem.start, std::numeric_limits<double>::infinity(), 0, 0, ""}, nullptr};
   nlopt_srand(static_cast<unsigned long>(seed));  // per thread in NLopt
   nlopt_set_min_objective(opt.get(), trampoline, &run);

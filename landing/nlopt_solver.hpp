@@ -8,12 +8,13 @@
 
 namespace ukemi::landing {
 
-/// NLopt's algorithms by the names of the command line: crs2, direct_l, isres, esch, mlsl, sbplx, nelder_mead, cobyla, bobyqa.
+/// NLopt's algorithms by the names of the command line: crs2, direct_l, isres, esch, mlsl, sbplx, nelder_mead, cobyla,
+/// bobyqa.
 const std::vector<std::string>& nlopt_names();
 bool is_global(const std::string& name);
 
 struct NloptProblem {
-  std::function<double(const double* x)> f;  ///< may throw; the exception is rethrown by minimize
+  std::function<double(const double* x)> f;       ///< may throw; the exception is rethrown by minimize
   std::vector<double> lower, upper, start, step;  ///< step: initial step of local methods
 };
 struct NloptStop {
@@ -29,6 +30,7 @@ struct NloptResult {
 };
 
 /// Minimises; deterministic for a seed. The best point seen is kept by us, also where NLopt stops on roundoff.
-NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, const NloptStop& stop, std::uint64_t seed);
+NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, const NloptStop& stop,
+                     std::uint64_t seed);
 
 }  // namespace ukemi::landing

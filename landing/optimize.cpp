@@ -163,7 +163,8 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   options.validate();
   const Box box(scene, sea);
   Optimum out;
-  const Candidate best = options.solver == "auto" ? search(box, options, out.evaluations) : plain(box, options, out.evaluations);
+  const Candidate best =
+      options.solver == "auto" ? search(box, options, out.evaluations) : plain(box, options, out.evaluations);
   out.motion = box.motion(best.u.data());
   const SimulateOptions tight{.accuracy = options.accuracy};
   out.landing = peak_acceleration(scene, sea, out.motion, tight);

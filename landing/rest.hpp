@@ -1,11 +1,14 @@
 // When a landing is over: no later peak can exceed the running one.
 //
-// Rest is not a small speed alone (calibration: a fallen robot slides for many seconds and that is rest; a robot balanced on
-// one point is slow just before it topples and that is not). The rule, all of it at once, after the motion has ended:
+// Rest is not a small speed alone (calibration: a fallen robot slides for many seconds and that is rest; a robot
+// balanced on one point is slow just before it topples and that is not). The rule, all of it at once, after the motion
+// has ended:
 //   1. the spring torque is inside its limit, and the centre of mass, shifted by the tangential forces' lever
 //      (x - y F_x / W), lies inside the support that the pressed points span, with a margin m > 0;
-//   2. the energy that could still do something, E = kinetic energy without the common sliding + motor and spring energy
-//      about their equilibrium, is at most kBarrierShare of the barrier W (sqrt(m^2 + y^2) - y) to topple over either end;
+//   2. the energy that could still do something, E = kinetic energy without the common sliding + motor and spring
+//   energy
+//      about their equilibrium, is at most kBarrierShare of the barrier W (sqrt(m^2 + y^2) - y) to topple over either
+//      end;
 //   3. E is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak.
 // The thresholds are ours; test/property/rest.cpp proves them by sampling.
 #pragma once
@@ -27,8 +30,10 @@ bool at_rest(const LandingSystem<kTerms, kAccounts>& system, double t,
   const SeaParameters<double>& sea = system.sea;
   const double share = kImpactShare * 0.5 * sea.i_motor * y[kOmegaM] * y[kOmegaM];  // cheap refusals first
   const double mass = link.total_mass, weight = mass * link.gravity;
-  // (3) an impact with energy E on an effective mass of a quarter gives at most v C / m + v sqrt(K / m), v = sqrt(2 E / m)
-  const double m_eff = 0.25 * mass, per_speed = system.floor.damping_normal / m_eff + std::sqrt(system.floor.stiffness / m_eff);
+  // (3) an impact with energy E on an effective mass of a quarter gives at most v C / m + v sqrt(K / m), v = sqrt(2 E /
+  // m)
+  const double m_eff = 0.25 * mass,
+               per_speed = system.floor.damping_normal / m_eff + std::sqrt(system.floor.stiffness / m_eff);
   const double impact_energy = 0.5 * m_eff * (peak / per_speed) * (peak / per_speed);
   if (share > kImpactShare * kImpactShare * impact_energy) return false;
   const double limit = kImpactShare * impact_energy;

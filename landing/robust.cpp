@@ -46,8 +46,10 @@ TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea,
   out.samples = samples;
   for (std::size_t i = 0; i < points.size(); ++i) {
     out.failed = out.failed || peaks[i].end == End::kFailed;
-    if (i >= box) out.sampled = std::max(out.sampled, peaks[i].peak);
-    else if (peaks[i].peak > out.value) out.value = peaks[i].peak, out.worst = points[i];
+    if (i >= box)
+      out.sampled = std::max(out.sampled, peaks[i].peak);
+    else if (peaks[i].peak > out.value)
+      out.value = peaks[i].peak, out.worst = points[i];
   }
   return out;
 }

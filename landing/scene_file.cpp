@@ -49,7 +49,8 @@ Scene read_scene(const std::string& path) {
   if (auto search = file.optional("search")) {
     if (const auto phi = search->optional_angle_pair("phi")) {
       scene.search.phi = *phi;
-      if (!((*phi)[0] < (*phi)[1])) search->fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
+      if (!((*phi)[0] < (*phi)[1]))
+        search->fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
     }
     if (const auto d = search->optional_numbers("duration", 2, Range::positive())) {
       scene.search.duration = {(*d)[0], (*d)[1]};
@@ -81,8 +82,8 @@ std::string to_toml(const Motion& m, const std::string& comments) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   CsvWriter head;
   head.comment(comments);
-  return head.text() + fmt::format("[motion]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n", shortest(m.phi_i * kDegrees),
-                                   shortest(m.phi_f * kDegrees), shortest(m.duration));
+  return head.text() + fmt::format("[motion]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n",
+                                   shortest(m.phi_i * kDegrees), shortest(m.phi_f * kDegrees), shortest(m.duration));
 }
 
 }  // namespace ukemi::landing

@@ -8,8 +8,8 @@
 
 namespace ukemi::landing {
 
-/// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run] optional; an absent table or key
-/// is an absent term. Throws InputError with file:line:column.
+/// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run] optional; an absent table
+/// or key is an absent term. Throws InputError with file:line:column.
 Scene read_scene(const std::string& path);
 
 /// Reads motion.toml: [motion] phi_i_deg, phi_f_deg (or phi_i, phi_f in rad), duration.

@@ -7,8 +7,8 @@
 
 namespace ukemi::landing {
 
-Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const SimulateOptions& options,
-                        double peak, int draws, std::uint64_t seed) {
+Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                        const SimulateOptions& options, double peak, int draws, std::uint64_t seed) {
   constexpr double kMove = 1e-6, kCliff = 1e-3;
   Sensitivity out;
   SimulateOptions tighter = options;
@@ -19,8 +19,9 @@ Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, co
     Random random(seed, std::uint64_t(i));
     const auto move = [&](double& x) { x *= random.uniform() < 0.5 ? 1 - kMove : 1 + kMove; };
     Scene s = scene;
-    for (double* x : {&s.robot.mass[0], &s.robot.mass[1], &s.robot.inertia_com[0], &s.robot.inertia_com[1], &s.robot.link_length,
-                      &s.robot.gravity, &s.drop.height, &s.drop.forward_speed, &s.drop.pitch, &s.drop.pitch_rate})
+    for (double* x :
+         {&s.robot.mass[0], &s.robot.mass[1], &s.robot.inertia_com[0], &s.robot.inertia_com[1], &s.robot.link_length,
+          &s.robot.gravity, &s.drop.height, &s.drop.forward_speed, &s.drop.pitch, &s.drop.pitch_rate})
       move(*x);
     if (s.floor)
       for (double* x : {&s.floor->stiffness, &s.floor->damping_normal, &s.floor->damping_tangential}) move(*x);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/rest.hpp"
 
@@ -9,17 +10,21 @@ namespace ukemi::landing {
 
 const char* name(End end) {
   switch (end) {
-    case End::kRest: return "rest";
-    case End::kTimeLimit: return "t_end";
-    case End::kAbandoned: return "abandoned";
-    case End::kFailed: return "failed";
+    case End::kRest:
+      return "rest";
+    case End::kTimeLimit:
+      return "t_end";
+    case End::kAbandoned:
+      return "abandoned";
+    case End::kFailed:
+      return "failed";
   }
   return "?";
 }
 
 void SimulateOptions::validate() const {
   if (!(accuracy >= 1e-14 && accuracy <= 1e-2))
-    throw InputError("accuracy: " + std::to_string(accuracy) + ": a relative tolerance from 1e-14 to 1e-2 is needed");
+    throw InputError("accuracy: " + shortest(accuracy) + ": a relative tolerance from 1e-14 to 1e-2 is needed");
   if (max_steps < 1) throw InputError("max_steps: " + std::to_string(max_steps) + ": at least 1 is needed");
 }
 
@@ -89,11 +94,15 @@ class PeakTracker {
       const Node n{s, f(s)};
       if (std::abs(n.q - b.q) < 1e-13 * b.q) return;
       if (s < b.s) {
-        if (n.q > b.q) c = b, b = n;
-        else a = n;
+        if (n.q > b.q)
+          c = b, b = n;
+        else
+          a = n;
       } else {
-        if (n.q > b.q) a = b, b = n;
-        else c = n;
+        if (n.q > b.q)
+          a = b, b = n;
+        else
+          c = n;
       }
     }
   }
@@ -141,7 +150,8 @@ class Recorder {
         row(system, next_row(), integrator.dense().at(step.h > 0 ? (next_row() - step.t) / step.h : 0));
     for (int i = kWorkJoint; i < kWithAccounts; ++i) turned_ += std::abs(step.y_end[i] - work_[i - kWorkJoint]);
     work_ = step.y_end.template tail<3>();
-    const double links = system.link_energy(step.y_end) - energy_start_ - step.y_end[kWorkJoint] - step.y_end[kWorkFloor];
+    const double links =
+        system.link_energy(step.y_end) - energy_start_ - step.y_end[kWorkJoint] - step.y_end[kWorkFloor];
     const double motor = system.motor_energy(step.y_end) - motor_start_ - step.y_end[kWorkMotor];
     mismatch_ = std::max({mismatch_, std::abs(links), std::abs(motor)});
   }
@@ -206,8 +216,8 @@ class Recorder {
     const auto f = system.evaluate(t, y);
     const Vec2<double> r = thigh_position(system.link, f.pose), v = thigh_velocity(system.link, f.pose),
                        a = thigh_acceleration(system.link, f.pose, f.acc);
-    return {t,          r.x(),      r.y(), y[kTheta0],  f.sea.phi, f.sea.phi_m,     v.x(),  v.y(), y[kOmega0],
-            f.sea.dphi, y[kOmegaM], a.x(), a.y(),       a.norm(),  f.tau_sea,       f.reference.phi, f.force};
+    return {t,          r.x(),      r.y(), y[kTheta0], f.sea.phi, f.sea.phi_m, v.x(),           v.y(),  y[kOmega0],
+            f.sea.dphi, y[kOmegaM], a.x(), a.y(),      a.norm(),  f.tau_sea,   f.reference.phi, f.force};
   }
 };
 
@@ -246,7 +256,8 @@ void run(const Scene& scene, const SeaParameters<double>& sea, const Motion& mot
   const bool ballistic = scene.drop.pitch_rate == 0;
   if (ballistic) {
     const bool lands = scene.touches() && (g > 0 || scene.drop.height == 0);
-    const double fall = lands ? std::sqrt(g > 0 ? 2 * scene.drop.height / g : 0) : std::numeric_limits<double>::infinity();
+    const double fall =
+        lands ? std::sqrt(g > 0 ? 2 * scene.drop.height / g : 0) : std::numeric_limits<double>::infinity();
     t = std::min(fall, limit);
     peak.consider(g * g, 0);
     if constexpr (kReport) recorder.ballistic(system, scene.drop, y, t);
@@ -294,8 +305,10 @@ void run(const Scene& scene, const SeaParameters<double>& sea, const Motion& mot
       system.cross(outcome.event);
       integrator.refresh();
       if constexpr (kReport) {
-        if (touchdown) recorder.touchdown(Point(outcome.event), t);
-        else if (outcome.event < kPoints) recorder.liftoff(Point(outcome.event), t);
+        if (touchdown)
+          recorder.touchdown(Point(outcome.event), t);
+        else if (outcome.event < kPoints)
+          recorder.liftoff(Point(outcome.event), t);
         recorder.row(system, t, integrator.state());
       }
       continue;
@@ -323,12 +336,14 @@ void run(const Scene& scene, const SeaParameters<double>& sea, const Motion& mot
 }
 
 template <bool kReport>
-void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const SimulateOptions& options,
-              LandingPeak& out, Landing* landing, double rate) {
+void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+              const SimulateOptions& options, LandingPeak& out, Landing* landing, double rate) {
   const bool limited = std::isfinite(sea.tau_max), extended = is_extended(sea);
   const auto with = [&]<SeaTerms kTerms>() { run<kTerms, kReport>(scene, sea, motion, options, out, landing, rate); };
-  if (extended) limited ? with.template operator()<SeaTerms{true, true}>() : with.template operator()<SeaTerms{false, true}>();
-  else limited ? with.template operator()<SeaTerms{true, false}>() : with.template operator()<SeaTerms{false, false}>();
+  if (extended)
+    limited ? with.template operator()<SeaTerms{true, true}>() : with.template operator()<SeaTerms{false, true}>();
+  else
+    limited ? with.template operator()<SeaTerms{true, false}>() : with.template operator()<SeaTerms{false, false}>();
 }
 
 }  // namespace
@@ -341,8 +356,8 @@ LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& s
   return out;
 }
 
-Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const SimulateOptions& options,
-                 double rate) {
+Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                 const SimulateOptions& options, double rate) {
   Landing out;
   dispatch<true>(scene, sea, motion, options, out, &out, rate);
   return out;

@@ -21,10 +21,11 @@ const char* name(End end);
 
 struct SimulateOptions {
   double accuracy = 1e-9;  ///< relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why
-  double abandon_above = std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2]
-  long max_steps = 200'000;                                        ///< steps and events before a run is given up
-  enum class Rest { kStop, kIgnore } rest = Rest::kStop;           ///< kIgnore: follow to t_end whatever happens
-  void validate() const;                                           ///< throws InputError
+  double abandon_above =
+      std::numeric_limits<double>::infinity();            ///< give up once the running peak is above this [m/s^2]
+  long max_steps = 200'000;                               ///< steps and events before a run is given up
+  enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: follow to t_end whatever happens
+  void validate() const;                                  ///< throws InputError
 };
 
 /// What a search needs of a landing. Nothing in it allocates.
@@ -40,14 +41,14 @@ struct LandingPeak {
 /// A point meets the floor and leaves it.
 struct Touch {
   Point point;
-  double t_touchdown;      ///< from release [s]
-  double t_liftoff;        ///< when it rises through y = 0 again [s]; NaN if it never does
-  double peak_force = 0;   ///< largest |F_j| of this contact [N]
-  double peak_acc = 0;     ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
+  double t_touchdown;     ///< from release [s]
+  double t_liftoff;       ///< when it rises through y = 0 again [s]; NaN if it never does
+  double peak_force = 0;  ///< largest |F_j| of this contact [N]
+  double peak_acc = 0;    ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
 };
 
-/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Touchdowns of a point within
-/// kChatter of its last lift-off do not open an interval.
+/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Touchdowns of a point
+/// within kChatter of its last lift-off do not open an interval.
 struct Peak {
   double t;             ///< [s]
   double acceleration;  ///< [m/s^2]
@@ -63,9 +64,9 @@ struct Sample {
 
 /// Largest values that an actuator must stand, over the whole run.
 struct Demands {
-  double motor_speed = 0;       ///< max |dphi_m| [rad/s]
-  double motor_torque = 0;      ///< max |tau_mot| [Nm]
-  double sea_torque = 0;        ///< max |tau_SEA| [Nm]
+  double motor_speed = 0;           ///< max |dphi_m| [rad/s]
+  double motor_torque = 0;          ///< max |tau_mot| [Nm]
+  double sea_torque = 0;            ///< max |tau_SEA| [Nm]
   double phi_min = 0, phi_max = 0;  ///< range of the joint phi_1 [rad]
 };
 
@@ -78,13 +79,13 @@ struct Landing : LandingPeak {
   double energy_residual = 0;  ///< mismatch of the energy check over the energy turned over
 };
 
-/// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are taken
-/// at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
+/// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are
+/// taken at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
 [[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                             const SimulateOptions& options = {});
 
-/// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every 1/rate s
-/// from release and two at each event, its left and right limits.
+/// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every
+/// 1/rate s from release and two at each event, its left and right limits.
 [[nodiscard]] Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                const SimulateOptions& options = {}, double rate = 0);
 

@@ -9,8 +9,8 @@
 //                                                                                C = mu a^2 cos(theta_0 - theta_1)
 //                                                                                C' = mu a^2 sin(theta_0 - theta_1)
 // World: x forward, y up, floor at y = 0; u(theta) = (sin, -cos) points along a link, n(theta) = du/dtheta; a = l/2.
-// [1] Altangerel, Tsujita, Sekine, Abiko, Sec. 2.1, 2.2. The reduction is ours; test/property/two_link.cpp holds it against
-// a generic H(q) ddq + c + g build and against energy.
+// [1] Altangerel, Tsujita, Sekine, Abiko, Sec. 2.1, 2.2. The reduction is ours; test/property/two_link.cpp holds it
+// against a generic H(q) ddq + c + g build and against energy.
 #pragma once
 
 #include <Eigen/Core>
@@ -57,11 +57,11 @@ class TwoLinkDynamics {
         inertia1(r.inertia_com[1] + mu_a2) {}
 
   T total_mass, gravity;
-  T a;                           ///< half a link [m]
-  T k1;                          ///< m_1 / (m_0 + m_1)
-  std::array<T, kPoints> arm0;   ///< j0: a point is R + j0 u(theta_0) + j1 u(theta_1)
-  std::array<T, kPoints> arm1;   ///< j1
-  T mu_a2, inertia0, inertia1;   ///< mu a^2, A, B
+  T a;                          ///< half a link [m]
+  T k1;                         ///< m_1 / (m_0 + m_1)
+  std::array<T, kPoints> arm0;  ///< j0: a point is R + j0 u(theta_0) + j1 u(theta_1)
+  std::array<T, kPoints> arm1;  ///< j1
+  T mu_a2, inertia0, inertia1;  ///< mu a^2, A, B
 };
 
 /// Sines and cosines of both angles, position and rates of a state.

@@ -50,38 +50,52 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");
   std::optional<Scene> scene;
   if (!a.scene.empty()) scene = read_scene(a.scene), run.input(a.scene);
+  identify::Rig rig{};
+  std::vector<identify::Trial> trials;
+  if (!a.trials.empty()) {
+    rig = identify::read_rig(a.rig);
+    run.input(a.rig);
+    trials = read_trials(a.trials, rig, {}, run);
+  }
   Report report("Identified against nominal");
   report.paragraph("nominal: " + sets[0].name + "; identified: " + sets[1].name);
   Json summary;
 
   // The constants.
   CsvWriter csv = run.csv();
-  csv.comment("z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside its 95 % interval.");
-  csv.header({"parameter", "unit", "nominal", "identified", "difference", "difference_percent", "std", "z", "inside_ci95"});
+  csv.comment(
+      "z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside its 95 % "
+      "interval.");
+  csv.header(
+      {"parameter", "unit", "nominal", "identified", "difference", "difference_percent", "std", "z", "inside_ci95"});
   std::vector<std::vector<std::string>> table;
   for (const ParameterRow& r : parameter_rows(sets[0], sets[1])) {
     csv.cell(r.name).cell(r.unit).cell(r.nominal).cell(r.identified).cell(r.identified - r.nominal).cell(r.percent);
     csv.cell(r.std.value_or(NAN)).cell(r.z.value_or(NAN)).cell(r.inside ? (*r.inside ? "true" : "false") : "");
     csv.end_row();
     Json& j = summary["parameters"][r.name];
-    j = {{"nominal", r.nominal}, {"identified", r.identified}, {"difference", r.identified - r.nominal},
-         {"difference_percent", number(r.percent)}, {"std", number(r.std)}, {"z", number(r.z)}};
+    j = {{"nominal", r.nominal},
+         {"identified", r.identified},
+         {"difference", r.identified - r.nominal},
+         {"difference_percent", number(r.percent)},
+         {"std", number(r.std)},
+         {"z", number(r.z)}};
     j["inside_ci95"] = r.inside ? Json(*r.inside) : Json(nullptr);
-    table.push_back({r.name, fmt::format("{:.5g}", r.nominal), fmt::format("{:.5g}", r.identified), fmt::format("{:+.1f} %", r.percent),
-                     r.z ? fmt::format("{:+.1f}", *r.z) : "-", r.inside ? (*r.inside ? "yes" : "no") : "-"});
-    run.say(fmt::format("{:8} nominal {:<8.5g} identified {:<8.5g} {:>+8.1f} %  {}", r.name, r.nominal, r.identified, r.percent,
-                        r.z ? fmt::format("{:+.1f} standard errors", *r.z) : ""));
+    table.push_back({r.name, fmt::format("{:.5g}", r.nominal), fmt::format("{:.5g}", r.identified),
+                     fmt::format("{:+.1f} %", r.percent), r.z ? fmt::format("{:+.1f}", *r.z) : "-",
+                     r.inside ? (*r.inside ? "yes" : "no") : "-"});
+    run.say(fmt::format("{:8} nominal {:<8.5g} identified {:<8.5g} {:>+8.1f} %  {}", r.name, r.nominal, r.identified,
+                        r.percent, r.z ? fmt::format("{:+.1f} standard errors", *r.z) : ""));
   }
   run.add("parameters.csv", csv.text());
   report.heading("Constants");
-  report.table({"constant", "nominal", "identified", "difference", "in standard errors", "nominal inside the 95 % interval"}, table);
+  report.table(
+      {"constant", "nominal", "identified", "difference", "in standard errors", "nominal inside the 95 % interval"},
+      table);
 
   // Both sets on the trials.
   bool failed = false;
   if (!a.trials.empty()) {
-    const identify::Rig rig = identify::read_rig(a.rig);
-    run.input(a.rig);
-    const std::vector<identify::Trial> trials = read_trials(a.trials, rig, {}, run);
     identify::Fit fits[2];
     for (int s = 0; s < 2; ++s) {
       SeaParameters<double> sea = sets[s].sea;
@@ -92,13 +106,16 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
     }
     summary["residuals"] = Json::array();
     table.clear();
-    const auto rms = [](const identify::TrialResult& t) { return t.status == identify::RolloutStatus::kDone ? t.rms : NAN; };
+    const auto rms = [](const identify::TrialResult& t) {
+      return t.status == identify::RolloutStatus::kDone ? t.rms : NAN;
+    };
     for (std::size_t m = 0; m < trials.size(); ++m) {
       const double n = rms(fits[0].trials[m]), i = rms(fits[1].trials[m]);
       summary["residuals"].push_back({{"file", trials[m].file}, {"nominal", number(n)}, {"identified", number(i)}});
       table.push_back({trials[m].file, fmt::format("{:.4g}", n), fmt::format("{:.4g}", i)});
     }
-    run.say(fmt::format("residual rms over {} trials: nominal {:.4g} rad, identified {:.4g} rad", trials.size(), fits[0].rms, fits[1].rms));
+    run.say(fmt::format("residual rms over {} trials: nominal {:.4g} rad, identified {:.4g} rad", trials.size(),
+                        fits[0].rms, fits[1].rms));
     report.heading("Residuals on the trials, rms [rad]");
     report.table({"trial", "nominal", "identified"}, table);
   }
@@ -120,8 +137,9 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
     Landing landings[2][2];  // [motion][actuator]
     table.clear();
     for (int m = 0; m < 2; ++m) {
-      table.push_back({fmt::format("best for {}: {:.2f} to {:.2f} deg, {:.4f} s", kSets[m], best[m].motion.phi_i * kDegrees,
-                                   best[m].motion.phi_f * kDegrees, best[m].motion.duration)});
+      table.push_back(
+          {fmt::format("best for {}: {:.2f} to {:.2f} deg, {:.4f} s", kSets[m], best[m].motion.phi_i * kDegrees,
+                       best[m].motion.phi_f * kDegrees, best[m].motion.duration)});
       Json& peaks = summary["peaks"][std::string(kSets[m]) + "_motion"];
       for (int s = 0; s < 2; ++s) {
         landings[m][s] = simulate(*scene, sets[s].sea, best[m].motion, tight, 1000);
@@ -131,9 +149,10 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
       }
       summary["motions"][kSets[m]] = motion_json(best[m].motion);
       summary["tolerant_peaks"][kSets[m]] = number(best[m].tolerant.value);
-      run.say(fmt::format("motion best for {:10} ({:.2f}, {:.2f} deg, {:.4f} s): peak {:.5g} with nominal, {:.5g} with identified", kSets[m],
-                          best[m].motion.phi_i * kDegrees, best[m].motion.phi_f * kDegrees, best[m].motion.duration,
-                          landings[m][0].peak, landings[m][1].peak));
+      run.say(fmt::format(
+          "motion best for {:10} ({:.2f}, {:.2f} deg, {:.4f} s): peak {:.5g} with nominal, {:.5g} with identified",
+          kSets[m], best[m].motion.phi_i * kDegrees, best[m].motion.phi_f * kDegrees, best[m].motion.duration,
+          landings[m][0].peak, landings[m][1].peak));
     }
     report.heading("Peak |ddr_0| [m/s²] on " + scene->name);
     if (!scene->floor_source.empty()) report.paragraph("Floor constants: " + scene->floor_source + ".");
@@ -153,7 +172,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
     report.plot("t [s] after release", "|ddr_0| [m/s²], each best motion under its own actuator", series);
   }
   report.list(run.warnings());
-  run.add("report.html", report.html());
+  run.add("report.html", report.html(run.provenance()));
   if (out) *out = summary;
   return run.finish(summary, failed ? kNumbers : kDone);
 }
@@ -161,9 +180,11 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
 void add_compare(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<CompareArguments>();
   auto common = std::make_shared<CommonOptions>();
-  CLI::App* verb = app.add_subcommand("compare", "identified against nominal parameters: constants, residuals, best motions");
+  CLI::App* verb =
+      app.add_subcommand("compare", "identified against nominal parameters: constants, residuals, best motions");
   verb->add_option("--nominal", args->nominal, "actuator file (TOML)")->required();
-  verb->add_option("--identified", args->identified, "actuator file (TOML), with its covariance where there is one")->required();
+  verb->add_option("--identified", args->identified, "actuator file (TOML), with its covariance where there is one")
+      ->required();
   verb->add_option("--scene", args->scene, "scene file: best motions, each under both actuators");
   verb->add_option("--trials", args->trials, "trial files: residuals of both sets");
   verb->add_option("--rig", args->rig, "rig file, with --trials");

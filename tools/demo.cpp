@@ -66,7 +66,9 @@ int run_demo(CommonOptions common) {
   options.seed = common.seed, options.threads = common.threads;
   const Optimum of_table2 = optimize(scene, table2.sea, options);
   const SimulateOptions tight{.accuracy = 1e-12};
-  const auto constant = [&](const Scene& s) { return simulate(s, table2.sea, {-45 / kDegrees, -45 / kDegrees, 1}, tight); };
+  const auto constant = [&](const Scene& s) {
+    return simulate(s, table2.sea, {-45 / kDegrees, -45 / kDegrees, 1}, tight);
+  };
   const Landing held = constant(scene), played = simulate(scene, table2.sea, of_table2.motion, tight);
   const auto nth = [](const Landing& l) {  // which interval holds the peak
     int n = 0, at = 0;
@@ -85,19 +87,22 @@ int run_demo(CommonOptions common) {
   line("Table 2", of_table2.motion, of_table2.landing.peak, of_table2.tolerant.value);
   const Json& nominal = comparison["motions"]["nominal"];
   line("nominal",
-       {nominal["phi_i_deg"].get<double>() / kDegrees, nominal["phi_f_deg"].get<double>() / kDegrees, nominal["duration"].get<double>()},
+       {nominal["phi_i_deg"].get<double>() / kDegrees, nominal["phi_f_deg"].get<double>() / kDegrees,
+        nominal["duration"].get<double>()},
        comparison["peaks"]["nominal_motion"]["nominal"], comparison["tolerant_peaks"]["nominal"]);
 
   heading("paper | ukemi (Table 2; floor and pitch calibrated, not published)");
   Json table = Json::array();
-  const auto row = [&](const std::string& what, const std::string& paper, const std::string& ukemi, const std::string& note) {
+  const auto row = [&](const std::string& what, const std::string& paper, const std::string& ukemi,
+                       const std::string& note) {
     run.say(fmt::format("{:34} | {:30} | {:30} | {}", what, paper, ukemi, note));
     table.push_back({{"fact", what}, {"paper", paper}, {"ukemi", ukemi}, {"note", note}});
   };
   row("held at -45 deg: peak [m/s^2]", "466", fmt::format("{:.9g}", held.peak), "");
   row("held at -45 deg: contacts", "foot, knee, hip, knee, foot", order_of(held), "");
   row("held at -45 deg: peak at contact", "3", std::to_string(nth(held)), "");
-  row("best motion: peak [m/s^2]", "181", fmt::format("{:.5g}", played.peak), "a cliff stands beside it: see the next line");
+  row("best motion: peak [m/s^2]", "181", fmt::format("{:.5g}", played.peak),
+      "a cliff stands beside it: see the next line");
   row("  its tolerant peak [m/s^2]", "-", fmt::format("{:.5g}", of_table2.tolerant.value),
       fmt::format("played within {:g} deg, {:g} ms", scene.execution.phi * kDegrees, scene.execution.duration * 1e3));
   const std::string order = order_of(played);
@@ -105,16 +110,22 @@ int run_demo(CommonOptions common) {
       order == "foot, foot, knee, knee, foot" ? "" : "the order differs from the paper's");
   row("best motion: peak at contact", "3", std::to_string(nth(played)), "");
   row("reduction", "61 %", fmt::format("{:.1f} %", 100 * (1 - played.peak / held.peak)), "");
-  row("run time of the search", "890 s (GA, MATLAB)", "see time_s of optimize/summary.json", "other machine, other method");
+  row("run time of the search", "890 s (GA, MATLAB)", "see time_s of optimize/summary.json",
+      "other machine, other method");
   for (const char* other : {"paper_rough_a", "paper_rough_b", "paper_soft"})
-    row(fmt::format("{}: held at -45 deg", other), "466", fmt::format("{:.9g}", constant(read_scene(dataset(fmt::format("scenes/{}.toml", other)))).peak),
+    row(fmt::format("{}: held at -45 deg", other), "466",
+        fmt::format("{:.9g}", constant(read_scene(dataset(fmt::format("scenes/{}.toml", other)))).peak),
         "another calibrated floor");
 
   Json summary;
-  summary["identified"] = {{"motion", motion_json(best.motion)}, {"peak_acceleration", best.landing.peak}, {"tolerant_peak", best.tolerant.value}};
-  summary["table2"] = {{"motion", motion_json(of_table2.motion)}, {"peak_acceleration", of_table2.landing.peak},
+  summary["identified"] = {{"motion", motion_json(best.motion)},
+                           {"peak_acceleration", best.landing.peak},
+                           {"tolerant_peak", best.tolerant.value}};
+  summary["table2"] = {{"motion", motion_json(of_table2.motion)},
+                       {"peak_acceleration", of_table2.landing.peak},
                        {"tolerant_peak", of_table2.tolerant.value}};
-  summary["nominal"] = {{"motion", nominal}, {"peak_acceleration", comparison["peaks"]["nominal_motion"]["nominal"]},
+  summary["nominal"] = {{"motion", nominal},
+                        {"peak_acceleration", comparison["peaks"]["nominal_motion"]["nominal"]},
                         {"tolerant_peak", comparison["tolerant_peaks"]["nominal"]}};
   summary["paper"] = table;
   run.say("");

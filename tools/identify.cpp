@@ -25,7 +25,8 @@ std::size_t constant_index(const std::string& option, const std::string& name) {
   const std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
   for (std::size_t i = 0; i < known.size(); ++i)
     if (known[i] == name) return i;
-  throw InputError(option + ": " + quoted(name) + ": one of k_p, k_d, k_sea, c_sea, i_motor is needed" + hint(name, known));
+  throw InputError(option + ": " + quoted(name) + ": one of k_p, k_d, k_sea, c_sea, i_motor is needed" +
+                   hint(name, known));
 }
 
 double to_number(const std::string& option, const std::string& text) {
@@ -58,9 +59,12 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   const std::vector<std::string> later = {"encoder_offset", "force_gain", "force_bias", "time_shift", "stiffening"};
   for (const std::string& name : split(a.nuisance)) {
     using Term = identify::NuisanceTerms::Term;
-    if (name == "friction") o.nuisance.friction = Term::kFitted;
-    else if (name == "initial_angle") o.nuisance.initial_angle = Term::kFitted;
-    else if (name == "initial_rate") o.nuisance.initial_rate = Term::kFitted;
+    if (name == "friction")
+      o.nuisance.friction = Term::kFitted;
+    else if (name == "initial_angle")
+      o.nuisance.initial_angle = Term::kFitted;
+    else if (name == "initial_rate")
+      o.nuisance.initial_rate = Term::kFitted;
     else if (std::find(later.begin(), later.end(), name) != later.end())
       throw InputError("--nuisance: " + quoted(name) + ": this term is not in this version");
     else
@@ -75,8 +79,10 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   } else if (a.loss != "none") {
     throw InputError("--loss: " + quoted(a.loss) + ": none or huber:DELTA is needed");
   }
-  if (a.weights == "trial") o.weights = identify::FitOptions::Weights::kTrial;
-  else if (a.weights != "equal") throw InputError("--weights: " + quoted(a.weights) + ": equal or trial is needed");
+  if (a.weights == "trial")
+    o.weights = identify::FitOptions::Weights::kTrial;
+  else if (a.weights != "equal")
+    throw InputError("--weights: " + quoted(a.weights) + ": equal or trial is needed");
   o.validate();
   return o;
 }
@@ -115,7 +121,8 @@ std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, 
       const double phi = t.phi.empty() ? kNone : t.phi[i], sim = r.phi.empty() ? kNone : r.phi[i];
       csv.cell(long(m + 1)).cell(t.t[i]).cell(phi).cell(sim).cell(sim - phi);
       if (motor) {
-        const double measured = t.phi_motor.empty() ? kNone : t.phi_motor[i], sim_m = r.phi_m.empty() ? kNone : r.phi_m[i];
+        const double measured = t.phi_motor.empty() ? kNone : t.phi_motor[i],
+                     sim_m = r.phi_m.empty() ? kNone : r.phi_m[i];
         csv.cell(measured).cell(sim_m).cell(sim_m - measured);
       }
       csv.end_row();
@@ -142,7 +149,8 @@ std::string report_html(const Run& run, const std::string& title, const std::vec
     rows.clear();
     for (long i = 0; i < fit.correlation.rows(); ++i) {
       rows.push_back({fit.fitted[std::size_t(i)]});
-      for (long j = 0; j < fit.correlation.cols(); ++j) rows.back().push_back(fmt::format("{:.3f}", fit.correlation(i, j)));
+      for (long j = 0; j < fit.correlation.cols(); ++j)
+        rows.back().push_back(fmt::format("{:.3f}", fit.correlation(i, j)));
     }
     std::vector<std::string> header = {""};
     header.insert(header.end(), fit.fitted.begin(), fit.fitted.end());
@@ -167,11 +175,7 @@ std::string report_html(const Run& run, const std::string& title, const std::vec
       series.push_back({"motor, predicted", trials[m].t, fit.trials[m].phi_m});
     report.plot("t [s]", "phi_1 [rad]", series);
   }
-  report.heading("Provenance");
-  std::vector<std::string> lines;
-  for (const auto& [key, value] : run.provenance()) lines.push_back(key + ": " + value);
-  report.list(lines);
-  return report.html();
+  return report.html(run.provenance());
 }
 
 }  // namespace
@@ -205,24 +209,31 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   if (!predict && !start)
     for (int i = 0; i < kConstants; ++i)
       if (!options.free[std::size_t(i)])
-        throw InputError("--free: " + std::string(kConstantNames[std::size_t(i)]) + " is not free and needs a value: give --start");
+        throw InputError("--free: " + std::string(kConstantNames[std::size_t(i)]) +
+                         " is not free and needs a value: give --start");
 
   // tau_max and feedback: the rig's, else the given actuator's, else no limit and Eq. 3 as printed.
   SeaParameters<double> base{};
   if (start) base = start->sea;
   base.tau_max = rig.tau_max.value_or(base.tau_max);
   base.feedback = rig.feedback.value_or(base.feedback);
-  const std::string assumed =
-      fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
-                  std::isfinite(base.tau_max) ? fmt::format("{:g} Nm ({})", base.tau_max, rig.tau_max ? "rig" : "actuator")
-                                              : std::string("no limit (neither rig nor actuator names one)"),
-                  name(base.feedback), rig.feedback ? "rig" : start ? "actuator" : "default");
+  const std::string assumed = fmt::format(
+      "tau_max: {}; Eq. 3 feeds back the {} angle ({})",
+      std::isfinite(base.tau_max) ? fmt::format("{:g} Nm ({})", base.tau_max, rig.tau_max ? "rig" : "actuator")
+                                  : std::string("no limit (neither rig nor actuator names one)"),
+      name(base.feedback),
+      rig.feedback ? "rig"
+      : start      ? "actuator"
+                   : "default");
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", trials.size()));
-  identify::Fit fit = predict ? identify::predict(rig, trials, base, options)
-                              : identify::fit(rig, trials, start ? std::optional(start->sea) : std::nullopt, base, options);
+  identify::Fit fit = predict
+                          ? identify::predict(rig, trials, base, options)
+                          : identify::fit(rig, trials, start ? std::optional(start->sea) : std::nullopt, base, options);
   for (const std::string& w : fit.warnings) run.warn(w);
-  if (!fit.converged) run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
+  if (!fit.converged && predict) run.warn(fit.message);
+  if (!fit.converged && !predict)
+    run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
 
   Json parameters, nuisance = Json::object(), rows = Json::array();
   for (const auto& e : fit.parameters) {
@@ -230,9 +241,12 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
     run.say(fmt::format("{:8} {:28} {}", e.name, text_of(e), e.unit));
   }
   for (const auto& e : fit.nuisance) {
-    if (e.trial < 0) nuisance[e.name] = estimate_json(e);
-    else nuisance[e.name].push_back(estimate_json(e));
-    run.say(fmt::format("{:8} {:28} {}", e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1), text_of(e), e.unit));
+    if (e.trial < 0)
+      nuisance[e.name] = estimate_json(e);
+    else
+      nuisance[e.name].push_back(estimate_json(e));
+    run.say(fmt::format("{:8} {:28} {}", e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1), text_of(e),
+                        e.unit));
   }
   for (const auto& t : fit.trials)
     rows.push_back({{"file", t.file}, {"samples", t.samples}, {"rms", number(t.rms)}, {"noise", number(t.noise)}});
@@ -270,7 +284,8 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   // Only what was determined goes into the covariance: a file holds numbers, not gaps.
   std::vector<long> determined;
   for (long i = 0; i < fit.covariance.rows(); ++i)
-    if (std::isfinite(fit.covariance(i, i))) determined.push_back(i), out.uncertain.push_back(fit.fitted[std::size_t(i)]);
+    if (std::isfinite(fit.covariance(i, i)))
+      determined.push_back(i), out.uncertain.push_back(fit.fitted[std::size_t(i)]);
   out.covariance = fit.covariance(determined, determined);
   out.provenance = run.provenance();
   if (!predict) {
@@ -289,22 +304,27 @@ void add_identify(CLI::App& app, Action& chosen) {
     auto common = std::make_shared<CommonOptions>();
     CLI::App* verb = predict ? app.add_subcommand("predict", "the rig's motion for given constants, against the log")
                              : app.add_subcommand("identify", "fit the actuator's constants to impact trials");
-    verb->add_option("TRIAL", args->trials, "trial files (CSV: t [s], phi [rad], force [N] and/or phi_ref [rad])")->required();
+    verb->add_option("TRIAL", args->trials, "trial files (CSV: t [s], phi [rad], force [N] and/or phi_ref [rad])")
+        ->required();
     verb->add_option("--rig", args->rig, "rig file (TOML)")->required();
     if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
-    verb->add_option("--columns", args->columns, "t=Time,phi=-defl_deg,...: columns by other names, a minus flips the sign");
+    verb->add_option("--columns", args->columns,
+                     "t=Time,phi=-defl_deg,...: columns by other names, a minus flips the sign");
     verb->add_flag_callback(
-        "--multi-turn", [args] { args->angles = identify::TrialOptions::Angles::kMultiTurn; }, "angles beyond 2 pi are meant");
+        "--multi-turn", [args] { args->angles = identify::TrialOptions::Angles::kMultiTurn; },
+        "angles beyond 2 pi are meant");
     verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
     if (!predict) {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
       verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
-      verb->add_option("--nuisance", args->nuisance, "fitted along: initial_angle, initial_rate (a trial each), friction");
+      verb->add_option("--nuisance", args->nuisance,
+                       "fitted along: initial_angle, initial_rate (a trial each), friction");
       verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
       verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
       verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
       verb->add_option("--weights", args->weights, "equal, or trial: 1 / each trial's own residual variance [equal]");
-      verb->add_flag_callback("--strict", [] { throw InputError("--strict: not in this version"); }, "not in this version");
+      verb->add_flag_callback(
+          "--strict", [] { throw InputError("--strict: not in this version"); }, "not in this version");
     }
     add_common(*verb, *common);
     verb->footer(predict ? "Example: ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"

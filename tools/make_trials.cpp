@@ -2,8 +2,8 @@
 //
 //     make_trials FOLDER      (the project's datasets/ folder; run once, the files are shipped)
 //
-// The rig of Eq. 5 with Table 2 and tau_max = 20 Nm, integrated by the classical Runge-Kutta method at 1e-5 s with the clamp of
-// Eq. 2 applied as it is: another method and a finer step than the fit uses.
+// The rig of Eq. 5 with Table 2 and tau_max = 20 Nm, integrated by the classical Runge-Kutta method at 1e-5 s with the
+// clamp of Eq. 2 applied as it is: another method and a finer step than the fit uses.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -59,13 +59,16 @@ void write(const std::string& path, const Hit& hit, Drive drive, std::uint64_t i
   double largest = 0, torque = 0;
   ukemi::Random random(kSeed, index);
   ukemi::CsvWriter csv;
-  csv.comment("SIMULATED impact trial, not a measurement. Written by tools/make_trials.cpp, seed " + std::to_string(kSeed) + ".");
-  csv.comment(fmt::format("Rig of Eq. 5: length {} m, inertia_joint {} kg m^2. Actuator (Table 2): k_p {} k_d {} k_sea {} c_sea {} "
-                          "i_motor {}; tau_max {} Nm (Table 1).",
-                          length, inertia, kP, kD, kSea, cSea, iMotor, tauMax));
+  csv.comment("SIMULATED impact trial, not a measurement. Written by tools/make_trials.cpp, seed " +
+              std::to_string(kSeed) + ".");
+  csv.comment(fmt::format(
+      "Rig of Eq. 5: length {} m, inertia_joint {} kg m^2. Actuator (Table 2): k_p {} k_d {} k_sea {} c_sea {} "
+      "i_motor {}; tau_max {} Nm (Table 1).",
+      length, inertia, kP, kD, kSea, cSea, iMotor, tauMax));
   csv.comment(fmt::format("Half-sine hit of {} N, {} ms at t = {} s; {}.", hit.newton, hit.seconds * 1e3, hit.start,
-                          drive == Drive::kSampled ? "the rig is driven by the sampled force, linear between samples"
-                                                   : "the rig is driven by the continuous half-sine, sampled afterwards"));
+                          drive == Drive::kSampled
+                              ? "the rig is driven by the sampled force, linear between samples"
+                              : "the rig is driven by the continuous half-sine, sampled afterwards"));
   csv.comment(fmt::format("Angle noise: normal, sigma {} rad. Units: s, N, rad.", kNoise));
   csv.header({"t", "force", "phi"});
   for (int row = 0; row < rows; ++row) {
@@ -80,8 +83,8 @@ void write(const std::string& path, const Hit& hit, Drive drive, std::uint64_t i
     }
   }
   ukemi::write_file(path, csv.text());
-  fmt::print("{}: {} N, {} ms, {:.2f} N s, largest angle {:.3f} rad, largest spring torque {:.1f} Nm{}\n", path, hit.newton,
-             hit.seconds * 1e3, 2 / std::numbers::pi * hit.newton * hit.seconds, largest, torque,
+  fmt::print("{}: {} N, {} ms, {:.2f} N s, largest angle {:.3f} rad, largest spring torque {:.1f} Nm{}\n", path,
+             hit.newton, hit.seconds * 1e3, 2 / std::numbers::pi * hit.newton * hit.seconds, largest, torque,
              torque > tauMax ? " (limited)" : "");
 }
 

@@ -30,7 +30,11 @@ Run::Run(std::string verb, const CommonOptions& options)
   require_writable_folder(options_.folder);
 }
 
-void Run::input(const std::string& path) { inputs_.emplace_back(path, checksum(path)); }
+void Run::input(const std::string& path) {
+  for (const auto& [known, sum] : inputs_)
+    if (known == path) return;
+  inputs_.emplace_back(path, checksum(path));
+}
 void Run::add(const std::string& name, std::string content) { files_[name] = std::move(content); }
 void Run::warn(const std::string& message) {
   warnings_.push_back(message);
@@ -78,13 +82,15 @@ int Run::finish(Json summary, int exit_code) {
   summary["time_s"] = seconds();
   summary["provenance"] = provenance_block;
   summary_ = std::move(summary);
-  add("summary.json", summary_.dump(2) + "\n");
+  // A file name may be no UTF-8: it is shown with replacement characters, never an error.
+  const std::string text = summary_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  add("summary.json", text);
   for (const auto& [name, content] : files_) {
     if (name == "report.html" && options_.report == CommonOptions::Report::kSkip) continue;
     write_file(options_.folder + "/" + name, content);
   }
   info("wrote " + options_.folder + "/");
-  if (options_.out == CommonOptions::Stdout::kJson) fmt::print("{}\n", summary_.dump(2));
+  if (options_.out == CommonOptions::Stdout::kJson) fmt::print("{}", text);
   return exit_code;
 }
 
@@ -98,7 +104,8 @@ std::string dataset(const std::string& relative) {
   roots.emplace_back(UKEMI_SOURCE_DATASETS);
   for (const fs::path& root : roots)
     if (fs::exists(root / relative, ec)) return (root / relative).string();
-  throw InputError("the shipped data are not found: " + relative + ": set UKEMI_DATASETS to the project's datasets folder");
+  throw InputError("the shipped data are not found: " + relative +
+                   ": set UKEMI_DATASETS to the project's datasets folder");
 }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }

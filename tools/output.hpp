@@ -53,7 +53,8 @@ class Run {
   const std::vector<std::string>& warnings() const { return warnings_; }
   double seconds() const;
 
-  /// Adds provenance to the summary, writes summary.json and the other files, prints the JSON with --json. Returns the exit code.
+  /// Adds provenance to the summary, writes summary.json and the other files, prints the JSON with --json. Returns the
+  /// exit code.
   int finish(Json summary, int exit_code);
   const Json& summary() const { return summary_; }
 
@@ -67,8 +68,8 @@ class Run {
   Json summary_;
 };
 
-/// A file of the shipped datasets, from any working directory: $UKEMI_DATASETS, beside the program, the source tree, or where it
-/// was installed.
+/// A file of the shipped datasets, from any working directory: $UKEMI_DATASETS, beside the program, the source tree, or
+/// where it was installed.
 std::string dataset(const std::string& relative);
 
 /// A number or null.

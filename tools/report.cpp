@@ -13,10 +13,14 @@ namespace {
 std::string escape(const std::string& s) {
   std::string out;
   for (const char c : s) {
-    if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '&') out += "&amp;";
-    else out += c;
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out += c;
   }
   return out;
 }
@@ -36,9 +40,17 @@ constexpr const char* kColours[] = {"#1f5fa8", "#c2452d", "#3c8a3f", "#8a5aa8"};
 Report::Report(const std::string& title) {
   html_ = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escape(title) +
           "</title><style>body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}"
-          "table{border-collapse:collapse;margin:1em 0}td,th{border-bottom:1px solid #ccc;padding:.25em .8em;text-align:right}"
+          "table{border-collapse:collapse;margin:1em 0}td,th{border-bottom:1px solid #ccc;padding:.25em "
+          ".8em;text-align:right}"
           "th:first-child,td:first-child{text-align:left}svg{max-width:100%;height:auto}</style></head><body><h1>" +
           escape(title) + "</h1>\n";
+}
+std::string Report::html(const std::vector<std::pair<std::string, std::string>>& provenance) {
+  heading("Provenance");
+  std::vector<std::string> lines;
+  for (const auto& [key, value] : provenance) lines.push_back(key + ": " + value);
+  list(lines);
+  return html_ + "</body></html>\n";
 }
 void Report::heading(const std::string& text) { html_ += "<h2>" + escape(text) + "</h2>\n"; }
 void Report::paragraph(const std::string& text) { html_ += "<p>" + escape(text) + "</p>\n"; }
@@ -72,25 +84,28 @@ void Report::plot(const std::string& x_label, const std::string& y_label, const 
   if (!(y1 > y0)) y0 -= 1, y1 += 1;
   const auto px = [&](double x) { return kLeft + (x - x0) / (x1 - x0) * (kWidth - kLeft - 15); };
   const auto py = [&](double y) { return kHeight - kBottom - (y - y0) / (y1 - y0) * (kHeight - kBottom - kTop); };
-  std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" aria-label=\"{} against {}\" "
-                                "font-size=\"12\" font-family=\"sans-serif\">",
-                                kWidth, kHeight, kWidth, escape(y_label), escape(x_label));
+  std::string svg = fmt::format(
+      "<svg viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" aria-label=\"{} against {}\" "
+      "font-size=\"12\" font-family=\"sans-serif\">",
+      kWidth, kHeight, kWidth, escape(y_label), escape(x_label));
   for (double step = tick_step(y1 - y0, 5), v = std::ceil(y0 / step) * step; v <= y1; v += step)
-    svg += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1f}\" "
-                       "text-anchor=\"end\">{:.4g}</text>",
-                       kLeft, kWidth - 15, py(v), py(v), kLeft - 6, py(v) + 4, std::abs(v) < 1e-12 * (y1 - y0) ? 0 : v);
+    svg += fmt::format(
+        "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1f}\" "
+        "text-anchor=\"end\">{:.4g}</text>",
+        kLeft, kWidth - 15, py(v), py(v), kLeft - 6, py(v) + 4, std::abs(v) < 1e-12 * (y1 - y0) ? 0 : v);
   for (double step = tick_step(x1 - x0, 8), v = std::ceil(x0 / step) * step; v <= x1; v += step)
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.4g}</text>", px(v), kHeight - kBottom + 18,
-                       std::abs(v) < 1e-12 * (x1 - x0) ? 0 : v);
-  svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text><text x=\"5\" y=\"14\">{}</text>", kWidth / 2,
-                     kHeight - 8, escape(x_label), escape(y_label));
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.4g}</text>", px(v),
+                       kHeight - kBottom + 18, std::abs(v) < 1e-12 * (x1 - x0) ? 0 : v);
+  svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text><text x=\"5\" y=\"14\">{}</text>",
+                     kWidth / 2, kHeight - 8, escape(x_label), escape(y_label));
   std::size_t n = 0;
   for (const Series& s : series) {
     const char* colour = kColours[n % 4];
     svg += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.3\" points=\"", colour);
     for (std::size_t i = 0; i < s.x.size(); ++i)
       if (std::isfinite(s.y[i])) svg += fmt::format("{:.1f},{:.1f} ", px(s.x[i]), py(s.y[i]));
-    svg += fmt::format("\"/><text x=\"{}\" y=\"14\" fill=\"{}\">{}</text>", 250 + 180 * double(n), colour, escape(s.name));
+    svg +=
+        fmt::format("\"/><text x=\"{}\" y=\"14\" fill=\"{}\">{}</text>", 250 + 180 * double(n), colour, escape(s.name));
     ++n;
   }
   html_ += svg + "</svg>\n";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ukemi::tools {
@@ -19,7 +20,8 @@ class Report {
   void list(const std::vector<std::string>& items);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
   void plot(const std::string& x_label, const std::string& y_label, const std::vector<Series>& series);
-  std::string html() const { return html_ + "</body></html>\n"; }
+  /// The page, closed by the provenance.
+  std::string html(const std::vector<std::pair<std::string, std::string>>& provenance);
 
  private:
   std::string html_;

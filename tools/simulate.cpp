@@ -17,10 +17,14 @@ using namespace landing;
 std::string failure(const LandingPeak& p) {
   const std::string at = fmt::format(" at t = {:.6g} s after {} steps", p.t_end, p.work.steps);
   switch (p.status) {
-    case integrate::Status::kTooSmall: return "the error control asks for steps below the resolution of time" + at;
-    case integrate::Status::kNotFinite: return "the accelerations are not finite" + at;
-    case integrate::Status::kStuck: return "too many events at one instant" + at;
-    default: return "the run needs more steps than are allowed" + at + " (is the scene stiff?)";
+    case integrate::Status::kTooSmall:
+      return "the error control asks for steps below the resolution of time" + at;
+    case integrate::Status::kNotFinite:
+      return "the accelerations are not finite" + at;
+    case integrate::Status::kStuck:
+      return "too many events at one instant" + at;
+    default:
+      return "the run needs more steps than are allowed" + at + " (is the scene stiff?)";
   }
 }
 
@@ -37,7 +41,8 @@ Json peaks_json(const Landing& l) {
   int n = 0;
   for (const Peak& p : l.peaks)
     if (p.point >= 0)
-      j.push_back({{"n", ++n}, {"t", p.t}, {"acceleration", p.acceleration}, {"contact", kPointNames[std::size_t(p.point)]}});
+      j.push_back(
+          {{"n", ++n}, {"t", p.t}, {"acceleration", p.acceleration}, {"contact", kPointNames[std::size_t(p.point)]}});
   return j;
 }
 std::string order_of(const Landing& l) {
@@ -59,10 +64,12 @@ Json ratings(const Motion& motion, const Landing& l, const Actuator& actuator, R
   j["tau_max"] = number(actuator.sea.tau_max);
   j["phi_1_deg"] = {d.phi_min * kDegrees, d.phi_max * kDegrees};
   if (actuator.speed_max && std::max(rate, d.motor_speed) > *actuator.speed_max)
-    run.warn(fmt::format("the robot could not follow: reference rate {:.3g} rad/s, motor speed {:.3g} rad/s; rated {:.3g} rad/s", rate,
-                         d.motor_speed, *actuator.speed_max));
+    run.warn(fmt::format(
+        "the robot could not follow: reference rate {:.3g} rad/s, motor speed {:.3g} rad/s; rated {:.3g} rad/s", rate,
+        d.motor_speed, *actuator.speed_max));
   if (std::isfinite(actuator.sea.tau_max) && d.motor_torque > actuator.sea.tau_max)
-    run.warn(fmt::format("the motor is asked for {:.3g} Nm; tau_max is {:.3g} Nm", d.motor_torque, actuator.sea.tau_max));
+    run.warn(
+        fmt::format("the motor is asked for {:.3g} Nm; tau_max is {:.3g} Nm", d.motor_torque, actuator.sea.tau_max));
   return j;
 }
 
@@ -75,14 +82,16 @@ struct SimulateArguments {
 
 std::string trajectory_csv(const Run& run, const Landing& l) {
   CsvWriter csv = run.csv();
-  csv.comment("t = 0 at release. Two rows with one t: left and right limit of an event. Units: s, m, rad, N, Nm; acc = |ddr_0|, m/s^2.");
-  std::vector<std::string> header = {"t",      "x_0",    "y_0",   "phi_0", "phi_1", "phi_m",   "dx_0",   "dy_0",
-                                     "dphi_0", "dphi_1", "dphi_m", "ddx_0", "ddy_0", "acc", "tau_sea", "phi_ref"};
+  csv.comment(
+      "t = 0 at release. Two rows with one t: left and right limit of an event. Units: s, m, rad, N, Nm; acc = "
+      "|ddr_0|, m/s^2.");
+  std::vector<std::string> header = {"t",      "x_0",    "y_0",    "phi_0", "phi_1", "phi_m", "dx_0",    "dy_0",
+                                     "dphi_0", "dphi_1", "dphi_m", "ddx_0", "ddy_0", "acc",   "tau_sea", "phi_ref"};
   for (const char* p : kPointNames) header.insert(header.end(), {fmt::format("f_{}_x", p), fmt::format("f_{}_y", p)});
   csv.header(header);
   for (const Sample& s : l.trajectory) {
-    std::vector<double> row = {s.t,   s.x0,    s.y0,    s.phi0,   s.phi1, s.phi_m, s.dx0, s.dy0,
-                               s.dphi0, s.dphi1, s.dphi_m, s.ddx0, s.ddy0, s.acc, s.tau_sea, s.phi_ref};
+    std::vector<double> row = {s.t,     s.x0,    s.y0,     s.phi0, s.phi1, s.phi_m, s.dx0,     s.dy0,
+                               s.dphi0, s.dphi1, s.dphi_m, s.ddx0, s.ddy0, s.acc,   s.tau_sea, s.phi_ref};
     for (const auto& f : s.force) row.insert(row.end(), {f.x(), f.y()});
     csv.row(row);
   }
@@ -129,7 +138,8 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   }
   const Sensitivity s = sensitivity(scene, actuator.sea, motion, options, l.peak);
   if (s.sensitive)
-    run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff", s.change));
+    run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff",
+                         s.change));
   summary["motion"] = motion_json(motion);
   summary["peak_acceleration"] = number(l.peak);
   summary["peak_time"] = number(l.t_peak);
@@ -144,22 +154,24 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   summary["ratings"] = ratings(motion, l, actuator, run);
   summary["steps"] = l.work.steps;
 
-  run.say(fmt::format("peak {:.10g} m/s^2 at t = {:.9g} s (estimated relative error {:.1g}{})", l.peak, l.t_peak, s.error_estimate,
-                      s.sensitive ? ", sensitive" : ""));
+  run.say(fmt::format("peak {:.10g} m/s^2 at t = {:.9g} s (estimated relative error {:.1g}{})", l.peak, l.t_peak,
+                      s.error_estimate, s.sensitive ? ", sensitive" : ""));
   run.say("contacts: " + order_of(l) + fmt::format("; end: {} at {:.4g} s", name(l.end), l.t_end));
 
   run.add("trajectory.csv", trajectory_csv(run, l));
   run.add("contacts.csv", contacts_csv(run, l));
   Report report("Landing: " + scene.name);
-  report.paragraph(fmt::format("Peak |ddr_0| {:.6g} m/s² at {:.6g} s after release; contacts: {}; ended by {} at {:.4g} s. Energy check: "
-                               "{:.1e} of the energy turned over.",
-                               l.peak, l.t_peak, order_of(l), name(l.end), l.t_end, l.energy_residual));
+  report.paragraph(fmt::format(
+      "Peak |ddr_0| {:.6g} m/s² at {:.6g} s after release; contacts: {}; ended by {} at {:.4g} s. Energy check: "
+      "{:.1e} of the energy turned over.",
+      l.peak, l.t_peak, order_of(l), name(l.end), l.t_end, l.energy_residual));
   if (!scene.floor_source.empty()) report.paragraph("Floor constants: " + scene.floor_source + ".");
   report.list(run.warnings());
   Series acc{"|ddr_0|", {}, {}}, phi{"phi_1", {}, {}}, ref{"phi_ref", {}, {}}, tau{"tau_SEA", {}, {}};
   for (const Sample& x : l.trajectory) {
     for (Series* p : {&acc, &phi, &ref, &tau}) p->x.push_back(x.t);
-    acc.y.push_back(x.acc), phi.y.push_back(x.phi1 * kDegrees), ref.y.push_back(x.phi_ref * kDegrees), tau.y.push_back(x.tau_sea);
+    acc.y.push_back(x.acc), phi.y.push_back(x.phi1 * kDegrees), ref.y.push_back(x.phi_ref * kDegrees),
+        tau.y.push_back(x.tau_sea);
   }
   report.plot("t [s]", "|ddr_0| [m/s²]", {acc});
   report.plot("t [s]", "joint [deg]", {phi, ref});
@@ -167,10 +179,10 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   std::vector<std::vector<std::string>> rows;
   for (const Touch& t : l.touches)
     rows.push_back({kPointNames[t.point], fmt::format("{:.6f}", t.t_touchdown),
-                    std::isnan(t.t_liftoff) ? "" : fmt::format("{:.6f}", t.t_liftoff), fmt::format("{:.4g}", t.peak_force),
-                    fmt::format("{:.4g}", t.peak_acc)});
+                    std::isnan(t.t_liftoff) ? "" : fmt::format("{:.6f}", t.t_liftoff),
+                    fmt::format("{:.4g}", t.peak_force), fmt::format("{:.4g}", t.peak_acc)});
   report.table({"point", "touchdown [s]", "lift-off [s]", "peak force [N]", "peak |ddr_0| [m/s²]"}, rows);
-  run.add("report.html", report.html());
+  run.add("report.html", report.html(run.provenance()));
   return run.finish(summary, l.end == End::kFailed ? kNumbers : kDone);
 }
 

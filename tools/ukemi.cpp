@@ -1,6 +1,7 @@
 // The program `ukemi`: see tools/docs or `ukemi --help`.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 
 #include "common/error.hpp"
@@ -10,11 +11,15 @@ namespace ukemi::tools {
 
 void add_common(CLI::App& verb, CommonOptions& o) {
   verb.add_option("-o,--output", o.folder, "folder for the results [./ukemi-out/VERB]")->type_name("DIR");
-  verb.add_flag_callback("--json", [&o] { o.out = CommonOptions::Stdout::kJson; }, "stdout carries one JSON object, nothing else");
-  verb.add_option("--threads", o.threads, "threads [all cores]; results do not depend on it")->check(CLI::Range(1, 4096));
-  verb.add_option("--seed", o.seed, "seed of every random draw [1]");
-  verb.add_flag_callback("--quiet", [&o] { o.messages = CommonOptions::Messages::kQuiet; }, "no messages on stderr but warnings");
-  verb.add_flag_callback("--no-report", [&o] { o.report = CommonOptions::Report::kSkip; }, "no report.html");
+  verb.add_flag_callback(
+      "--json", [&o] { o.out = CommonOptions::Stdout::kJson; }, "stdout carries one JSON object, nothing else");
+  verb.add_option("--threads", o.threads, "threads [all cores]; results do not depend on it")
+      ->check(CLI::Range(1, 4096));
+  verb.add_option("--seed", o.seed, "seed of every random draw [1]")->check(CLI::NonNegativeNumber);
+  verb.add_flag_callback(
+      "--quiet", [&o] { o.messages = CommonOptions::Messages::kQuiet; }, "no messages on stderr but warnings");
+  verb.add_flag_callback(
+      "--no-report", [&o] { o.report = CommonOptions::Report::kSkip; }, "no report.html");
 }
 
 namespace {
@@ -44,6 +49,10 @@ int run(int argc, char** argv) {
   add_demo(app, chosen);
   add_later(app, chosen);
   try {
+    std::vector<std::string> verbs;
+    for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+    if (argc > 1 && argv[1][0] != '-' && std::find(verbs.begin(), verbs.end(), argv[1]) == verbs.end())
+      throw InputError(quoted(argv[1]) + ": no such verb" + hint(argv[1], verbs));
     app.parse(argc, argv);
     return chosen();
   } catch (const CLI::ParseError& e) {

@@ -1,12 +1,14 @@
 // The adaptive driver for systems that are smooth between events.
 //
-// A system holds its discrete mode (which points touch, which limit acts) and offers guards: functions of the state that
-// are positive while the mode is right. The driver integrates the smooth field of the present mode, shortens the step that
-// would end beyond a guard's zero, and stops there; the owner changes the mode and goes on.
+// A system holds its discrete mode (which points touch, which limit acts) and offers guards: functions of the state
+// that are positive while the mode is right. The driver integrates the smooth field of the present mode, shortens the
+// step that would end beyond a guard's zero, and stops there; the owner changes the mode and goes on.
 //
 // Rules at and after an event:
-//   - a step never crosses a guard's zero: the step is retaken with the length at which the guard vanishes (Newton on the
-//     length, each iterate a full step of the method), so that the event is located to rounding of the discrete solution;
+//   - a step never crosses a guard's zero: the step is retaken with the length at which the guard vanishes (Newton on
+//   the
+//     length, each iterate a full step of the method), so that the event is located to rounding of the discrete
+//     solution;
 //   - the owner flips the guard's sign in `cross`; a guard that starts within rounding of zero and rises is left alone
 //     (no sticking), one that starts at or below zero and falls is an event of length zero (simultaneous touchdowns);
 //   - a step also looks inside itself: the cubic through both ends' values and rates is bounded by its Bernstein
@@ -48,7 +50,7 @@ struct Outcome {
 };
 
 struct Options {
-  double accuracy = 1e-8;   ///< relative tolerance of each step, and absolute in the system's units
+  double accuracy = 1e-8;    ///< relative tolerance of each step, and absolute in the system's units
   double first_step = 1e-4;  ///< [s]
   double max_step = std::numeric_limits<double>::infinity();  ///< [s]
 };
@@ -58,17 +60,18 @@ struct Counters {
   long steps = 0, rejected = 0, derivatives = 0, events = 0;
 };
 
-/// What a system offers. `derivative` is smooth for the present mode; `tolerance_unit(i)` is the size of component i below
-/// which it need not be relatively exact; only the first kControlled components steer the step.
+/// What a system offers. `derivative` is smooth for the present mode; `tolerance_unit(i)` is the size of component i
+/// below which it need not be relatively exact; only the first kControlled components steer the step.
 template <class S>
 concept HybridSystem = requires(const S& s, double t, const typename S::State& y, Guards<S::kGuards>& g) {
   { s.derivative(t, y) } -> std::same_as<typename S::State>;
-  { s.guards(t, y, y, g) };
+  {s.guards(t, y, y, g)};
   { s.tolerance_unit(0) } -> std::convertible_to<double>;
   S::kControlled;
 };
 
-/// Integrates `System` from event to event. The system is referenced, not owned; after an event change its mode, then go on.
+/// Integrates `System` from event to event. The system is referenced, not owned; after an event change its mode, then
+/// go on.
 template <class Tableau, class System>
 class Integrator {
  public:
@@ -151,8 +154,10 @@ class Integrator {
       shorten(c);
     }
     ++counters_.steps;
-    if (step_.h > 0) immediate_ = 0;
-    else if (++immediate_ > kMaxImmediate) return {Status::kStuck, event};
+    if (step_.h > 0)
+      immediate_ = 0;
+    else if (++immediate_ > kMaxImmediate)
+      return {Status::kStuck, event};
     if (event >= 0) {
       ++counters_.events;
       return {Status::kEvent, event, false};
@@ -201,13 +206,15 @@ class Integrator {
     return g.value[i];
   }
 
-  /// Where the cubic through two nodes first falls to zero, given that it does; and the place of its lowest interior point.
+  /// Where the cubic through two nodes first falls to zero, given that it does; and the place of its lowest interior
+  /// point.
   static double cubic(const Node& a, const Node& b, double s) {
     const double w = b.s - a.s, x = (s - a.s) / w, y = 1 - x;
     return y * y * ((1 + 2 * x) * a.g + x * w * a.d) + x * x * ((3 - 2 * x) * b.g - y * w * b.d);
   }
   static double cubic_minimum(const Node& a, const Node& b) {
-    const double w = b.s - a.s, c1 = w * a.d, c2 = 3 * (b.g - a.g) - w * (2 * a.d + b.d), c3 = 2 * (a.g - b.g) + w * (a.d + b.d);
+    const double w = b.s - a.s, c1 = w * a.d, c2 = 3 * (b.g - a.g) - w * (2 * a.d + b.d),
+                 c3 = 2 * (a.g - b.g) + w * (a.d + b.d);
     const double disc = c2 * c2 - 3 * c1 * c3;  // root of c1 + 2 c2 x + 3 c3 x^2 with positive curvature
     if (disc <= 0) return -1;
     const double root = std::sqrt(disc), x = c2 > 0 ? -c1 / (c2 + root) : (c3 != 0 ? (root - c2) / (3 * c3) : -1);
@@ -245,7 +252,8 @@ class Integrator {
     unsigned near = 0;
     for (int i = 0; i < kGuards; ++i) {
       if (i == known) continue;
-      const Node a{0, std::max(start_.value[i], 0.0), start_.rate[i] * step_.h}, b{1, end_.value[i], end_.rate[i] * step_.h};
+      const Node a{0, std::max(start_.value[i], 0.0), start_.rate[i] * step_.h},
+          b{1, end_.value[i], end_.rate[i] * step_.h};
       const double margin = 0.02 * (std::abs(a.d) + std::abs(b.d));
       if (bernstein_minimum(a, b) > (a.g > 0 ? margin : 0)) continue;
       const bool plain = a.g > margin && b.g < 0 && a.d < 0 && b.d < 0;
@@ -308,7 +316,8 @@ class Integrator {
 
   /// Retakes the step so that it ends on the zero of `c.guard`.
   void shorten(const Crossing& c) {
-    const double whole = step_.h, resolution = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(step_.t), whole);
+    const double whole = step_.h,
+                 resolution = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(step_.t), whole);
     step_.h = c.s * whole;
     for (int i = 0;; ++i) {
       advance();

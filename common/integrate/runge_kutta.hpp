@@ -34,9 +34,10 @@ class Step {
     stages<1>(f);
   }
 
-  /// The error norm of the step over the first `controlled` components, at most 1 where it is acceptable; tolerance(i, a, b) is
-  /// that of component i between values a and b. Derivatives count too, kDerivativeEase times more loosely: a field at rest has
-  /// no error in its values whatever the step, while its derivatives may be beyond the method's stability.
+  /// The error norm of the step over the first `controlled` components, at most 1 where it is acceptable; tolerance(i,
+  /// a, b) is that of component i between values a and b. Derivatives count too, kDerivativeEase times more loosely: a
+  /// field at rest has no error in its values whatever the step, while its derivatives may be beyond the method's
+  /// stability.
   static constexpr double kDerivativeEase = 1e3;
   template <class Tolerance>
   double error(int controlled, Tolerance&& tolerance) const {
@@ -46,13 +47,14 @@ class Step {
         const double inverse = 1 / tolerance(i, pick(y[i]), pick(y_end[i]));
         [&]<std::size_t... Q>(std::index_sequence<Q...>) {
           ((norm[Q] += square(estimate<Q>(i, pick, std::make_index_sequence<Tableau::kStages>{}) * inverse)), ...);
-        }(std::make_index_sequence<Tableau::kEstimates>{});
+        }
+        (std::make_index_sequence<Tableau::kEstimates>{});
       }
       for (double& n : norm) n = h * std::sqrt(n / controlled);
       return Tableau::error_norm(norm);
     };
     double worst = of([](const T& x) { return value_of(x); });
-    if constexpr (kDerivatives<T> > 0)
+    if constexpr (kDerivatives < T >> 0)
       for (int slot = 0; slot < kDerivatives<T>; ++slot) {
         const double e = of([slot](const T& x) { return derivative_of(x, slot); }) / kDerivativeEase;
         if (!(e <= worst)) worst = e;  // also where it is NaN

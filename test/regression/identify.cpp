@@ -1,0 +1,223 @@
+// The shipped simulated trials (truth: Table 2) and, where UKEMI_LAB_DATA is set, a measured arm.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "common/random.hpp"
+#include "identify/fit.hpp"
+
+using namespace ukemi;
+using namespace ukemi::identify;
+
+namespace {
+
+constexpr std::array<double, kConstants> kTruth = {50, 1, 65, 1.6, 0.085};  // Table 2
+
+std::vector<Trial> trials(const std::string& folder) {
+  std::vector<Trial> out;
+  for (int i = 1; i <= 8; ++i)
+    out.push_back(read_trial(UKEMI_DATASETS "/" + folder + "/trial_" + std::to_string(i) + ".csv"));
+  return out;
+}
+Rig rig() { return read_rig(UKEMI_DATASETS "/rigs/paper.toml"); }
+SeaParameters<double> limited() {
+  SeaParameters<double> base{};
+  base.tau_max = *rig().tau_max;
+  return base;
+}
+
+void check_truth(const Fit& f, double standard_errors) {
+  REQUIRE(f.converged);
+  CHECK(f.identifiable);
+  for (std::size_t i = 0; i < kConstants; ++i) {
+    const Estimate& e = f.parameters[i];
+    INFO(e.name << " " << e.value << " +- " << e.std.value_or(-1));
+    REQUIRE(e.std.has_value());
+    CHECK(std::abs(e.value - kTruth[i]) < standard_errors * *e.std);
+    CHECK(e.ci_low < e.value);
+    CHECK(e.value < e.ci_high);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("eight trials: every constant within 3 standard errors of the truth, residual at the noise") {
+  const Fit f = fit(rig(), trials("impact"), std::nullopt, limited());
+  check_truth(f, 3);
+  for (const Estimate& e : f.parameters) CHECK(*e.std < 1e-3 * e.value);  // 0.01 to 0.1 %
+  CHECK(f.rms == Approx(5e-4).epsilon(0.03));
+  CHECK(f.warnings.empty());
+  // Correlations mostly in pairs: K_p with K_SEA, K_d with C_SEA.
+  CHECK(f.correlation(0, 2) > 0.5);
+  CHECK(f.correlation(1, 3) > 0.5);
+
+  const Fit p = predict(rig(), {read_trial(UKEMI_DATASETS "/impact_validation/trial_9.csv")}, f.sea);
+  CHECK(p.rms == Approx(5e-4).epsilon(0.05));
+}
+
+TEST_CASE(
+    "eight trials driven by the continuous half-sine: the sampled force is not the true one, the fit still holds") {
+  check_truth(fit(rig(), trials("impact_continuous"), std::nullopt, limited()), 4);
+}
+
+TEST_CASE("twenty random starts up to 3x off in each constant end at one minimum") {
+  const auto logs = trials("impact");
+  const double cost = fit(rig(), logs, std::nullopt, limited()).cost;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    Random random(77, i);
+    SeaParameters<double> start = limited();
+    std::array<double, kConstants> u = kTruth;
+    for (double& x : u) x *= random.factor(3);
+    set_constants(start, u);
+    const Fit f = fit(rig(), logs, start, limited());
+    INFO("start " << i << " after " << f.starts << " starts");
+    CHECK(f.converged);
+    CHECK(std::abs(f.cost - cost) <= 1e-8 * cost);
+  }
+}
+
+TEST_CASE("a start at 0 is moved off it") {
+  const Fit f = fit(rig(), trials("impact"), limited(), limited());
+  check_truth(f, 3);
+  CHECK(f.warnings.size() == 5);
+}
+
+TEST_CASE("a bound at 0 is reached and reported: a rig without proportional gain") {
+  // Simulated here: the rollout itself with k_p = 0, and noise that pulls the estimate below 0 in about half of the
+  // draws.
+  SeaParameters<double> truth = limited();
+  set_constants(truth, std::array<double, kConstants>{0, 3, 65, 1.6, 0.085});
+  Trial log = trials("impact")[3];
+  const Fit exact = predict(rig(), {log}, truth);
+  REQUIRE(exact.trials[0].status == RolloutStatus::kDone);
+  int at_bound = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Random noise(seed);
+    for (std::size_t i = 0; i < log.samples(); ++i) log.phi[i] = exact.trials[0].phi[i] + 5e-4 * noise.normal();
+    const Fit f = fit(rig(), {log}, truth, limited());
+    REQUIRE(f.converged);
+    const Estimate& k_p = f.parameters[0];
+    INFO("seed " << seed << " k_p " << k_p.value);
+    CHECK(k_p.value >= 0);
+    CHECK(k_p.std.has_value() == !k_p.at_bound);
+    if (!k_p.at_bound) continue;
+    ++at_bound;
+    CHECK(k_p.value == 0);
+  }
+  CHECK(at_bound > 0);
+  CHECK(at_bound < 8);
+}
+
+TEST_CASE("constants that are not free stay, bounds hold") {
+  FitOptions o;
+  o.free = {true, false, true, false, true};
+  o.lower[2] = 70;
+  SeaParameters<double> start = limited();
+  set_constants(start, kTruth);
+  const Fit f = fit(rig(), trials("impact"), start, limited(), o);
+  CHECK(f.sea.k_d == 1);
+  CHECK(f.sea.c_sea == 1.6);
+  CHECK(f.sea.k_sea == 70);
+  CHECK(f.parameters[2].at_bound);
+  CHECK(f.covariance.rows() == 3);
+}
+
+TEST_CASE("no hit at all: nothing is determined, and the fit says so") {
+  Trial log = trials("impact")[0];
+  std::fill(log.force.begin(), log.force.end(), 0.0);
+  Random noise(5);
+  for (double& x : log.phi) x = 5e-4 * noise.normal();
+  SeaParameters<double> start = limited();
+  set_constants(start, kTruth);
+  const Fit f = fit(rig(), {log}, start, limited());
+  CHECK_FALSE(f.identifiable);
+  for (const Estimate& e : f.parameters) CHECK_FALSE(e.std.has_value());
+}
+
+TEST_CASE("a hit that makes the rig escape is a rejected rollout with a reason") {
+  Trial log = trials("impact")[7];
+  for (double& x : log.force) x *= 10;
+  SeaParameters<double> sea = limited();
+  set_constants(sea, kTruth);
+  const Fit f = predict(rig(), {log}, sea);
+  CHECK_FALSE(f.converged);
+  CHECK(f.trials[0].status == RolloutStatus::kEscaped);
+  CHECK(f.message.find("the link escapes") != std::string::npos);
+}
+
+TEST_CASE("outliers: Huber's loss keeps the constants, weights by trial keep a noisy trial from ruling") {
+  auto logs = trials("impact");
+  Random random(3);
+  for (std::size_t i = 0; i < logs[2].samples(); i += 25) logs[2].phi[i] += random.uniform(-0.05, 0.05);
+  FitOptions robust;
+  robust.huber = 1e-3;
+  robust.restarts = 0;
+  SeaParameters<double> start = limited();
+  set_constants(start, std::array<double, kConstants>{60, 1.2, 80, 1.2, 0.1});
+  const Fit plain = fit(rig(), logs, start, limited(), FitOptions{.restarts = 0}),
+            huber = fit(rig(), logs, start, limited(), robust);
+  REQUIRE(huber.converged);
+  double worst_plain = 0, worst_huber = 0;
+  for (std::size_t i = 0; i < kConstants; ++i) {
+    worst_plain = std::max(worst_plain, std::abs(plain.parameters[i].value / kTruth[i] - 1));
+    worst_huber = std::max(worst_huber, std::abs(huber.parameters[i].value / kTruth[i] - 1));
+  }
+  CHECK(worst_huber < 5e-3);
+  CHECK(worst_huber < 0.5 * worst_plain);
+  FitOptions weighted{.restarts = 0};
+  weighted.weights = FitOptions::Weights::kTrial;
+  const Fit by_trial = fit(rig(), logs, start, limited(), weighted);
+  CHECK(by_trial.converged);
+  CHECK(std::abs(by_trial.sea.k_sea / 65 - 1) < std::abs(plain.sea.k_sea / 65 - 1));
+}
+
+TEST_CASE("nuisance terms: an offset start and dry friction are found") {
+  // Simulated here from the rollout itself: friction 0.2 Nm, the link 0.02 rad off its reference and moving.
+  SeaParameters<double> truth = limited();
+  set_constants(truth, kTruth);
+  truth.friction = 0.2;
+  std::vector<Trial> logs = trials("impact");
+  for (std::size_t m = 0; m < logs.size(); ++m) {
+    const PreparedTrial prepared(logs[m]);
+    std::vector<double> phi, phi_m;
+    REQUIRE(rollout<double>(rig(), truth, {.angle = 0.02, .rate = -0.1}, prepared, {}, phi, phi_m) ==
+            RolloutStatus::kDone);
+    Random noise(11, m);
+    for (std::size_t i = 0; i < phi.size(); ++i) logs[m].phi[i] = phi[i] + 5e-4 * noise.normal();
+  }
+  FitOptions o;
+  o.restarts = 0;
+  o.nuisance.friction = o.nuisance.initial_angle = o.nuisance.initial_rate = NuisanceTerms::Term::kFitted;
+  SeaParameters<double> start = limited();
+  set_constants(start, std::array<double, kConstants>{55, 1.2, 70, 1.4, 0.09});
+  const Fit f = fit(rig(), logs, start, limited(), o);
+  check_truth(f, 3.5);
+  CHECK(f.sea.friction == Approx(0.2).epsilon(0.02));
+  REQUIRE(f.nuisance.size() == 17);
+  for (const Estimate& e : f.nuisance) {
+    INFO(e.name << " " << e.value << " +- " << e.std.value_or(-1));
+    REQUIRE(e.std.has_value());
+    const double expected = e.name == "friction" ? 0.2 : e.name == "initial_angle" ? 0.02 : -0.1;
+    CHECK(std::abs(e.value - expected) < 4 * *e.std);
+  }
+}
+
+TEST_CASE("a measured arm: K_SEA within 15 % of its nominal 1.813 Nm/rad") {
+  const char* lab = std::getenv("UKEMI_LAB_DATA");
+  if (!lab || !std::filesystem::exists(std::string(lab) + "/rotary_arm/step_up.csv")) {
+    WARN("skipped: UKEMI_LAB_DATA does not name a folder with rotary_arm/step_up.csv");
+    return;
+  }
+  const Rig arm{.length = 0.45, .inertia = 0.01418, .tau_max = {}, .gear_ratio = {}, .feedback = Feedback::kMotor};
+  SeaParameters<double> base{};
+  base.feedback = Feedback::kMotor;
+  FitOptions o;
+  o.nuisance.friction = o.nuisance.initial_angle = NuisanceTerms::Term::kFitted;
+  const Fit f = fit(arm, {read_trial(std::string(lab) + "/rotary_arm/step_up.csv")}, std::nullopt, base, o);
+  INFO("k_sea " << f.sea.k_sea << " rms " << f.rms);
+  CHECK(f.converged);
+  CHECK(f.sea.k_sea == Approx(1.813).epsilon(0.15));
+  CHECK(f.rms < 0.0065);
+  CHECK(f.sea.friction == Approx(0.07).epsilon(0.3));
+}

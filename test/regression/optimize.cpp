@@ -1,0 +1,61 @@
+// Eq. 6 on the paper's scene: what the default search reaches, and that its value is real.
+#include <catch2/catch.hpp>
+
+#include "common/actuator.hpp"
+#include "landing/optimize.hpp"
+#include "landing/scene_file.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+TEST_CASE("the default search ends at 181 or lower with the default seed, at 183 or lower with seeds 1 to 5") {
+  const Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    OptimizeOptions options;
+    options.seed = seed;
+    const Optimum o = optimize(scene, sea, options);
+    INFO("seed " << seed << " peak " << o.landing.peak);
+    REQUIRE(o.found);
+    CHECK(o.landing.peak <= (seed == OptimizeOptions{}.seed ? 181 : 183));
+    CHECK(o.evaluations <= options.evaluations);
+    const double tight = simulate(scene, sea, o.motion, {.accuracy = 1e-12}).peak;
+    CHECK(std::abs(tight - o.landing.peak) < 1e-6 * tight);
+    CHECK(o.tolerant.value >= o.landing.peak);
+    for (const double phi : {o.motion.phi_i, o.motion.phi_f}) {
+      CHECK(phi >= scene.search.phi[0]);
+      CHECK(phi <= scene.search.phi[1]);
+    }
+  }
+}
+
+TEST_CASE("a search does not depend on the number of threads") {
+  const Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper_soft.toml");
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  const auto run = [&](int threads) {
+    OptimizeOptions o;
+    o.evaluations = 1500, o.threads = threads, o.seed = 7;
+    return optimize(scene, sea, o);
+  };
+  const Optimum one = run(1), three = run(3);
+  CHECK(one.motion.phi_i == three.motion.phi_i);
+  CHECK(one.motion.phi_f == three.motion.phi_f);
+  CHECK(one.motion.duration == three.motion.duration);
+  CHECK(one.landing.peak == three.landing.peak);
+  CHECK(one.tolerant.value == three.tolerant.value);
+  CHECK(one.evaluations == three.evaluations);
+}
+
+TEST_CASE("every solver returns a motion of the range and its own best") {
+  const Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  for (const char* solver : {"crs2", "direct_l", "isres", "esch", "mlsl", "sbplx", "nelder_mead", "cobyla", "bobyqa"}) {
+    OptimizeOptions o;
+    o.solver = solver, o.evaluations = 300, o.tolerance_samples = 0;
+    const Optimum best = optimize(scene, sea, o);
+    INFO(solver << " " << best.landing.peak);
+    CHECK(best.found);
+    CHECK(best.landing.peak < 520);  // the median of random motions is 513
+    CHECK(best.evaluations >= 300);
+  }
+}

@@ -1,0 +1,143 @@
+// Landings computed independently in extended precision (datasets/reference, method in its README): peaks, order and
+// times of touchdowns at the default accuracy. The default, 1e-9, is chosen here: at 1e-8 the chattering case c019
+// comes within a factor of two of the 1e-6 that is promised, at 1e-9 every peak is within 1e-7.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "common/actuator.hpp"
+#include "landing/scene_file.hpp"
+#include "landing/simulate.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::vector<std::string> split(const std::string& line, char separator) {
+  std::vector<std::string> out;
+  std::stringstream s(line);
+  for (std::string x; std::getline(s, x, separator);) out.push_back(x);
+  return out;
+}
+
+struct Case {
+  std::string id, order;
+  Scene scene;
+  SeaParameters<double> sea;
+  Motion motion;
+  double peak;
+  std::vector<double> times;
+};
+
+std::vector<Case> cases() {
+  std::ifstream a(UKEMI_DATASETS "/reference/landing_cases.csv"), b(UKEMI_DATASETS "/reference/landing_peaks.csv");
+  std::string line;
+  std::getline(a, line);
+  const auto header = split(line, ',');
+  std::getline(b, line);
+  std::vector<Case> out;
+  while (std::getline(a, line)) {
+    const auto cells = split(line, ',');
+    std::map<std::string, double> v;
+    for (std::size_t i = 1; i < cells.size(); ++i) v[header[i]] = std::stod(cells[i]);
+    Case c;
+    c.id = cells[0];
+    c.scene.robot = {{v["m0"], v["m1"]}, {v["I0"], v["I1"]}, v["l"], v["g"]};
+    c.scene.contacts = {true, true, true};
+    c.scene.floor = Floor<double>{v["K_f"], v["C_fy"], v["C_fx"]};
+    c.scene.drop = {v["height"], v["forward_speed"], v["pitch_deg"] * kDegree, 0};
+    c.scene.t_end = v["t_end"];
+    c.sea = {v["k_p"], v["k_d"], v["k_sea"], v["c_sea"], v["i_motor"], v["tau_max"]};
+    c.motion = {v["phi_i_deg"] * kDegree, v["phi_f_deg"] * kDegree, v["duration"]};
+    REQUIRE(std::getline(b, line));
+    const auto p = split(line, ',');
+    REQUIRE(p[0] == c.id);
+    c.peak = std::stod(p[1]);
+    c.order = p[3];
+    for (const std::string& t : split(p[4], ';')) c.times.push_back(std::stod(t));
+    out.push_back(c);
+  }
+  return out;
+}
+
+std::string order_of(const Landing& l) {
+  std::string s;
+  for (const Touch& t : l.touches) s += "HKF"[t.point];
+  return s;
+}
+
+void check(const SimulateOptions& options, double tolerance_peak, double tolerance_time, double tolerance_chatter) {
+  const auto all = cases();
+  REQUIRE(all.size() == 80);
+  for (const Case& c : all) {
+    const Landing l = simulate(c.scene, c.sea, c.motion, options);
+    INFO(c.id << " peak " << l.peak << " reference " << c.peak << " order " << order_of(l) << " reference " << c.order);
+    REQUIRE(l.end != End::kFailed);
+    const bool chatters = c.id == "c019";
+    CHECK(std::abs(l.peak - c.peak) <= (chatters ? tolerance_chatter : tolerance_peak) * c.peak);
+    CHECK(peak_acceleration(c.scene, c.sea, c.motion, options).peak == l.peak);  // one run, reported or not
+    const std::string order = order_of(l);
+    if (chatters) {  // 202 touchdowns: only the first and the last are compared
+      CHECK(order.front() == c.order.front());
+      CHECK(order.back() == c.order.back());
+      continue;
+    }
+    // Exact up to rest: a run that ended there may lack later touchdowns, never have others.
+    if (l.end == End::kRest)
+      CHECK(c.order.substr(0, order.size()) == order);
+    else
+      CHECK(order == c.order);
+    for (std::size_t i = 0; i < std::min(order.size(), c.times.size()); ++i)
+      CHECK(std::abs(l.touches[i].t_touchdown - c.times[i]) <= tolerance_time);
+  }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "reference landings at the default accuracy: peaks within 1e-6, order exact up to rest, times within 1e-6 s") {
+  check({}, 1e-6, 1e-6, 1e-6);
+}
+
+TEST_CASE("reference landings at tight accuracy: peaks within 1e-8, the chattering one within 1e-7") {
+  check({.accuracy = 1e-12}, 1e-8, 1e-9, 1e-7);
+}
+
+TEST_CASE("published facts of the paper's landing and regression values of the calibrated floors") {
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  const SimulateOptions tight{.accuracy = 1e-12};
+  const auto land = [&](const std::string& scene, double phi_i, double phi_f, double duration) {
+    return simulate(read_scene(std::string(UKEMI_DATASETS "/scenes/") + scene + ".toml"), sea,
+                    {phi_i * kDegree, phi_f * kDegree, duration}, tight);
+  };
+  const Landing held = land("paper", -45, -45, 1);
+  CHECK(std::abs(held.peak - 466.171207916) < 5e-7);  // 466 m/s^2 in the paper
+  CHECK(order_of(held) == "FKHKF");                   // as printed
+  CHECK(held.peaks.size() == 6);                      // before the first touchdown, then five intervals
+  CHECK(std::abs(held.t_peak - 0.498515682975) < 1e-9);
+  const double times[] = {0.285568625, 0.461251336, 0.498515683, 0.732860483, 1.146607957};
+  for (std::size_t i = 0; i < 5; ++i) CHECK(std::abs(held.touches[i].t_touchdown - times[i]) < 2e-9);
+  CHECK(held.end == End::kRest);
+
+  const Landing best = land("paper", -27.418553, -79.011567, 0.175278);  // on a cliff
+  CHECK(std::abs(best.peak - 171.881381180) < 5e-9 * 171.9);
+  CHECK(order_of(best) == "FFKF");
+  CHECK(std::abs(land("paper", -27.206, -82.364, 0.16885).peak - 174.803141107) < 5e-9 * 174.8);
+  const Landing balanced = land("paper", -32.50056, -19.30209, 0.388696);
+  CHECK(std::abs(balanced.peak - 182.602492688) < 5e-9 * 182.6);
+  CHECK(order_of(balanced) == "FKHKFF");
+
+  for (const auto& [scene, peak] :
+       {std::pair{"paper_rough_a", 466.796217317}, {"paper_rough_b", 466.678983725}, {"paper_soft", 466.250632709}}) {
+    const Landing l = land(scene, -45, -45, 1);
+    INFO(scene);
+    CHECK(std::abs(l.peak - peak) < 1e-8 * peak);
+    CHECK(order_of(l) == "FKHKF");
+  }
+}

@@ -1,0 +1,80 @@
+// The landing motion (landing/motion.hpp) and the box of motions of the tolerant peak (landing/robust.hpp).
+#include "landing/motion.hpp"
+
+#include <catch2/catch.hpp>
+#include <set>
+#include <tuple>
+
+#include "landing/robust.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+const Motion kMotion{-0.3, -1.1, 0.4};
+Reference<double> at(double t) { return quintic(kMotion.phi_i, kMotion.phi_f, kMotion.duration, t); }
+}  // namespace
+
+TEST_CASE("motion: the quintic starts and ends at rest") {
+  CHECK(at(0).phi == -0.3);
+  CHECK(at(0.4).phi == Approx(-1.1).epsilon(1e-15));
+  CHECK(at(0).dphi == 0);
+  CHECK(at(0.4).dphi == 0);
+  // No acceleration at either end: the rate begins with the square of the time, 30 range t^2 / duration^3.
+  for (double t : {1e-3, 1e-4}) {
+    CHECK(at(t).dphi == Approx(30 * -0.8 * t * t / (0.4 * 0.4 * 0.4)).epsilon(2.1 * t / 0.4));
+    CHECK(at(0.4 - t).dphi == Approx(at(t).dphi).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("motion: the quintic is odd about its middle and its rate is its derivative") {
+  CHECK(at(0.2).phi == Approx(-0.7));
+  constexpr double kH = 1e-5;
+  for (double t = 0.01; t < 0.4; t += 0.01) {
+    CHECK(at(t).phi + at(0.4 - t).phi == Approx(-1.4));
+    CHECK(at(t).dphi == Approx((at(t + kH).phi - at(t - kH).phi) / (2 * kH)).epsilon(1e-6).margin(1e-9));
+    CHECK(at(t).dphi < 0);  // monotone
+  }
+}
+
+TEST_CASE("motion: the largest rate is the middle's") {
+  CHECK(peak_reference_rate(kMotion) == Approx(1.875 * 0.8 / 0.4));
+  CHECK(peak_reference_rate(kMotion) == Approx(std::abs(at(0.2).dphi)));
+  for (double t = 0; t <= 0.4; t += 0.001) CHECK(std::abs(at(t).dphi) <= peak_reference_rate(kMotion) * (1 + 1e-15));
+  CHECK(peak_reference_rate({-1.1, -0.3, 0.4}) == peak_reference_rate(kMotion));
+  CHECK(peak_reference_rate({-0.5, -0.5, 0.1}) == 0);
+}
+
+TEST_CASE("motion: Jet derivatives of the quintic are its central differences") {
+  using Jet = ceres::Jet<double, 4>;
+  const std::array<double, 4> x{-0.3, -1.1, 0.4, 0.13};
+  const Reference<Jet> jet = quintic(Jet(x[0], 0), Jet(x[1], 1), Jet(x[2], 2), Jet(x[3], 3));
+  for (std::size_t k = 0; k < 4; ++k) {
+    constexpr double kH = 1e-5;
+    std::array<double, 4> u = x, d = x;
+    u[k] += kH, d[k] -= kH;
+    const Reference<double> up = quintic(u[0], u[1], u[2], u[3]), down = quintic(d[0], d[1], d[2], d[3]);
+    CHECK(jet.phi.v[Eigen::Index(k)] == Approx((up.phi - down.phi) / (2 * kH)).epsilon(1e-7));
+    CHECK(jet.dphi.v[Eigen::Index(k)] == Approx((up.dphi - down.dphi) / (2 * kH)).epsilon(1e-7));
+  }
+}
+
+TEST_CASE("motion: the execution box is the motion, six face centres and eight corners") {
+  const ExecutionTolerance tolerance{.phi = 0.01, .duration = 0.002};
+  const std::vector<Motion> box = execution_box(kMotion, tolerance);
+  REQUIRE(box.size() == 15);
+  CHECK((box[0].phi_i == kMotion.phi_i && box[0].phi_f == kMotion.phi_f && box[0].duration == kMotion.duration));
+  std::set<std::tuple<long, long, long>> seen;
+  std::array<int, 4> moved{};  // how many points have 0, 1, 2, 3 coordinates moved
+  for (const Motion& m : box) {
+    const double i = (m.phi_i - kMotion.phi_i) / 0.01, j = (m.phi_f - kMotion.phi_f) / 0.01,
+                 k = (m.duration - kMotion.duration) / 0.002;
+    for (double c : {i, j, k}) CHECK(std::abs(c - std::round(c)) < 1e-9);
+    seen.insert({std::lround(i), std::lround(j), std::lround(k)});
+    ++moved[std::size_t(std::lround(std::abs(i) + std::abs(j) + std::abs(k)))];
+  }
+  CHECK(seen.size() == 15);
+  CHECK(moved == std::array{1, 6, 0, 8});
+  // A box wider than the motion is long keeps a positive duration.
+  for (const Motion& m : execution_box({0, 0, 0.001}, tolerance)) CHECK(m.duration > 0);
+}
