@@ -16,6 +16,12 @@ struct Floor {
   T stiffness;           ///< K_f [N/m], > 0
   T damping_normal;      ///< C_fy [N/(m/s)], >= 0
   T damping_tangential;  ///< C_fx [N/(m/s)], >= 0
+
+  /// The same floor in another scalar.
+  template <class U>
+  Floor<U> cast() const {
+    return {U(stiffness), U(damping_normal), U(damping_tangential)};
+  }
 };
 
 /// Mode of a contact point.

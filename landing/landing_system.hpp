@@ -34,7 +34,10 @@ class LandingSystem {
   };
 
   LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const Motion& played)
-      : link(scene.robot), floor(scene.floor.value_or(Floor<T>{T(1), T(0), T(0)})), sea(actuator), motion(played) {
+      : link(scene.robot.template cast<T>()),
+        floor(scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>()),
+        sea(actuator),
+        motion(played) {
     for (int j = 0; j < kPoints; ++j) present[j] = scene.floor && scene.contacts[j];
     if constexpr (kTerms.torque_limit)
       if (sea.tau_max == T(0)) saturation = 1;  // no torque at all: one branch, never left

@@ -36,6 +36,12 @@ struct TwoLink {
   std::array<T, 2> inertia_com;  ///< I_0, I_1 about each centre of mass [kg m^2], > 0
   T link_length;                 ///< l, of each link [m], > 0
   T gravity;                     ///< g [m/s^2], >= 0
+
+  /// The same robot in another scalar.
+  template <class U>
+  TwoLink<U> cast() const {
+    return {{U(mass[0]), U(mass[1])}, {U(inertia_com[0]), U(inertia_com[1])}, U(link_length), U(gravity)};
+  }
 };
 
 /// Components of the state.

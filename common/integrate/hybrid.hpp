@@ -25,7 +25,8 @@
 
 namespace ukemi::integrate {
 
-/// Guards of a mode: positive while the mode holds. An inactive guard keeps value 1 and rate 0.
+/// Guards of a mode: positive while the mode holds. An inactive guard has value 1 and rate 0; `guards()` sets every one
+/// afresh.
 template <int N>
 struct Guards {
   std::array<double, N> value;

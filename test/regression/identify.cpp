@@ -123,6 +123,20 @@ TEST_CASE("constants that are not free stay, bounds hold") {
   CHECK(f.covariance.rows() == 3);
 }
 
+TEST_CASE("a pulse of fewer than 8 samples is warned of") {
+  Trial log = trials("impact")[7], coarse;  // 10 ms, logged at 1 kHz
+  CHECK(shortest_pulse(log) >= 8);
+  coarse.file = "coarse";
+  for (std::size_t i = 0; i < log.samples(); i += 2) {
+    coarse.t.push_back(log.t[i]), coarse.force.push_back(log.force[i]), coarse.phi.push_back(log.phi[i]);
+  }
+  SeaParameters<double> start = limited();
+  set_constants(start, kTruth);
+  const Fit f = fit(rig(), {coarse}, start, limited());
+  REQUIRE_FALSE(f.warnings.empty());
+  CHECK(f.warnings.front().find("coarse: a pulse of") == 0);
+}
+
 TEST_CASE("no hit at all: nothing is determined, and the fit says so") {
   Trial log = trials("impact")[0];
   std::fill(log.force.begin(), log.force.end(), 0.0);
