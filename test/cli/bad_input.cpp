@@ -143,7 +143,7 @@ TEST_CASE("an angle beyond 2 pi is accepted where it is meant, or said to be in 
   CHECK(predict({"turns.csv", "--columns", "phi=phi"}).code == 2);
 }
 
-TEST_CASE("--columns is refused where it names what is not there") {
+TEST_CASE("option --columns is refused where it names what is not there") {
   check_identify({"--columns", "phi=defl"}, {"trial_1.csv:5", "'defl'"});
   check_identify({"--columns", "phy=phi"}, {"--columns: ", "'phy'", "one of t, phi, force", "did you mean \"phi\"?"});
   check_identify({"--columns", "phi"}, {"--columns: ", "'phi'", "NAME=COLUMN is needed"});

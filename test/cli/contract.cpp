@@ -558,7 +558,7 @@ TEST_CASE("compare tells the constants apart, and with trials and a scene what t
 
 // ---- the common options
 
-TEST_CASE("--json: stdout carries one JSON object, the summary, and nothing else") {
+TEST_CASE("option --json: stdout carries one JSON object, the summary, and nothing else") {
   const Folder f;
   const std::vector<Arguments> commands = {kIdentify,
                                            kSimulate,
@@ -575,7 +575,7 @@ TEST_CASE("--json: stdout carries one JSON object, the summary, and nothing else
   }
 }
 
-TEST_CASE("--json: a failure tells its summary too") {
+TEST_CASE("option --json: a failure tells its summary too") {
   const Folder f;
   f.write("rock.toml", replaced(read(kPaper), "6880", "1e30"));
   const Result r = run({"simulate", "rock.toml", "--actuator", kTable2, "--hold", "-45", "--json"}, f.at(""));
@@ -585,7 +585,7 @@ TEST_CASE("--json: a failure tells its summary too") {
   CHECK_THAT(r.err, Contains("warning"));
 }
 
-TEST_CASE("--quiet: nothing on stderr but warnings; --no-report: no report") {
+TEST_CASE("option --quiet: nothing on stderr but warnings; --no-report: no report") {
   const Folder f;
   const std::vector<Arguments> commands = {{"identify", kTrial1, "--rig", kRig},
                                            {"predict", kTrial9, "--rig", kRig, "--actuator", kTable2},

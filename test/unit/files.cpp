@@ -732,7 +732,7 @@ TEST_CASE("a trial's suffixes convert to SI units") {
   CHECK(t.measurements() == 4);
 }
 
-TEST_CASE("--columns renames, converts by the file's own suffix and flips signs") {
+TEST_CASE("option --columns renames, converts by the file's own suffix and flips signs") {
   const identify::Trial t =
       trial_of("Time_ms,defl_deg,Fy,t\n0,90,1,7\n10,-90,2,8\n", columns("t=Time_ms,phi=-defl_deg,force=-Fy"));
   check_near(t.t, {0, 0.01});
