@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "identify/least_squares.hpp"
 #include "identify/starts.hpp"
+#include "identify/trial_problem.hpp"
 
 namespace ukemi::identify {
 
@@ -28,116 +29,6 @@ void FitOptions::validate() const {
 }
 
 namespace {
-
-bool fitted(NuisanceTerms::Term t) { return t == NuisanceTerms::Term::kFitted; }
-
-/// Which parameter of the problem is which.
-struct Layout {
-  std::vector<int> constants;  ///< global g is constant constants[g]; friction comes after them
-  bool friction, initial_angle, initial_rate;
-
-  explicit Layout(const FitOptions& o)
-      : friction(fitted(o.nuisance.friction)),
-        initial_angle(fitted(o.nuisance.initial_angle)),
-        initial_rate(fitted(o.nuisance.initial_rate)) {
-    for (int i = 0; i < kConstants; ++i)
-      if (o.free[std::size_t(i)]) constants.push_back(i);
-  }
-  int globals() const { return int(constants.size()) + friction; }
-  int locals() const { return int(initial_angle) + int(initial_rate); }
-
-  /// Puts a point of the problem into the model; `lift(value, slot)` makes the scalar of derivative slot `slot`.
-  template <class T, class Lift>
-  void apply(const double* global, const double* local, SeaParameters<T>& sea, InitialState<T>& initial,
-             Lift&& lift) const {
-    auto u = ukemi::constants(sea);
-    int slot = 0;
-    for (const int c : constants) u[std::size_t(c)] = lift(global[slot], slot), ++slot;
-    set_constants(sea, u);
-    if (friction) sea.friction = lift(global[slot], slot), ++slot;
-    if (initial_angle) initial.angle = lift(local[0], slot), ++slot;
-    if (initial_rate) initial.rate = lift(local[initial_angle], slot);
-  }
-};
-
-/// Residuals of one trial and, with a Jet, their Jacobians. Derivatives are taken with respect to value / scale, so
-/// that they are angles whatever the parameter's unit, as the integrator's error control expects; the Jacobians are not
-/// scaled.
-template <class T>
-bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& layout, const PreparedTrial& prepared,
-              const RolloutOptions& options, double weight, const std::vector<double>& scale, const double* global,
-              const double* local, double* r, double* jg, double* jl) {
-  auto sea = base.cast<T>();
-  InitialState<T> initial;
-  layout.apply<T>(global, local, sea, initial, [&](double v, [[maybe_unused]] int slot) {
-    T x(v);
-    if constexpr (kDerivatives < T >> 0) x.v[slot] = scale[std::size_t(slot)];
-    return x;
-  });
-  thread_local std::vector<T> phi, phi_m;
-  if (rollout(rig, sea, initial, prepared, options, phi, phi_m) != RolloutStatus::kDone) return false;
-  const int G = layout.globals(), L = layout.locals();
-  int row = 0;
-  const auto compare = [&](const std::vector<double>& measured, const std::vector<T>& predicted) {
-    for (std::size_t i = 0; i < measured.size(); ++i, ++row) {
-      r[row] = weight * (value_of(predicted[i]) - measured[i]);
-      if constexpr (kDerivatives < T >> 0) {
-        for (int g = 0; jg && g < G; ++g) jg[row * G + g] = weight * predicted[i].v[g] / scale[std::size_t(g)];
-        for (int l = 0; jl && l < L; ++l) jl[row * L + l] = weight * predicted[i].v[G + l] / scale[std::size_t(G + l)];
-      }
-    }
-  };
-  compare(prepared.trial->phi, phi);
-  compare(prepared.trial->phi_motor, phi_m);
-  return true;
-}
-
-/// Size of a constant for scaling, where the start is 0.
-double typical(int constant, const Suggestion& s) { return ukemi::constants(s.centre)[std::size_t(constant)]; }
-
-LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
-                                 const std::vector<double>& weights, const SeaParameters<double>& start,
-                                 const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
-                                 const RolloutOptions& rollout_options) {
-  LeastSquaresProblem problem;
-  const auto u = ukemi::constants(start);
-  for (const int c : layout.constants) {
-    const auto k = std::size_t(c);
-    const double size = u[k] > 0 ? u[k] : typical(c, suggestion);
-    // i_motor divides Eq. 4: its bound of 0 is the smallest positive number that the model can be asked with.
-    const double lower = c == 4 ? std::max(options.lower[k], 1e-6 * size) : options.lower[k];
-    problem.globals.push_back(
-        {kConstantNames[k], kConstantUnits[k], std::max(u[k], 0.1 * size), lower, options.upper[k], size});
-  }
-  if (layout.friction) {
-    const double size = 0.01 * start.k_p > 0 ? 0.01 * start.k_p : 0.1;
-    problem.globals.push_back(
-        {"friction", "Nm", start.friction > 0 ? start.friction : size, 0, FitOptions::kInfinity, size});
-  }
-  const double inf = FitOptions::kInfinity;
-  if (layout.initial_angle) problem.locals.push_back({"initial_angle", "rad", 0, -inf, inf, 0.01});
-  if (layout.initial_rate) problem.locals.push_back({"initial_rate", "rad/s", 0, -inf, inf, 0.1});
-  std::vector<double> scale;
-  for (const auto& list : {problem.globals, problem.locals})
-    for (const Parameter& p : list) scale.push_back(p.scale);
-  const bool small = layout.globals() + layout.locals() <= kSmallJet;
-  for (std::size_t m = 0; m < prepared.size(); ++m) {
-    const PreparedTrial* trial = &prepared[m];
-    const double weight = weights[m];
-    problem.blocks.push_back({int(trial->trial->measurements()),
-                              [=, &rig](const double* g, const double* l, double* r, double* jg, double* jl) {
-                                if (!jg && !jl)
-                                  return evaluate<double>(rig, start, layout, *trial, rollout_options, weight, scale, g,
-                                                          l, r, jg, jl);
-                                if (small)
-                                  return evaluate<ceres::Jet<double, kSmallJet>>(
-                                      rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
-                                return evaluate<ceres::Jet<double, kLargeJet>>(
-                                    rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
-                              }});
-  }
-  return problem;
-}
 
 TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const SeaParameters<double>& sea,
                    const InitialState<double>& initial, const RolloutOptions& options) {

@@ -20,26 +20,22 @@ namespace ukemi::landing {
 inline constexpr double kBarrierShare = 0.02;
 inline constexpr double kImpactShare = 0.02;
 
-/// True where the run may end; `peak` is the running peak of |ddr_0| [m/s^2], `dy` the field at (t, y).
+/// True where the run may end; `peak` is the running peak of |ddr_0| [m/s^2], `dy` the field at the state y.
 template <SeaTerms kTerms, bool kAccounts>
-bool at_rest(const LandingSystem<kTerms, kAccounts>& system, double t,
-             const typename LandingSystem<kTerms, kAccounts>::State& y,
+bool at_rest(const LandingSystem<kTerms, kAccounts>& system, const typename LandingSystem<kTerms, kAccounts>::State& y,
              const typename LandingSystem<kTerms, kAccounts>::State& dy, double peak) {
   const auto& link = system.link;
   if (system.phase != Phase::kAfter || system.saturation != 0 || link.gravity <= 0) return false;
   const SeaParameters<double>& sea = system.sea;
-  const double share = kImpactShare * 0.5 * sea.i_motor * y[kOmegaM] * y[kOmegaM];  // cheap refusals first
   const double mass = link.total_mass, weight = mass * link.gravity;
-  // (3) an impact with energy E on an effective mass of a quarter gives at most v C / m + v sqrt(K / m), v = sqrt(2 E /
-  // m)
-  const double m_eff = 0.25 * mass,
-               per_speed = system.floor.damping_normal / m_eff + std::sqrt(system.floor.stiffness / m_eff);
-  const double impact_energy = 0.5 * m_eff * (peak / per_speed) * (peak / per_speed);
-  if (share > kImpactShare * kImpactShare * impact_energy) return false;
-  const double limit = kImpactShare * impact_energy;
-
+  // (3) An impact with energy E on an effective mass m, a quarter of the whole, gives at most v (C / m + sqrt(K / m)),
+  // v = sqrt(2 E / m).
+  const double m = 0.25 * mass, per_speed = system.floor.damping_normal / m + std::sqrt(system.floor.stiffness / m),
+               speed = peak / per_speed, limit = kImpactShare * 0.5 * m * speed * speed;
+  double energy = system.motor_energy(y);
+  if (energy > limit) return false;
   const Pose<double> p = system.pose(y);
-  double energy = kinetic_energy(link, p) - 0.5 * mass * p.vx * p.vx + 0.5 * sea.i_motor * y[kOmegaM] * y[kOmegaM];
+  energy += kinetic_energy(link, p) - 0.5 * mass * p.vx * p.vx;
   if (energy > limit) return false;
 
   double left = std::numeric_limits<double>::infinity(), right = -left, fx = 0;
@@ -58,7 +54,6 @@ bool at_rest(const LandingSystem<kTerms, kAccounts>& system, double t,
   const double torque = sea.i_motor * dy[kOmegaM], joint = std::max(std::min(sea.k_p, sea.k_sea), 1e-9);
   const double force = mass * dy[kVy];
   energy += 0.5 * torque * torque / joint + 0.5 * force * force / system.floor.stiffness;
-  (void)t;
   return energy <= limit && energy <= kBarrierShare * barrier;
 }
 

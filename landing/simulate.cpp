@@ -1,9 +1,12 @@
 #include "landing/simulate.hpp"
 
 #include <cmath>
+#include <type_traits>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "landing/peak_tracker.hpp"
+#include "landing/recorder.hpp"
 #include "landing/rest.hpp"
 
 namespace ukemi::landing {
@@ -32,195 +35,6 @@ namespace {
 
 using Method = integrate::DormandPrince853;
 
-/// Keeps the largest |ddr_0|^2 of what it is shown.
-class PeakTracker {
- public:
-  double square = 0, t = 0;
-
-  void consider(double q, double time) {
-    if (q > square) square = q, t = time;
-  }
-  void reset() { square = 0; }
-
-  template <class System>
-  static double at_state(const System& system, const typename System::State& y, const typename System::State& dy) {
-    const auto p = system.pose(y);
-    return thigh_acceleration(system.link, p, {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]}).squaredNorm();
-  }
-
-  /// Both ends of the step (their limits from inside it) and its interior where that could hold a larger value.
-  template <class System, class Integrator>
-  void step(const System& system, Integrator& integrator) {
-    const auto& step = integrator.step();
-    const double q0 = at_state(system, step.y, step.slope()), q1 = at_state(system, step.y_end, step.slope_end());
-    consider(q0, step.t);
-    consider(q1, step.t + step.h);
-    if (kDoubles * kDoubles * std::max(q0, q1) < square || step.h <= 0) return;
-    const auto f = [&](double s) {
-      const auto y = integrator.dense().at(s);
-      const double time = step.t + s * step.h;
-      const double q = at_state(system, y, system.derivative(time, y));
-      consider(q, time);
-      return q;
-    };
-    std::array<Node, 6> node{{{0, q0}, {0.125, 0}, {0.25, 0}, {0.5, 0}, {0.75, 0}, {1, q1}}};
-    for (int i = 1; i < 5; ++i) node[i].q = f(node[i].s);
-    for (int i = 0; i + 2 < 6; ++i) {
-      const double top = vertex(node[i], node[i + 1], node[i + 2]);
-      if (top > node[i].s && top < node[i + 2].s &&
-          std::max({node[i].q, node[i + 1].q, node[i + 2].q}) > kNear * square)
-        polish(node[i], node[i + 1], node[i + 2], f);
-    }
-  }
-
- private:
-  static constexpr double kDoubles = 4;  ///< a resolved step that holds a new peak ends above a quarter of the old one
-  static constexpr double kNear = 0.9;   ///< and its nodes come this near, as squares
-
-  struct Node {
-    double s, q;
-  };
-  /// Where the parabola through three nodes has its top; NaN or outside where it has none.
-  static double vertex(const Node& a, const Node& b, const Node& c) {
-    const double u = (b.q - a.q) / (b.s - a.s), v = (c.q - b.q) / (c.s - b.s), bend = (v - u) / (c.s - a.s);
-    return bend < 0 ? 0.5 * (a.s + b.s - u / bend) : -1;
-  }
-  /// Successive parabolas: the value at the top is exact to the square of the last move.
-  template <class F>
-  static void polish(Node a, Node b, Node c, F&& f) {
-    for (int i = 0; i < 8; ++i) {
-      const double s = vertex(a, b, c);
-      if (!(s > a.s && s < c.s) || std::abs(s - b.s) < 1e-6) return;
-      const Node n{s, f(s)};
-      if (std::abs(n.q - b.q) < 1e-13 * b.q) return;
-      if (s < b.s) {
-        if (n.q > b.q)
-          c = b, b = n;
-        else
-          a = n;
-      } else {
-        if (n.q > b.q)
-          a = b, b = n;
-        else
-          c = n;
-      }
-    }
-  }
-};
-
-/// Collects touches, peaks, demands, work and the trajectory; the fast path has none of it.
-template <class System>
-class Recorder {
- public:
-  Recorder(Landing& out, double rate) : out_(out), rate_(rate) {}
-
-  void start(const System& system, double t, const typename System::State& y) {
-    energy_start_ = system.link_energy(y), motor_start_ = system.motor_energy(y);
-    turned_ = kinetic_energy(system.link, system.pose(y));
-    work_.setZero();
-    out_.demands.phi_min = out_.demands.phi_max = y[kTheta1] - y[kTheta0];
-    interval_.t = t;
-  }
-
-  void row(const System& system, double t, const typename System::State& y) {
-    if (rate_ > 0) out_.trajectory.push_back(sample(system, t, y));
-  }
-
-  /// Rows before `until` of a ballistic flight from release, in closed form; the integrated run starts where it ends.
-  void ballistic(const System& system, const Drop& drop, typename System::State y, double until) {
-    const double y0 = y[kY], x0 = y[kX], vx = y[kVx];
-    for (; rate_ > 0 && next_row() < until; ++rows_) {
-      const double t = next_row();
-      y[kX] = x0 + vx * t, y[kY] = y0 - 0.5 * system.link.gravity * t * t;
-      y[kVy] = -system.link.gravity * t;
-      row(system, t, y);
-    }
-    turned_ += system.link.total_mass * system.link.gravity * drop.height;
-    interval_.consider(system.link.gravity * system.link.gravity, 0);
-  }
-
-  template <class Integrator>
-  void step(const System& system, Integrator& integrator) {
-    interval_.step(system, integrator);
-    const auto& step = integrator.step();
-    for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0})
-      observe(system.evaluate(step.t + s * step.h, integrator.dense().at(s)), system);
-    for (; rate_ > 0 && next_row() <= step.t + step.h; ++rows_)
-      if (next_row() >= step.t)
-        row(system, next_row(), integrator.dense().at(step.h > 0 ? (next_row() - step.t) / step.h : 0));
-    for (int i = kWorkJoint; i < kWithAccounts; ++i) turned_ += std::abs(step.y_end[i] - work_[i - kWorkJoint]);
-    work_ = step.y_end.template tail<3>();
-    const double links =
-        system.link_energy(step.y_end) - energy_start_ - step.y_end[kWorkJoint] - step.y_end[kWorkFloor];
-    const double motor = system.motor_energy(step.y_end) - motor_start_ - step.y_end[kWorkMotor];
-    mismatch_ = std::max({mismatch_, std::abs(links), std::abs(motor)});
-  }
-
-  void touchdown(Point point, double t) {
-    bool chatter = false;
-    for (auto it = out_.touches.rbegin(); it != out_.touches.rend(); ++it)
-      if (it->point == point) {
-        chatter = t - it->t_liftoff < kChatter;
-        break;
-      }
-    if (!out_.touches.empty()) close_touch();
-    out_.touches.push_back({point, t, std::numeric_limits<double>::quiet_NaN()});
-    open_[point] = int(out_.touches.size()) - 1;
-    if (!chatter) close_interval(point);
-  }
-  void liftoff(Point point, double t) {
-    if (open_[point] >= 0) out_.touches[open_[point]].t_liftoff = t;
-    open_[point] = -1;
-  }
-
-  void finish() {
-    if (!out_.touches.empty()) close_touch();
-    close_interval(-1);
-    out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
-  }
-
- private:
-  Landing& out_;
-  double rate_;
-  long rows_ = 0;
-  double energy_start_ = 0, motor_start_ = 0, turned_ = 0, mismatch_ = 0;
-  Eigen::Vector3d work_;
-  std::array<int, kPoints> open_{-1, -1, -1};
-  PeakTracker interval_;
-  double since_touch_ = 0;
-  int interval_point_ = -1;
-
-  double next_row() const { return double(rows_) / rate_; }
-
-  void close_touch() { out_.touches.back().peak_acc = std::sqrt(std::max(since_touch_, interval_.square)); }
-  void close_interval(int next) {
-    if (interval_.square > 0) out_.peaks.push_back({interval_.t, std::sqrt(interval_.square), interval_point_});
-    interval_.reset();
-    interval_point_ = next;
-  }
-
-  void observe(const typename System::Field& f, const System& system) {
-    for (int j = 0; j < kPoints; ++j)
-      if (open_[j] >= 0) {
-        double& peak = out_.touches[open_[j]].peak_force;
-        peak = std::max(peak, f.force[j].norm());
-      }
-    Demands& d = out_.demands;
-    d.motor_speed = std::max(d.motor_speed, std::abs(f.sea.dphi_m));
-    d.motor_torque = std::max(d.motor_torque, std::abs(system.motor_torque_of(f)));
-    d.sea_torque = std::max(d.sea_torque, std::abs(f.tau_sea));
-    d.phi_min = std::min(d.phi_min, f.sea.phi), d.phi_max = std::max(d.phi_max, f.sea.phi);
-  }
-
-  static Sample sample(const System& system, double t, const typename System::State& y) {
-    const auto f = system.evaluate(t, y);
-    const Vec2<double> r = thigh_position(system.link, f.pose), v = thigh_velocity(system.link, f.pose),
-                       a = thigh_acceleration(system.link, f.pose, f.acc);
-    return {t,          r.x(),      r.y(), y[kTheta0], f.sea.phi, f.sea.phi_m, v.x(),           v.y(),  y[kOmega0],
-            f.sea.dphi, y[kOmegaM], a.x(), a.y(),      a.norm(),  f.tau_sea,   f.reference.phi, f.force};
-  }
-};
-
 /// State at release, x_0 = 0, the lowest contact point at the drop's height.
 template <class System>
 typename System::State released(const System& system, const Scene& scene, const Motion& motion) {
@@ -245,7 +59,7 @@ void run(const Scene& scene, const SeaParameters<double>& sea, const Motion& mot
          LandingPeak& out, Landing* landing, double rate) {
   using System = LandingSystem<kTerms, kReport>;
   System system(scene, sea, motion);
-  Recorder<System> recorder(*landing, rate);
+  [[maybe_unused]] std::conditional_t<kReport, Recorder<System>, NoRecorder> recorder(landing, rate);
   typename System::State y = released(system, scene, motion);
   const double g = system.link.gravity;
   double t = 0, limit = scene.t_end.value_or(Scene::kFollow);
@@ -324,7 +138,7 @@ void run(const Scene& scene, const SeaParameters<double>& sea, const Motion& mot
       }
     }
     if (options.rest == SimulateOptions::Rest::kStop &&
-        at_rest(system, t, integrator.state(), integrator.slope(), std::sqrt(peak.square))) {
+        at_rest(system, integrator.state(), integrator.slope(), std::sqrt(peak.square))) {
       out.end = End::kRest;
       break;
     }
@@ -351,8 +165,7 @@ void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion
 LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                               const SimulateOptions& options) {
   LandingPeak out;
-  static thread_local Landing unused;
-  dispatch<false>(scene, sea, motion, options, out, &unused, 0);
+  dispatch<false>(scene, sea, motion, options, out, nullptr, 0);
   return out;
 }
 
