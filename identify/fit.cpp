@@ -157,10 +157,10 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   };
   // Candidates, best first, judged on a coarse rollout of up to three trials. What is not free stays as given.
   const auto candidates = [&](std::uint64_t seed) {
-    const int kDraws = 60;
-    std::vector<SeaParameters<double>> drawn = draw_starts(suggestion, kDraws, seed);
+    const int draws = suggestion.spread_gains < 2 ? 60 : 240;  // few where the logs give the gains away
+    std::vector<SeaParameters<double>> drawn = draw_starts(suggestion, draws, seed);
     if (start) {  // half of them about the given start instead
-      const auto about = draw_starts({.centre = *start, .spread_gains = 10, .spread_rest = 10}, kDraws / 2, seed + 1);
+      const auto about = draw_starts({.centre = *start, .spread_gains = 10, .spread_rest = 10}, draws / 2, seed + 1);
       std::copy(about.begin(), about.end(), drawn.begin());
     }
     std::vector<PreparedTrial> few;
