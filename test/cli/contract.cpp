@@ -1,4 +1,4 @@
-// The contract for scripts (shared/design/cli.md): files, keys, columns, exit codes, and the same bytes with any number
+// The contract for scripts: files, keys, columns, exit codes, and the same bytes with any number
 // of threads.
 #include <algorithm>
 #include <catch2/catch.hpp>
