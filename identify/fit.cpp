@@ -66,6 +66,22 @@ void warn_of_logs(const std::vector<Trial>& trials, std::vector<std::string>& wa
           "{}: a pulse of {} samples: below 8 the log loses part of the impulse and biases the fit", t.file, n));
 }
 
+/// Standard error and 95 % interval from a variance; none where it is not a number.
+void set_error(Estimate& e, double variance, double half_width) {
+  if (!(variance >= 0 && std::isfinite(variance))) return;
+  e.std = std::sqrt(variance);
+  e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
+}
+
+/// The constants as they are given, without errors.
+std::vector<Estimate> as_given(const SeaParameters<double>& sea, const std::array<bool, kConstants>& free) {
+  std::vector<Estimate> out;
+  const auto u = ukemi::constants(sea);
+  for (std::size_t k = 0; k < kConstants; ++k)
+    out.push_back({.name = kConstantNames[k], .unit = kConstantUnits[k], .value = u[k], .std = {}, .free = free[k]});
+  return out;
+}
+
 /// The parameters, their errors and what can be said of them.
 void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, const Layout& layout,
             const FitOptions& options, Fit& out) {
@@ -83,10 +99,7 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
     const Parameter& p = problem.globals[std::size_t(g)];
     Estimate e{
         .name = p.name, .unit = p.unit, .value = s.globals[g], .std = {}, .at_bound = s.at_bound[std::size_t(g)]};
-    if (const double v = out.covariance(g, g); v >= 0 && std::isfinite(v)) {
-      e.std = std::sqrt(v);
-      e.ci_low = e.value - out.half_width * *e.std, e.ci_high = e.value + out.half_width * *e.std;
-    }
+    set_error(e, out.covariance(g, g), out.half_width);
     return e;
   };
   const auto u = ukemi::constants(out.sea);
@@ -127,10 +140,7 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
     for (int m = 0; m < int(problem.blocks.size()); ++m) {
       const Parameter& p = problem.locals[std::size_t(l)];
       Estimate e{.name = p.name, .unit = p.unit, .value = s.locals(m, l), .std = {}, .trial = m};
-      if (const double v = s.local_variance(m, l) * variance; v >= 0 && std::isfinite(v)) {
-        e.std = std::sqrt(v);
-        e.ci_low = e.value - out.half_width * *e.std, e.ci_high = e.value + out.half_width * *e.std;
-      }
+      set_error(e, s.local_variance(m, l) * variance, out.half_width);
       out.nuisance.push_back(e);
     }
 }
@@ -155,7 +165,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   const auto problem_from = [&](const SeaParameters<double>& p) {
     return make_problem(rig, prepared, weights, p, suggestion, layout, options, rollout_options);
   };
-  // Candidates, best first, judged on a coarse rollout of up to three trials. What is not free stays as given.
+  // Candidates, best first, judged on a coarse rollout of two trials. What is not free stays as given.
   const auto candidates = [&](std::uint64_t seed) {
     const int draws = suggestion.spread_gains < 2 ? 60 : 240;  // few where the logs give the gains away
     std::vector<SeaParameters<double>> drawn = draw_starts(suggestion, draws, seed);
@@ -244,12 +254,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     out.message = "no start could be followed through the trials: " +
                   (best.message.empty() ? "every rollout escapes or diverges" : best.message);
     for (const PreparedTrial& t : prepared) out.trials.push_back(replay(rig, t, out.sea, {}, rollout_options));
-    for (int c = 0; c < kConstants; ++c)
-      out.parameters.push_back({.name = kConstantNames[std::size_t(c)],
-                                .unit = kConstantUnits[std::size_t(c)],
-                                .value = ukemi::constants(out.sea)[std::size_t(c)],
-                                .std = {},
-                                .free = options.free[std::size_t(c)]});
+    out.parameters = as_given(out.sea, options.free);
     return out;
   }
 
@@ -305,13 +310,7 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
     out.cost += r.rms * r.rms * double(t.measurements());
   }
   out.rms = pooled(out.trials, trials, &TrialResult::rms);
-  const auto u = constants(sea);
-  for (int c = 0; c < kConstants; ++c)
-    out.parameters.push_back({.name = kConstantNames[std::size_t(c)],
-                              .unit = kConstantUnits[std::size_t(c)],
-                              .value = u[std::size_t(c)],
-                              .std = {},
-                              .free = false});
+  out.parameters = as_given(sea, {});
   return out;
 }
 
