@@ -10,6 +10,10 @@
 #include <cmath>
 #include <concepts>
 
+/// For the innermost functions of a kernel: left to itself the compiler calls them, and their arguments go through
+/// memory.
+#define UKEMI_INLINE [[gnu::always_inline]] inline
+
 namespace ukemi {
 
 /// A real number with the field operations, a square root and the two trigonometric functions that the dynamics need.

@@ -158,7 +158,8 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   std::vector<PreparedTrial> prepared;
   for (const Trial& t : trials) prepared.emplace_back(t);
   std::vector<double> weights(trials.size(), 1.0);
-  const RolloutOptions rollout_options{.accuracy = options.accuracy, .escape = options.escape};
+  const RolloutOptions rollout_options{
+      .accuracy = options.accuracy, .max_step = options.max_step, .method = options.method, .escape = options.escape};
   const LeastSquaresOptions solver{.max_iterations = options.max_iterations, .huber = options.huber};
   const Suggestion suggestion = suggest(rig, trials);
 
@@ -298,7 +299,7 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
   warn_of_logs(trials, out.warnings);
   out.sea = sea;
   out.converged = out.identifiable = true;
-  const RolloutOptions rollout_options{.accuracy = options.accuracy, .escape = options.escape};
+  const RolloutOptions rollout_options{.accuracy = options.accuracy, .method = Method::kAuto, .escape = options.escape};
   for (const Trial& t : trials) {
     const PreparedTrial prepared(t);
     out.trials.push_back(replay(rig, prepared, sea, {}, rollout_options));

@@ -21,7 +21,7 @@ template <SeaTerms kTerms, Scalar T>
 class OneLinkSystem {
  public:
   enum { kPhi, kPhiM, kOmega, kOmegaM, kStates };
-  static constexpr int kControlled = kStates, kGuards = 2, kTorqueUpper = 0, kTorqueLower = 1;
+  static constexpr int kControlled = kStates, kPositions = 2, kGuards = 2, kTorqueUpper = 0, kTorqueLower = 1;
   using State = Eigen::Matrix<T, kStates, 1>;
 
   OneLinkSystem(const SeaParameters<T>& actuator, double length, double inertia)
@@ -35,18 +35,34 @@ class OneLinkSystem {
 
   static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
 
-  State derivative(double t, const State& y) const {
-    using std::cos;
-    const double u = t - input.t, force = input.force + input.force_rate * u;
+  /// `t` may be a double or, to differentiate by it, a T.
+  template <class Time>
+  void derivative(const Time& t, const State& y, State& dy) const {
+    const Time u = t - input.t;
     const SeaState<T> s = sea_state(y);
     const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), saturation);
     const Reference<T> ref{T(input.phi_ref + input.phi_ref_rate * u), T(input.dphi_ref + input.dphi_ref_rate * u)};
-    State dy;
     dy[kPhi] = y[kOmega];
     dy[kPhiM] = y[kOmegaM];
-    dy[kOmega] = (force != 0 ? tau + (length_ * force) * cos(y[kPhi]) : tau) * inverse_inertia_;
+    dy[kOmega] = tau * T(inverse_inertia_);
+    if (input.force != 0 || input.force_rate != 0) {
+      using std::cos;
+      dy[kOmega] += (length_ * inverse_inertia_ * (input.force + input.force_rate * u)) * cos(y[kPhi]);
+    }
     dy[kOmegaM] = motor_acceleration<kTerms>(sea, s, ref, tau);
-    return dy;
+  }
+
+  /// d(dy/dt)/dy and d(dy/dt)/dt of the present mode, exact; values only, so for T = double.
+  template <class Matrix>
+  void linearize(double t, const State& y, Matrix& jacobian, State& rate) const {
+    using Dual = ceres::Jet<double, kStates + 1>;
+    OneLinkSystem<kTerms, Dual> dual(sea.template cast<Dual>(), length_, 1 / inverse_inertia_);
+    dual.input = input, dual.saturation = saturation;
+    Eigen::Matrix<Dual, kStates, 1> x, dx;
+    for (int i = 0; i < kStates; ++i) x[i] = Dual(y[i], i);
+    dual.derivative(Dual(t, kStates), x, dx);
+    for (int i = 0; i < kStates; ++i)
+      jacobian.row(i) = dx[i].v.template head<kStates>().transpose(), rate[i] = dx[i].v[kStates];
   }
 
   void guards(double, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {

@@ -7,11 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "common/integrate/method.hpp"
 #include "identify/one_link.hpp"
 #include "identify/rig.hpp"
 #include "identify/trial.hpp"
 
 namespace ukemi::identify {
+
+using integrate::Method;
 
 /// A trial cut where its inputs bend: between cuts force and reference are linear in time.
 struct PreparedTrial {
@@ -42,9 +45,14 @@ enum class RolloutStatus { kDone, kEscaped, kDiverged };
 const char* name(RolloutStatus status);
 
 struct RolloutOptions {
-  double accuracy = 1e-9;   ///< relative tolerance of each step
-  double escape = kEscape;  ///< infinite for multi-turn trials [rad]
-  long max_steps = 10'000;  ///< beyond it the constants are too stiff to follow: diverged
+  double accuracy = 1e-9;  ///< relative tolerance of each step
+  double max_step = 0.05;  ///< longest step; the step of a fixed-step method [s]
+  /// The others are for comparison, and kAuto for values of stiff constants; derivatives are explicit only, and only
+  /// with kSmallJet where it is not the default.
+  Method method = Method::kDormandPrince853;
+  integrate::Counters* work = nullptr;  ///< receives the work done
+  double escape = kEscape;              ///< infinite for multi-turn trials [rad]
+  long max_steps = 10'000;              ///< beyond it the constants are too stiff to follow: diverged
 };
 
 /// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives
@@ -53,6 +61,12 @@ template <class T>
 [[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
                                     const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                                     std::vector<T>& phi_m);
+
+/// `rollout` with another method than the default, on one kernel for every trial. double or a Jet of kSmallJet.
+template <class T>
+[[nodiscard]] RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea,
+                                             const InitialState<T>& initial, const PreparedTrial& trial,
+                                             const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m);
 
 /// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole
 /// registers.

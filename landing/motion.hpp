@@ -15,10 +15,9 @@ struct Motion {
 /// The quintic with zero velocity and acceleration at both ends:
 /// phi_ref = phi_I + (phi_F - phi_I) (10 s^3 - 15 s^4 + 6 s^5), s = time / duration in [0, 1]. Fig. 5 (b) of [1].
 template <class T>
-Reference<T> quintic(const T& phi_i, const T& phi_f, const T& duration, const T& time) {
-  const T s = time / duration, range = phi_f - phi_i, rest = T(1) - s;
-  return {phi_i + range * (s * s * s * (T(10) + s * (T(-15) + T(6) * s))),
-          range * (T(30) * s * s * rest * rest) / duration};
+UKEMI_INLINE Reference<T> quintic(const T& phi_i, const T& phi_f, const T& duration, const T& time) {
+  const T inverse = T(1) / duration, s = time * inverse, range = phi_f - phi_i, s2 = s * s, rest = s - s2;
+  return {phi_i + range * (s2 * s * (T(10) + s * (T(-15) + T(6) * s))), range * inverse * (T(30) * rest * rest)};
 }
 
 /// Largest |dphi_ref| of a motion, at its middle: 15/8 |phi_F - phi_I| / t [rad/s].

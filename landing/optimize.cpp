@@ -117,25 +117,29 @@ Candidate search(const Box& box, const OptimizeOptions& o, long& used) {
     if (!near && starts.size() < std::size_t(keep)) starts.push_back(c);
   }
   std::vector<long> spent(starts.size());
-  const auto run = [&](int i, const char* algorithm, double size, long evaluations) {
+  const auto run = [&](int i, const char* algorithm, double size, long evaluations, double accuracy) {
     Candidate& c = starts[std::size_t(i)];
     if (evaluations < 2) return;
-    const NloptResult r = minimize(algorithm, local_problem(box, c, size, o.search_accuracy),
+    const NloptResult r = minimize(algorithm, local_problem(box, c, size, accuracy),
                                    {.evaluations = evaluations, .x_tolerance = 1e-7}, o.seed + std::uint64_t(i));
     spent[std::size_t(i)] += r.evaluations;
     progress.add(r.evaluations);
     if (r.value < c.value) c = from(r);
   };
-  parallel_for(int(starts.size()), o.threads, [&](int i) { run(i, "sbplx", 0.03, polish); });
+  parallel_for(int(starts.size()), o.threads, [&](int i) { run(i, "sbplx", 0.03, polish, o.search_accuracy); });
   std::stable_sort(starts.begin(), starts.end());
   starts.resize(std::min<std::size_t>(starts.size(), 4));
   spent.resize(std::max(spent.size(), starts.size()));
   long so_far = used;
   for (const long s : spent) so_far += s;
   const long rest = std::max<long>(0, o.evaluations - so_far) / long(2 * starts.size());
+  // The best stand on cliffs: what the search's accuracy takes for this side may be the other. So the end is played at
+  // the result's own accuracy.
   parallel_for(int(starts.size()), o.threads, [&](int i) {
-    run(i, "nelder_mead", 0.02, rest);
-    run(i, "sbplx", 0.004, rest);
+    Candidate& c = starts[std::size_t(i)];
+    c.value = box(c.u.data(), o.accuracy);
+    run(i, "nelder_mead", 0.02, rest, o.accuracy);
+    run(i, "sbplx", 0.004, rest, o.accuracy);
   });
   for (const long s : spent) used += s;
   return *std::min_element(starts.begin(), starts.end());

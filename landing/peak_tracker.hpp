@@ -18,6 +18,8 @@ class PeakTracker {
     if (q > square) square = q, t = time;
   }
   void reset() { square = 0; }
+  /// The field has jumped: the next step's start is not the last one's end.
+  void jump() { known_ = false; }
 
   template <class System>
   static double at_state(const System& system, const typename System::State& y, const typename System::State& dy) {
@@ -29,7 +31,9 @@ class PeakTracker {
   template <class System, class Integrator>
   void step(const System& system, Integrator& integrator) {
     const auto& step = integrator.step();
-    const double q0 = at_state(system, step.y, step.slope()), q1 = at_state(system, step.y_end, step.slope_end());
+    const double q1 = at_state(system, step.y_end, step.slope_end),
+                 q0 = known_ ? last_ : at_state(system, step.y, step.slope);
+    known_ = true, last_ = q1;
     consider(q0, step.t);
     consider(q1, step.t + step.h);
     if (kDoubles * kDoubles * std::max(q0, q1) < square || step.h <= 0) return;
@@ -51,6 +55,8 @@ class PeakTracker {
   }
 
  private:
+  bool known_ = false;
+  double last_ = 0;                      ///< at the end of the last step
   static constexpr double kDoubles = 4;  ///< a resolved step that holds a new peak ends above a quarter of the old one
   static constexpr double kNear = 0.9;   ///< and its nodes come this near, as squares
 

@@ -23,6 +23,7 @@ class Recorder {
     interval_.t = t;
   }
 
+  void jump() { interval_.jump(); }
   void row(const System& system, double t, const typename System::State& y) {
     if (rate_ > 0) out_.trajectory.push_back(sample(system, t, y));
   }
@@ -115,8 +116,9 @@ class Recorder {
 
   static Sample sample(const System& system, double t, const typename System::State& y) {
     const auto f = system.evaluate(t, y);
+    const auto dy = system.derivative(t, y);
     const Vec2<double> r = thigh_position(system.link, f.pose), v = thigh_velocity(system.link, f.pose),
-                       a = thigh_acceleration(system.link, f.pose, f.acc);
+                       a = thigh_acceleration(system.link, f.pose, {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
     return {t,          r.x(),      r.y(), y[kTheta0], f.sea.phi, f.sea.phi_m, v.x(),           v.y(),  y[kOmega0],
             f.sea.dphi, y[kOmegaM], a.x(), a.y(),      a.norm(),  f.tau_sea,   f.reference.phi, f.force};
   }

@@ -21,7 +21,7 @@ inline constexpr double kBarrierShare = 0.02;
 inline constexpr double kImpactShare = 0.02;
 
 /// True where the run may end; `peak` is the running peak of |ddr_0| [m/s^2], `dy` the field at the state y.
-template <SeaTerms kTerms, bool kAccounts>
+template <LandingTerms kTerms, bool kAccounts>
 bool at_rest(const LandingSystem<kTerms, kAccounts>& system, const typename LandingSystem<kTerms, kAccounts>::State& y,
              const typename LandingSystem<kTerms, kAccounts>::State& dy, double peak) {
   const auto& link = system.link;

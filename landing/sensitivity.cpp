@@ -15,7 +15,7 @@ Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, co
   tighter.accuracy = std::max(1e-13, options.accuracy / 100);
   const auto change = [&](const LandingPeak& p) { return peak > 0 ? std::abs(p.peak - peak) / peak : 0; };
   out.error_estimate = change(peak_acceleration(scene, sea, motion, tighter));
-  for (int i = 0; i < draws; ++i) {
+  for (int i = 0; i < draws && out.change <= kCliff; ++i) {
     Random random(seed, std::uint64_t(i));
     const auto move = [&](double& x) { x *= random.uniform() < 0.5 ? 1 - kMove : 1 + kMove; };
     Scene s = scene;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/integrate/hybrid.hpp"
+#include "common/integrate/method.hpp"
 #include "landing/motion.hpp"
 #include "landing/scene.hpp"
 
@@ -19,11 +20,16 @@ enum class End {
 };
 const char* name(End end);
 
+using integrate::Method;
+
 struct SimulateOptions {
   double accuracy = 1e-9;  ///< relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why
   double abandon_above =
       std::numeric_limits<double>::infinity();            ///< give up once the running peak is above this [m/s^2]
   long max_steps = 200'000;                               ///< steps and events before a run is given up
+  double max_step = 0.1;                                  ///< longest step; the step of a fixed-step method [s]
+  Method method = Method::kAuto;                          ///< `simulate` always uses auto
+  std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
   enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: follow to t_end whatever happens
   void validate() const;                                  ///< throws InputError
 };
@@ -36,6 +42,7 @@ struct LandingPeak {
   End end = End::kFailed;
   integrate::Status status = integrate::Status::kStepped;  ///< with kFailed
   integrate::Counters work;
+  Eigen::Matrix<double, kMechanical, 1> state;  ///< where it ended, see landing::Component
 };
 
 /// A point meets the floor and leaves it.
@@ -83,6 +90,10 @@ struct Landing : LandingPeak {
 /// taken at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
 [[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                             const SimulateOptions& options = {});
+
+/// `peak_acceleration` with a single method: the comparison's, on one kernel for every scene.
+void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                        const SimulateOptions& options, LandingPeak& out);
 
 /// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every
 /// 1/rate s from release and two at each event, its left and right limits.

@@ -53,16 +53,35 @@ class TwoLinkDynamics {
  public:
   explicit TwoLinkDynamics(const TwoLink<T>& r)
       : total_mass(r.mass[0] + r.mass[1]),
+        inverse_mass(T(1) / total_mass),
         gravity(r.gravity),
         a(r.link_length * T(0.5)),
-        k1(r.mass[1] / total_mass),
+        k1(r.mass[1] * inverse_mass),
         arm0{-(T(1) + k1) * a, (T(1) - k1) * a, (T(1) - k1) * a},
         arm1{-k1 * a, -k1 * a, r.link_length - k1 * a},
         mu_a2(r.mass[0] * k1 * a * a),
         inertia0(r.inertia_com[0] + mu_a2),
         inertia1(r.inertia_com[1] + mu_a2) {}
 
-  T total_mass, gravity;
+  /// The same in another scalar.
+  template <class U>
+  TwoLinkDynamics<U> cast() const {
+    return TwoLinkDynamics<U>(*this);
+  }
+  template <class U>
+  explicit TwoLinkDynamics(const TwoLinkDynamics<U>& o)
+      : total_mass(o.total_mass),
+        inverse_mass(o.inverse_mass),
+        gravity(o.gravity),
+        a(o.a),
+        k1(o.k1),
+        arm0{T(o.arm0[0]), T(o.arm0[1]), T(o.arm0[2])},
+        arm1{T(o.arm1[0]), T(o.arm1[1]), T(o.arm1[2])},
+        mu_a2(o.mu_a2),
+        inertia0(o.inertia0),
+        inertia1(o.inertia1) {}
+
+  T total_mass, inverse_mass, gravity;
   T a;                          ///< half a link [m]
   T k1;                         ///< m_1 / (m_0 + m_1)
   std::array<T, kPoints> arm0;  ///< j0: a point is R + j0 u(theta_0) + j1 u(theta_1)
@@ -114,7 +133,7 @@ struct Loads {
   T fx{0}, fy{0}, q0{0}, q1{0};
 
   /// A force (x, y) [N] at `point`.
-  void add(const TwoLinkDynamics<T>& d, const Pose<T>& p, int point, const T& x, const T& y) {
+  UKEMI_INLINE void add(const TwoLinkDynamics<T>& d, const Pose<T>& p, int point, const T& x, const T& y) {
     fx += x, fy += y;
     q0 += d.arm0[point] * (p.c0 * x + p.s0 * y);
     q1 += d.arm1[point] * (p.c1 * x + p.s1 * y);
@@ -123,11 +142,11 @@ struct Loads {
 
 /// Eq. 1 solved for the accelerations; tau is the joint torque tau_SEA, positive where it extends phi_1 [Nm].
 template <class T>
-Accelerations<T> solve(const TwoLinkDynamics<T>& d, const Pose<T>& p, const T& tau, const Loads<T>& load) {
+UKEMI_INLINE Accelerations<T> solve(const TwoLinkDynamics<T>& d, const Pose<T>& p, const T& tau, const Loads<T>& load) {
   const T c = d.mu_a2 * (p.c0 * p.c1 + p.s0 * p.s1), cs = d.mu_a2 * (p.s0 * p.c1 - p.c0 * p.s1);
   const T r0 = load.q0 - tau - cs * p.omega1 * p.omega1, r1 = load.q1 + tau + cs * p.omega0 * p.omega0;
-  const T inverse = T(1) / (d.inertia0 * d.inertia1 - c * c), inverse_mass = T(1) / d.total_mass;
-  return {load.fx * inverse_mass, load.fy * inverse_mass - d.gravity, (d.inertia1 * r0 - c * r1) * inverse,
+  const T inverse = T(1) / (d.inertia0 * d.inertia1 - c * c);
+  return {load.fx * d.inverse_mass, load.fy * d.inverse_mass - d.gravity, (d.inertia1 * r0 - c * r1) * inverse,
           (d.inertia0 * r1 - c * r0) * inverse};
 }
 

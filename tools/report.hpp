@@ -19,7 +19,10 @@ class Report {
   void paragraph(const std::string& text);
   void list(const std::vector<std::string>& items);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
-  void plot(const std::string& x_label, const std::string& y_label, const std::vector<Series>& series);
+  enum class Axes { kLinear, kLogarithmic };
+  /// Lines; on logarithmic axes only what is above zero.
+  void plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
+            Axes axes = Axes::kLinear);
   /// The page, closed by the provenance.
   std::string html(const std::vector<std::pair<std::string, std::string>>& provenance);
 

@@ -24,6 +24,7 @@ void add_simulate(CLI::App& app, Action& chosen);
 void add_optimize(CLI::App& app, Action& chosen);
 void add_compare(CLI::App& app, Action& chosen);
 void add_demo(CLI::App& app, Action& chosen);
+void add_bench(CLI::App& app, Action& chosen);  // integrators, identify, stability, scenes
 
 struct IdentifyArguments {
   std::vector<std::string> trials;

@@ -5,10 +5,8 @@
 // step that would end beyond a guard's zero, and stops there; the owner changes the mode and goes on.
 //
 // Rules at and after an event:
-//   - a step never crosses a guard's zero: the step is retaken with the length at which the guard vanishes (Newton on
-//   the
-//     length, each iterate a full step of the method), so that the event is located to rounding of the discrete
-//     solution;
+//   - a step never crosses a guard's zero: the zero is located on the step's dense output, the step is retaken with
+//     that length, and what the interpolation erred by is made up along the field;
 //   - the owner flips the guard's sign in `cross`; a guard that starts within rounding of zero and rises is left alone
 //     (no sticking), one that starts at or below zero and falls is an event of length zero (simultaneous touchdowns);
 //   - a step also looks inside itself: the cubic through both ends' values and rates is bounded by its Bernstein
@@ -44,6 +42,22 @@ enum class Status {
   kStuck,      ///< too many events at one instant
 };
 
+inline const char* name(Status status) {
+  switch (status) {
+    case Status::kStepped:
+    case Status::kReached:
+    case Status::kEvent:
+      return "on its way";
+    case Status::kTooSmall:
+      return "the steps become smaller than time resolves";
+    case Status::kNotFinite:
+      return "the motion is no longer finite";
+    case Status::kStuck:
+      return "too many events at one instant";
+  }
+  return "?";
+}
+
 struct Outcome {
   Status status;
   int event = -1;          ///< index of the guard, with kEvent
@@ -58,14 +72,16 @@ struct Options {
 
 /// Work done so far.
 struct Counters {
-  long steps = 0, rejected = 0, derivatives = 0, events = 0;
+  long steps = 0, rejected = 0, derivatives = 0, jacobians = 0, events = 0;
+  long implicit = 0;  ///< steps that an automatic method took with its implicit one
 };
 
 /// What a system offers. `derivative` is smooth for the present mode; `tolerance_unit(i)` is the size of component i
 /// below which it need not be relatively exact; only the first kControlled components steer the step.
 template <class S>
-concept HybridSystem = requires(const S& s, double t, const typename S::State& y, Guards<S::kGuards>& g) {
-  { s.derivative(t, y) } -> std::same_as<typename S::State>;
+concept HybridSystem = requires(const S& s, double t, const typename S::State& y, typename S::State& dy,
+                                Guards<S::kGuards>& g) {
+  {s.derivative(t, y, dy)};
   {s.guards(t, y, y, g)};
   { s.tolerance_unit(0) } -> std::convertible_to<double>;
   S::kControlled;
@@ -73,16 +89,18 @@ concept HybridSystem = requires(const S& s, double t, const typename S::State& y
 
 /// Integrates `System` from event to event. The system is referenced, not owned; after an event change its mode, then
 /// go on.
-template <class Tableau, class System>
+template <class Method, class System>
 class Integrator {
  public:
   static constexpr int kGuards = System::kGuards, kMaxImmediate = 64;
   using State = typename System::State;
   using Scalar = typename State::Scalar;
-  using StepT = Step<Tableau, Scalar, State::RowsAtCompileTime>;
+  using StepT = typename StepOf<Method, Scalar, State::RowsAtCompileTime>::type;
 
   Integrator(const System& system, double t, const State& y, const Options& options)
       : system_(system), options_(options), h_next_(options.first_step) {
+    tolerance_.accuracy = options.accuracy;
+    for (int i = 0; i < System::kControlled; ++i) tolerance_.unit[i] = system.tolerance_unit(i);
     step_.t = t;
     step_.h = 0;
     step_.y_end = y;
@@ -90,7 +108,7 @@ class Integrator {
 
   double time() const { return step_.t + step_.h; }
   const State& state() const { return step_.y_end; }
-  const State& slope() const { return step_.slope_end(); }
+  const State& slope() const { return step_.slope_end; }
   /// The step just taken: its ends, and its interior after `dense()`.
   const StepT& step() const { return step_; }
   StepT& dense() {
@@ -107,8 +125,8 @@ class Integrator {
   /// One accepted step, at most to `t_stop`.
   Outcome step(double t_stop) {
     if (!fresh_) {
-      step_.k[StepT::kLast] = field()(time(), step_.y_end);
-      system_.guards(time(), step_.y_end, step_.slope_end(), end_);
+      field()(time(), step_.y_end, step_.slope_end);
+      system_.guards(time(), step_.y_end, step_.slope_end, end_);
       fresh_ = true;
     }
     start_ = end_;
@@ -117,11 +135,9 @@ class Integrator {
       if (++immediate_ > kMaxImmediate) return {Status::kStuck, i, true};
       return {Status::kEvent, i, true};
     }
-    const double t = time();
-    step_.t = t;
-    step_.y = step_.y_end;
-    step_.k[0] = step_.k[StepT::kLast];
-    if (!step_.k[0].allFinite()) return restore(Status::kNotFinite);
+    step_.next();
+    const double t = step_.t;
+    if (!step_.slope.allFinite()) return restore(Status::kNotFinite);
     if (t >= t_stop) return restore(Status::kReached);
 
     bool truncated = false, rejected = false;
@@ -129,41 +145,36 @@ class Integrator {
     for (;;) {
       truncated = t + 1.001 * h_next_ >= t_stop;
       step_.h = truncated ? t_stop - t : h_next_;
-      advance();
-      const double error = step_.error(System::kControlled, [&](int i, double a, double b) {
-        return options_.accuracy * (system_.tolerance_unit(i) + std::max(std::abs(a), std::abs(b)));
-      });
-      if (error <= 1) {
+      step_.advance(field());
+      const double error = step_.error(tolerance_);
+      if (error <= 1 && step_.slope_end.allFinite()) {
         factor = growth(error, rejected);
         break;
       }
       rejected = true;
       ++counters_.rejected;
-      h_next_ = step_.h * (error < 1e10 ? std::max(0.2, growth(error, true)) : 0.1);  // also where the error is NaN
+      h_next_ = step_.h *
+                (error > 1 && error < 1e10 ? std::max(0.2, growth(error, true)) : 0.1);  // also where the error is NaN
       if (h_next_ < 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), 1e-10))
         return restore(Status::kTooSmall);
     }
+    ++counters_.steps;
     const double grown = std::min(step_.h * factor, options_.max_step);
     h_next_ = truncated ? std::max(h_next_, grown) : grown;
-    system_.guards(time(), step_.y_end, step_.slope_end(), end_);
+    counters_.implicit += step_.implicit();
+    system_.guards(time(), step_.y_end, step_.slope_end, end_);
 
-    int event = -1;
-    for (int round = 0; round < kGuards; ++round) {
-      const Crossing c = first_crossing(event);
-      if (c.guard < 0) break;
-      event = c.guard;
-      shorten(c);
-    }
-    ++counters_.steps;
-    if (step_.h > 0)
+    const Crossing c = first_crossing();
+    if (c.guard < 0) {
       immediate_ = 0;
-    else if (++immediate_ > kMaxImmediate)
-      return {Status::kStuck, event};
-    if (event >= 0) {
-      ++counters_.events;
-      return {Status::kEvent, event, false};
+      h_next_ = step_.template choose<System::kControlled>(h_next_);
+      return {truncated ? Status::kReached : Status::kStepped};
     }
-    return {truncated ? Status::kReached : Status::kStepped};
+    ++counters_.events;
+    end_on(c);
+    fresh_ = false;
+    immediate_ = step_.h > 0 ? 0 : immediate_ + 1;
+    return {immediate_ > kMaxImmediate ? Status::kStuck : Status::kEvent, c.guard};
   }
 
  private:
@@ -176,20 +187,30 @@ class Integrator {
     double s, g, d;
   };
 
-  auto field() {
-    return [this](double t, const State& y) {
-      ++counters_.derivatives;
-      return system_.derivative(t, y);
-    };
-  }
-  void advance() { step_.advance(field()); }
+  /// The system as a step sees it: f, its Jacobian where asked, and how many components are positions, and how many
+  /// feed anything back (behind them may stand integrals).
+  struct Field {
+    static constexpr int kPositions = System::kPositions, kCoupled = System::kControlled;
+    const System& system;
+    Counters& counters;
+    void operator()(double t, const State& y, State& dy) const {
+      ++counters.derivatives;
+      system.derivative(t, y, dy);
+    }
+    template <class Matrix>
+    void linearize(double t, const State& y, Matrix& jacobian, State& rate) const {
+      ++counters.jacobians;
+      system.linearize(t, y, jacobian, rate);
+    }
+  };
+  Field field() { return {system_, counters_}; }
   Outcome restore(Status status) {
-    step_.h = 0, step_.y_end = step_.y;
+    step_.h = 0, step_.y_end = step_.y, step_.slope_end = step_.slope;
     return {status};
   }
-  static double growth(double error, bool after_rejection) {
-    constexpr double kSafety = 0.9, kExponent = -1.0 / (Tableau::kErrorOrder + 1);
-    const double f = error > 1e-12 ? kSafety * std::pow(error, kExponent) : 10;
+  double growth(double error, bool after_rejection) const {
+    constexpr double kSafety = 0.9;
+    const double f = error > 1e-12 ? kSafety * std::pow(float(error), -1.0F / float(step_.error_order() + 1)) : 10;
     return std::clamp(f, 0.2, after_rejection ? 1.0 : 8.0);
   }
 
@@ -203,8 +224,15 @@ class Integrator {
   double guard_at(int i, double s) {
     Guards<kGuards> g;
     const State y = dense().at(s);
-    system_.guards(step_.t + s * step_.h, y, step_.slope_end(), g);  // only the value is used
+    system_.guards(step_.t + s * step_.h, y, step_.slope_end, g);  // only the value is used
     return g.value[i];
+  }
+
+  /// Where the step starts; a guard that rises from within rounding of zero starts on zero.
+  Node start_node(int i) const {
+    constexpr double kOnZero = 1e-9;  // in parts of the step
+    const double g = start_.value[i], d = start_.rate[i] * step_.h;
+    return {0, g <= kOnZero * d ? 0 : std::max(g, 0.0), d};
   }
 
   /// Where the cubic through two nodes first falls to zero, given that it does; and the place of its lowest interior
@@ -226,13 +254,16 @@ class Integrator {
     const double w = (b.s - a.s) / 3, inner = std::min(b.g, std::min(a.g + w * a.d, b.g - w * b.d));
     return a.g > 0 ? std::min(a.g, inner) : inner;
   }
-  /// Bisection with secant steps (Illinois) of a function that is positive at a and negative at b.
+  /// Bisection with secant steps (Illinois) of a function that is positive at a and negative at b; places in the step.
   template <class F>
   static double root(double a, double fa, double b, double fb, F&& f) {
-    for (int i = 0, side = 0; i < 80 && b - a > 1e-15; ++i) {
+    constexpr double kResolution = 1e-14;
+    double last = -1;
+    for (int i = 0, side = 0; i < 80 && b - a > kResolution; ++i) {
       double m = (a * fb - b * fa) / (fb - fa);
       if (!(m > a && m < b)) m = 0.5 * (a + b);
-      const double fm = f(m);
+      if (std::abs(m - last) < kResolution) return m;
+      const double fm = f(last = m);
       if (fm == 0) return m;
       if (fm < 0) {
         b = m, fb = fm;
@@ -247,26 +278,49 @@ class Integrator {
     return b;
   }
 
-  /// The earliest zero inside the step, guessed on cubics; `known` is the guard whose zero the step already ends on.
-  Crossing first_crossing(int known) {
+  /// The earliest zero inside the step. A guard that simply falls through is first placed by its cubic, and searched on
+  /// the dense output only if it is among the first; one that comes near zero or leaves it is searched throughout.
+  Crossing first_crossing() {
     Crossing first;
-    unsigned near = 0;
+    unsigned near = 0, plain = 0;
+    std::array<double, kGuards> guess{};
+    double earliest = 2;
     for (int i = 0; i < kGuards; ++i) {
-      if (i == known) continue;
-      const Node a{0, std::max(start_.value[i], 0.0), start_.rate[i] * step_.h},
-          b{1, end_.value[i], end_.rate[i] * step_.h};
+      const Node a = start_node(i), b{1, end_.value[i], end_.rate[i] * step_.h};
       const double margin = 0.02 * (std::abs(a.d) + std::abs(b.d));
       if (bernstein_minimum(a, b) > (a.g > 0 ? margin : 0)) continue;
-      const bool plain = a.g > margin && b.g < 0 && a.d < 0 && b.d < 0;
-      if (plain) {
-        const double s = root(a.s, a.g, b.s, b.g, [&](double x) { return cubic(a, b, x); });
-        if (s < first.s) first = {i, s};
+      if (a.g > margin && b.g < 0 && a.d < 0 && b.d < 0) {
+        plain |= 1u << i;
+        guess[i] = root(a.s, a.g, b.s, b.g, [&](double x) { return cubic(a, b, x); });
+        earliest = std::min(earliest, guess[i]);
       } else {
         near |= 1u << i;
       }
     }
+    constexpr double kApart = 0.05;  // cubics do not err by more, in parts of a step
+    for (int i = 0; i < kGuards; ++i)
+      if (plain >> i & 1u && guess[i] <= earliest + kApart) {
+        const double s = refined(i, guess[i]);
+        if (s < first.s) first = {i, s};
+      }
     if (near != 0) search_inside(near, first);
     return first;
+  }
+
+  /// The zero of a falling guard on the dense output, near where its cubic places it.
+  double refined(int i, double guess) {
+    const auto value = [&](double s) { return guard_at(i, s); };
+    double at = value(guess);
+    if (at == 0) return guess;
+    constexpr double kWiden = 8;
+    for (double w = 1e-3; w < 1; w *= kWiden) {
+      const double other = at > 0 ? std::min(1.0, guess + w) : std::max(0.0, guess - w);
+      const double there = other == 0 ? start_.value[i] : other == 1 ? end_.value[i] : value(other);
+      if ((there > 0) != (at > 0))
+        return at > 0 ? root(guess, at, other, there, value) : root(other, there, guess, at, value);
+      guess = other, at = there;
+    }
+    return guess;
   }
 
   /// The same on the dense output, in four parts, for guards that come near zero or leave it.
@@ -281,12 +335,14 @@ class Integrator {
       } else {
         const State y = dense().at(sb);
         const double t = step_.t + sb * step_.h;
-        system_.guards(t, y, field()(t, y), right);
+        State dy;
+        field()(t, y, dy);
+        system_.guards(t, y, dy, right);
       }
       for (int i = 0; i < kGuards; ++i)
         if (near >> i & 1u) {
-          const Node a{sa, q == 1 ? std::max(left.value[i], 0.0) : left.value[i], left.rate[i] * step_.h},
-              b{sb, right.value[i], right.rate[i] * step_.h};
+          const Node a = q == 1 ? start_node(i) : Node{sa, left.value[i], left.rate[i] * step_.h},
+                     b{sb, right.value[i], right.rate[i] * step_.h};
           const double s = zero_between(i, a, b);
           if (s < first.s) first = {i, s};
         }
@@ -316,23 +372,34 @@ class Integrator {
   }
 
   /// Retakes the step so that it ends on the zero of `c.guard`.
-  void shorten(const Crossing& c) {
-    const double whole = step_.h,
-                 resolution = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(step_.t), whole);
+  void end_on(const Crossing& c) {
+    constexpr double kShift = 1e-4;  // of the step: beyond it, curvature counts and the step is taken once more
+    const double whole = step_.h;
+    if (c.s <= 0) {
+      restore(Status::kEvent);
+      return;
+    }
     step_.h = c.s * whole;
-    for (int i = 0;; ++i) {
-      advance();
-      system_.guards(time(), step_.y_end, step_.slope_end(), end_);
+    for (int i = 0; i < 4; ++i) {
+      step_.advance(field());
+      system_.guards(time(), step_.y_end, step_.slope_end, end_);
       const double g = end_.value[c.guard], rate = end_.rate[c.guard];
-      if (i == 6 || g == 0 || rate >= 0) break;
+      if (g == 0 || !(rate < 0)) return;
       const double shift = -g / rate;
-      if (std::abs(shift) <= resolution || std::abs(shift) > 0.2 * whole) break;
+      if (std::abs(shift) < kShift * whole) {
+        step_.y_end += shift * step_.slope_end;
+        step_.h = std::max(0.0, step_.h + shift);
+        field()(time(), step_.y_end, step_.slope_end);
+        return;
+      }
+      if (std::abs(shift) > 0.2 * whole) return;
       step_.h = std::clamp(step_.h + shift, 0.0, whole);
     }
   }
 
   const System& system_;
   Options options_;
+  Tolerance<System::kControlled> tolerance_;
   StepT step_;
   Guards<kGuards> start_, end_;
   Counters counters_;

@@ -1,4 +1,8 @@
-// One step of an explicit embedded pair, with its error estimate and its dense output.
+// One step of an explicit Runge-Kutta method, with its error estimate and its dense output.
+//
+// What every kind of step offers to the driver (hybrid.hpp): t, h, y, y_end, slope(), slope_end; `advance` computes the
+// step of length h; `error` its size over the tolerance (0 where the method has no estimate: fixed steps);
+// `prepare_dense`, `at`, `component_at` its interior; `choose` what to try next.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,131 +15,173 @@
 
 namespace ukemi::integrate {
 
-/// The stages of one attempted step from (t, y) over h. `k[0]` = f(t, y) must be set before `advance`.
-template <class Tableau, class T, int N>
-class Step {
- public:
+/// How large an error of each controlled component may be: accuracy (unit + |y|), the larger |y| of the step's ends.
+template <int kControlled>
+struct Tolerance {
+  double accuracy;                            ///< relative
+  Eigen::Array<double, kControlled, 1> unit;  ///< size below which a component need not be relatively exact
+};
+
+/// Size of a vector of errors over its tolerances, the worst of its values and its derivatives: root mean square over
+/// the controlled components. Derivatives count kDerivativeEase times more loosely: a field at rest has no error in its
+/// values whatever the step, while its derivatives may be beyond the method's stability.
+inline constexpr double kDerivativeEase = 1e3;
+template <class State, int kControlled>
+double error_size(const State& error, const State& a, const State& b, const Tolerance<kControlled>& tolerance) {
+  using T = typename State::Scalar;
+  using Values = Eigen::Array<double, kControlled, 1>;
+  const auto of = [&](auto&& pick) {
+    const auto values = [&](const State& x) {
+      Values v;
+      for (int i = 0; i < kControlled; ++i) v[i] = pick(x[i]);
+      return v;
+    };
+    const Values size = tolerance.unit + values(a).abs().max(values(b).abs());
+    return std::sqrt((values(error) / size).square().sum() / kControlled) / tolerance.accuracy;
+  };
+  double worst = of([](const T& x) { return value_of(x); });
+  if constexpr (kDerivatives < T >> 0)
+    for (int slot = 0; slot < kDerivatives<T>; ++slot) {
+      const double e = of([slot](const T& x) { return derivative_of(x, slot); }) / kDerivativeEase;
+      if (!(e <= worst)) worst = e;  // also where it is NaN
+    }
+  return worst;
+}
+
+/// What all steps share: their ends, and where on the computed length they stop.
+template <class T, int N>
+struct StepEnds {
   using State = Eigen::Matrix<T, N, 1>;
+  double t = 0;     ///< start of the step [s]
+  double h = 0;     ///< length of the step [s]
+  State y;          ///< state at the start
+  State y_end;      ///< state at the end
+  State slope;      ///< f at the start; set before `advance`
+  State slope_end;  ///< f at the end
+
+  /// Begins the next step where this one ends.
+  void next() { t += h, y = y_end, slope = slope_end; }
+  /// After a whole accepted step: the length to try next. Methods that change over (automatic.hpp) decide here.
+  template <int kControlled>
+  double choose(double h_next) {
+    return h_next;
+  }
+  /// True where the last step was taken by an implicit method that stands in for an explicit one.
+  static constexpr bool implicit() { return false; }
+
+ protected:
+  double whole_ = 0;  ///< the length that was computed; h is shorter once the step is cut
+  double share(double s) const { return h == whole_ ? s : s * (h / whole_); }
+};
+
+/// The stages of one attempted step from (t, y) over h.
+template <class Tableau, class T, int N>
+class Step : public StepEnds<T, N> {
+  using Ends = StepEnds<T, N>;
+
+ public:
+  using State = typename Ends::State;
+  using Ends::h, Ends::t, Ends::y, Ends::y_end, Ends::slope, Ends::slope_end;
   static constexpr int kLast = Tableau::kStages - 1;
+  static constexpr int error_order() { return Tableau::kErrorOrder; }
 
-  double t = 0;  ///< start of the step [s]
-  double h = 0;  ///< length of the step [s]
-  State y;       ///< state at the start
-  State y_end;   ///< state at the end, of order Tableau::kOrder
-  std::array<State, Tableau::kDenseStages> k;
-
-  const State& slope() const { return k[0]; }          ///< f at the start
-  const State& slope_end() const { return k[kLast]; }  ///< f at the end
-
-  /// Computes every stage and `y_end`; f(t, y) -> dy/dt.
+  /// Computes every stage and `y_end`; f(t, y, dy) sets dy/dt.
   template <class F>
   void advance(F&& f) {
+    this->whole_ = h;
     dense_ready_ = Tableau::kDenseStages == Tableau::kStages;
-    stages<1>(f);
+    k_[0] = slope;
+    stages<1, Tableau::kStages>(f);
+    slope_end = k_[kLast];
   }
 
-  /// The error norm of the step over the first `controlled` components, at most 1 where it is acceptable; tolerance(i,
-  /// a, b) is that of component i between values a and b. Derivatives count too, kDerivativeEase times more loosely: a
-  /// field at rest has no error in its values whatever the step, while its derivatives may be beyond the method's
-  /// stability.
-  static constexpr double kDerivativeEase = 1e3;
-  template <class Tolerance>
-  double error(int controlled, Tolerance&& tolerance) const {
-    const auto of = [&](auto&& pick) {
-      std::array<double, Tableau::kEstimates> norm{};
-      for (int i = 0; i < controlled; ++i) {
-        const double inverse = 1 / tolerance(i, pick(y[i]), pick(y_end[i]));
-        [&]<std::size_t... Q>(std::index_sequence<Q...>) {
-          ((norm[Q] += square(estimate<Q>(i, pick, std::make_index_sequence<Tableau::kStages>{}) * inverse)), ...);
-        }
-        (std::make_index_sequence<Tableau::kEstimates>{});
-      }
-      for (double& n : norm) n = h * std::sqrt(n / controlled);
-      return Tableau::error_norm(norm);
-    };
-    double worst = of([](const T& x) { return value_of(x); });
-    if constexpr (kDerivatives < T >> 0)
-      for (int slot = 0; slot < kDerivatives<T>; ++slot) {
-        const double e = of([slot](const T& x) { return derivative_of(x, slot); }) / kDerivativeEase;
-        if (!(e <= worst)) worst = e;  // also where it is NaN
-      }
-    return worst;
+  /// The error over its tolerance.
+  template <int kControlled>
+  double error(const Tolerance<kControlled>& tolerance) const {
+    std::array<double, Tableau::kEstimates> size{};
+    [&]<std::size_t... Q>(std::index_sequence<Q...>) {
+      ((size[Q] = std::abs(h) *
+                  error_size(State(combined<[](int j) { return Tableau::e[Q][j]; }, kLast>()), y, y_end, tolerance)),
+       ...);
+    }
+    (std::make_index_sequence<Tableau::kEstimates>{});
+    return Tableau::error_norm(size);
+  }
+
+  /// |h lambda| between the last two stages, which stand at the same time (Hairer, Wanner, IV.2).
+  template <int kControlled>
+  double stiffness() const {
+    double change = 0, distance = 0;
+    for (int i = 0; i < kControlled; ++i) {
+      const double dk = value_of(k_[kLast][i]) - value_of(k_[kLast - 1][i]), dy = value_of(y_end[i]) - before_last(i);
+      change += dk * dk, distance += dy * dy;
+    }
+    return distance > 0 ? h * std::sqrt(change / distance) : 0;
   }
 
   /// Evaluates the further stages that dense output needs, once a step.
   template <class F>
   void prepare_dense(F&& f) {
     if (dense_ready_) return;
-    stages<Tableau::kStages>(f);
+    const double cut = h;
+    h = this->whole_;
+    stages<Tableau::kStages, Tableau::kDenseStages>(f);
+    h = cut;
     dense_ready_ = true;
   }
 
   /// y(t + s h), 0 <= s <= 1; `prepare_dense` first.
   State at(double s) const {
     State sum = State::Zero();
-    for_weights(s, [&](int i, double b) {
-      for (int c = 0; c < N; ++c) add_scaled(sum[c], b, k[i][c]);
+    for_weights(this->share(s), [&](int i, double b) {
+      for (int c = 0; c < N; ++c) add_scaled(sum[c], b, k_[i][c]);
     });
     State out = y;
-    for (int c = 0; c < N; ++c) add_scaled(out[c], h, sum[c]);
+    for (int c = 0; c < N; ++c) add_scaled(out[c], this->whole_, sum[c]);
     return out;
   }
   /// One component of `at`.
   T component_at(int index, double s) const {
     T sum(0);
-    for_weights(s, [&](int i, double b) { add_scaled(sum, b, k[i][index]); });
+    for_weights(this->share(s), [&](int i, double b) { add_scaled(sum, b, k_[i][index]); });
     T out = y[index];
-    add_scaled(out, h, sum);
+    add_scaled(out, this->whole_, sum);
     return out;
   }
 
  private:
+  std::array<State, Tableau::kDenseStages> k_;
+  State stage_;
   bool dense_ready_ = false;
 
-  static double square(double x) { return x * x; }
-
-  template <int kStage, class F>
-  void stages(F& f) {
-    constexpr int kEnd = kStage < Tableau::kStages ? Tableau::kStages : Tableau::kDenseStages;
-    if constexpr (kStage < kEnd) {
-      const State sum = weighted<kStage>(std::make_index_sequence<kStage>{});
-      if constexpr (kStage == kLast) {
-        y_end = y;
-        for (int i = 0; i < N; ++i) add_scaled(y_end[i], h, sum[i]);
-        k[kStage] = f(t + h, y_end);
-      } else {
-        State at_stage = y;
-        for (int i = 0; i < N; ++i) add_scaled(at_stage[i], h, sum[i]);
-        k[kStage] = f(t + Tableau::c[kStage] * h, at_stage);
-      }
-      stages<kStage + 1 == kEnd ? Tableau::kDenseStages : kStage + 1>(f);
-    }
-  }
-
-  // Sums over the stages, component by component, with the zeros of the tableau left out at compile time.
-  template <int kStage, std::size_t... J>
-  State weighted(std::index_sequence<J...>) const {
-    State sum;
-    for (int i = 0; i < N; ++i) {
-      T x(0);
-      (
-          [&] {
-            if constexpr (Tableau::a[kStage][J] != 0) add_scaled(x, Tableau::a[kStage][J], k[J][i]);
-          }(),
-          ...);
-      sum[i] = x;
-    }
-    return sum;
-  }
-  template <std::size_t kEstimate, class Pick, std::size_t... J>
-  double estimate(int i, Pick&& pick, std::index_sequence<J...>) const {
+  /// The state that the last stage but one was evaluated at, one component of it.
+  double before_last(int i) const {
     double x = 0;
-    (
-        [&] {
-          if constexpr (Tableau::e[kEstimate][J] != 0) x += Tableau::e[kEstimate][J] * pick(k[J][i]);
-        }(),
-        ...);
-    return x;
+    for (int j = 0; j < kLast - 1; ++j) x += Tableau::a[kLast - 1][j] * value_of(k_[j][i]);
+    return value_of(y[i]) + h * x;
+  }
+
+  /// Evaluates k_[kFirst] .. k_[kEnd - 1].
+  template <int kFirst, int kEnd, class F>
+  void stages(F& f) {
+    if constexpr (kFirst < kEnd) {
+      constexpr auto kRow = [](int j) { return Tableau::a[kFirst][j]; };
+      State& at_stage = kFirst == kLast ? y_end : stage_;
+      at_stage = y + T(h) * combined<kRow, kFirst - 1>();
+      f(t + Tableau::c[kFirst] * h, at_stage, k_[kFirst]);
+      stages<kFirst + 1, kEnd>(f);
+    }
+  }
+
+  /// sum_j w(j) k_j, j <= kJ, as one expression: a single pass, with the zeros of the tableau left out.
+  template <auto kWeight, int kJ>
+  auto combined() const {
+    if constexpr (kJ == 0)
+      return T(kWeight(0)) * k_[0];
+    else if constexpr (kWeight(kJ) == 0)
+      return combined<kWeight, kJ - 1>();
+    else
+      return combined<kWeight, kJ - 1>() + T(kWeight(kJ)) * k_[kJ];
   }
 
   template <class Use>
@@ -146,6 +192,12 @@ class Step {
       use(i, b * s);
     }
   }
+};
+
+/// The kind of step that a method takes.
+template <class Method, class T, int N>
+struct StepOf {
+  using type = Step<Method, T, N>;
 };
 
 }  // namespace ukemi::integrate

@@ -1,11 +1,12 @@
-// Explicit embedded Runge-Kutta pairs as data.
+// Explicit Runge-Kutta methods as data.
 //
 // A pair advances y' = f(t, y) by   k_i = f(t + c_i h, y + h sum_j a_ij k_j),   y_1 = y + h sum_j b_j k_j.
 // Conventions of this file:
 //   - "first same as last": row kStages - 1 of `a` is b, so the last stage is f at the step's end;
 //   - rows kStages .. kDenseStages - 1 are evaluated only when the interior of a step is asked for;
 //   - dense output: y(t + s h) = y + h sum_i b_i(s) k_i with b_i(s) = sum_d p[i][d] s^(d+1), 0 <= s <= 1;
-//   - `error_norm` combines the embedded differences into the number that the step control holds below 1.
+//   - `e` are the weights of the embedded differences (none: a fixed step), which `error_norm` combines into the number
+//     that the step control holds below 1.
 // Tests: test/convergence/order.cpp (order, dense order, exactness on polynomials).
 #pragma once
 
@@ -14,6 +15,21 @@
 
 namespace ukemi::integrate {
 
+/// The classical fourth-order method at a fixed step, with the cubic through both ends and their slopes inside it (a
+/// fifth stage, f at the end, which is the next step's first). Source: W. Kutta, Z. Math. Phys. 46 (1901) 435-453.
+struct RungeKutta4 {
+  static constexpr const char* kName = "rk4";
+  static constexpr int kOrder = 4, kErrorOrder = 4, kDenseOrder = 3;
+  static constexpr int kStages = 5, kDenseStages = 5, kDenseDegree = 3, kEstimates = 0;
+  static constexpr double c[kDenseStages] = {0, 1. / 2, 1. / 2, 1, 1};
+  static constexpr double a[kDenseStages][kDenseStages] = {
+      {}, {1. / 2}, {0, 1. / 2}, {0, 0, 1}, {1. / 6, 1. / 3, 1. / 3, 1. / 6}};
+  static constexpr std::array<std::array<double, kStages>, 0> e{};
+  static constexpr std::array<std::array<double, kDenseDegree>, kDenseStages> p = {
+      {{1, -3. / 2, 2. / 3}, {0, 1, -2. / 3}, {0, 1, -2. / 3}, {0, 1. / 2, -1. / 3}, {0, -1, 1}}};
+  static double error_norm(const std::array<double, 0>&) { return 0; }
+};
+
 /// Dormand-Prince 5(4) with the free fourth-order interpolant of Shampine.
 /// Source: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19-26; L. F. Shampine, Math. Comp. 46 (1986)
 /// 135-150.
@@ -21,6 +37,7 @@ struct DormandPrince54 {
   static constexpr const char* kName = "dopri5";
   static constexpr int kOrder = 5, kErrorOrder = 4, kDenseOrder = 4;
   static constexpr int kStages = 7, kDenseStages = 7, kDenseDegree = 4, kEstimates = 1;
+  static constexpr double kStabilityBoundary = 3.25;  ///< on the negative real axis, for `Automatic`
   static constexpr double c[kDenseStages] = {0, 1. / 5, 3. / 10, 4. / 5, 8. / 9, 1, 1};
   static constexpr double a[kDenseStages][kDenseStages] = {
       {},
@@ -42,7 +59,6 @@ struct DormandPrince54 {
       {0, -282668133. / 205662961, 2019193451. / 616988883, -1453857185. / 822651844},
       {0, 40617522. / 29380423, -110615467. / 29380423, 69997945. / 29380423},
   }};
-  /// Largest |h e| over the tolerances.
   static double error_norm(const std::array<double, kEstimates>& estimate) { return estimate[0]; }
 };
 
@@ -53,6 +69,7 @@ struct DormandPrince853 {
   static constexpr const char* kName = "dop853";
   static constexpr int kOrder = 8, kErrorOrder = 7, kDenseOrder = 7;
   static constexpr int kStages = 13, kDenseStages = 16, kDenseDegree = 7, kEstimates = 2;
+  static constexpr double kStabilityBoundary = 6.1;  ///< on the negative real axis, for `Automatic`
   static constexpr double c[kDenseStages] = {0.0,
                                              0.526001519587677318785587544488e-01,
                                              0.789002279381515978178381316732e-01,

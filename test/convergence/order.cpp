@@ -5,7 +5,9 @@
 #include <functional>
 #include <numbers>
 
+#include "common/integrate/automatic.hpp"
 #include "common/integrate/hybrid.hpp"
+#include "common/integrate/semi_implicit_euler.hpp"
 #include "common/random.hpp"
 
 using namespace ukemi;
@@ -18,14 +20,37 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity(), kNan = std
 template <int N>
 using Vec = Eigen::Matrix<double, N, 1>;
 
+/// A function of time and state as a step sees it; its Jacobian by central differences, for the linearly implicit
+/// methods where no exact one is at hand (they keep their order with it on these smooth fields; see KeplerField).
+template <int N, class F>
+struct AsField {
+  static constexpr int kPositions = N / 2, kCoupled = N;
+  F f;
+  void operator()(double t, const Vec<N>& y, Vec<N>& dy) const { dy = f(t, y); }
+  template <class Matrix>
+  void linearize(double t, const Vec<N>& y, Matrix& jacobian, Vec<N>& rate) const {
+    constexpr double kH = 1e-6;
+    for (int i = 0; i < N; ++i) {
+      const Vec<N> e = kH * Vec<N>::Unit(i);
+      jacobian.col(i) = (f(t, y + e) - f(t, y - e)) / (2 * kH);
+    }
+    rate = (f(t + kH, y) - f(t - kH, y)) / (2 * kH);
+  }
+};
+template <int N, class F>
+AsField<N, F> as_field(F f) {
+  return {f};
+}
+
 /// n equal steps from (t, y) to t_end.
-template <class Tableau, int N, class F>
-Vec<N> fixed_steps(double t, const Vec<N>& y, double t_end, int n, F&& f) {
-  Step<Tableau, double, N> step;
-  step.y_end = y, step.h = (t_end - t) / n;
+template <class Method, int N, class Field>
+Vec<N> fixed_steps(double t, const Vec<N>& y, double t_end, int n, const Field& f) {
+  typename StepOf<Method, double, N>::type step;
+  step.t = t, step.h = 0, step.y_end = y;
+  f(t, y, step.slope_end);
   for (int i = 0; i < n; ++i) {
-    step.t = t + i * step.h, step.y = step.y_end;
-    step.k[0] = f(step.t, step.y);
+    step.next();
+    step.t = t + i * (t_end - t) / n, step.h = (t_end - t) / n;
     step.advance(f);
   }
   return step.y_end;
@@ -42,10 +67,30 @@ double slope(const std::vector<double>& h, const std::vector<double>& error) {
 
 /// Kepler's problem, nonlinear and smooth: an orbit of eccentricity 0.2, period 2 pi, in the exact position at time t.
 constexpr double kEccentricity = 0.2;
-Vec<4> kepler(double, const Vec<4>& y) {
-  const double r2 = y[0] * y[0] + y[1] * y[1], r3 = r2 * std::sqrt(r2);
+template <class T>
+Eigen::Matrix<T, 4, 1> kepler_field(const Eigen::Matrix<T, 4, 1>& y) {
+  using std::sqrt;
+  const T r2 = y[0] * y[0] + y[1] * y[1], r3 = r2 * sqrt(r2);
   return {y[2], y[3], -y[0] / r3, -y[1] / r3};
 }
+Vec<4> kepler(double, const Vec<4>& y) { return kepler_field(y); }
+template <class Matrix>
+void kepler_jacobian(const Vec<4>& y, Matrix& jacobian) {
+  using Dual = ceres::Jet<double, 4>;
+  Eigen::Matrix<Dual, 4, 1> x;
+  for (int i = 0; i < 4; ++i) x[i] = Dual(y[i], i);
+  const Eigen::Matrix<Dual, 4, 1> dx = kepler_field(x);
+  for (int i = 0; i < 4; ++i) jacobian.row(i) = dx[i].v.transpose();
+}
+struct KeplerField {
+  static constexpr int kPositions = 2, kCoupled = 4;
+  void operator()(double, const Vec<4>& y, Vec<4>& dy) const { dy = kepler_field(y); }
+  template <class Matrix>
+  void linearize(double, const Vec<4>& y, Matrix& jacobian, Vec<4>& rate) const {
+    kepler_jacobian(y, jacobian);
+    rate.setZero();
+  }
+};
 Vec<4> orbit(double t) {
   double anomaly = t;  // E - e sin E = t
   for (int i = 0; i < 50; ++i)
@@ -59,13 +104,19 @@ Vec<4> orbit(double t) {
 /// z' = z y', makes it nonlinear. Above: y'' = -w0^2 (y - c0), below: y'' = -w1^2 (y - c1).
 class TwoSprings {
  public:
-  static constexpr int kControlled = 3, kGuards = 1;
+  static constexpr int kControlled = 3, kPositions = 1, kGuards = 1;
   using State = Vec<3>;
   bool above = true;
 
-  State derivative(double, const State& y) const {
+  void derivative(double, const State& y, State& dy) const {
     const int i = above ? 0 : 1;
-    return {y[1], -kRate[i] * kRate[i] * (y[0] - kCentre[i]), y[2] * y[1]};
+    dy = State(y[1], -kRate[i] * kRate[i] * (y[0] - kCentre[i]), y[2] * y[1]);
+  }
+  template <class Matrix>
+  void linearize(double, const State& y, Matrix& jacobian, State& rate) const {
+    const int i = above ? 0 : 1;
+    jacobian << 0, 1, 0, -kRate[i] * kRate[i], 0, 0, 0, y[2], y[1];
+    rate.setZero();
   }
   void guards(double, const State& y, const State& dy, Guards<1>& out) const {
     const double side = above ? 1 : -1;
@@ -98,13 +149,19 @@ class TwoSprings {
 /// The orbit with a clock that changes its rate as the body passes three directions: the field jumps there, the path
 /// stays.
 struct Stages {
-  static constexpr int kControlled = 4, kGuards = 3;
+  static constexpr int kControlled = 4, kPositions = 2, kGuards = 3;
   static constexpr std::array<double, kGuards + 1> kRate{1, 1.3, 0.7, 1.2};
   using State = Vec<4>;
   double start;  ///< place on the orbit at t = 0; the stages end 0.9, 1.9, 2.9 further on, the run at 4
   int stage = 0;
 
-  State derivative(double, const State& y) const { return kRate[std::size_t(stage)] * kepler(0, y); }
+  void derivative(double, const State& y, State& dy) const { dy = kRate[std::size_t(stage)] * kepler(0, y); }
+  template <class Matrix>
+  void linearize(double, const State& y, Matrix& jacobian, State& rate) const {
+    kepler_jacobian(y, jacobian);
+    jacobian *= kRate[std::size_t(stage)];
+    rate.setZero();
+  }
   void guards(double, const State& y, const State& dy, Guards<kGuards>& out) const {
     out = {};
     for (int i = stage; i < kGuards; ++i) out.set(i, before(i, y), before(i, dy));
@@ -127,12 +184,16 @@ struct Stages {
 /// Any field, with the guards side_i (y_i + offset_i); the tool of the tests on single events.
 template <int N>
 struct Forced {
-  static constexpr int kControlled = N, kGuards = N;
+  static constexpr int kControlled = N, kPositions = N / 2, kGuards = N;
   using State = Vec<N>;
   std::function<State(double, const State&)> field;
   State side = State::Ones(), offset = State::Zero();
 
-  State derivative(double t, const State& y) const { return field(t, y); }
+  void derivative(double t, const State& y, State& dy) const { dy = field(t, y); }
+  template <class Matrix>
+  void linearize(double t, const State& y, Matrix& jacobian, State& rate) const {
+    as_field<N>(field).linearize(t, y, jacobian, rate);
+  }
   void guards(double, const State& y, const State& dy, Guards<N>& out) const {
     for (int i = 0; i < N; ++i) out.set(i, side[i] * (y[i] + offset[i]), side[i] * dy[i]);
   }
@@ -141,10 +202,15 @@ struct Forced {
 
 /// y'' = -y with the guard y + 1 - depth: negative only about the trough, for a time 2 sqrt(2 depth).
 struct Oscillator {
-  static constexpr int kControlled = 2, kGuards = 1;
+  static constexpr int kControlled = 2, kPositions = 1, kGuards = 1;
   using State = Vec<2>;
   double depth, side = 1;
-  State derivative(double, const State& y) const { return {y[1], -y[0]}; }
+  void derivative(double, const State& y, State& dy) const { dy = State(y[1], -y[0]); }
+  template <class Matrix>
+  void linearize(double, const State&, Matrix& jacobian, State& rate) const {
+    jacobian << 0, 1, -1, 0;
+    rate.setZero();
+  }
   void guards(double, const State& y, const State& dy, Guards<1>& out) const {
     out.set(0, side * (y[0] + 1 - depth), side * dy[0]);
   }
@@ -153,9 +219,25 @@ struct Oscillator {
 
 }  // namespace
 
-#define EVERY_METHOD DormandPrince54, DormandPrince853
+#define TABLEAUS RungeKutta4, DormandPrince54, DormandPrince853
+#define ADAPTIVE DormandPrince54, DormandPrince853, Rodas5P
+#define EVERY_METHOD SemiImplicitEuler, RungeKutta4, DormandPrince54, DormandPrince853, Rodas5P
 
-TEMPLATE_TEST_CASE("order: the coefficients are consistent", "", EVERY_METHOD) {
+namespace {
+
+/// Where to look for a method's order: a step at which the leading term of its error rules and is far above rounding.
+template <class Method>
+constexpr double kStep = std::is_same_v<Method, Rodas5P> ? 0.025
+                         : Method::kOrder == 1           ? 0.002
+                         : Method::kOrder == 8           ? 0.16
+                         : Method::kOrder == 4           ? 0.03
+                                                         : 0.04;
+template <class Method>
+constexpr double kStart = Method::kOrder == 8 ? 2 : 0;
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("order: the coefficients are consistent", "", TABLEAUS) {
   for (int i = 0; i < TestType::kDenseStages; ++i) {
     double row = 0;
     for (int j = 0; j < i; ++j) row += TestType::a[i][j];
@@ -174,26 +256,43 @@ TEMPLATE_TEST_CASE("order: the coefficients are consistent", "", EVERY_METHOD) {
   }
 }
 
-TEMPLATE_TEST_CASE("order: a step is exact on polynomials below the order, dense output below its own", "",
-                   EVERY_METHOD) {
-  constexpr double kStart = 0.3, kLength = 0.9;
+namespace {
+
+/// y' = t^degree, with its exact time derivative.
+struct Polynomial {
+  static constexpr int kPositions = 0, kCoupled = 1;
+  int degree;
+  void operator()(double t, const Vec<1>&, Vec<1>& dy) const { dy[0] = std::pow(t, degree); }
+  template <class Matrix>
+  void linearize(double t, const Vec<1>&, Matrix& jacobian, Vec<1>& rate) const {
+    jacobian.setZero();
+    rate[0] = degree == 0 ? 0 : degree * std::pow(t, degree - 1);
+  }
+};
+Polynomial as_polynomial(int degree) { return {degree}; }
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("order: a step is exact on polynomials below the order, dense output below its own", "", RungeKutta4,
+                   DormandPrince54, DormandPrince853, Rodas5P) {
+  constexpr double kBegin = 0.3, kLength = 0.9;
   for (int degree = 0; degree <= TestType::kOrder; ++degree) {
     INFO("y' = t^" << degree);
-    const auto f = [&](double t, const Vec<1>&) { return Vec<1>(std::pow(t, degree)); };
+    const auto f = as_polynomial(degree);
     const auto y = [&](double t) { return std::pow(t, degree + 1) / (degree + 1); };
-    Step<TestType, double, 1> step;
-    step.t = kStart, step.h = kLength, step.y[0] = y(kStart);
-    step.k[0] = f(step.t, step.y);
+    typename StepOf<TestType, double, 1>::type step;
+    step.t = kBegin, step.h = kLength, step.y[0] = y(kBegin);
+    f(step.t, step.y, step.slope);
     step.advance(f);
     step.prepare_dense(f);
-    const double error = std::abs(step.y_end[0] - y(kStart + kLength));
+    const double error = std::abs(step.y_end[0] - y(kBegin + kLength));
     if (degree < TestType::kOrder)
-      CHECK(error <= 2e-14);
+      CHECK(error <= 5e-14);
     else
       CHECK(error > 1e-8);  // and no further: the order is not higher than stated
     double inside = 0;
     for (double s = 0; s <= 1; s += 0.0625) {
-      inside = std::max(inside, std::abs(step.at(s)[0] - y(kStart + s * kLength)));
+      inside = std::max(inside, std::abs(step.at(s)[0] - y(kBegin + s * kLength)));
       CHECK(step.component_at(0, s) == step.at(s)[0]);
     }
     if (degree < TestType::kDenseOrder)
@@ -204,34 +303,34 @@ TEMPLATE_TEST_CASE("order: a step is exact on polynomials below the order, dense
 }
 
 TEMPLATE_TEST_CASE("order: fixed steps converge with the order on a smooth nonlinear problem", "", EVERY_METHOD) {
-  // An arc of the orbit on which the leading term of each pair's error rules while it is far above rounding.
-  const bool low = TestType::kOrder == 5;
-  const double start = low ? 0 : 2, end = start + 4;
+  const double start = kStart<TestType>, end = start + 4;
   std::vector<double> h, error;
-  for (int n : low ? std::vector{190, 235, 300, 370, 470} : std::vector{16, 20, 24, 31, 38}) {
+  for (int i = 0; i < 5; ++i) {
+    const int n = int(4 / kStep<TestType> * (TestType::kOrder == 8 ? 0.64 : 1.9) * std::pow(1.25, i));
     h.push_back((end - start) / n);
-    error.push_back((fixed_steps<TestType>(start, orbit(start), end, n, kepler) - orbit(end)).norm());
+    error.push_back((fixed_steps<TestType>(start, orbit(start), end, n, KeplerField{}) - orbit(end)).norm());
   }
   INFO("observed " << slope(h, error));
   CHECK(slope(h, error) == Approx(TestType::kOrder).margin(0.1));
   CHECK(error.back() > 5e-13);  // above rounding
 }
 
-TEMPLATE_TEST_CASE("order: dense output converges with its local order inside a step", "", EVERY_METHOD) {
-  const auto f = [](double t, const Vec<1>& y) { return Vec<1>(y[0] * std::cos(t)); };
+TEMPLATE_TEST_CASE("order: dense output converges with its local order inside a step", "", RungeKutta4, DormandPrince54,
+                   DormandPrince853, Rodas5P) {
+  const auto f = as_field<1>([](double t, const Vec<1>& y) { return Vec<1>(y[0] * std::cos(t)); });
   const auto exact = [](double t) { return std::exp(std::sin(t)); };
-  constexpr double kStart = 0.3;
+  constexpr double kBegin = 0.3;
   std::vector<double> h, error;
   for (int i = 0; i < 5; ++i) {
-    const double length = (TestType::kOrder == 5 ? 0.05 : 0.26) * std::pow(0.8, i);
-    Step<TestType, double, 1> step;
-    step.t = kStart, step.h = length, step.y[0] = exact(kStart);
-    step.k[0] = f(kStart, step.y);
+    const double length = (TestType::kOrder == 8 ? 0.26 : 0.05) * std::pow(0.8, i);
+    typename StepOf<TestType, double, 1>::type step;
+    step.t = kBegin, step.h = length, step.y[0] = exact(kBegin);
+    f(kBegin, step.y, step.slope);
     step.advance(f);
     step.prepare_dense(f);
     double worst = 0;
     for (double s : {0.1, 0.25, 0.4, 0.6, 0.75, 0.9})
-      worst = std::max(worst, std::abs(step.at(s)[0] - exact(kStart + s * length)));
+      worst = std::max(worst, std::abs(step.at(s)[0] - exact(kBegin + s * length)));
     h.push_back(length), error.push_back(worst);
     CHECK(step.at(0)[0] == step.y[0]);
     CHECK(std::abs(step.at(1)[0] - step.y_end[0]) <= 5e-13 * length);
@@ -240,14 +339,13 @@ TEMPLATE_TEST_CASE("order: dense output converges with its local order inside a 
   CHECK(slope(h, error) == Approx(TestType::kDenseOrder + 1).margin(0.1));
 }
 
-TEMPLATE_TEST_CASE("order: it is kept through events", "", EVERY_METHOD) {
+TEMPLATE_TEST_CASE("order: it is kept through events", "", RungeKutta4, DormandPrince54, DormandPrince853, Rodas5P) {
   // Steps of equal length but for the ones that end on an event or begin after it. Their shares of h are irregular and
   // with them each single error, by up to the events' share of all steps; a fit over many h averages that out.
-  const bool low = TestType::kOrder == 5;
   std::vector<double> h, error;
   for (int i = 0; i < 60; ++i) {
-    const double length = (low ? 0.04 : 0.16) * std::pow(low ? 4 : 2.4, -i / 59.0);
-    Stages system{low ? 0.0 : 2.0};
+    const double length = kStep<TestType> * std::pow(TestType::kOrder == 8 ? 2.4 : 4, -i / 59.0);
+    Stages system{kStart<TestType>};
     const double until = system.until();
     Integrator<TestType, Stages> run(system, 0, orbit(system.start),
                                      {.accuracy = 1e6, .first_step = length, .max_step = length});
@@ -275,17 +373,43 @@ TEMPLATE_TEST_CASE("order: it is kept through events", "", EVERY_METHOD) {
   CHECK(error.back() > 1e-13);  // above rounding
 }
 
-TEMPLATE_TEST_CASE("order: it is lost where the same jumps are not located", "", EVERY_METHOD) {
+TEST_CASE("order: semi-implicit Euler keeps its order through events") {
+  // It needs q' = v, so here the field jumps in the acceleration, as it does on a floor.
+  std::vector<double> h, error;
+  for (int i = 0; i < 30; ++i) {
+    const double length = 2e-3 * std::pow(4, -i / 29.0), until = 7.3;
+    TwoSprings system;
+    Integrator<SemiImplicitEuler, TwoSprings> run(system, 0, TwoSprings::start(),
+                                                  {.first_step = length, .max_step = length});
+    int events = 0;
+    for (Outcome o{Status::kStepped}; o.status != Status::kReached;) {
+      o = run.step(until);
+      REQUIRE(o.status <= Status::kEvent);
+      if (o.event < 0) continue;
+      ++events;
+      system.above = !system.above;
+      run.refresh();
+    }
+    CHECK(events >= 3);
+    h.push_back(length), error.push_back((run.state() - TwoSprings::exact(until)).norm());
+  }
+  INFO("observed " << slope(h, error));
+  CHECK(slope(h, error) == Approx(1).margin(0.1));
+}
+
+TEMPLATE_TEST_CASE("order: it is lost where the same jumps are not located", "", ADAPTIVE) {
   // What the events are for: the same field with its jumps inside steps is of about first order with either pair.
   std::vector<double> h, error;
   for (int i = 0; i < 60; ++i) {
     const int n = int(20 * std::pow(10, i / 59.0));
     const Stages exact{0.0};
-    const auto field = [](double, const Vec<4>& y) {
+    const auto field = as_field<4>([](double, const Vec<4>& y) {
       Stages system{0.0};
       while (system.stage < Stages::kGuards && system.before(system.stage, y) < 0) ++system.stage;
-      return system.derivative(0, y);
-    };
+      Vec<4> dy;
+      system.derivative(0, y, dy);
+      return dy;
+    });
     h.push_back(exact.until() / n);
     error.push_back((fixed_steps<TestType>(0, orbit(0), exact.until(), n, field) - orbit(4)).norm());
   }
@@ -294,7 +418,7 @@ TEMPLATE_TEST_CASE("order: it is lost where the same jumps are not located", "",
   CHECK(error.back() > 1e-5);
 }
 
-TEMPLATE_TEST_CASE("order: with adaptive steps the error of event times follows the tolerance", "", EVERY_METHOD) {
+TEMPLATE_TEST_CASE("order: with adaptive steps the error of event times follows the tolerance", "", ADAPTIVE) {
   std::vector<double> accuracy, error;
   for (double tolerance = 1e-5; tolerance > 1e-12; tolerance /= std::sqrt(10.0)) {
     TwoSprings system;
@@ -316,7 +440,7 @@ TEMPLATE_TEST_CASE("order: with adaptive steps the error of event times follows 
   CHECK(slope(accuracy, error) == Approx(1).margin(0.15));
 }
 
-TEMPLATE_TEST_CASE("events: a dip inside one step is found, a near miss is none", "", EVERY_METHOD) {
+TEMPLATE_TEST_CASE("events: a dip inside one step is found, a near miss is none", "", ADAPTIVE) {
   // y'' = -y from a random phase; the guard y + 1 - depth is negative only about the trough, for a time 2 sqrt(2
   // depth).
   INFO("seed " << kSeed);
@@ -357,7 +481,7 @@ TEMPLATE_TEST_CASE("events: a dip inside one step is found, a near miss is none"
   CHECK(inside > 100);  // the near misses did come inside steps
 }
 
-TEMPLATE_TEST_CASE("events: a dip and its end both inside one long step", "", EVERY_METHOD) {
+TEMPLATE_TEST_CASE("events: a dip and its end both inside one long step", "", ADAPTIVE) {
   // y = (t - 0.6)^2 - depth, a quadratic: one step of length 1 would be exact and end well above zero.
   for (double depth : {1e-2, 1e-5, 1e-8, 1e-11}) {
     CAPTURE(depth);
@@ -379,7 +503,7 @@ TEMPLATE_TEST_CASE("events: a dip and its end both inside one long step", "", EV
   }
 }
 
-TEMPLATE_TEST_CASE("events: guards that vanish together all change, at one time", "", EVERY_METHOD) {
+TEMPLATE_TEST_CASE("events: guards that vanish together all change, at one time", "", ADAPTIVE) {
   // Three weights, two alike and one of twice the size: all fall through zero at t = 1 and rise through it at t = 3.
   Forced<3> system{[](double t, const Vec<3>&) -> Vec<3> { return Vec<3>(1, 1, 2) * (t - 2); }};
   Integrator<TestType, Forced<3>> run(system, 0, Vec<3>(1.5, 1.5, 3), {.first_step = 0.7});
@@ -403,7 +527,7 @@ TEMPLATE_TEST_CASE("events: guards that vanish together all change, at one time"
   CHECK(events <= 18);  // six; and each guard may change there and back once more within rounding of the instant
 }
 
-TEMPLATE_TEST_CASE("events: infinitely many in finite time end the run", "", EVERY_METHOD) {
+TEMPLATE_TEST_CASE("events: infinitely many in finite time end the run", "", ADAPTIVE) {
   // A ball of restitution e dropped from 1 m at g = 2: it lands at t = 1 and is at rest at (1 + e) / (1 - e).
   const double restitution = GENERATE(0.0, 0.5, 0.9);
   CAPTURE(restitution);
@@ -427,7 +551,9 @@ TEMPLATE_TEST_CASE("events: infinitely many in finite time end the run", "", EVE
   CHECK(std::abs(run.state()[0]) < 1e-9);
 }
 
-TEMPLATE_TEST_CASE("control: a field that is not finite ends the run with a reason", "", EVERY_METHOD) {
+// The explicit ones only: here the Jacobian of a linearly implicit step is a difference that looks beyond the state.
+TEMPLATE_TEST_CASE("control: a field that is not finite ends the run with a reason", "", DormandPrince54,
+                   DormandPrince853) {
   SECTION("where it starts") {
     Forced<1> system{[](double, const Vec<1>&) { return Vec<1>(kNan); }};
     Integrator<TestType, Forced<1>> run(system, 0, Vec<1>(1), {});
@@ -456,7 +582,7 @@ TEMPLATE_TEST_CASE("control: a field that is not finite ends the run with a reas
   }
 }
 
-TEMPLATE_TEST_CASE("control: it holds the error near the tolerance and spends steps accordingly", "", EVERY_METHOD) {
+TEMPLATE_TEST_CASE("control: it holds the error near the tolerance and spends steps accordingly", "", ADAPTIVE) {
   long before = 0;
   for (double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
     Forced<4> system{[](double t, const Vec<4>& y) { return kepler(t, y); }};

@@ -1,0 +1,50 @@
+// Semi-implicit (symplectic) Euler: the fixed-step method of most game and many robot simulators, for comparison.
+#pragma once
+
+#include "common/integrate/runge_kutta.hpp"
+
+namespace ukemi::integrate {
+
+/// v_1 = v + h a(t, q, v), q_1 = q + h v_1; order 1. The first `positions` components of the state are q, as many
+/// follow that are v; what comes behind them advances by the explicit Euler rule. Inside a step it is linear.
+/// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. (2006), I.1.
+struct SemiImplicitEuler {
+  static constexpr const char* kName = "semi_implicit_euler";
+  static constexpr int kOrder = 1, kDenseOrder = 1;
+};
+
+template <class T, int N>
+class SemiImplicitEulerStep : public StepEnds<T, N> {
+ public:
+  using State = typename StepEnds<T, N>::State;
+  static constexpr int error_order() { return 1; }
+
+  template <class F>
+  void advance(F&& f) {
+    this->whole_ = this->h;
+    constexpr int n = std::remove_cvref_t<F>::kPositions;
+    State& end = this->y_end;
+    end = this->y + T(this->h) * this->slope;
+    end.template head<n>() = this->y.template head<n>() + T(this->h) * end.template segment<n>(n);
+    computed_end_ = end;
+    f(this->t + this->h, end, this->slope_end);
+  }
+  template <int kControlled>
+  double error(const Tolerance<kControlled>&) const {
+    return 0;  // fixed steps
+  }
+  template <class F>
+  void prepare_dense(F&&) {}
+  State at(double s) const { return this->y + T(this->share(s)) * (computed_end_ - this->y); }
+  T component_at(int i, double s) const { return this->y[i] + T(this->share(s)) * (computed_end_[i] - this->y[i]); }
+
+ private:
+  State computed_end_;
+};
+
+template <class T, int N>
+struct StepOf<SemiImplicitEuler, T, N> {
+  using type = SemiImplicitEulerStep<T, N>;
+};
+
+}  // namespace ukemi::integrate

@@ -1,0 +1,81 @@
+// Sine and cosine of one angle together, for every scalar.
+//
+// The angle is reduced to |r| <= pi/4 by a multiple of pi/2 held in three parts,
+// then both functions are polynomials in r^2. Method of W. J. Cody, W. Waite, Software Manual for the Elementary
+// Functions (1980); coefficients of S. L. Moshier's Cephes library, double precision. Branch-free but for angles beyond
+// kReducible, which go to the standard library. Test: test/unit/trigonometry.cpp (error below 1.2e-16 + 1 ulp).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "common/scalar.hpp"
+
+namespace ukemi {
+
+/// sin x and cos x.
+template <class T>
+struct SinCos {
+  T sin, cos;
+};
+
+/// Angles up to which the reduction is exact [rad].
+inline constexpr double kReducible = 1 << 19;
+
+/// Two doubles in one register of any x86-64 or ARM64 machine.
+typedef double Double2 __attribute__((vector_size(16)));
+
+[[gnu::noinline, gnu::cold]] inline SinCos<double> sin_cos_library(double x) { return {std::sin(x), std::cos(x)}; }
+
+namespace detail {
+/// Each constant in both lanes, so that it is read as an operand and not spread at every use.
+struct SinCosTable {
+  Double2 two_over_pi{0.63661977236758134308, 0.63661977236758134308}, round{0x1.8p52, 0x1.8p52}, one{1, 1},
+      half{0.5, 0.5};
+  Double2 quarter_turn[3] = {{1.57079632673412561417e+00, 1.57079632673412561417e+00},
+                             {6.07710050630396597660e-11, 6.07710050630396597660e-11},
+                             {2.02226624879595063154e-21, 2.02226624879595063154e-21}};
+  Double2 sin[6] = {{-1.66666666666666307295e-1, -1.66666666666666307295e-1},
+                    {8.33333333332211858878e-3, 8.33333333332211858878e-3},
+                    {-1.98412698295895385996e-4, -1.98412698295895385996e-4},
+                    {2.75573136213857245213e-6, 2.75573136213857245213e-6},
+                    {-2.50507477628578072866e-8, -2.50507477628578072866e-8},
+                    {1.58962301576546568060e-10, 1.58962301576546568060e-10}};
+  Double2 cos[6] = {{4.16666666666665929218e-2, 4.16666666666665929218e-2},
+                    {-1.38888888888730564116e-3, -1.38888888888730564116e-3},
+                    {2.48015872888517045348e-5, 2.48015872888517045348e-5},
+                    {-2.75573141792967388112e-7, -2.75573141792967388112e-7},
+                    {2.08757008419747316778e-9, 2.08757008419747316778e-9},
+                    {-1.13585365213876817300e-11, -1.13585365213876817300e-11}};
+};
+inline const SinCosTable kSinCosTable;
+}  // namespace detail
+
+/// Both angles at once: the two lanes of one register.
+UKEMI_INLINE std::array<SinCos<double>, 2> sin_cos(double x0, double x1) {
+  typedef std::uint64_t Bits __attribute__((vector_size(16)));
+  const detail::SinCosTable* k = &detail::kSinCosTable;
+  __asm__("" : "+r"(k));  // else the compiler rebuilds each constant from one lane
+  if (!(std::abs(x0) < kReducible && std::abs(x1) < kReducible)) return {sin_cos_library(x0), sin_cos_library(x1)};
+  const Double2 x{x0, x1}, shifted = x * k->two_over_pi + k->round, n = shifted - k->round;
+  const Double2 r = ((x - n * k->quarter_turn[0]) - n * k->quarter_turn[1]) - n * k->quarter_turn[2], z = r * r,
+                z2 = z * z;
+  // Both polynomials by pairs (Estrin): what costs is the chain of dependent operations, not their number.
+  const Double2 *p = k->sin, *q = k->cos;
+  const Double2 s = r + r * z * ((p[0] + z * p[1]) + z2 * ((p[2] + z * p[3]) + z2 * (p[4] + z * p[5])));
+  const Double2 c =
+      (k->one - k->half * z) + z2 * ((q[0] + z * q[1]) + z2 * ((q[2] + z * q[3]) + z2 * (q[4] + z * q[5])));
+  const Bits quadrant = (Bits)shifted, odd = -(quadrant & 1), bs = (Bits)s, bc = (Bits)c;
+  const Double2 sine = (Double2)(((bc & odd) | (bs & ~odd)) ^ ((quadrant & 2) << 62)),
+                cosine = (Double2)(((bs & odd) | (bc & ~odd)) ^ (((quadrant + 1) & 2) << 62));
+  return {{{sine[0], cosine[0]}, {sine[1], cosine[1]}}};
+}
+
+template <int P>
+std::array<SinCos<ceres::Jet<double, P>>, 2> sin_cos(const ceres::Jet<double, P>& x0, const ceres::Jet<double, P>& x1) {
+  const auto [f0, f1] = sin_cos(x0.a, x1.a);
+  return {{{{f0.sin, f0.cos * x0.v}, {f0.cos, -f0.sin * x0.v}}, {{f1.sin, f1.cos * x1.v}, {f1.cos, -f1.sin * x1.v}}}};
+}
+
+}  // namespace ukemi

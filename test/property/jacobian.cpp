@@ -1,0 +1,85 @@
+// The exact Jacobians that the implicit steps use, against central differences, in random states of every mode.
+#include <catch2/catch.hpp>
+
+#include "common/random.hpp"
+#include "identify/one_link.hpp"
+#include "landing/landing_system.hpp"
+
+using namespace ukemi;
+
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+
+/// Largest difference between `linearize` and central differences, over the Jacobian's largest entry in that row.
+template <class System, class State>
+double disagreement(const System& system, double t, const State& y) {
+  constexpr int n = State::RowsAtCompileTime;
+  Eigen::Matrix<double, n, n> exact, difference;
+  State rate, rate_difference, up, down;
+  system.linearize(t, y, exact, rate);
+  constexpr double kH = 1e-6;
+  for (int j = 0; j < n; ++j) {
+    const State e = kH * State::Unit(j);
+    system.derivative(t, State(y + e), up), system.derivative(t, State(y - e), down);
+    difference.col(j) = (up - down) / (2 * kH);
+  }
+  system.derivative(t + kH, y, up), system.derivative(t - kH, y, down);
+  rate_difference = (up - down) / (2 * kH);
+  double worst = 0;
+  for (int i = 0; i < n; ++i) {
+    const double scale = 1 + exact.row(i).cwiseAbs().maxCoeff() + std::abs(rate[i]);
+    worst = std::max(worst, (exact.row(i) - difference.row(i)).cwiseAbs().maxCoeff() / scale);
+    worst = std::max(worst, std::abs(rate[i] - rate_difference[i]) / scale);
+  }
+  return worst;
+}
+
+template <landing::LandingTerms kTerms, bool kAccounts>
+void check_landing() {
+  using namespace landing;
+  INFO("seed " << kSeed);
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    Random r(kSeed, i);
+    Scene scene;
+    scene.robot = {
+        {r.uniform(0.2, 2), r.uniform(0.2, 2)}, {r.uniform(1e-3, 0.1), r.uniform(1e-3, 0.1)}, r.uniform(0.1, 1), 9.81};
+    scene.contacts = {true, true, true};
+    scene.floor = Floor<double>{r.uniform(1e3, 1e5), r.uniform(0, 200), r.uniform(0, 100)};
+    SeaParameters<double> sea{r.uniform(0, 100), r.uniform(0, 3),      r.uniform(1, 200),
+                              r.uniform(0, 3),   r.uniform(0.01, 0.2), 20};
+    if (kTerms.sea.extended)
+      sea.friction = 0.3, sea.k_sea_cubic = 50, sea.feedback = i % 2 ? Feedback::kMotor : Feedback::kOutput;
+    LandingSystem<kTerms, kAccounts> system(scene, sea, {r.uniform(-1.5, 0), r.uniform(-1.5, 0), 0.3});
+    for (Contact& c : system.contact) c = Contact(int(r.uniform(0, 3)));
+    system.saturation = int(r.uniform(-1, 2));
+    system.phase = Phase::kMoving, system.motion_start = 0.1;
+    typename LandingSystem<kTerms, kAccounts>::State y;
+    for (int k = 0; k < y.size(); ++k) y[k] = r.uniform(-1, 1) * (k >= kVx ? 3 : 1);
+    CAPTURE(i);
+    CHECK(disagreement(system, 0.2, y) < 1e-7);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("jacobian: the landing robot's is exact, in every mode") {
+  check_landing<landing::LandingTerms{SeaTerms{true, false}}, false>();
+  check_landing<landing::LandingTerms{SeaTerms{true, true}}, true>();
+}
+
+TEST_CASE("jacobian: the rig's is exact") {
+  using System = identify::OneLinkSystem<SeaTerms{true, true}, double>;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    Random r(kSeed, i);
+    System system(
+        {r.uniform(0, 100), r.uniform(0, 3), r.uniform(1, 200), r.uniform(0, 3), r.uniform(0.01, 0.2), 20, 0.2, 30},
+        0.3, 0.024);
+    system.input = {0.1, 50, -2000, 0.1, 0.5, 0.5, 2};
+    system.saturation = int(i % 3) - 1;
+    System::State y;
+    for (int k = 0; k < 4; ++k) y[k] = r.uniform(-1, 1) * (k < 2 ? 1 : 5);
+    CAPTURE(i);
+    CHECK(disagreement(system, 0.11, y) < 1e-7);
+  }
+}
