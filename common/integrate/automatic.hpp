@@ -18,11 +18,11 @@ struct Automatic {
   using Explicit = ExplicitMethod;
   using Implicit = ImplicitMethod;
   static constexpr int kOrder = std::min(Explicit::kOrder, Implicit::kOrder);
-  static constexpr int kPatience = 15, kForget = 6, kTrial = 3, kRegret = 20;
-  static constexpr double kPrice = 8;  ///< an implicit step costs about as much as this many explicit ones
+  static constexpr int kPatience = 100, kForget = 6, kTrial = 3, kRegret = 20;
+  static constexpr double kPrice = 10;  ///< an implicit step costs about as much as this many explicit ones
 };
 
-template <class Method, int N>
+template <class Method, int N, int kCoupled>
 class AutomaticStep : public Step<typename Method::Explicit, double, N> {
   using Base = Step<typename Method::Explicit, double, N>;
   using Explicit = typename Method::Explicit;
@@ -55,10 +55,9 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
   }
 
   /// After a whole accepted step: which method takes the next one, and its length.
-  template <int kControlled>
   double choose(double h_next) {
     if (!implicit_) {
-      if (Base::template stiffness<kControlled>() > Explicit::kStabilityBoundary) {
+      if (Base::stiffness(kCoupled) > Explicit::kStabilityBoundary) {
         inside_ = 0;
         if (++outside_ >= patience_) implicit_ = true, outside_ = dear_ = 0, paid_ = false;
       } else if (++inside_ >= Method::kForget) {
@@ -66,7 +65,7 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
       }
       return h_next;
     }
-    const double stable = Explicit::kStabilityBoundary / stages_.template spectral_radius<kControlled>();
+    const double stable = Explicit::kStabilityBoundary / stages_.spectral_radius();
     if (this->h >= Method::kPrice * stable) {
       dear_ = 0, paid_ = true, patience_ = Method::kPatience;
     } else if (h_next < kGrows * this->h && ++dear_ >= (paid_ ? Method::kRegret : Method::kTrial)) {
@@ -79,14 +78,14 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
 
  private:
   static constexpr double kGrows = 1.5;  ///< a step that the next one exceeds so far says nothing yet
-  RosenbrockStages<Implicit, N> stages_;
+  RosenbrockStages<Implicit, N, kCoupled> stages_;
   bool implicit_ = false, taken_implicit_ = false, paid_ = false;
   int outside_ = 0, inside_ = 0, dear_ = 0, patience_ = Method::kPatience;
 };
 
-template <class E, class I, int N>
-struct StepOf<Automatic<E, I>, double, N> {
-  using type = AutomaticStep<Automatic<E, I>, N>;
+template <class E, class I, int N, int kCoupled>
+struct StepOf<Automatic<E, I>, double, N, kCoupled> {
+  using type = AutomaticStep<Automatic<E, I>, N, kCoupled>;
 };
 
 }  // namespace ukemi::integrate

@@ -95,7 +95,7 @@ class Integrator {
   static constexpr int kGuards = System::kGuards, kMaxImmediate = 64;
   using State = typename System::State;
   using Scalar = typename State::Scalar;
-  using StepT = typename StepOf<Method, Scalar, State::RowsAtCompileTime>::type;
+  using StepT = typename StepOf<Method, Scalar, State::RowsAtCompileTime, System::kControlled>::type;
 
   Integrator(const System& system, double t, const State& y, const Options& options)
       : system_(system), options_(options), h_next_(options.first_step) {
@@ -167,7 +167,7 @@ class Integrator {
     const Crossing c = first_crossing();
     if (c.guard < 0) {
       immediate_ = 0;
-      h_next_ = step_.template choose<System::kControlled>(h_next_);
+      h_next_ = step_.choose(h_next_);
       return {truncated ? Status::kReached : Status::kStepped};
     }
     ++counters_.events;
@@ -190,7 +190,7 @@ class Integrator {
   /// The system as a step sees it: f, its Jacobian where asked, and how many components are positions, and how many
   /// feed anything back (behind them may stand integrals).
   struct Field {
-    static constexpr int kPositions = System::kPositions, kCoupled = System::kControlled;
+    static constexpr int kPositions = System::kPositions;
     const System& system;
     Counters& counters;
     void operator()(double t, const State& y, State& dy) const {

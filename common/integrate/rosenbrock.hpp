@@ -58,8 +58,9 @@ struct Rodas5P {
   };
 };
 
-/// The stages of a Rosenbrock step, between ends that someone else holds.
-template <class Tableau, int N>
+/// The stages of a Rosenbrock step, between ends that someone else holds. Components beyond the first kCoupled are
+/// integrals: they feed nothing back, and follow from the others without a share in the factorisation.
+template <class Tableau, int N, int kCoupled>
 class RosenbrockStages {
  public:
   using State = Eigen::Matrix<double, N, 1>;
@@ -72,8 +73,7 @@ class RosenbrockStages {
       f.linearize(e.t, e.y, jacobian_, rate_);
       at_t_ = e.t, at_y_ = e.y;
     }
-    // Components beyond the coupled ones are integrals: they feed nothing back, and follow from the others.
-    constexpr int n = std::remove_cvref_t<F>::kCoupled;
+    constexpr int n = kCoupled;
     const double h = e.h, pivot = 1 / (h * Tableau::gamma);
     Block w = -jacobian_.template topLeftCorner<n, n>();
     w.diagonal().array() += pivot;
@@ -121,12 +121,11 @@ class RosenbrockStages {
   }
 
   /// Spectral radius of the last Jacobian, one more power iteration a call [1/s].
-  template <int kControlled>
   double spectral_radius() {
-    const Eigen::Matrix<double, kControlled, 1> v =
-        jacobian_.template topLeftCorner<kControlled, kControlled>() * direction_.template head<kControlled>();
+    const Eigen::Matrix<double, kCoupled, 1> v =
+        jacobian_.template topLeftCorner<kCoupled, kCoupled>() * direction_.template head<kCoupled>();
     const double norm = v.norm();
-    if (norm > 0 && std::isfinite(norm)) direction_.template head<kControlled>() = v / norm;
+    if (norm > 0 && std::isfinite(norm)) direction_.template head<kCoupled>() = v / norm;
     return norm;
   }
 
@@ -134,7 +133,7 @@ class RosenbrockStages {
   Matrix jacobian_;
   State rate_, at_y_, computed_end_;
   double at_t_ = std::numeric_limits<double>::quiet_NaN();
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, N, N>;  // no allocation
+  using Block = Eigen::Matrix<double, kCoupled, kCoupled>;
   Eigen::PartialPivLU<Block> lu_;
   std::array<State, Tableau::kStages> u_;
   std::array<State, Tableau::kDenseTerms> dense_;
@@ -142,7 +141,7 @@ class RosenbrockStages {
   bool dense_ready_ = false;
 };
 
-template <class Tableau, int N>
+template <class Tableau, int N, int kCoupled>
 class RosenbrockStep : public StepEnds<double, N> {
  public:
   using State = Eigen::Matrix<double, N, 1>;
@@ -165,12 +164,12 @@ class RosenbrockStep : public StepEnds<double, N> {
   double component_at(int index, double s) const { return at(s)[index]; }
 
  private:
-  RosenbrockStages<Tableau, N> stages_;
+  RosenbrockStages<Tableau, N, kCoupled> stages_;
 };
 
-template <int N>
-struct StepOf<Rodas5P, double, N> {
-  using type = RosenbrockStep<Rodas5P, N>;
+template <int N, int kCoupled>
+struct StepOf<Rodas5P, double, N, kCoupled> {
+  using type = RosenbrockStep<Rodas5P, N, kCoupled>;
 };
 
 }  // namespace ukemi::integrate

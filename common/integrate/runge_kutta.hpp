@@ -62,10 +62,7 @@ struct StepEnds {
   /// Begins the next step where this one ends.
   void next() { t += h, y = y_end, slope = slope_end; }
   /// After a whole accepted step: the length to try next. Methods that change over (automatic.hpp) decide here.
-  template <int kControlled>
-  double choose(double h_next) {
-    return h_next;
-  }
+  double choose(double h_next) { return h_next; }
   /// True where the last step was taken by an implicit method that stands in for an explicit one.
   static constexpr bool implicit() { return false; }
 
@@ -108,11 +105,11 @@ class Step : public StepEnds<T, N> {
     return Tableau::error_norm(size);
   }
 
-  /// |h lambda| between the last two stages, which stand at the same time (Hairer, Wanner, IV.2).
-  template <int kControlled>
-  double stiffness() const {
+  /// |h lambda| of the first components between the last two stages, which stand at the same time (Hairer, Wanner,
+  /// IV.2).
+  double stiffness(int components) const {
     double change = 0, distance = 0;
-    for (int i = 0; i < kControlled; ++i) {
+    for (int i = 0; i < components; ++i) {
       const double dk = value_of(k_[kLast][i]) - value_of(k_[kLast - 1][i]), dy = value_of(y_end[i]) - before_last(i);
       change += dk * dk, distance += dy * dy;
     }
@@ -194,8 +191,8 @@ class Step : public StepEnds<T, N> {
   }
 };
 
-/// The kind of step that a method takes.
-template <class Method, class T, int N>
+/// The kind of step that a method takes; components beyond the first kCoupled feed nothing back.
+template <class Method, class T, int N, int kCoupled = N>
 struct StepOf {
   using type = Step<Method, T, N>;
 };

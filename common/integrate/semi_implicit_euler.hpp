@@ -42,8 +42,8 @@ class SemiImplicitEulerStep : public StepEnds<T, N> {
   State computed_end_;
 };
 
-template <class T, int N>
-struct StepOf<SemiImplicitEuler, T, N> {
+template <class T, int N, int kCoupled>
+struct StepOf<SemiImplicitEuler, T, N, kCoupled> {
   using type = SemiImplicitEulerStep<T, N>;
 };
 

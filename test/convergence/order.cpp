@@ -24,7 +24,7 @@ using Vec = Eigen::Matrix<double, N, 1>;
 /// methods where no exact one is at hand (they keep their order with it on these smooth fields; see KeplerField).
 template <int N, class F>
 struct AsField {
-  static constexpr int kPositions = N / 2, kCoupled = N;
+  static constexpr int kPositions = N / 2;
   F f;
   void operator()(double t, const Vec<N>& y, Vec<N>& dy) const { dy = f(t, y); }
   template <class Matrix>
@@ -83,7 +83,7 @@ void kepler_jacobian(const Vec<4>& y, Matrix& jacobian) {
   for (int i = 0; i < 4; ++i) jacobian.row(i) = dx[i].v.transpose();
 }
 struct KeplerField {
-  static constexpr int kPositions = 2, kCoupled = 4;
+  static constexpr int kPositions = 2;
   void operator()(double, const Vec<4>& y, Vec<4>& dy) const { dy = kepler_field(y); }
   template <class Matrix>
   void linearize(double, const Vec<4>& y, Matrix& jacobian, Vec<4>& rate) const {
@@ -260,7 +260,7 @@ namespace {
 
 /// y' = t^degree, with its exact time derivative.
 struct Polynomial {
-  static constexpr int kPositions = 0, kCoupled = 1;
+  static constexpr int kPositions = 0;
   int degree;
   void operator()(double t, const Vec<1>&, Vec<1>& dy) const { dy[0] = std::pow(t, degree); }
   template <class Matrix>
