@@ -1,5 +1,5 @@
-// One landing from event to event: the loop that every method and every kernel shares. Included by the files that
-// compile kernels (simulate.cpp, methods.cpp), by no other.
+// One landing from event to event: the loop that every method and every kernel shares. Included by what compiles
+// kernels (kernels.hpp, methods.cpp), by no other.
 #pragma once
 
 #include <cmath>

@@ -69,7 +69,7 @@ int bench_identify(const BenchArguments& a, const CommonOptions& common) {
     Method method;
     std::vector<double> settings;
   };
-  const std::vector<Rung> ladder = {{Method::kSemiImplicitEuler, {1e-3, 1e-4}},
+  const std::vector<Rung> ladder = {{Method::kSemiImplicitEuler, {1e-3, 2e-4}},
                                     {Method::kRungeKutta4, {1e-3, 5e-4, 2.5e-4}},
                                     {Method::kDormandPrince54, {1e-4, 1e-6, 1e-8}},
                                     {Method::kDormandPrince853, {1e-4, 1e-6, 1e-8, 1e-9, 1e-11}}};

@@ -153,6 +153,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   summary["energy_residual"] = number(l.energy_residual);
   summary["ratings"] = ratings(motion, l, actuator, run);
   summary["steps"] = l.work.steps;
+  summary["implicit_steps"] = l.work.implicit;  // of them, where a phase is stiff
 
   run.say(fmt::format("peak {:.10g} m/s^2 at t = {:.9g} s (estimated relative error {:.1g}{})", l.peak, l.t_peak,
                       s.error_estimate, s.sensitive ? ", sensitive" : ""));

@@ -1,0 +1,68 @@
+// Guards, and where a function of one step falls through zero: on cubics, and by a safeguarded secant search.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace ukemi::integrate {
+
+/// Guards of a mode: positive while the mode holds. An inactive guard has value 1 and rate 0; `guards()` sets every one
+/// afresh.
+template <int N>
+struct Guards {
+  std::array<double, N> value;
+  std::array<double, N> rate;
+  Guards() { value.fill(1), rate.fill(0); }
+  void set(int i, double v, double r) { value[i] = v, rate[i] = r; }
+};
+
+/// One end of a part of the step as a guard sees it: place, value, derivative with respect to the place.
+struct Node {
+  double s, g, d;
+};
+
+/// Where the cubic through two nodes first falls to zero, given that it does; and the place of its lowest interior
+/// point.
+inline double cubic(const Node& a, const Node& b, double s) {
+  const double w = b.s - a.s, x = (s - a.s) / w, y = 1 - x;
+  return y * y * ((1 + 2 * x) * a.g + x * w * a.d) + x * x * ((3 - 2 * x) * b.g - y * w * b.d);
+}
+inline double cubic_minimum(const Node& a, const Node& b) {
+  const double w = b.s - a.s, c1 = w * a.d, c2 = 3 * (b.g - a.g) - w * (2 * a.d + b.d),
+               c3 = 2 * (a.g - b.g) + w * (a.d + b.d);
+  const double disc = c2 * c2 - 3 * c1 * c3;  // root of c1 + 2 c2 x + 3 c3 x^2 with positive curvature
+  if (disc <= 0) return -1;
+  const double root = std::sqrt(disc), x = c2 > 0 ? -c1 / (c2 + root) : (c3 != 0 ? (root - c2) / (3 * c3) : -1);
+  return x > 0 && x < 1 ? a.s + x * w : -1;
+}
+/// A lower bound of that cubic; where it starts on zero, of its part beyond the start.
+inline double bernstein_minimum(const Node& a, const Node& b) {
+  const double w = (b.s - a.s) / 3, inner = std::min(b.g, std::min(a.g + w * a.d, b.g - w * b.d));
+  return a.g > 0 ? std::min(a.g, inner) : inner;
+}
+/// Bisection with secant steps (Illinois) of a function that is positive at a and negative at b; places in the step.
+template <class F>
+double root(double a, double fa, double b, double fb, F&& f) {
+  constexpr double kResolution = 1e-14;
+  double last = -1;
+  for (int i = 0, side = 0; i < 80 && b - a > kResolution; ++i) {
+    double m = (a * fb - b * fa) / (fb - fa);
+    if (!(m > a && m < b)) m = 0.5 * (a + b);
+    if (std::abs(m - last) < kResolution) return m;
+    const double fm = f(last = m);
+    if (fm == 0) return m;
+    if (fm < 0) {
+      b = m, fb = fm;
+      if (side == -1) fa *= 0.5;
+      side = -1;
+    } else {
+      a = m, fa = fm;
+      if (side == 1) fb *= 0.5;
+      side = 1;
+    }
+  }
+  return b;
+}
+
+}  // namespace ukemi::integrate
