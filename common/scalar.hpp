@@ -1,4 +1,4 @@
-// What `double` and `ceres::Jet` share, so that an equation is written once for both.
+// What `double`, `ceres::Jet` and `Pack` share, so that an equation is written once for all of them.
 //
 // Kernels never branch on a Scalar: they use select(mask, a, b), and both a and b must be finite.
 // Mode decisions are booleans that the drivers fix between events; any(mask) lets a kernel skip work that no lane
@@ -9,10 +9,12 @@
 
 #include <cmath>
 #include <concepts>
+#include <type_traits>
 
 /// For the innermost functions of a kernel: left to itself the compiler calls them, and their arguments go through
 /// memory.
 #define UKEMI_INLINE [[gnu::always_inline]] inline
+#define UKEMI_INLINE_LAMBDA __attribute__((always_inline))
 
 namespace ukemi {
 
@@ -36,6 +38,17 @@ ceres::Jet<double, P> select(bool mask, const ceres::Jet<double, P>& a, const ce
 
 /// True where any lane of the mask is set; a plain bool has one lane.
 inline bool any(bool mask) { return mask; }
+
+/// True for the packs of pack.hpp, whose lanes are computations of their own; and the mask of any scalar.
+template <class T>
+inline constexpr bool kIsPack = false;
+template <class T>
+struct MaskOf {
+  using type = bool;
+};
+/// What times and step lengths are for a scalar: one for all its derivatives, one a lane.
+template <class T>
+using Clock = std::conditional_t<kIsPack<T>, T, double>;
 
 /// The value without its derivatives.
 inline double value_of(double x) { return x; }

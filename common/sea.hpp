@@ -37,6 +37,12 @@ struct SeaParameters {
   SeaParameters<U> cast() const {
     return {U(k_p), U(k_d), U(k_sea), U(c_sea), U(i_motor), U(tau_max), U(friction), U(k_sea_cubic), feedback};
   }
+  /// f(a's, b's) of every constant.
+  template <class A, class B, class F>
+  static void for_each(A& a, const B& b, F&& f) {
+    f(a.k_p, b.k_p), f(a.k_d, b.k_d), f(a.k_sea, b.k_sea), f(a.c_sea, b.c_sea), f(a.i_motor, b.i_motor);
+    f(a.tau_max, b.tau_max), f(a.friction, b.friction), f(a.k_sea_cubic, b.k_sea_cubic);
+  }
 };
 
 /// Which optional terms a kernel is compiled with. A kernel without a term pays nothing for it.
@@ -88,14 +94,17 @@ T spring_torque_rate(const SeaParameters<T>& p, const SeaState<T>& s, const T& d
   return rate;
 }
 
-/// tau_SEA = clamp(tau', -tau_max, tau_max), Eq. 2, with the branch held: `saturation` is -1, 0 or +1 between events.
-template <SeaTerms kTerms, Scalar T>
-T limited_torque(const SeaParameters<T>& p, const T& torque, int saturation) {
-  if constexpr (kTerms.torque_limit) {
-    if (saturation > 0) return p.tau_max;
-    if (saturation < 0) return -p.tau_max;
-  }
-  return torque;
+/// The branch of Eq. 2's clamp, held between events: -1, 0 or +1.
+inline bool at_upper(int saturation) { return saturation > 0; }
+inline bool at_lower(int saturation) { return saturation < 0; }
+
+/// tau_SEA = clamp(tau', -tau_max, tau_max), Eq. 2, with the branch held.
+template <SeaTerms kTerms, Scalar T, class Saturation>
+T limited_torque(const SeaParameters<T>& p, const T& torque, const Saturation& saturation) {
+  if constexpr (kTerms.torque_limit)
+    return select(at_upper(saturation), p.tau_max, select(at_lower(saturation), T(-p.tau_max), torque));
+  else
+    return torque;
 }
 
 /// tau_mot = K_p (phi_ref - phi) + K_d (dphi_ref - dphi), Eq. 3; phi is phi_1, or phi_m with motor-side feedback [Nm].

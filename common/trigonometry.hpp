@@ -50,25 +50,38 @@ struct SinCosTable {
                     {-1.13585365213876817300e-11, -1.13585365213876817300e-11}};
 };
 inline const SinCosTable kSinCosTable;
+typedef std::int64_t Bits2 __attribute__((vector_size(16)));
+
+/// Every lane of D, a vector of doubles, below kReducible; I is the vector of integers of its size.
+template <class D, class I>
+UKEMI_INLINE void sin_cos_reduced(const D& x, D& sine, D& cosine, const SinCosTable* k = &kSinCosTable) {
+  const auto c = [](const Double2& pair) {
+    if constexpr (sizeof(D) == sizeof(Double2))
+      return pair;
+    else
+      return D{} + pair[0];
+  };
+  const D shifted = x * c(k->two_over_pi) + c(k->round), n = shifted - c(k->round);
+  const D r = ((x - n * c(k->quarter_turn[0])) - n * c(k->quarter_turn[1])) - n * c(k->quarter_turn[2]), z = r * r,
+          z2 = z * z;
+  // Both polynomials by pairs (Estrin): what costs is the chain of dependent operations, not their number.
+  const Double2 *p = k->sin, *q = k->cos;
+  const D s = r + r * z * ((c(p[0]) + z * c(p[1])) + z2 * ((c(p[2]) + z * c(p[3])) + z2 * (c(p[4]) + z * c(p[5]))));
+  const D t = (c(k->one) - c(k->half) * z) +
+              z2 * ((c(q[0]) + z * c(q[1])) + z2 * ((c(q[2]) + z * c(q[3])) + z2 * (c(q[4]) + z * c(q[5]))));
+  const I quadrant = (I)shifted, odd = -(quadrant & 1), bs = (I)s, bc = (I)t;
+  sine = (D)(((bc & odd) | (bs & ~odd)) ^ ((quadrant & 2) << 62));
+  cosine = (D)(((bs & odd) | (bc & ~odd)) ^ (((quadrant + 1) & 2) << 62));
+}
 }  // namespace detail
 
 /// Both angles at once: the two lanes of one register.
 UKEMI_INLINE std::array<SinCos<double>, 2> sin_cos(double x0, double x1) {
-  typedef std::uint64_t Bits __attribute__((vector_size(16)));
   const detail::SinCosTable* k = &detail::kSinCosTable;
   __asm__("" : "+r"(k));  // else the compiler rebuilds each constant from one lane
   if (!(std::abs(x0) < kReducible && std::abs(x1) < kReducible)) return {sin_cos_library(x0), sin_cos_library(x1)};
-  const Double2 x{x0, x1}, shifted = x * k->two_over_pi + k->round, n = shifted - k->round;
-  const Double2 r = ((x - n * k->quarter_turn[0]) - n * k->quarter_turn[1]) - n * k->quarter_turn[2], z = r * r,
-                z2 = z * z;
-  // Both polynomials by pairs (Estrin): what costs is the chain of dependent operations, not their number.
-  const Double2 *p = k->sin, *q = k->cos;
-  const Double2 s = r + r * z * ((p[0] + z * p[1]) + z2 * ((p[2] + z * p[3]) + z2 * (p[4] + z * p[5])));
-  const Double2 c =
-      (k->one - k->half * z) + z2 * ((q[0] + z * q[1]) + z2 * ((q[2] + z * q[3]) + z2 * (q[4] + z * q[5])));
-  const Bits quadrant = (Bits)shifted, odd = -(quadrant & 1), bs = (Bits)s, bc = (Bits)c;
-  const Double2 sine = (Double2)(((bc & odd) | (bs & ~odd)) ^ ((quadrant & 2) << 62)),
-                cosine = (Double2)(((bs & odd) | (bc & ~odd)) ^ (((quadrant + 1) & 2) << 62));
+  Double2 sine, cosine;
+  detail::sin_cos_reduced<Double2, detail::Bits2>(Double2{x0, x1}, sine, cosine, k);
   return {{{sine[0], cosine[0]}, {sine[1], cosine[1]}}};
 }
 

@@ -22,6 +22,11 @@ struct Floor {
   Floor<U> cast() const {
     return {U(stiffness), U(damping_normal), U(damping_tangential)};
   }
+  /// f(a's, b's) of every constant.
+  template <class A, class B, class F>
+  static void for_each(A& a, const B& b, F&& f) {
+    f(a.stiffness, b.stiffness), f(a.damping_normal, b.damping_normal), f(a.damping_tangential, b.damping_tangential);
+  }
 };
 
 /// Mode of a contact point.
@@ -30,6 +35,11 @@ enum class Contact : unsigned char {
   kPressed,  ///< below y = 0 and the floor pushes
   kLoose,    ///< below y = 0, but the damper outweighs the spring: no normal force
 };
+inline bool below(Contact c) { return c != Contact::kClear; }
+inline bool pressed(Contact c) { return c == Contact::kPressed; }
+/// The mode beyond its guard: through y = 0, and where the normal force changes between none and some.
+inline Contact crossed(Contact c) { return c == Contact::kClear ? Contact::kPressed : Contact::kClear; }
+inline Contact loosened(Contact c) { return c == Contact::kPressed ? Contact::kLoose : Contact::kPressed; }
 
 /// F = -K_f p_y - C_fy v_y [N].
 template <class T>

@@ -7,28 +7,17 @@
 
 #include "landing/peak_tracker.hpp"
 #include "landing/recorder.hpp"
+#include "landing/release.hpp"
 #include "landing/rest.hpp"
 #include "landing/simulate.hpp"
 
 namespace ukemi::landing {
 
-/// State at release, x_0 = 0, the lowest contact point at the drop's height.
+/// True where the motor turns faster or pulls harder than the limits allow.
 template <class System>
-typename System::State released(const System& system, const Scene& scene, const Motion& motion) {
-  typename System::State y = System::State::Zero();
-  y[kTheta0] = scene.drop.pitch, y[kTheta1] = scene.drop.pitch + motion.phi_i, y[kPhiM] = motion.phi_i;
-  y[kVx] = scene.drop.forward_speed;
-  y[kOmega0] = y[kOmega1] = scene.drop.pitch_rate;
-  const Pose<double> p = system.pose(y);
-  const double k = system.link.k1 * system.link.a;
-  y[kX] = k * (p.s0 + p.s1);  // r_0 = (0, .)
-  y[kVx] += k * (p.omega0 * p.c0 + p.omega1 * p.c1);
-  y[kVy] = k * (p.omega0 * p.s0 + p.omega1 * p.s1);
-  double lowest = std::numeric_limits<double>::infinity();
-  for (int j = 0; j < kPoints; ++j)
-    if (scene.contacts[j] || !scene.touches()) lowest = std::min(lowest, height(system.link, p, j));
-  y[kY] = scene.drop.height - lowest;
-  return y;
+bool exceeds(const System& system, const Limits& limits, double t, const typename System::State& y) {
+  return std::abs(y[kOmegaM]) > limits.motor_speed ||
+         std::abs(system.motor_torque_of(system.sea_state(y), system.reference(t))) > limits.motor_torque;
 }
 
 /// Follows one landing with `Method` and the kernel of `kTerms`; with kReport, everything that a report needs.
@@ -44,17 +33,14 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
   PeakTracker peak;
   if constexpr (kReport) recorder.start(system, t, y);
 
-  // 1) With no pitch rate nothing moves relative to anything else: ballistic, in closed form, peak g.
-  const bool ballistic = scene.drop.pitch_rate == 0;
+  // 1) The first flight in closed form, peak g.
+  const bool ballistic = is_ballistic(scene);
   if (ballistic) {
-    const bool lands = scene.touches() && (g > 0 || scene.drop.height == 0);
-    const double fall =
-        lands ? std::sqrt(g > 0 ? 2 * scene.drop.height / g : 0) : std::numeric_limits<double>::infinity();
+    const double fall = fall_time(scene);
     t = std::min(fall, limit);
     peak.consider(g * g, 0);
     if constexpr (kReport) recorder.ballistic(system, scene.drop, y, t);
-    y[kX] += y[kVx] * t, y[kVy] = -g * t;
-    y[kY] = lands && t == fall ? y[kY] - scene.drop.height : y[kY] - 0.5 * g * t * t;
+    fly(scene, t, y);
     if (t < fall) {
       if constexpr (kReport) recorder.row(system, t, y), recorder.finish();
       out.t_end = t, out.end = End::kTimeLimit, out.peak = g, out.t_peak = 0,
@@ -68,6 +54,7 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
                                                    {.accuracy = options.accuracy,
                                                     .first_step = std::min(options.max_step, ballistic ? 1e-3 : 1e-2),
                                                     .max_step = options.max_step});
+  const double impact = impact_energy(system);
   double motion_end = std::numeric_limits<double>::infinity();
   bool touched = false;
   for (long n = 0;; ++n) {
@@ -81,7 +68,13 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
       break;
     }
     if (!outcome.immediate && integrator.step().h > 0) {
+      const double before = peak.square;
       peak.step(system, integrator);
+      if (peak.square != before) out.peak_contact = out.contacts.size() - 1;
+      if (options.limits.rated() && exceeds(system, options.limits, t, integrator.state())) {
+        out.end = End::kBroken;
+        break;
+      }
       if constexpr (kReport) recorder.step(system, integrator);
     }
     if (peak.square > options.abandon_above * options.abandon_above) {
@@ -91,7 +84,13 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
     if (outcome.event >= 0) {
       if constexpr (kReport) recorder.row(system, t, integrator.state());
       const bool touchdown = outcome.event < kPoints && system.contact[outcome.event] == Contact::kClear;
+      if (touchdown && options.limits.forbidden[outcome.event]) {
+        out.end = End::kBroken;
+        break;
+      }
       if (touchdown && options.touchdowns) options.touchdowns->push_back(t);
+      if (outcome.event < kPoints)
+        touchdown ? out.contacts.touchdown(Point(outcome.event), t) : out.contacts.liftoff(Point(outcome.event), t);
       if (touchdown && !touched) {
         touched = true;
         system.motion_start = t;
@@ -124,7 +123,7 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
       }
     }
     if (options.rest == SimulateOptions::Rest::kStop &&
-        at_rest(system, integrator.state(), integrator.slope(), std::sqrt(peak.square))) {
+        at_rest(system, integrator.state(), integrator.slope(), peak.square, impact)) {
       out.end = End::kRest;
       break;
     }

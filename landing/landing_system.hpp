@@ -13,8 +13,13 @@ namespace ukemi::landing {
 /// Work accounts behind the mechanical components [J].
 enum Account { kWorkJoint = kMechanical, kWorkFloor, kWorkMotor, kWithAccounts };
 
-/// Where the reference stands.
-enum class Phase : unsigned char { kBefore, kMoving, kAfter };
+/// The mode of a system in a scalar: one for a double and all its derivatives; lanes of it in batch.hpp.
+template <class T>
+struct ModeOf {
+  using Contact = landing::Contact;
+  using Saturation = int;
+  using Phase = landing::Phase;
+};
 
 /// Which terms a kernel is compiled with. A kernel without a term pays nothing for it.
 struct LandingTerms {
@@ -31,6 +36,9 @@ class LandingSystem {
   static constexpr int kControlled = kMechanical, kPositions = kVx, kGuards = 2 * kPoints + 2;
   static constexpr int kTorqueUpper = 2 * kPoints, kTorqueLower = kTorqueUpper + 1;
   using State = Eigen::Matrix<T, kAccounts ? int(kWithAccounts) : int(kMechanical), 1>;
+  using Lane = typename MaskOf<T>::type;
+  using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
+  using GuardValues = integrate::Guards<kGuards, Value>;
 
   /// Torques and forces of a state.
   struct Field {
@@ -41,14 +49,16 @@ class LandingSystem {
     std::array<Vec2<T>, kPoints> force;
   };
 
-  LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const Motion& played)
-      : link(scene.robot.template cast<T>()),
-        floor(scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>()),
-        sea(actuator),
-        motion(played) {
+  LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const MotionOf<T>& played)
+      : LandingSystem(scene.robot.template cast<T>(),
+                      scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(), actuator, played) {
     for (int j = 0; j < kPoints; ++j) present[j] = scene.floor && scene.contacts[j];
-    if constexpr (kTerms.torque_limit)
-      if (sea.tau_max == T(0)) saturation = 1;  // no torque at all: one branch, never left
+  }
+  /// With constants that may carry derivatives; no point may touch until `present` says so.
+  LandingSystem(const TwoLink<T>& robot, const Floor<T>& f, const SeaParameters<T>& actuator, const MotionOf<T>& played)
+      : link(robot), floor(f), sea(actuator), motion(played) {
+    if constexpr (kTerms.torque_limit && !kIsPack<T>)
+      if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
   }
 
   /// The same system, in its present mode, in another scalar.
@@ -57,29 +67,29 @@ class LandingSystem {
       : link(o.link.template cast<T>()),
         floor(o.floor.template cast<T>()),
         sea(o.sea.template cast<T>()),
-        motion(o.motion),
+        motion(o.motion.template cast<T>()),
         present(o.present),
         contact(o.contact),
         saturation(o.saturation),
         phase(o.phase),
         motion_start(o.motion_start) {}
 
-  const TwoLinkDynamics<T> link;
-  const Floor<T> floor;
-  const SeaParameters<T> sea;
-  const Motion motion;
-  std::array<bool, kPoints> present{};
+  TwoLinkDynamics<T> link;
+  Floor<T> floor;
+  SeaParameters<T> sea;
+  MotionOf<T> motion;
+  std::array<Lane, kPoints> present{};
 
   // The mode.
-  std::array<Contact, kPoints> contact{};
-  int saturation = 0;
-  Phase phase = Phase::kBefore;
-  double motion_start = 0;  ///< time of the first touchdown [s]
+  std::array<typename ModeOf<T>::Contact, kPoints> contact{};
+  typename ModeOf<T>::Saturation saturation{};
+  typename ModeOf<T>::Phase phase{};
+  T motion_start{0};  ///< time of the first touchdown [s]
 
   /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
   /// turn.
   UKEMI_INLINE Pose<T> pose(const State& y) const {
-    if (!(y[kTheta0] == theta0_ && y[kTheta1] == theta1_)) {
+    if (any(y[kTheta0] != theta0_) || any(y[kTheta1] != theta1_)) {
       theta0_ = y[kTheta0], theta1_ = y[kTheta1];
       turn_ = sin_cos(theta0_, theta1_);
     }
@@ -89,9 +99,10 @@ class LandingSystem {
 
   template <class Time>
   Reference<T> reference(const Time& t) const {
-    if (phase == Phase::kMoving)
-      return quintic(T(motion.phi_i), T(motion.phi_f), T(motion.duration), T(t - motion_start));
-    return {T(phase == Phase::kBefore ? motion.phi_i : motion.phi_f), T(0)};
+    const Reference<T> held{select(after(phase), motion.phi_f, motion.phi_i), T(0)};
+    if (!any(moving(phase))) return held;
+    const Reference<T> played = quintic(motion.phi_i, motion.phi_f, motion.duration, T(t - motion_start));
+    return {select(moving(phase), played.phi, held.phi), select(moving(phase), played.dphi, held.dphi)};
   }
 
   static SeaState<T> sea_state(const State& y) {
@@ -101,7 +112,7 @@ class LandingSystem {
   /// Force of the floor on a point that is below y = 0, in its present mode [N].
   UKEMI_INLINE Vec2<T> force(const Pose<T>& p, int j) const {
     return {tangential_force(floor, velocity_x(link, p, j)),
-            contact[j] == Contact::kPressed ? normal_force(floor, height(link, p, j), velocity_y(link, p, j)) : T(0)};
+            select(pressed(contact[j]), normal_force(floor, height(link, p, j), velocity_y(link, p, j)), T(0))};
   }
 
   /// Eq. 1-4 and Sec. 2.4 in the present mode.
@@ -118,9 +129,9 @@ class LandingSystem {
     [[maybe_unused]] T floor_power(0);
     if constexpr (kAllTerms.floor)
       for (int j = 0; j < kPoints; ++j)
-        if (contact[j] != Contact::kClear) {
+        if (any(below(contact[j]))) {
           const Vec2<T> f = force(p, j);
-          load.add(link, p, j, f.x(), f.y());
+          load.add(link, p, j, select(below(contact[j]), f.x(), T(0)), f.y());
           if constexpr (kAccounts) floor_power += f.x() * velocity_x(link, p, j) + f.y() * velocity_y(link, p, j);
         }
     const SeaState<T> joint = sea_state(y);
@@ -152,59 +163,64 @@ class LandingSystem {
   Field evaluate(double t, const State& y) const {
     Field f{pose(y), sea_state(y), T(0), reference(t), {}};
     for (int j = 0; j < kPoints; ++j)
-      f.force[j] = contact[j] == Contact::kClear ? Vec2<T>(T(0), T(0)) : force(f.pose, j);
+      f.force[j] = below(contact[j]) ? force(f.pose, j) : Vec2<T>(T(0), T(0));
     f.tau_sea = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, f.sea), saturation);
     return f;
   }
 
-  T motor_torque_of(const Field& f) const { return motor_torque<kTerms>(sea, f.sea, f.reference); }
+  T motor_torque_of(const SeaState<T>& s, const Reference<T>& r) const { return motor_torque<kTerms>(sea, s, r); }
 
   /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y.
-  void guards(double, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+  template <class Time>
+  void guards(const Time&, const State& y, const State& dy, GuardValues& out) const {
     out = {};
     const Accelerations<T> acc{dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]};
     if constexpr (kAllTerms.floor) contact_guards(pose(y), acc, out);
     if constexpr (kTerms.torque_limit) {
-      if (value_of(sea.tau_max) == 0) return;
+      const Value limit = value_of(sea.tau_max), infinite(std::numeric_limits<double>::infinity());
+      const auto limited = (limit > Value(0)) & (limit < infinite);
+      if (!any(limited)) return;
       const SeaState<T> s = sea_state(y);
-      const double tau = value_of(spring_torque<kTerms>(sea, s)), limit = value_of(sea.tau_max),
-                   rate = value_of(spring_torque_rate<kTerms>(sea, s, T(acc.theta1 - acc.theta0), dy[kOmegaM]));
-      if (saturation >= 0) out.set(kTorqueUpper, saturation ? tau - limit : limit - tau, saturation ? rate : -rate);
-      if (saturation <= 0) out.set(kTorqueLower, saturation ? -limit - tau : limit + tau, saturation ? -rate : rate);
+      const Value tau = value_of(spring_torque<kTerms>(sea, s)),
+                  rate = value_of(spring_torque_rate<kTerms>(sea, s, T(acc.theta1 - acc.theta0), dy[kOmegaM]));
+      const auto upper = at_upper(saturation), lower = at_lower(saturation);
+      out.set(kTorqueUpper, select(upper, tau - limit, limit - tau), select(upper, rate, -rate), limited & !lower);
+      out.set(kTorqueLower, select(lower, -limit - tau, limit + tau), select(lower, -rate, rate), limited & !upper);
     }
   }
 
-  void contact_guards(const Pose<T>& p, const Accelerations<T>& acc, integrate::Guards<kGuards>& out) const {
+  void contact_guards(const Pose<T>& p, const Accelerations<T>& acc, GuardValues& out) const {
     for (int j = 0; j < kPoints; ++j) {
-      if (!present[j]) continue;
+      if (!any(present[j])) continue;
       const T h = height(link, p, j), v = velocity_y(link, p, j);
-      const double side = contact[j] == Contact::kClear ? 1 : -1;
-      out.set(j, side * value_of(h), side * value_of(v));
-      if (contact[j] == Contact::kClear || value_of(floor.damping_normal) == 0) continue;
-      const double sign = contact[j] == Contact::kPressed ? 1 : -1;
-      out.set(kPoints + j, sign * value_of(normal_force(floor, h, v)),
-              sign * value_of(normal_force_rate(floor, v, acceleration_y(link, p, acc, j))));
+      const auto under = below(contact[j]);
+      const Value height_value = value_of(h), speed = value_of(v);
+      out.set(j, select(under, -height_value, height_value), select(under, -speed, speed), present[j]);
+      const auto damped = under & (value_of(floor.damping_normal) != Value(0));
+      if (!any(damped)) continue;
+      const auto pushes = pressed(contact[j]);
+      const Value force = value_of(normal_force(floor, h, v)),
+                  rate = value_of(normal_force_rate(floor, v, acceleration_y(link, p, acc, j)));
+      out.set(kPoints + j, select(pushes, force, -force), select(pushes, rate, -rate), damped & present[j]);
     }
   }
 
   /// The mode beyond the zero of guard `i`.
   void cross(int i) {
-    if (i < kPoints) {
-      contact[i] = contact[i] == Contact::kClear ? Contact::kPressed : Contact::kClear;
-    } else if (i < kTorqueUpper) {
-      Contact& c = contact[i - kPoints];
-      c = c == Contact::kPressed ? Contact::kLoose : Contact::kPressed;
-    } else {
+    if (i < kPoints)
+      contact[i] = crossed(contact[i]);
+    else if (i < kTorqueUpper)
+      contact[i - kPoints] = loosened(contact[i - kPoints]);
+    else
       saturation = saturation ? 0 : (i == kTorqueUpper ? 1 : -1);
-    }
   }
 
   /// Sizes below which a component need not be relatively exact: a link's length, 1 rad, and those at 10 1/s.
-  double tolerance_unit(int i) const {
+  Value tolerance_unit(int i) const {
     constexpr double kRate = 10;
-    const double length = 2 * value_of(link.a);
-    const double unit = i == kX || i == kY || i == kVx || i == kVy ? length : 1;
-    return i >= kVx ? unit * kRate : unit;
+    const Value length = Value(2) * value_of(link.a);
+    const Value unit = i == kX || i == kY || i == kVx || i == kVy ? length : Value(1);
+    return i >= kVx ? unit * Value(kRate) : unit;
   }
 
   /// Potential and kinetic energy of the links, and the motor's kinetic energy [J].

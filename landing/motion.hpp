@@ -6,11 +6,29 @@
 namespace ukemi::landing {
 
 /// x = [phi_I phi_F t] of Eq. 6. A motion with phi_i = phi_f holds its reference.
-struct Motion {
-  double phi_i;     ///< phi_I, reference until the first touchdown [rad]
-  double phi_f;     ///< phi_F, reference after the motion [rad]
-  double duration;  ///< t, from phi_I to phi_F [s], > 0
+template <class T>
+struct MotionOf {
+  T phi_i;     ///< phi_I, reference until the first touchdown [rad]
+  T phi_f;     ///< phi_F, reference after the motion [rad]
+  T duration;  ///< t, from phi_I to phi_F [s], > 0
+
+  /// The same motion in another scalar.
+  template <class U>
+  MotionOf<U> cast() const {
+    return {U(phi_i), U(phi_f), U(duration)};
+  }
+  /// f(a's, b's) of every number.
+  template <class A, class B, class F>
+  static void for_each(A& a, const B& b, F&& f) {
+    f(a.phi_i, b.phi_i), f(a.phi_f, b.phi_f), f(a.duration, b.duration);
+  }
 };
+using Motion = MotionOf<double>;
+
+/// Where the reference stands.
+enum class Phase : unsigned char { kBefore, kMoving, kAfter };
+inline bool moving(Phase p) { return p == Phase::kMoving; }
+inline bool after(Phase p) { return p == Phase::kAfter; }
 
 /// The quintic with zero velocity and acceleration at both ends:
 /// phi_ref = phi_I + (phi_F - phi_I) (10 s^3 - 15 s^4 + 6 s^5), s = time / duration in [0, 1]. Fig. 5 (b) of [1].

@@ -109,7 +109,7 @@ class Recorder {
       }
     Demands& d = out_.demands;
     d.motor_speed = std::max(d.motor_speed, std::abs(f.sea.dphi_m));
-    d.motor_torque = std::max(d.motor_torque, std::abs(system.motor_torque_of(f)));
+    d.motor_torque = std::max(d.motor_torque, std::abs(system.motor_torque_of(f.sea, f.reference)));
     d.sea_torque = std::max(d.sea_torque, std::abs(f.tau_sea));
     d.phi_min = std::min(d.phi_min, f.sea.phi), d.phi_max = std::max(d.phi_max, f.sea.phi);
   }

@@ -20,41 +20,62 @@ namespace ukemi::landing {
 inline constexpr double kBarrierShare = 0.02;
 inline constexpr double kImpactShare = 0.02;
 
-/// True where the run may end; `peak` is the running peak of |ddr_0| [m/s^2], `dy` the field at the state y.
+/// The energy whose whole release against the floor could bring back a peak of 1 m/s^2, times kImpactShare [J]: an
+/// impact with energy E on an effective mass m, a quarter of the whole, gives at most v (C / m + sqrt(K / m)),
+/// v = sqrt(2 E / m).
 template <LandingTerms kTerms, bool kAccounts>
-bool at_rest(const LandingSystem<kTerms, kAccounts>& system, const typename LandingSystem<kTerms, kAccounts>::State& y,
-             const typename LandingSystem<kTerms, kAccounts>::State& dy, double peak) {
-  const auto& link = system.link;
-  if (system.phase != Phase::kAfter || system.saturation != 0 || link.gravity <= 0) return false;
-  const SeaParameters<double>& sea = system.sea;
-  const double mass = link.total_mass, weight = mass * link.gravity;
-  // (3) An impact with energy E on an effective mass m, a quarter of the whole, gives at most v (C / m + sqrt(K / m)),
-  // v = sqrt(2 E / m).
-  const double m = 0.25 * mass, per_speed = system.floor.damping_normal / m + std::sqrt(system.floor.stiffness / m),
-               speed = peak / per_speed, limit = kImpactShare * 0.5 * m * speed * speed;
-  double energy = system.motor_energy(y);
-  if (energy > limit) return false;
-  const Pose<double> p = system.pose(y);
-  energy += kinetic_energy(link, p) - 0.5 * mass * p.vx * p.vx;
-  if (energy > limit) return false;
+double impact_energy(const LandingSystem<kTerms, kAccounts>& system) {
+  const double m = 0.25 * system.link.total_mass,
+               per_speed = system.floor.damping_normal / m + std::sqrt(system.floor.stiffness / m);
+  return kImpactShare * 0.5 * m / (per_speed * per_speed);
+}
 
-  double left = std::numeric_limits<double>::infinity(), right = -left, fx = 0;
+/// True where the run may end; `peak_square` is the square of the running peak of |ddr_0| [m^2/s^4], `dy` the field at
+/// the state y, `per_square` the system's `impact_energy`.
+template <LandingTerms kTerms, bool kAccounts, Scalar T>
+auto at_rest(const LandingSystem<kTerms, kAccounts, T>& system,
+             const typename LandingSystem<kTerms, kAccounts, T>::State& y,
+             const typename LandingSystem<kTerms, kAccounts, T>::State& dy, const T& peak_square,
+             const T& per_square) {
+  using std::sqrt;
+  using Lane = typename LandingSystem<kTerms, kAccounts, T>::Lane;
+  const auto& link = system.link;
+  const SeaParameters<T>& sea = system.sea;
+  Lane rest = after(system.phase) & !at_upper(system.saturation) & !at_lower(system.saturation) &
+              (link.gravity > T(0));
+  if (!any(rest)) return rest;
+  const T mass = link.total_mass, weight = mass * link.gravity;
+  const T limit = per_square * peak_square;
+  T energy = system.motor_energy(y);
+  rest &= energy <= limit;
+  if (!any(rest)) return rest;
+  const Pose<T> p = system.pose(y);
+  energy += kinetic_energy(link, p) - T(0.5) * mass * p.vx * p.vx;
+  rest &= energy <= limit;
+  if (!any(rest)) return rest;
+
+  T left(std::numeric_limits<double>::infinity()), right = -left, fx(0);
   for (int j = 0; j < kPoints; ++j) {
-    if (system.contact[j] != Contact::kClear) fx += tangential_force(system.floor, velocity_x(link, p, j));
-    if (system.contact[j] != Contact::kPressed) continue;
-    const double x = place(link, p, j);
-    left = std::min(left, x), right = std::max(right, x);
+    fx += select(below(system.contact[j]), tangential_force(system.floor, velocity_x(link, p, j)), T(0));
+    const T x = place(link, p, j);
+    left = select(pressed(system.contact[j]) & (x < left), x, left);
+    right = select(pressed(system.contact[j]) & (x > right), x, right);
   }
-  const double shifted = p.x - p.y * fx / weight;
-  const double margin = std::min(std::min(p.x, shifted) - left, right - std::max(p.x, shifted));
-  if (!(margin > 0)) return false;
-  const double barrier = weight * margin * margin / (std::sqrt(margin * margin + p.y * p.y) + std::max(p.y, 0.0));
+  const auto smaller = [](const T& a, const T& b) { return select(a < b, a, b); };
+  const T shifted = p.x - p.y * fx / weight, first = smaller(p.x, shifted), last = p.x + shifted - first;
+  const T margin = smaller(first - left, right - last);
+  rest &= margin > T(0);
+  if (!any(rest)) return rest;
+  const T rise = sqrt(margin * margin + p.y * p.y) + select(p.y > T(0), p.y, T(0));
+  const T barrier = weight * margin * margin / rise;
 
   // Torques and forces out of balance, as the energy of a spring that would hold them.
-  const double torque = sea.i_motor * dy[kOmegaM], joint = std::max(std::min(sea.k_p, sea.k_sea), 1e-9);
-  const double force = mass * dy[kVy];
-  energy += 0.5 * torque * torque / joint + 0.5 * force * force / system.floor.stiffness;
-  return energy <= limit && energy <= kBarrierShare * barrier;
+  const T torque = sea.i_motor * dy[kOmegaM], gain = smaller(sea.k_p, sea.k_sea),
+          joint = select(gain > T(1e-9), gain, T(1e-9));
+  const T force = mass * dy[kVy];
+  energy += T(0.5) * torque * torque / joint + T(0.5) * force * force / system.floor.stiffness;
+  rest &= (energy <= limit) & (energy <= T(kBarrierShare) * barrier);
+  return rest;
 }
 
 }  // namespace ukemi::landing

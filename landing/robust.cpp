@@ -16,23 +16,21 @@ Motion moved(const Motion& m, const ExecutionTolerance& tol, double i, double j,
 }
 }  // namespace
 
-std::vector<Motion> execution_box(const Motion& m, const ExecutionTolerance& tol) {
-  std::vector<Motion> box{m};
-  for (const int s : {-1, 1}) {
-    box.push_back(moved(m, tol, s, 0, 0));
-    box.push_back(moved(m, tol, 0, s, 0));
-    box.push_back(moved(m, tol, 0, 0, s));
+Motion execution_point(const Motion& m, const ExecutionTolerance& tol, int k) {
+  if (k == 0) return m;
+  if (k <= 6) {
+    const double s = k % 2 ? -1 : 1;
+    const int axis = (k - 1) / 2;
+    return moved(m, tol, axis == 0 ? s : 0, axis == 1 ? s : 0, axis == 2 ? s : 0);
   }
-  for (const int i : {-1, 1})
-    for (const int j : {-1, 1})
-      for (const int k : {-1, 1}) box.push_back(moved(m, tol, i, j, k));
-  return box;
+  const int c = k - 7;
+  return moved(m, tol, c & 4 ? 1 : -1, c & 2 ? 1 : -1, c & 1 ? 1 : -1);
 }
 
 TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                            const SimulateOptions& options, int samples, std::uint64_t seed, int threads) {
-  std::vector<Motion> points = execution_box(motion, scene.execution);
-  const std::size_t box = points.size();
+  std::vector<Motion> points;
+  for (int k = 0; k < kExecutionPoints; ++k) points.push_back(execution_point(motion, scene.execution, k));
   for (int i = 0; i < samples; ++i) {
     Random r(seed, std::uint64_t(i));
     const double a = r.uniform(-1, 1), b = r.uniform(-1, 1), c = r.uniform(-1, 1);
@@ -46,7 +44,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea,
   out.samples = samples;
   for (std::size_t i = 0; i < points.size(); ++i) {
     out.failed = out.failed || peaks[i].end == End::kFailed;
-    if (i >= box)
+    if (i >= kExecutionPoints)
       out.sampled = std::max(out.sampled, peaks[i].peak);
     else if (peaks[i].peak > out.value)
       out.value = peaks[i].peak, out.worst = points[i];

@@ -18,8 +18,10 @@ struct TolerantPeak {
   bool failed = false;  ///< some landing in the box could not be followed
 };
 
-/// The motions of the tolerant peak: x, six face centres, eight corners. Its box may leave the search range.
-std::vector<Motion> execution_box(const Motion& motion, const ExecutionTolerance& tolerance);
+/// The motions of the tolerant peak: x (k = 0), six face centres, eight corners. The box may leave the search range; a
+/// duration stops at 0.1 ms.
+inline constexpr int kExecutionPoints = 15;
+Motion execution_point(const Motion& motion, const ExecutionTolerance& tolerance, int k);
 
 /// Evaluates them, and `samples` random points inside for the check, on `threads` threads.
 [[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,

@@ -14,6 +14,8 @@ const char* name(End end) {
       return "t_end";
     case End::kAbandoned:
       return "abandoned";
+    case End::kBroken:
+      return "limit broken";
     case End::kFailed:
       return "failed";
   }

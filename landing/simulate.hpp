@@ -1,6 +1,8 @@
 // One landing: released, in flight, through its contacts, to rest.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -16,11 +18,24 @@ enum class End {
   kRest,       ///< at rest (landing/rest.hpp): no later peak can exceed the running one
   kTimeLimit,  ///< at t_end
   kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
+  kBroken,     ///< a limit of SimulateOptions::limits was passed: `peak` says nothing
   kFailed,     ///< the numbers did not work out; `status` says why, the result so far is kept
 };
 const char* name(End end);
 
 using integrate::Method;
+
+/// A touchdown of a point within this time of its last lift-off is chatter: it opens no interval of Peak [s].
+inline constexpr double kChatter = 0.01;
+
+/// What a landing must not do. A run ends where it first does.
+struct Limits {
+  std::array<bool, kPoints> forbidden{};  ///< points that must never touch
+  double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s]
+  double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm]
+  bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
+  bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
+};
 
 struct SimulateOptions {
   double accuracy = 1e-9;  ///< relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why
@@ -28,10 +43,29 @@ struct SimulateOptions {
       std::numeric_limits<double>::infinity();            ///< give up once the running peak is above this [m/s^2]
   long max_steps = 200'000;                               ///< steps and events before a run is given up
   double max_step = 0.1;                                  ///< longest step; the step of a fixed-step method [s]
+  Limits limits;
   Method method = Method::kAuto;                          ///< `simulate` always uses auto
   std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
   enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: follow to t_end whatever happens
   void validate() const;                                  ///< throws InputError
+};
+
+/// The points in the order in which they touch, without chatter (kChatter); as many as fit.
+class ContactOrder {
+ public:
+  static constexpr int kCapacity = 30;
+  int size() const { return size_; }
+  Point operator[](int i) const { return Point(code_ >> (2 * i) & 3); }
+  void touchdown(Point p, double t) {
+    if (size_ < kCapacity && !(t - lifted_[p] < kChatter)) code_ |= std::uint64_t(p) << (2 * size_++);
+  }
+  void liftoff(Point p, double t) { lifted_[p] = t; }
+
+ private:
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
+  std::uint64_t code_ = 0;
+  int size_ = 0;
+  std::array<double, kPoints> lifted_{kNever, kNever, kNever};
 };
 
 /// What a search needs of a landing. Nothing in it allocates.
@@ -42,7 +76,9 @@ struct LandingPeak {
   End end = End::kFailed;
   integrate::Status status = integrate::Status::kStepped;  ///< with kFailed
   integrate::Counters work;
-  Eigen::Matrix<double, kMechanical, 1> state;  ///< where it ended, see landing::Component
+  ContactOrder contacts;   ///< touchdowns
+  int peak_contact = -1;   ///< which of them opened the interval that holds the peak; -1: before the first
+  Eigen::Matrix<double, kMechanical, 1> state = Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
 };
 
 /// A point meets the floor and leaves it.
@@ -54,14 +90,13 @@ struct Touch {
   double peak_acc = 0;    ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
 };
 
-/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Touchdowns of a point
-/// within kChatter of its last lift-off do not open an interval.
+/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Chatter
+/// opens none.
 struct Peak {
   double t;             ///< [s]
   double acceleration;  ///< [m/s^2]
   int point;            ///< Point that opened the interval; -1: before the first touchdown
 };
-inline constexpr double kChatter = 0.01;
 
 /// One row of a trajectory, SI units; phi_0, phi_1 as in [1], r_0 the thigh's centre of mass.
 struct Sample {

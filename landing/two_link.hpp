@@ -81,6 +81,14 @@ class TwoLinkDynamics {
         inertia0(o.inertia0),
         inertia1(o.inertia1) {}
 
+  /// f(a's, b's) of every constant.
+  template <class A, class B, class F>
+  static void for_each(A& x, const B& y, F&& f) {
+    f(x.total_mass, y.total_mass), f(x.inverse_mass, y.inverse_mass), f(x.gravity, y.gravity), f(x.a, y.a);
+    f(x.k1, y.k1), f(x.mu_a2, y.mu_a2), f(x.inertia0, y.inertia0), f(x.inertia1, y.inertia1);
+    for (int j = 0; j < kPoints; ++j) f(x.arm0[j], y.arm0[j]), f(x.arm1[j], y.arm1[j]);
+  }
+
   T total_mass, inverse_mass, gravity;
   T a;                          ///< half a link [m]
   T k1;                         ///< m_1 / (m_0 + m_1)

@@ -5,16 +5,23 @@
 #include <array>
 #include <cmath>
 
+#include "common/scalar.hpp"
+
 namespace ukemi::integrate {
 
 /// Guards of a mode: positive while the mode holds. An inactive guard has value 1 and rate 0; `guards()` sets every one
 /// afresh.
-template <int N>
+template <int N, class T = double>
 struct Guards {
-  std::array<double, N> value;
-  std::array<double, N> rate;
-  Guards() { value.fill(1), rate.fill(0); }
-  void set(int i, double v, double r) { value[i] = v, rate[i] = r; }
+  std::array<T, N> value;
+  std::array<T, N> rate;
+  Guards() { value.fill(T(1)), rate.fill(T(0)); }
+  void set(int i, const T& v, const T& r) { value[i] = v, rate[i] = r; }
+  /// The same where `active`; inactive elsewhere.
+  template <class Mask>
+  void set(int i, const T& v, const T& r, const Mask& active) {
+    value[i] = select(active, v, T(1)), rate[i] = select(active, r, T(0));
+  }
 };
 
 /// One end of a part of the step as a guard sees it: place, value, derivative with respect to the place.
@@ -43,13 +50,12 @@ inline double bernstein_minimum(const Node& a, const Node& b) {
 }
 /// Bisection with secant steps (Illinois) of a function that is positive at a and negative at b; places in the step.
 template <class F>
-double root(double a, double fa, double b, double fb, F&& f) {
-  constexpr double kResolution = 1e-14;
+double root(double a, double fa, double b, double fb, F&& f, double resolution = 1e-14) {
   double last = -1;
-  for (int i = 0, side = 0; i < 80 && b - a > kResolution; ++i) {
+  for (int i = 0, side = 0; i < 80 && b - a > resolution; ++i) {
     double m = (a * fb - b * fa) / (fb - fa);
     if (!(m > a && m < b)) m = 0.5 * (a + b);
-    if (std::abs(m - last) < kResolution) return m;
+    if (std::abs(m - last) < resolution) return m;
     const double fm = f(last = m);
     if (fm == 0) return m;
     if (fm < 0) {

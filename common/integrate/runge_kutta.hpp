@@ -52,8 +52,9 @@ double error_size(const State& error, const State& a, const State& b, const Tole
 template <class T, int N>
 struct StepEnds {
   using State = Eigen::Matrix<T, N, 1>;
-  double t = 0;     ///< start of the step [s]
-  double h = 0;     ///< length of the step [s]
+  using Time = Clock<T>;
+  Time t{0};        ///< start of the step [s]
+  Time h{0};        ///< length of the step [s]
   State y;          ///< state at the start
   State y_end;      ///< state at the end
   State slope;      ///< f at the start; set before `advance`
@@ -67,8 +68,13 @@ struct StepEnds {
   static constexpr bool implicit() { return false; }
 
  protected:
-  double whole_ = 0;  ///< the length that was computed; h is shorter once the step is cut
-  double share(double s) const { return h == whole_ ? s : s * (h / whole_); }
+  Time whole_{0};  ///< the length that was computed; h is shorter once the step is cut
+  Time share(const Time& s) const {
+    if constexpr (kIsPack<T>)
+      return s;  // lanes are never cut
+    else
+      return h == whole_ ? s : s * (h / whole_);
+  }
 };
 
 /// The stages of one attempted step from (t, y) over h.
@@ -78,6 +84,7 @@ class Step : public StepEnds<T, N> {
 
  public:
   using State = typename Ends::State;
+  using Time = typename Ends::Time;
   using Ends::h, Ends::t, Ends::y, Ends::y_end, Ends::slope, Ends::slope_end;
   static constexpr int kLast = Tableau::kStages - 1;
   static constexpr int error_order() { return Tableau::kErrorOrder; }
@@ -92,14 +99,17 @@ class Step : public StepEnds<T, N> {
     slope_end = k_[kLast];
   }
 
+  /// The Q-th estimate of the error, without its factor h.
+  template <std::size_t Q = 0>
+  State error_rate() const {
+    return combined<[](int j) { return Tableau::e[Q][j]; }, kLast>();
+  }
   /// The error over its tolerance.
   template <int kControlled>
   double error(const Tolerance<kControlled>& tolerance) const {
     std::array<double, Tableau::kEstimates> size{};
     [&]<std::size_t... Q>(std::index_sequence<Q...>) {
-      ((size[Q] = std::abs(h) *
-                  error_size(State(combined<[](int j) { return Tableau::e[Q][j]; }, kLast>()), y, y_end, tolerance)),
-       ...);
+      ((size[Q] = std::abs(h) * error_size(error_rate<Q>(), y, y_end, tolerance)), ...);
     }
     (std::make_index_sequence<Tableau::kEstimates>{});
     return Tableau::error_norm(size);
@@ -120,7 +130,7 @@ class Step : public StepEnds<T, N> {
   template <class F>
   void prepare_dense(F&& f) {
     if (dense_ready_) return;
-    const double cut = h;
+    const Time cut = h;
     h = this->whole_;
     stages<Tableau::kStages, Tableau::kDenseStages>(f);
     h = cut;
@@ -128,9 +138,10 @@ class Step : public StepEnds<T, N> {
   }
 
   /// y(t + s h), 0 <= s <= 1; `prepare_dense` first.
-  State at(double s) const {
-    State sum = State::Zero();
-    for_weights(this->share(s), [&](int i, double b) {
+  State at(const Time& s) const {
+    State sum;
+    for (int c = 0; c < N; ++c) sum[c] = T(0);
+    for_weights(this->share(s), [&](int i, const Time& b) {
       for (int c = 0; c < N; ++c) add_scaled(sum[c], b, k_[i][c]);
     });
     State out = y;
@@ -138,9 +149,9 @@ class Step : public StepEnds<T, N> {
     return out;
   }
   /// One component of `at`.
-  T component_at(int index, double s) const {
+  T component_at(int index, const Time& s) const {
     T sum(0);
-    for_weights(this->share(s), [&](int i, double b) { add_scaled(sum, b, k_[i][index]); });
+    for_weights(this->share(s), [&](int i, const Time& b) { add_scaled(sum, b, k_[i][index]); });
     T out = y[index];
     add_scaled(out, this->whole_, sum);
     return out;
@@ -165,7 +176,7 @@ class Step : public StepEnds<T, N> {
       constexpr auto kRow = [](int j) { return Tableau::a[kFirst][j]; };
       State& at_stage = kFirst == kLast ? y_end : stage_;
       at_stage = y + T(h) * combined<kRow, kFirst - 1>();
-      f(t + Tableau::c[kFirst] * h, at_stage, k_[kFirst]);
+      f(t + Time(Tableau::c[kFirst]) * h, at_stage, k_[kFirst]);
       stages<kFirst + 1, kEnd>(f);
     }
   }
@@ -182,10 +193,10 @@ class Step : public StepEnds<T, N> {
   }
 
   template <class Use>
-  static void for_weights(double s, Use&& use) {
+  static void for_weights(const Time& s, Use&& use) {
     for (int i = 0; i < Tableau::kDenseStages; ++i) {
-      double b = 0;
-      for (int d = Tableau::kDenseDegree - 1; d >= 0; --d) b = b * s + Tableau::p[i][d];
+      Time b(0);
+      for (int d = Tableau::kDenseDegree - 1; d >= 0; --d) b = b * s + Time(Tableau::p[i][d]);
       use(i, b * s);
     }
   }

@@ -1,0 +1,54 @@
+// Many landings at once: one in each lane of the machine's SIMD registers.
+//
+// Every lane has its own motion, drop, floor and actuator, its own step size, events, rest test and peak; a lane that
+// finishes takes the next landing at once. The equations are those of the scalar path (landing_system.hpp, rest.hpp),
+// with Pack as their scalar. Which instruction set runs is chosen when the program runs.
+#pragma once
+
+#include <span>
+
+#include "landing/simulate.hpp"
+
+namespace ukemi::landing {
+
+/// One landing to be followed. What it points to must outlive the run.
+struct BatchCase {
+  const Scene* scene;
+  const SeaParameters<double>* sea;
+  Motion motion;
+  double abandon_above = std::numeric_limits<double>::infinity();  ///< [m/s^2], see SimulateOptions
+};
+
+/// What runs in a lane next, decided as the lanes become free. Lanes do not influence each other's results: a source
+/// that gives each lane work of its own gets the same results whatever the number of lanes.
+class BatchSource {
+ public:
+  virtual ~BatchSource() = default;
+  /// The lane's next landing; false if there is none (it is then not asked again).
+  virtual bool next(int lane, BatchCase& c) = 0;
+  /// The lane's landing has ended.
+  virtual void done(int lane, const LandingPeak& peak) = 0;
+};
+
+struct BatchOptions {
+  double accuracy = 1e-5;      ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
+  Limits limits;               ///< see SimulateOptions
+  bool extended = false;       ///< some actuator has friction, a stiffening spring or motor-side feedback
+  long max_steps = 20'000;     ///< a landing that needs more is followed by the scalar path, which may go implicit
+};
+
+/// Instruction sets, and the widest that this machine has.
+enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
+inline constexpr std::array<const char*, 3> kInstructionSetNames = {"baseline", "avx2", "avx512"};
+InstructionSet widest_instruction_set();
+/// Landings side by side: 2, 4, 8.
+constexpr int lanes(InstructionSet s) { return 2 << int(s); }
+
+/// Runs a source until every lane is without work. `set` must be one that the machine has. Allocates nothing.
+void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
+
+/// The peaks of many landings; `threads` as everywhere: 0 for all cores, and without influence on the results.
+void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
+                 int threads = 1, InstructionSet set = widest_instruction_set());
+
+}  // namespace ukemi::landing

@@ -1,0 +1,133 @@
+#include "landing/objective.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/parallel.hpp"
+
+namespace ukemi::landing {
+
+Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
+    : scene_(scene), sea_(sea), options_(options), extended_(is_extended(sea)) {}
+
+Motion Objective::motion(const Point3& p) const {
+  const SearchRange& r = scene_.search;
+  const auto in = [](const std::array<double, 2>& range, double s) {
+    return std::clamp(range[0] + s * (range[1] - range[0]), range[0], range[1]);
+  };
+  return {in(r.phi, p.u[0]), in(r.phi, p.u[1]), in(r.duration, p.u[2])};
+}
+
+/// Motions raced over their execution boxes: each lane takes a motion of its own and plays its box until the first
+/// landing above the bound; lanes without a motion of their own help with those that are left.
+class Objective::Race : public BatchSource {
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  Race(const Objective& o, std::span<Point3> points) : o_(o), points_(points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].value = 0;
+      const double rate = peak_reference_rate(o.motion(points[i]));
+      if (rate > o.options_.reference_rate) fail(i, kNoMotion * (1 + rate));
+    }
+  }
+
+  bool next(int lane, BatchCase& c) override {
+    if (late_ || (late_ = o_.late())) return false;
+    int& mine = motion_[lane];
+    if (mine < 0 || !open(std::size_t(mine))) mine = take();
+    if (mine < 0) return false;
+    const auto i = std::size_t(mine);
+    const Point3& p = points_[i];
+    const int k = corner(p, step_[i]++);
+    corner_[lane] = k;
+    const Motion m = o_.motion(p);
+    c = {&o_.scene_, &o_.sea_, k == 0 ? m : execution_point(m, o_.scene_.execution, k), p.bound};
+    return true;
+  }
+
+  void done(int lane, const LandingPeak& peak) override {
+    const auto i = std::size_t(motion_[lane]);
+    ++landings, ++ended_[i];
+    if (peak.end == End::kFailed || peak.end == End::kBroken)
+      fail(i, kNoMotion);
+    else if (peak.peak > points_[i].value) {
+      points_[i].value = peak.peak, points_[i].worst = corner_[lane];
+      if (peak.peak > points_[i].bound) failed_[i] = true;
+    }
+  }
+
+  /// Motions that the deadline cut off.
+  void close() {
+    for (std::size_t i = 0; late_ && i < points_.size(); ++i)
+      if (ended_[i] < corners() && !failed_[i]) fail(i, kNoMotion);
+  }
+
+  long landings = 0;
+
+ private:
+  int corners() const { return o_.options_.goal == Goal::kPeak ? 1 : kExecutionPoints; }
+  bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners(); }
+  void fail(std::size_t i, double value) {
+    failed_[i] = true;
+    points_[i].value = std::max(points_[i].value, value);
+  }
+  /// The one that was the worst comes first, then the others in order.
+  int corner(const Point3& p, int step) const {
+    if (corners() == 1) return 0;
+    const int first = first_[std::size_t(&p - points_.data())];
+    return step == 0 ? first : step <= first ? step - 1 : step;
+  }
+  int take() {
+    while (fresh_ < points_.size()) {
+      const std::size_t i = fresh_++;
+      first_[i] = points_[i].worst;
+      if (open(i)) return int(i);
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (open(i)) return int(i);
+    return -1;
+  }
+
+  const Objective& o_;
+  std::span<Point3> points_;
+  std::size_t fresh_ = 0;
+  std::array<bool, kMost> failed_{};
+  std::array<int, kMost> step_{}, first_{}, ended_{};
+  bool late_ = false;
+  std::array<int, lanes(InstructionSet::kAvx512)> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, corner_{};
+};
+
+void Objective::evaluate(std::span<Point3> points) {
+  const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
+  const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
+  std::atomic<long> landings{0};
+  const BatchOptions batch{.accuracy = options_.accuracy, .limits = options_.limits, .extended = extended_};
+  parallel_for(parts, options_.threads, [&](int i) {
+    const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
+                      b = n * (std::size_t(i) + 1) / std::size_t(parts);
+    Race race(*this, points.subspan(a, b - a));
+    run_batch(race, batch);
+    race.close();
+    landings += race.landings;
+  });
+  motions_ += long(points.size());
+  landings_ += landings;
+}
+
+double Objective::verified(const Motion& m, double accuracy, double bound) const {
+  double worst = 0;
+  const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
+  if (peak_reference_rate(m) > options_.reference_rate) return kNoMotion;
+  for (int k = 0; k < n; ++k) {
+    const LandingPeak p =
+        peak_acceleration(scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
+                          {.accuracy = accuracy, .abandon_above = bound, .limits = options_.limits});
+    if (p.end == End::kFailed || p.end == End::kBroken) return kNoMotion;
+    worst = std::max(worst, p.peak);
+    if (worst > bound) break;
+  }
+  return worst;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,69 @@
+// What a search minimises: the peak of a motion, or its tolerant peak, over the scene's box; many motions at once.
+#pragma once
+
+#include <chrono>
+#include <span>
+#include <vector>
+
+#include "landing/batch.hpp"
+#include "landing/robust.hpp"
+
+namespace ukemi::landing {
+
+enum class Goal {
+  kPeak,      ///< f(x), Eq. 6 of [1]
+  kTolerant,  ///< the worst f within the scene's execution tolerance, see robust.hpp
+};
+
+/// Above every peak: a motion that could not be followed, or broke a limit.
+inline constexpr double kNoMotion = 1e9;
+
+/// A motion as the solvers see it: in the unit cube of the search range.
+struct Point3 {
+  std::array<double, 3> u{0.5, 0.5, 0.5};
+  double value = kNoMotion;  ///< the goal [m/s^2]; above `bound` only a lower bound of it
+  double bound = kNoMotion;  ///< what the caller still cares for: landings are abandoned above it
+  int worst = 0;             ///< which motion of the execution box gave the value, and is tried first next time
+  bool operator<(const Point3& o) const { return value < o.value; }
+};
+
+class Objective {
+ public:
+  struct Options {
+    Goal goal = Goal::kPeak;
+    double accuracy = 1e-6;             ///< see BatchOptions
+    Limits limits;                      ///< what no landing may do
+    double reference_rate = kNoMotion;  ///< of the reference, 15/8 |phi_F - phi_I| / t [rad/s]; no landing is spent above it
+    int threads = 1;                    ///< 0: all cores; without influence on the results
+  };
+
+  /// Both must outlive the objective; the scene's drop may change between calls.
+  Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
+
+  Motion motion(const Point3& p) const;
+  /// Values of many motions. On one thread it allocates nothing. Landings that would begin after the deadline are not
+  /// followed: their motions come back with kNoMotion.
+  void evaluate(std::span<Point3> points);
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point deadline = Clock::time_point::max();
+  /// The value of one motion in the scalar path at a tight accuracy, limits included: what a result is judged by.
+  double verified(const Motion& motion, double accuracy, double bound = kNoMotion) const;
+
+  const Options& options() const { return options_; }
+  const Scene& scene() const { return scene_; }
+  const SeaParameters<double>& sea() const { return sea_; }
+  long motions() const { return motions_; }    ///< evaluated so far
+  long landings() const { return landings_; }  ///< followed for them, abandoned ones included
+
+  bool late() const { return deadline != Clock::time_point::max() && Clock::now() >= deadline; }
+
+ private:
+  class Race;
+  const Scene& scene_;
+  const SeaParameters<double>& sea_;
+  Options options_;
+  bool extended_;
+  long motions_ = 0, landings_ = 0;
+};
+
+}  // namespace ukemi::landing
