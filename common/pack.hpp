@@ -96,17 +96,19 @@ struct Pack {
     v *= b.v;
     return *this;
   }
-  UKEMI_INLINE friend Mask<W> operator<(const Pack& a, const Pack& b) { return Mask<W>(of(a.v < b.v)); }
-  UKEMI_INLINE friend Mask<W> operator<=(const Pack& a, const Pack& b) { return Mask<W>(of(a.v <= b.v)); }
-  UKEMI_INLINE friend Mask<W> operator>(const Pack& a, const Pack& b) { return Mask<W>(of(a.v > b.v)); }
-  UKEMI_INLINE friend Mask<W> operator>=(const Pack& a, const Pack& b) { return Mask<W>(of(a.v >= b.v)); }
-  UKEMI_INLINE friend Mask<W> operator==(const Pack& a, const Pack& b) { return Mask<W>(of(a.v == b.v)); }
-  UKEMI_INLINE friend Mask<W> operator!=(const Pack& a, const Pack& b) { return Mask<W>(of(a.v != b.v)); }
+  UKEMI_INLINE friend Mask<W> operator<(const Pack& a, const Pack& b) { return of(a.v < b.v); }
+  UKEMI_INLINE friend Mask<W> operator<=(const Pack& a, const Pack& b) { return of(a.v <= b.v); }
+  UKEMI_INLINE friend Mask<W> operator>(const Pack& a, const Pack& b) { return of(a.v > b.v); }
+  UKEMI_INLINE friend Mask<W> operator>=(const Pack& a, const Pack& b) { return of(a.v >= b.v); }
+  UKEMI_INLINE friend Mask<W> operator==(const Pack& a, const Pack& b) { return of(a.v == b.v); }
+  UKEMI_INLINE friend Mask<W> operator!=(const Pack& a, const Pack& b) { return of(a.v != b.v); }
 
  private:
   template <class Compared>
-  UKEMI_INLINE static typename Mask<W>::Lanes of(const Compared& c) {
-    return (typename Mask<W>::Lanes)c;
+  UKEMI_INLINE static Mask<W> of(const Compared& c) {
+    Mask<W> m;
+    m.v = (typename Mask<W>::Lanes)c;
+    return m;
   }
 };
 
@@ -216,6 +218,14 @@ struct NumTraits<ukemi::Pack<W>> : NumTraits<double> {
   using NonInteger = ukemi::Pack<W>;
   using Nested = ukemi::Pack<W>;
   using Literal = double;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 0, ReadCost = 1, AddCost = 1, MulCost = 1 };
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 0,
+    ReadCost = 1,
+    AddCost = 1,
+    MulCost = 1
+  };
 };
 }  // namespace Eigen

@@ -55,7 +55,7 @@ typedef std::int64_t Bits2 __attribute__((vector_size(16)));
 /// Every lane of D, a vector of doubles, below kReducible; I is the vector of integers of its size.
 template <class D, class I>
 UKEMI_INLINE void sin_cos_reduced(const D& x, D& sine, D& cosine, const SinCosTable* k = &kSinCosTable) {
-  const auto c = [](const Double2& pair) {
+  const auto c = [](const Double2& pair) UKEMI_INLINE_LAMBDA {
     if constexpr (sizeof(D) == sizeof(Double2))
       return pair;
     else

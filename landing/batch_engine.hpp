@@ -101,7 +101,7 @@ class BatchEngine {
       limit_.set(i, limit), motion_end_.set(i, kNever);
       abandon_square_.set(i, c.abandon_above * c.abandon_above);
       active_.set(i, true), stale_.set(i, true), cut_.set(i, false), rejected_.set(i, false);
-      immediate_[i] = 0, steps_[i] = 0, cuts_[i] = 0;
+      t_event_[i] = -1, immediate_[i] = 0, steps_[i] = 0, cuts_[i] = 0;
       return;
     }
   }
@@ -109,10 +109,9 @@ class BatchEngine {
   /// The scalar path follows the lane's landing.
   void hand_over(int i) {
     const BatchCase& c = case_[i];
-    source_.done(i, peak_acceleration(*c.scene, *c.sea, c.motion,
-                                      {.accuracy = options_.accuracy,
-                                       .abandon_above = c.abandon_above,
-                                       .limits = options_.limits}));
+    source_.done(i, peak_acceleration(
+                        *c.scene, *c.sea, c.motion,
+                        {.accuracy = options_.accuracy, .abandon_above = c.abandon_above, .limits = options_.limits}));
   }
 
   [[gnu::noinline]] void finish(int i, End end) {
@@ -183,10 +182,10 @@ class BatchEngine {
       }
       if (a.g <= 0)
         for (double x = 0.5; x > 1e-6 && at_lower <= 0; x *= 0.5) at_lower = cubic(a, b, lower = x * upper);
-      const double s = at_lower <= 0 ? lower
-                                     : integrate::root(
-                                           lower, at_lower, upper, at_upper, [&](double x) { return cubic(a, b, x); },
-                                           kPlaced);
+      const double s = at_lower <= 0
+                           ? lower
+                           : integrate::root(
+                                 lower, at_lower, upper, at_upper, [&](double x) { return cubic(a, b, x); }, kPlaced);
       if (s < first.s) first = {g, s};
     }
     return first;
@@ -197,6 +196,7 @@ class BatchEngine {
   [[gnu::noinline]] Verdict verdict(int i) {
     constexpr double kReach = 3e-4;  // of the whole step: made up along the field
     constexpr int kMaxCuts = 12;
+    if (!cut_[i]) cuts_[i] = 0;
     Crossing c = first_crossing(i);
     if (c.guard < 0 && cut_[i]) c = {target_[i], 1};  // the cubic placed it a little early
     if (c.guard < 0) return Verdict::kPlain;
@@ -251,6 +251,7 @@ class BatchEngine {
   }
   [[gnu::noinline]] void take_immediate(int i) {
     constexpr int kMaxImmediate = 64;
+    if (step_.t[i] != t_event_[i]) t_event_[i] = step_.t[i], immediate_[i] = 0;
     if (++immediate_[i] > kMaxImmediate) return finish(i, End::kFailed);
     for (int k = 0; k < kGuards; ++k)
       if (start_.value[k][i] <= 0 && start_.rate[k][i] < 0) {
@@ -337,7 +338,7 @@ class BatchEngine {
         if (!any(open)) break;
         const T s = select(open, top, b), q = at(s);
         consider(open, q, step_.t + s * step_.h);
-        const M left = s < b, better = q > qb;
+        const M left = s<b, better = q> qb;
         assign(a, open & (left & (!better)), s), assign(qa, open & (left & (!better)), q);
         assign(c, open & ((!left) & (!better)), s), assign(qc, open & ((!left) & (!better)), q);
         assign(c, open & left & better, b), assign(qc, open & left & better, qb);
@@ -384,7 +385,6 @@ class BatchEngine {
     }
     for (int i = 0; i < W; ++i) {
       if (!active_[i]) continue;
-      if (accepted_[i]) cuts_[i] = 0, immediate_[i] = event_[i] && !(h[i] > 0) ? immediate_[i] + 1 : 0;
       if (steps_[i] > options_.max_steps || tiny[i])
         finish(i, End::kFailed);
       else if (abandoned[i])
@@ -414,6 +414,7 @@ class BatchEngine {
   M active_, stale_, cut_, rejected_, accepted_, event_, last_;
   std::array<T, kMechanical> unit_;
   std::array<int, W> target_{}, immediate_{}, cuts_{};
+  std::array<double, W> t_event_{};  ///< the instant that immediate_ counts at
   std::array<long, W> steps_{};
   std::array<BatchCase, W> case_{};
   std::array<LandingPeak, W> out_{};

@@ -50,8 +50,8 @@ class LandingSystem {
   };
 
   LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const MotionOf<T>& played)
-      : LandingSystem(scene.robot.template cast<T>(),
-                      scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(), actuator, played) {
+      : LandingSystem(scene.robot.template cast<T>(), scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(),
+                      actuator, played) {
     for (int j = 0; j < kPoints; ++j) present[j] = scene.floor && scene.contacts[j];
   }
   /// With constants that may carry derivatives; no point may touch until `present` says so.
@@ -162,8 +162,7 @@ class LandingSystem {
   /// The torques and forces of a state, for reports.
   Field evaluate(double t, const State& y) const {
     Field f{pose(y), sea_state(y), T(0), reference(t), {}};
-    for (int j = 0; j < kPoints; ++j)
-      f.force[j] = below(contact[j]) ? force(f.pose, j) : Vec2<T>(T(0), T(0));
+    for (int j = 0; j < kPoints; ++j) f.force[j] = below(contact[j]) ? force(f.pose, j) : Vec2<T>(T(0), T(0));
     f.tau_sea = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, f.sea), saturation);
     return f;
   }

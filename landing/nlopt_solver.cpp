@@ -33,6 +33,7 @@ const std::map<std::string, Entry>& entries() {
 /// What the C callback needs; it must not let an exception through C code.
 struct Run {
   const NloptProblem* problem;
+  const NloptStop* stop;
   nlopt_opt opt;
   NloptResult best;
   std::exception_ptr error;
@@ -44,6 +45,7 @@ double trampoline(unsigned n, const double* x, double*, void* data) {
     const double v = run.problem->f(x);
     ++run.best.evaluations;
     if (v < run.best.value) run.best.value = v, run.best.x.assign(x, x + n);
+    if (run.stop->over && run.stop->over()) nlopt_force_stop(run.opt);
     return v;
   } catch (...) {
     run.error = std::current_exception();
@@ -73,7 +75,7 @@ NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, 
   using Handle = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
   const Handle opt(nlopt_create(it->second.algorithm, n), &nlopt_destroy),
       local(nlopt_create(NLOPT_LN_SBPLX, n), &nlopt_destroy);
-  Run run{&problem, opt.get(), {problem.start, std::numeric_limits<double>::infinity(), 0, 0, ""}, nullptr};
+  Run run{&problem, &stop, opt.get(), {problem.start, std::numeric_limits<double>::infinity(), 0, 0, ""}, nullptr};
   nlopt_srand(static_cast<unsigned long>(seed));  // per thread in NLopt
   nlopt_set_min_objective(opt.get(), trampoline, &run);
   nlopt_set_lower_bounds(opt.get(), problem.lower.data());

@@ -19,7 +19,8 @@ struct NloptProblem {
 };
 struct NloptStop {
   long evaluations = 1000;
-  double x_tolerance = 0;  ///< relative, of local methods
+  double x_tolerance = 0;      ///< relative, of local methods
+  std::function<bool()> over;  ///< asked after every evaluation; absent: never
 };
 struct NloptResult {
   std::vector<double> x;  ///< the best point seen, on whatever stop

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/parallel.hpp"
 
 namespace ukemi::landing {
 
 Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
-    : scene_(scene), sea_(sea), options_(options), extended_(is_extended(sea)) {}
+    : scene_(scene), sea_(sea), options_(options), extended_(is_extended(sea)) {
+  std::iota(order_.begin(), order_.end(), 0);
+}
 
 Motion Objective::motion(const Point3& p) const {
   const SearchRange& r = scene_.search;
@@ -24,7 +27,8 @@ class Objective::Race : public BatchSource {
  public:
   static constexpr std::size_t kMost = 64;
 
-  Race(const Objective& o, std::span<Point3> points) : o_(o), points_(points) {
+  Race(const Objective& o, std::span<Point3> points, Goal goal)
+      : o_(o), points_(points), corners_(goal == Goal::kPeak ? 1 : kExecutionPoints) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].value = 0;
       const double rate = peak_reference_rate(o.motion(points[i]));
@@ -60,23 +64,25 @@ class Objective::Race : public BatchSource {
   /// Motions that the deadline cut off.
   void close() {
     for (std::size_t i = 0; late_ && i < points_.size(); ++i)
-      if (ended_[i] < corners() && !failed_[i]) fail(i, kNoMotion);
+      if (ended_[i] < corners_ && !failed_[i]) fail(i, kNoMotion);
   }
 
   long landings = 0;
 
  private:
-  int corners() const { return o_.options_.goal == Goal::kPeak ? 1 : kExecutionPoints; }
-  bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners(); }
+  bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners_; }
   void fail(std::size_t i, double value) {
     failed_[i] = true;
     points_[i].value = std::max(points_[i].value, value);
   }
-  /// The one that was the worst comes first, then the others in order.
+  /// The one that was this motion's worst comes first, then those that were the worst of the most motions.
   int corner(const Point3& p, int step) const {
-    if (corners() == 1) return 0;
+    if (corners_ == 1) return 0;
     const int first = first_[std::size_t(&p - points_.data())];
-    return step == 0 ? first : step <= first ? step - 1 : step;
+    if (step == 0) return first;
+    const auto& order = o_.order_;
+    const auto place = std::find(order.begin(), order.end(), first) - order.begin();
+    return order[std::size_t(step <= place ? step - 1 : step)];
   }
   int take() {
     while (fresh_ < points_.size()) {
@@ -91,6 +97,7 @@ class Objective::Race : public BatchSource {
 
   const Objective& o_;
   std::span<Point3> points_;
+  const int corners_;
   std::size_t fresh_ = 0;
   std::array<bool, kMost> failed_{};
   std::array<int, kMost> step_{}, first_{}, ended_{};
@@ -98,7 +105,7 @@ class Objective::Race : public BatchSource {
   std::array<int, lanes(InstructionSet::kAvx512)> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, corner_{};
 };
 
-void Objective::evaluate(std::span<Point3> points) {
+void Objective::evaluate(std::span<Point3> points, Goal goal) {
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
   std::atomic<long> landings{0};
@@ -106,11 +113,18 @@ void Objective::evaluate(std::span<Point3> points) {
   parallel_for(parts, options_.threads, [&](int i) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
-    Race race(*this, points.subspan(a, b - a));
+    Race race(*this, points.subspan(a, b - a), goal);
     run_batch(race, batch);
     race.close();
     landings += race.landings;
   });
+  if (goal == Goal::kTolerant) {
+    for (const Point3& p : points) ++failures_[std::size_t(p.worst)];
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) {
+      const long fa = failures_[std::size_t(a)], fb = failures_[std::size_t(b)];
+      return fa != fb ? fa > fb : a < b;
+    });
+  }
   motions_ += long(points.size());
   landings_ += landings;
 }
@@ -120,9 +134,8 @@ double Objective::verified(const Motion& m, double accuracy, double bound) const
   const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
   if (peak_reference_rate(m) > options_.reference_rate) return kNoMotion;
   for (int k = 0; k < n; ++k) {
-    const LandingPeak p =
-        peak_acceleration(scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
-                          {.accuracy = accuracy, .abandon_above = bound, .limits = options_.limits});
+    const LandingPeak p = peak_acceleration(scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
+                                            {.accuracy = accuracy, .abandon_above = bound, .limits = options_.limits});
     if (p.end == End::kFailed || p.end == End::kBroken) return kNoMotion;
     worst = std::max(worst, p.peak);
     if (worst > bound) break;

@@ -31,10 +31,11 @@ class Objective {
  public:
   struct Options {
     Goal goal = Goal::kPeak;
-    double accuracy = 1e-6;             ///< see BatchOptions
-    Limits limits;                      ///< what no landing may do
-    double reference_rate = kNoMotion;  ///< of the reference, 15/8 |phi_F - phi_I| / t [rad/s]; no landing is spent above it
-    int threads = 1;                    ///< 0: all cores; without influence on the results
+    double accuracy = 1e-6;  ///< see BatchOptions
+    Limits limits;           ///< what no landing may do
+    double reference_rate =
+        kNoMotion;    ///< of the reference, 15/8 |phi_F - phi_I| / t [rad/s]; no landing is spent above it
+    int threads = 1;  ///< 0: all cores; without influence on the results
   };
 
   /// Both must outlive the objective; the scene's drop may change between calls.
@@ -43,12 +44,14 @@ class Objective {
   Motion motion(const Point3& p) const;
   /// Values of many motions. On one thread it allocates nothing. Landings that would begin after the deadline are not
   /// followed: their motions come back with kNoMotion.
-  void evaluate(std::span<Point3> points);
+  void evaluate(std::span<Point3> points, Goal goal);
   using Clock = std::chrono::steady_clock;
   Clock::time_point deadline = Clock::time_point::max();
   /// The value of one motion in the scalar path at a tight accuracy, limits included: what a result is judged by.
   double verified(const Motion& motion, double accuracy, double bound = kNoMotion) const;
 
+  double accuracy() const { return options_.accuracy; }
+  void set_accuracy(double accuracy) { options_.accuracy = accuracy; }
   const Options& options() const { return options_; }
   const Scene& scene() const { return scene_; }
   const SeaParameters<double>& sea() const { return sea_; }
@@ -63,6 +66,8 @@ class Objective {
   const SeaParameters<double>& sea_;
   Options options_;
   bool extended_;
+  std::array<int, kExecutionPoints> order_;        ///< in which an execution box is played: the worst come first
+  std::array<long, kExecutionPoints> failures_{};  ///< how often each was the worst
   long motions_ = 0, landings_ = 0;
 };
 

@@ -1,43 +1,52 @@
-// Eq. 6 of [1]: the motion with the smallest peak acceleration of the thigh.
+// Eq. 6 of [1]: the motion with the smallest peak acceleration of the thigh, or with the smallest tolerant peak.
 //
 //     min f(x) = max over time of |ddr_0|,   x = [phi_I phi_F t],   within the scene's search range.
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "landing/robust.hpp"
-#include "landing/simulate.hpp"
+#include "landing/search.hpp"
 
 namespace ukemi::landing {
 
 struct OptimizeOptions {
-  std::string solver = "auto";    ///< auto, or one of nlopt_names()
-  long evaluations = 12'000;      ///< landings in all; the stopping rule
-  double search_accuracy = 1e-6;  ///< of the landings that are searched
-  double accuracy = 1e-9;         ///< of the result
+  std::string solver = "auto";      ///< one of solver_names()
+  Goal goal = Goal::kPeak;          ///< what is minimised
+  std::optional<long> evaluations;  ///< motions in all; absent: default_evaluations(goal), or no bound with a deadline
+  std::optional<double> deadline;   ///< [s], > 0: the answer is there by then, whatever has been found
+  Limits limits;                    ///< what no landing may do
+  double reference_rate = kNoMotion;  ///< largest |dphi_ref| of a motion [rad/s]
+  double search_accuracy = 1e-6;      ///< of the landings that are searched
+  double accuracy = 1e-9;             ///< of the result
   std::uint64_t seed = 1;
-  int threads = 0;                                      ///< 0: all cores; the result does not depend on it
-  int tolerance_samples = 200;                          ///< random points inside the execution box of the result
-  std::function<void(long done, long total)> progress;  ///< called now and then, from any thread, one at a time
+  int threads = 0;              ///< 0: all cores; with a number of evaluations the result does not depend on it
+  int tolerance_samples = 200;  ///< random points inside the execution box of the result
+  std::function<void(long done, long total)> progress;  ///< told of the motions spent, if set
   void validate() const;                                ///< throws InputError
 };
+/// A motion's tolerant peak costs several landings.
+constexpr long default_evaluations(Goal goal) { return goal == Goal::kPeak ? 40'000 : 10'000; }
 
 struct Optimum {
   Motion motion{};
-  LandingPeak landing;    ///< of the motion, at OptimizeOptions::accuracy
-  TolerantPeak tolerant;  ///< the same within the execution tolerance
-  long evaluations = 0;
-  bool found = false;   ///< false: no motion of the range could be followed
-  std::string message;  ///< why not
+  LandingPeak landing;             ///< of the motion, at OptimizeOptions::accuracy
+  TolerantPeak tolerant;           ///< the same within the execution tolerance
+  double value = kNoMotion;        ///< the goal, at OptimizeOptions::accuracy
+  long evaluations = 0;            ///< motions that were searched
+  long landings = 0;               ///< followed for them, abandoned ones and the verification included
+  double seconds = 0;              ///< from the call to the motion
+  std::vector<Progress> progress;  ///< how the best came about, in the search's accuracy
+  std::string solver;              ///< that found it
+  bool found = false;              ///< false: no motion of the range could be followed within the limits
+  std::string message;             ///< why not
 };
 
-/// Searches. `auto` samples the box (abandoning landings that are worse than the best so far need), then polishes the
-/// best distinct motions with SBPLX and Nelder-Mead restarts; the others run NLopt from the middle of the box, local
-/// ones again from random starts until the evaluations are spent. Deterministic for a seed, whatever the number of
-/// threads.
+/// Searches with one of the solvers of solvers.hpp, then judges the best at a tight accuracy. Deterministic for a seed
+/// and a number of evaluations, whatever the number of threads; with a deadline the clock decides.
 [[nodiscard]] Optimum optimize(const Scene& scene, const SeaParameters<double>& sea,
                                const OptimizeOptions& options = {});
 

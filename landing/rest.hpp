@@ -35,14 +35,12 @@ double impact_energy(const LandingSystem<kTerms, kAccounts>& system) {
 template <LandingTerms kTerms, bool kAccounts, Scalar T>
 auto at_rest(const LandingSystem<kTerms, kAccounts, T>& system,
              const typename LandingSystem<kTerms, kAccounts, T>::State& y,
-             const typename LandingSystem<kTerms, kAccounts, T>::State& dy, const T& peak_square,
-             const T& per_square) {
+             const typename LandingSystem<kTerms, kAccounts, T>::State& dy, const T& peak_square, const T& per_square) {
   using std::sqrt;
   using Lane = typename LandingSystem<kTerms, kAccounts, T>::Lane;
   const auto& link = system.link;
   const SeaParameters<T>& sea = system.sea;
-  Lane rest = after(system.phase) & !at_upper(system.saturation) & !at_lower(system.saturation) &
-              (link.gravity > T(0));
+  Lane rest = after(system.phase) & !at_upper(system.saturation) & !at_lower(system.saturation) & (link.gravity > T(0));
   if (!any(rest)) return rest;
   const T mass = link.total_mass, weight = mass * link.gravity;
   const T limit = per_square * peak_square;

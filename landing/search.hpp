@@ -2,14 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "landing/objective.hpp"
 
 namespace ukemi::landing {
 
 struct Budget {
-  long motions = std::numeric_limits<long>::max();               ///< evaluated in all
-  double seconds = std::numeric_limits<double>::infinity();      ///< from the start of the search; a clock is never exact
+  long motions = std::numeric_limits<long>::max();           ///< evaluated in all
+  double seconds = std::numeric_limits<double>::infinity();  ///< from the start of the search; a clock is never exact
 };
 
 /// A moment at which the best became better.
@@ -21,7 +22,8 @@ struct Progress {
 
 class Search {
  public:
-  Search(Objective& objective, const Budget& budget, std::uint64_t seed);
+  /// `progress` receives the moments, up to its capacity; null where nobody asks.
+  Search(Objective& objective, const Budget& budget, std::uint64_t seed, std::vector<Progress>* progress = nullptr);
 
   /// True once nothing may be spent any more.
   bool over() const { return objective_.motions() - first_motion_ >= budget_.motions || objective_.late(); }
@@ -33,13 +35,17 @@ class Search {
 
   /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion.
   void evaluate(std::span<Point3> points);
+  /// The same for another goal than the search's own: what only screens is never taken for a result.
+  void evaluate(std::span<Point3> points, Goal goal);
   const Point3& best() const { return few_[0]; }
 
-  /// The best that stands at a tight accuracy: what the search took for a foothold on a cliff may be beside it.
-  Point3 verified_best(double accuracy) const;
+  /// The best that stands at the scalar path's `accuracy`. Many a best stands on a cliff, where what the search's own
+  /// accuracy took for a foothold may be beside it: the best few are evaluated anew at a tight accuracy, and where they
+  /// have fallen, the search steps back from the edge until `deadline`.
+  Point3 settle(double accuracy, Objective::Clock::time_point deadline = Objective::Clock::time_point::max());
 
   const std::uint64_t seed;
-  std::vector<Progress> progress;  ///< reserved; no more is written than that
+  std::function<void(long done, long total)> tell;  ///< told of the motions spent, if set
   const Objective& objective() const { return objective_; }
 
  private:
@@ -49,6 +55,7 @@ class Search {
   Budget budget_;
   Objective::Clock::time_point start_;
   long first_motion_;
+  std::vector<Progress>* progress_;
   std::array<Point3, 12> few_;  ///< the best, in order
 };
 

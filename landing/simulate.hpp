@@ -30,7 +30,7 @@ inline constexpr double kChatter = 0.01;
 
 /// What a landing must not do. A run ends where it first does.
 struct Limits {
-  std::array<bool, kPoints> forbidden{};  ///< points that must never touch
+  std::array<bool, kPoints> forbidden{};                          ///< points that must never touch
   double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s]
   double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm]
   bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
@@ -40,9 +40,9 @@ struct Limits {
 struct SimulateOptions {
   double accuracy = 1e-9;  ///< relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why
   double abandon_above =
-      std::numeric_limits<double>::infinity();            ///< give up once the running peak is above this [m/s^2]
-  long max_steps = 200'000;                               ///< steps and events before a run is given up
-  double max_step = 0.1;                                  ///< longest step; the step of a fixed-step method [s]
+      std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2]
+  long max_steps = 200'000;                     ///< steps and events before a run is given up
+  double max_step = 0.1;                        ///< longest step; the step of a fixed-step method [s]
   Limits limits;
   Method method = Method::kAuto;                          ///< `simulate` always uses auto
   std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
@@ -76,9 +76,10 @@ struct LandingPeak {
   End end = End::kFailed;
   integrate::Status status = integrate::Status::kStepped;  ///< with kFailed
   integrate::Counters work;
-  ContactOrder contacts;   ///< touchdowns
-  int peak_contact = -1;   ///< which of them opened the interval that holds the peak; -1: before the first
-  Eigen::Matrix<double, kMechanical, 1> state = Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
+  ContactOrder contacts;  ///< touchdowns
+  int peak_contact = -1;  ///< which of them opened the interval that holds the peak; -1: before the first
+  Eigen::Matrix<double, kMechanical, 1> state =
+      Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
 };
 
 /// A point meets the floor and leaves it.

@@ -1,11 +1,14 @@
 // ukemi optimize.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "common/error.hpp"
 #include "landing/scene_file.hpp"
+#include "landing/solvers.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
 
@@ -31,30 +34,103 @@ std::string motion_csv(const Run& run, const Motion& m, double rate) {
 
 }  // namespace
 
+namespace {
+
+/// The options as the command line gives them.
+OptimizeOptions options_of(const OptimizeArguments& a, const CommonOptions& common, const Actuator& actuator) {
+  OptimizeOptions o;
+  o.solver = a.solver;
+  o.goal = a.goal;
+  o.evaluations = a.evaluations;
+  o.deadline = a.deadline;
+  o.seed = common.seed;
+  o.threads = common.threads;
+  for (const std::string& point : a.forbid) {
+    const auto at = std::find(kPointNames.begin(), kPointNames.end(), point);
+    if (at == kPointNames.end())
+      throw InputError("--forbid: " + quoted(point) + ": hip, knee or foot is needed" +
+                       hint(point, {kPointNames.begin(), kPointNames.end()}));
+    o.limits.forbidden[std::size_t(at - kPointNames.begin())] = true;
+  }
+  if (a.ratings == OptimizeArguments::Ratings::kRespect) {
+    if (!actuator.speed_max && !std::isfinite(actuator.sea.tau_max))
+      throw InputError("--respect-ratings: " + a.actuator + " gives neither speed_max nor tau_max");
+    if (actuator.speed_max) o.limits.motor_speed = o.reference_rate = *actuator.speed_max;
+    o.limits.motor_torque = actuator.sea.tau_max;
+  }
+  return o;
+}
+
+/// One line a moment at which the best became better, in the search's accuracy, then the result.
+void solver_rows(CsvWriter& csv, const std::string& solver, const Optimum& o) {
+  for (const Progress& p : o.progress) csv.cell(solver).cell(p.motions).cell(p.seconds).cell(p.best.value).end_row();
+  csv.cell(solver).cell(o.evaluations).cell(o.seconds).cell(o.found ? o.value : kNoMotion).end_row();
+}
+
+/// Every solver with the same budget; the best of them, and a table of all.
+Optimum compare_solvers(const Scene& scene, const Actuator& actuator, OptimizeOptions options, const Run& run,
+                        CsvWriter& csv, Json& table) {
+  Optimum best;
+  const auto names = solver_names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    run.progress("solvers", long(i), long(names.size()));
+    options.solver = names[i];
+    const Optimum o = optimize(scene, actuator.sea, options);
+    solver_rows(csv, names[i], o);
+    table.push_back({{"solver", names[i]},
+                     {"value", o.found ? number(o.value) : Json()},
+                     {"evaluations", o.evaluations},
+                     {"landings", o.landings},
+                     {"time_s", o.seconds}});
+    if (o.value < best.value || i == 0) best = o, best.solver = names[i];
+  }
+  return best;
+}
+
+}  // namespace
+
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimum* best) {
   Run run("optimize", common);
   const Scene scene = read_scene(a.scene);
   const Actuator actuator = read_actuator(a.actuator);
   run.input(a.scene), run.input(a.actuator);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
-  OptimizeOptions options;
-  options.solver = a.solver;
-  options.evaluations = a.evaluations.value_or(options.evaluations);
-  options.seed = common.seed;
-  options.threads = common.threads;
+  OptimizeOptions options = options_of(a, common, actuator);
+  const bool compare = a.solver == "compare";
+  if (compare) options.solver = "auto";
   options.validate();
-  options.progress = [&](long done, long total) { run.progress("optimize", done, total); };
-  run.info(fmt::format("optimising {} with {}: {} landings, seed {}", scene.name, options.solver, options.evaluations,
+  const char* goal = options.goal == Goal::kPeak ? "peak" : "tolerant";
+  options.progress = [&](long done, long total) {
+    if (total < std::numeric_limits<long>::max()) run.progress("optimize", done, total);
+  };
+  run.info(fmt::format("optimising the {} of {} with {}: {}, seed {}", goal, scene.name, a.solver,
+                       options.deadline
+                           ? fmt::format("{:g} s", *options.deadline)
+                           : fmt::format("{} motions", options.evaluations.value_or(default_evaluations(options.goal))),
                        options.seed));
 
-  const Optimum o = optimize(scene, actuator.sea, options);
-  const double search_seconds = run.seconds();
+  CsvWriter solvers = run.csv();
+  solvers.header({"solver", "evaluations", "time_s", "best"});
+  Json comparison = Json::array();
+  Optimum o;
+  if (compare) {
+    options.progress = nullptr;
+    o = compare_solvers(scene, actuator, options, run, solvers, comparison);
+  } else {
+    o = optimize(scene, actuator.sea, options);
+    o.solver = options.solver;
+    solver_rows(solvers, options.solver, o);
+  }
+  const double search_seconds = o.seconds;
   if (best) *best = o;
   if (!o.found) {
     run.warn(o.message);
-    return run.finish(
-        {{"motion", nullptr}, {"evaluations", o.evaluations}, {"solver", options.solver}, {"seed", options.seed}},
-        kNumbers);
+    return run.finish({{"motion", nullptr},
+                       {"objective", goal},
+                       {"evaluations", o.evaluations},
+                       {"solver", a.solver},
+                       {"seed", options.seed}},
+                      kNumbers);
   }
   const Landing l = simulate(scene, actuator.sea, o.motion, {.accuracy = options.accuracy}, 1000);
   const Motion hold{-45 / kDegrees, -45 / kDegrees, 1};
@@ -80,8 +156,11 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
   summary["hold"] = {{"phi_deg", -45}, {"peak_acceleration", number(held.peak)}};
   summary["reduction"] = number(1 - l.peak / held.peak);
   summary["ratings"] = ratings(o.motion, l, actuator, run);
+  summary["objective"] = goal;
   summary["evaluations"] = o.evaluations;
-  summary["solver"] = options.solver;
+  summary["landings"] = o.landings;
+  summary["solver"] = o.solver;
+  if (compare) summary["solvers"] = comparison;
   summary["seed"] = options.seed;
 
   run.say(fmt::format("motion: {:.6g} deg to {:.6g} deg in {:.6g} s", o.motion.phi_i * kDegrees,
@@ -90,13 +169,10 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
       "peak {:.6g} m/s^2; tolerant peak {:.6g} (within {:g} deg, {:g} ms); held at -45 deg {:.6g}; reduction {:.1f} %",
       l.peak, o.tolerant.value, scene.execution.phi * kDegrees, scene.execution.duration * 1e3, held.peak,
       100 * (1 - l.peak / held.peak)));
-  run.say(fmt::format("contacts: {}; {} landings in {:.2f} s", order_of(l), o.evaluations, search_seconds));
+  run.say(fmt::format("contacts: {}; {} motions in {:.2f} s", order_of(l), o.evaluations, search_seconds));
 
   run.add("motion.toml", to_toml(o.motion, run.provenance_text()));
   run.add("motion.csv", motion_csv(run, o.motion, a.rate));
-  CsvWriter solvers = run.csv();
-  solvers.header({"solver", "evaluations", "time_s", "best"});
-  solvers.cell(options.solver).cell(o.evaluations).cell(search_seconds).cell(l.peak).end_row();
   run.add("solvers.csv", solvers.text());
   Report report("Best landing: " + scene.name);
   if (!scene.floor_source.empty()) report.paragraph("Floor constants: " + scene.floor_source + ".");
@@ -108,7 +184,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
                                {"held at -45 deg [m/s²]", fmt::format("{:.6g}", held.peak)},
                                {"reduction", fmt::format("{:.1f} %", 100 * (1 - l.peak / held.peak))},
                                {"contacts", order_of(l)},
-                               {"landings simulated", std::to_string(o.evaluations)}});
+                               {"motions evaluated", std::to_string(o.evaluations)}});
   report.list(run.warnings());
   Series acc{"|ddr_0|", {}, {}}, phi{"phi_1", {}, {}}, ref{"phi_ref", {}, {}};
   for (const Sample& s : l.trajectory) {
@@ -126,32 +202,28 @@ void add_optimize(CLI::App& app, Action& chosen) {
   auto common = std::make_shared<CommonOptions>();
   CLI::App* verb =
       app.add_subcommand("optimize", "the knee motion with the smallest peak acceleration of the thigh (Eq. 6)");
-  const auto later = [](const std::string& what) { throw InputError(what + ": not in this version"); };
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
-  verb->add_option_function<std::string>(
-      "--solver",
-      [args, later](const std::string& s) {
-        if (s == "compare") later("--solver compare");
-        args->solver = s;
-      },
-      "auto, crs2, direct_l, isres, esch, mlsl, sbplx, nelder_mead, cobyla, bobyqa [auto]");
+  std::string names;
+  for (const std::string& n : solver_names()) names += n + ", ";
+  verb->add_option("--solver", args->solver, names + "or compare: all of them, side by side [auto]");
   verb->add_option_function<std::string>(
       "--objective",
-      [later](const std::string& s) {
-        if (s == "tolerant") later("--objective tolerant");
-        if (s != "peak")
-          throw InputError("--objective: " + quoted(s) + ": peak is needed" + hint(s, {"peak", "tolerant"}));
+      [args](const std::string& s) {
+        if (s != "peak" && s != "tolerant")
+          throw InputError("--objective: " + quoted(s) + ": peak or tolerant is needed" +
+                           hint(s, {"peak", "tolerant"}));
+        args->goal = s == "peak" ? Goal::kPeak : Goal::kTolerant;
       },
-      "peak [peak]");
-  verb->add_option("--evaluations", args->evaluations, "landings in all: the stopping rule [12000]");
-  verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
-  verb->add_option_function<std::string>(
-      "--deadline", [later](const std::string&) { later("--deadline"); }, "not in this version");
-  verb->add_option_function<std::string>(
-      "--forbid", [later](const std::string&) { later("--forbid"); }, "not in this version");
+      "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
+  verb->add_option("--evaluations", args->evaluations,
+                   "motions in all: the stopping rule [40000; tolerant 10000; none with --deadline]");
+  verb->add_option("--deadline", args->deadline, "answer within this time [s], whatever has been found");
+  verb->add_option("--forbid", args->forbid, "points that must never touch: hip,knee,foot")->delimiter(',');
   verb->add_flag_callback(
-      "--respect-ratings", [later] { later("--respect-ratings"); }, "not in this version");
+      "--respect-ratings", [args] { args->ratings = OptimizeArguments::Ratings::kRespect; },
+      "keep the reference's rate, the motor's speed and its torque within the actuator's speed_max and tau_max");
+  verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
   add_common(*verb, *common);
   verb->footer("Example: ukemi optimize scene.toml --actuator actuator.toml -o out");
   verb->callback([args, common, &chosen] { chosen = [args, common] { return run_optimize(*args, *common); }; });

@@ -38,7 +38,11 @@ int run_identify(const IdentifyArguments& arguments, const CommonOptions& common
 
 struct OptimizeArguments {
   std::string scene, actuator, solver = "auto";
+  landing::Goal goal = landing::Goal::kPeak;
   std::optional<long> evaluations;
+  std::optional<double> deadline;
+  std::vector<std::string> forbid;
+  enum class Ratings { kReport, kRespect } ratings = Ratings::kReport;
   double rate = 1000;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common, landing::Optimum* best = nullptr);

@@ -1,0 +1,45 @@
+// The search of `optimize --solver auto`, and of Planner.
+//
+// What it is built for: an objective that is a maximum over time (a landing may be abandoned as soon as it is worse
+// than what it competes with), cheap in batches, with many basins, kinks along valleys and cliffs. So:
+//   1. a race of random motions, each followed only while it may belong to the best, gives a population;
+//      (tolerant peaks: by the peak alone first, a lower bound that costs one landing);
+//   2. the population converges by differential evolution (population.hpp), whose trials are abandoned at their
+//      parent's value; it needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys;
+//   3. one that falls behind the best so far is given up; one that converges is a basin, and the next race keeps away
+//      from it;
+//   4. now and then, and at the end, the best basin is searched once more from close by.
+#pragma once
+
+#include <vector>
+
+#include "common/random.hpp"
+#include "landing/search.hpp"
+
+namespace ukemi::landing {
+
+class AutoSearch {
+ public:
+  /// Allocates all that `run` needs.
+  AutoSearch();
+  /// Searches until the search is over. Allocates nothing.
+  void run(Search& search);
+
+ private:
+  bool known(const Point3& p) const;
+  void race();
+  void fill(int entrants, Goal goal, int places);
+  void keep(int places);
+  double place_value(int places) const;
+  void converge(double side, bool may_give_up);
+  void remember();
+  void refine();
+
+  int size_ = 0;
+  Search* search_ = nullptr;
+  Random random_{0};
+  std::vector<Point3> population_, trials_, basins_;
+  std::vector<double> values_;
+};
+
+}  // namespace ukemi::landing

@@ -1,0 +1,40 @@
+#include "landing/planner.hpp"
+
+#include <algorithm>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+
+namespace ukemi::landing {
+
+double verification_time(Goal goal, double budget) {
+  const double least = goal == Goal::kPeak ? 0.004 : 0.012, most = goal == Goal::kPeak ? 0.05 : 0.1;
+  return std::min(0.4 * budget, std::clamp(0.1 * budget, least, most));
+}
+
+Planner::Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
+    : scene_(scene),
+      sea_(sea),
+      options_(options),
+      objective_(scene_, sea_,
+                 {.goal = options.goal,
+                  .accuracy = options.accuracy,
+                  .limits = options.limits,
+                  .reference_rate = options.reference_rate}) {}
+
+Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
+  using Clock = Objective::Clock;
+  const auto start = Clock::now();
+  if (!(deadline > 0)) throw InputError("deadline: " + shortest(deadline) + " s: above 0 is needed");
+  scene_.drop = drop;
+  const auto end =
+      start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(deadline, 1e6)));
+  const long before = objective_.motions();
+  Search search(objective_, {.seconds = deadline - verification_time(options_.goal, deadline)}, seed);
+  search_.run(search);
+  const long searched = objective_.motions() - before;
+  const Point3 best = search.settle(options_.verified, end);
+  return {objective_.motion(best), best.value, searched, best.value < kNoMotion};
+}
+
+}  // namespace ukemi::landing

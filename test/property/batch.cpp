@@ -1,0 +1,205 @@
+// Landings in SIMD lanes: the same equations, the same landings, and lanes that know nothing of each other.
+#include <catch2/catch.hpp>
+
+#include "common/actuator.hpp"
+#include "common/random.hpp"
+#include "landing/batch.hpp"
+#include "landing/lane_mode.hpp"
+#include "landing/scene_file.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+Scene scene_of(const std::string& name) { return read_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
+SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
+
+Motion draw(const Scene& scene, std::uint64_t seed, int i) {
+  Random r(seed, std::uint64_t(i));
+  const auto [phi, duration] = scene.search;
+  return {r.uniform(phi[0], phi[1]), r.uniform(phi[0], phi[1]), r.uniform(duration[0], duration[1])};
+}
+
+std::vector<InstructionSet> sets() {
+  std::vector<InstructionSet> out;
+  for (int s = 0; s <= int(widest_instruction_set()); ++s) out.push_back(InstructionSet(s));
+  return out;
+}
+
+bool same(const LandingPeak& a, const LandingPeak& b) {
+  bool contacts = a.contacts.size() == b.contacts.size();
+  for (int i = 0; contacts && i < a.contacts.size(); ++i) contacts = a.contacts[i] == b.contacts[i];
+  return contacts && a.peak == b.peak && a.t_peak == b.t_peak && a.t_end == b.t_end && a.end == b.end &&
+         a.state == b.state && a.peak_contact == b.peak_contact;
+}
+
+}  // namespace
+
+TEST_CASE("batch: the field in a lane is the field of a double, in every mode") {
+  constexpr LandingTerms kAll{SeaTerms{true, true}};
+  constexpr int W = 4;
+  using Lanes = LandingSystem<kAll, false, Pack<W>>;
+  using Single = LandingSystem<kAll, false, double>;
+  const Scene scene = scene_of("paper_soft");
+  SeaParameters<double> sea = table2();
+  sea.friction = 0.2, sea.k_sea_cubic = 30;
+  Lanes lanes(scene, sea.cast<Pack<W>>(), Motion{-0.5, -1.2, 0.3}.cast<Pack<W>>());
+  double worst = 0;
+  for (int n = 0; n < 200; ++n) {
+    Lanes::State y, dy;
+    Lanes::GuardValues g;
+    std::vector<Single> singles;
+    std::vector<Single::State> states;
+    lanes.motion_start = Pack<W>(0.1);
+    for (int i = 0; i < W; ++i) {
+      Random r(11, std::uint64_t(n * W + i));
+      Single s(scene, sea, {-0.5, -1.2, 0.3});
+      Single::State x;
+      for (int k = 0; k < kMechanical; ++k) x[k] = r.uniform(-1, 1) * (k < kVx ? 1 : 5), y[k].set(i, x[k]);
+      for (int j = 0; j < kPoints; ++j) {
+        s.contact[std::size_t(j)] = Contact(int(r.uniform(0, 3)));
+        set_lane(lanes.contact[std::size_t(j)], i, s.contact[std::size_t(j)]);
+      }
+      s.saturation = int(r.uniform(0, 3)) - 1, s.phase = Phase(int(r.uniform(0, 3))), s.motion_start = 0.1;
+      set_lane(lanes.saturation, i, s.saturation), set_lane(lanes.phase, i, s.phase);
+      singles.push_back(s), states.push_back(x);
+    }
+    lanes.derivative(Pack<W>(0.23), y, dy);
+    lanes.guards(Pack<W>(0.23), y, dy, g);
+    for (int i = 0; i < W; ++i) {
+      const auto& s = singles[std::size_t(i)];
+      Single::State d;
+      Single::GuardValues one;
+      s.derivative(0.23, states[std::size_t(i)], d);
+      s.guards(0.23, states[std::size_t(i)], d, one);
+      for (int k = 0; k < kMechanical; ++k) worst = std::max(worst, std::abs(dy[k][i] - d[k]) / (1 + std::abs(d[k])));
+      for (std::size_t k = 0; k < one.value.size(); ++k) {
+        worst = std::max(worst, std::abs(g.value[k][i] - one.value[k]) / (1 + std::abs(one.value[k])));
+        worst = std::max(worst, std::abs(g.rate[k][i] - one.rate[k]) / (1 + std::abs(one.rate[k])));
+      }
+    }
+  }
+  INFO("worst difference " << worst);
+  CHECK(worst < 1e-13);  // rounding only
+}
+
+TEST_CASE("batch: every instruction set gives the scalar path's peaks") {
+  const auto floor = GENERATE("paper", "paper_rough_a", "paper_rough_b", "paper_soft");
+  const Scene scene = scene_of(floor);
+  const SeaParameters<double> sea = table2();
+  constexpr int kMotions = 300;
+  std::vector<BatchCase> cases;
+  for (int i = 0; i < kMotions; ++i) cases.push_back({&scene, &sea, draw(scene, 5, i)});
+  std::vector<LandingPeak> peaks(kMotions);
+  for (const InstructionSet set : sets())
+    for (const double accuracy : {1e-5, 1e-7}) {
+      batch_peaks(cases, peaks, {.accuracy = accuracy}, 1, set);
+      int off = 0, other = 0;
+      for (int i = 0; i < kMotions; ++i) {
+        const auto& p = peaks[std::size_t(i)];
+        const LandingPeak exact = peak_acceleration(scene, sea, cases[std::size_t(i)].motion, {.accuracy = 1e-11});
+        REQUIRE(p.end == exact.end);
+        off += std::abs(p.peak - exact.peak) > 10 * accuracy * exact.peak;
+        other += p.peak_contact != exact.peak_contact;
+      }
+      INFO(floor << ", " << kInstructionSetNames[std::size_t(set)] << ", accuracy " << accuracy << ": " << off
+                 << " off by more than 10 accuracies, " << other << " at another contact");
+      CHECK(off <= kMotions / 100);  // those whose peak stands on a cliff
+      CHECK(other <= kMotions / 100);
+    }
+}
+
+TEST_CASE("batch: a landing does not depend on its neighbours, on threads or on mixed scenes") {
+  const Scene paper = scene_of("paper"), hard = scene_of("hard");
+  const SeaParameters<double> sea = table2();
+  SeaParameters<double> soft = sea;
+  soft.k_sea = 30, soft.tau_max = 5;
+  std::vector<BatchCase> cases;
+  for (int i = 0; i < 600; ++i) cases.push_back({i % 3 ? &paper : &hard, i % 2 ? &sea : &soft, draw(paper, 3, i)});
+  for (const InstructionSet set : sets()) {
+    std::vector<LandingPeak> forward(cases.size()), backward(cases.size()), threaded(cases.size()), one(1);
+    batch_peaks(cases, forward, {}, 1, set);
+    batch_peaks(cases, threaded, {}, 3, set);
+    std::vector<BatchCase> turned(cases.rbegin(), cases.rend());
+    batch_peaks(turned, backward, {}, 1, set);
+    int differ = 0;
+    for (std::size_t i = 0; i < cases.size(); ++i)
+      differ += !same(forward[i], backward[cases.size() - 1 - i]) || !same(forward[i], threaded[i]);
+    CHECK(differ == 0);
+    for (std::size_t i = 0; i < 20; ++i) {
+      batch_peaks({&cases[i], 1}, one, {}, 1, set);
+      CHECK(same(one[0], forward[i]));
+    }
+  }
+}
+
+TEST_CASE("batch: a landing is abandoned above its bound and only there") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  std::vector<BatchCase> cases;
+  for (int i = 0; i < 400; ++i) cases.push_back({&scene, &sea, draw(scene, 9, i)});
+  std::vector<LandingPeak> full(cases.size()), bounded(cases.size());
+  batch_peaks(cases, full, {});
+  for (BatchCase& c : cases) c.abandon_above = 450;
+  batch_peaks(cases, bounded, {});
+  int abandoned = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (full[i].peak > 450) {
+      CHECK(bounded[i].end == End::kAbandoned);
+      CHECK(bounded[i].peak > 450);
+      CHECK(bounded[i].peak <= full[i].peak);
+      CHECK(bounded[i].t_end <= full[i].t_end);
+      ++abandoned;
+    } else {
+      CHECK(same(full[i], bounded[i]));
+    }
+  }
+  CHECK(abandoned > 100);
+}
+
+TEST_CASE("batch: limits end a landing where they are first broken, as in the scalar path") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  std::vector<BatchCase> cases;
+  for (int i = 0; i < 300; ++i) cases.push_back({&scene, &sea, draw(scene, 21, i)});
+  Limits hip, rated;
+  hip.forbidden[kHip] = true;
+  rated.motor_speed = 6, rated.motor_torque = 30;
+  for (const Limits& limits : {hip, rated}) {
+    std::vector<LandingPeak> peaks(cases.size());
+    batch_peaks(cases, peaks, {.accuracy = 1e-7, .limits = limits});
+    int broken = 0, differ = 0;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const LandingPeak p = peak_acceleration(scene, sea, cases[i].motion, {.accuracy = 1e-7, .limits = limits});
+      broken += peaks[i].end == End::kBroken;
+      differ += (peaks[i].end == End::kBroken) != (p.end == End::kBroken);
+      if (peaks[i].end != End::kBroken)
+        for (int k = 0; k < peaks[i].contacts.size(); ++k) CHECK_FALSE(limits.forbidden[peaks[i].contacts[k]]);
+    }
+    CHECK(broken > 30);
+    CHECK(broken < 290);
+    CHECK(differ <= 3);  // limits are looked at where steps end, and the paths' steps differ
+  }
+}
+
+TEST_CASE("batch: what lanes cannot do goes to the scalar path") {
+  Scene stiff = scene_of("paper"), empty = stiff, spinning = stiff;
+  stiff.floor->stiffness = 1e9, stiff.floor->damping_normal = 1e5;
+  empty.floor.reset();
+  spinning.drop.pitch_rate = 2;
+  const SeaParameters<double> sea = table2();
+  SeaParameters<double> rubbing = sea;
+  rubbing.friction = 0.3, rubbing.feedback = Feedback::kMotor;
+  const Motion m{-0.5, -1, 0.2};
+  const std::vector<BatchCase> cases = {
+      {&stiff, &sea, m}, {&empty, &sea, m}, {&spinning, &sea, m}, {&spinning, &rubbing, m}, {&empty, &rubbing, m}};
+  std::vector<LandingPeak> peaks(cases.size());
+  batch_peaks(cases, peaks, {.accuracy = 1e-7});
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const LandingPeak p = peak_acceleration(*cases[i].scene, *cases[i].sea, m, {.accuracy = 1e-9});
+    INFO(i);
+    CHECK(peaks[i].end == p.end);
+    CHECK(peaks[i].peak == Approx(p.peak).epsilon(1e-5));
+  }
+}

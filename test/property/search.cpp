@@ -1,0 +1,135 @@
+// What the solvers stand on: the goals, the budget, and the planner's promises.
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "common/actuator.hpp"
+#include "common/error.hpp"
+#include "common/random.hpp"
+#include "landing/optimize.hpp"
+#include "landing/planner.hpp"
+#include "landing/population.hpp"
+#include "landing/scene_file.hpp"
+#include "landing/solvers.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+std::atomic<long> allocations{0};
+Scene scene_of(const std::string& name) { return read_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
+SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
+}  // namespace
+
+// Every allocation of this program is counted.
+void* operator new(std::size_t n) {
+  ++allocations;
+  if (void* p = std::malloc(n)) return p;
+  throw std::bad_alloc();
+}
+void* operator new(std::size_t n, std::align_val_t a) {
+  ++allocations;
+  const auto align = std::size_t(a);
+  if (void* p = std::aligned_alloc(align, (n + align - 1) / align * align)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+TEST_CASE("search: both goals agree with the landings one by one, whatever the threads") {
+  const Scene scene = scene_of("paper_soft");
+  const SeaParameters<double> sea = table2();
+  for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
+    std::vector<std::vector<Point3>> results;
+    for (const int threads : {1, 3}) {
+      Objective o(scene, sea, {.goal = goal, .accuracy = 1e-7, .threads = threads});
+      Random r(4);
+      std::vector<Point3> points;
+      for (int i = 0; i < 40; ++i) points.push_back(random_point(r));
+      o.evaluate(points, goal);
+      CHECK(o.motions() == 40);
+      CHECK(o.landings() == (goal == Goal::kPeak ? 40 : 600));
+      results.push_back(points);
+    }
+    for (std::size_t i = 0; i < 40; ++i) {
+      const Point3& p = results[0][i];
+      CHECK(p.value == results[1][i].value);
+      Objective o(scene, sea, {.goal = goal});
+      const double exact = o.verified(o.motion(p), 1e-9);
+      if (std::abs(p.value - exact) > 1e-5 * exact) WARN(p.value << " against " << exact << ": on a cliff?");
+      CHECK(std::abs(p.value - exact) < 0.02 * exact);
+      if (goal == Goal::kTolerant)
+        CHECK(exact == Approx(tolerant_peak(scene, sea, o.motion(p), {.accuracy = 1e-9}, 0, 1, 1).value));
+    }
+  }
+}
+
+TEST_CASE("search: every solver keeps its budget of motions and of time, and repeats itself") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  for (const std::string& solver : solver_names())
+    for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
+      INFO(solver << (goal == Goal::kPeak ? ", peak" : ", tolerant"));
+      const auto run = [&](std::uint64_t seed, const Budget& budget, int threads) {
+        Objective o(scene, sea, {.goal = goal, .threads = threads});
+        Search s(o, budget, seed);
+        run_solver(solver, s);
+        CHECK(s.motions() <= budget.motions);
+        if (budget.seconds < 1) CHECK(s.seconds() < budget.seconds + 0.5);
+        return s.best();
+      };
+      const Point3 a = run(3, {.motions = 150}, 1), b = run(3, {.motions = 150}, 2);
+      CHECK(a.u == b.u);
+      CHECK(a.value == b.value);
+      CHECK(a.value < kNoMotion);
+      CHECK(run(3, {.motions = 1}, 1).value < kNoMotion);
+      run(3, {.seconds = 0.02}, 1);
+    }
+}
+
+TEST_CASE("search: a planner answers for any drop, without allocating") {
+  const SeaParameters<double> sea = table2();
+  const Scene scene = scene_of("paper");
+  for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
+    Planner planner(scene, sea, {.goal = goal});
+    for (const double height : {0.2, 0.4, 0.6}) {
+      Drop drop = scene.drop;
+      drop.height = height;
+      const long before = allocations;
+      const Plan plan = planner.plan(drop, 0.15);
+      CHECK(allocations == before);
+      REQUIRE(plan.found);
+      CHECK(plan.motions > 0);
+      Scene there = scene;
+      there.drop = drop;
+      const double exact = goal == Goal::kPeak
+                               ? peak_acceleration(there, sea, plan.motion, {.accuracy = 1e-10}).peak
+                               : tolerant_peak(there, sea, plan.motion, {.accuracy = 1e-10}, 0, 1, 1).value;
+      CHECK(plan.value == Approx(exact).epsilon(1e-5));
+    }
+    CHECK_THROWS_AS(planner.plan(scene.drop, 0), InputError);
+  }
+}
+
+TEST_CASE("search: limits hold for the answer, and what cannot be kept is said") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  OptimizeOptions o;
+  o.evaluations = 3000, o.tolerance_samples = 0;
+  o.limits.motor_speed = o.reference_rate = 3.14, o.limits.motor_torque = 20;
+  const Optimum rated = optimize(scene, sea, o);
+  REQUIRE(rated.found);
+  CHECK(peak_reference_rate(rated.motion) <= 3.14);
+  const Landing landing = simulate(scene, sea, rated.motion, {.accuracy = 1e-9});
+  CHECK(landing.demands.motor_speed <= 3.14 * 1.01);
+  CHECK(landing.demands.motor_torque <= 20 * 1.01);
+  o.limits = {}, o.reference_rate = kNoMotion;
+  o.limits.forbidden = {true, true, true};
+  const Optimum none = optimize(scene, sea, o);
+  CHECK_FALSE(none.found);
+  CHECK(none.message == "no motion of the search range was found that keeps the limits");
+}
