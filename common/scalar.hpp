@@ -56,6 +56,14 @@ template <int P>
 double value_of(const ceres::Jet<double, P>& x) {
   return x.a;
 }
+/// x as a To: itself, or its value without its derivatives.
+template <class To, class T>
+UKEMI_INLINE To narrowed(const T& x) {
+  if constexpr (std::is_same_v<To, T>)
+    return x;
+  else
+    return value_of(x);
+}
 
 /// Number of derivatives that a scalar carries, and one of them.
 template <class T>

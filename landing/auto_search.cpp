@@ -128,17 +128,9 @@ void AutoSearch::remember() {
 
 /// A population close by the best of all.
 void AutoSearch::refine() {
-  const Point3 centre = search_->best();
-  population_.clear();
-  for (int i = 0; i < size_; ++i) {
-    Point3 p = centre;
-    const double size = 0.02 * std::pow(10.0, -2 * random_.uniform());
-    for (double& u : p.u) u = std::clamp(u + size * random_.normal(), 0.0, 1.0);
-    p.bound = kNoMotion;
-    population_.push_back(p);
-  }
+  population_.resize(std::size_t(size_));
+  scatter(search_->best(), random_, population_);
   search_->evaluate(population_);
-  population_[0] = centre;
   converge(kSet.finest, false);
   remember();
 }

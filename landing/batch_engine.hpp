@@ -66,13 +66,13 @@ class BatchEngine {
         continue;
       }
       Single single(scene, *c.sea, c.motion);
-      auto y = released(single, scene, c.motion);
+      auto y = released(single, scene, scene.drop, c.motion);
       LandingPeak& out = out_[i] = {};
       double t = 0;
       square_.set(i, 0), t_peak_.set(i, 0);
       if (is_ballistic(scene)) {
         t = std::min(fall_time(scene), limit);
-        fly(scene, t, y);
+        fly(single, scene, t, y);
         square_.set(i, g * g);
         if (t < fall_time(scene)) {
           out.end = End::kTimeLimit, out.t_end = t, out.peak = g, out.state = y;

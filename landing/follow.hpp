@@ -27,7 +27,7 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
   using System = LandingSystem<kTerms, kReport>;
   System system(scene, sea, motion);
   [[maybe_unused]] std::conditional_t<kReport, Recorder<System>, NoRecorder> recorder(landing, rate);
-  typename System::State y = released(system, scene, motion);
+  typename System::State y = released(system, scene, scene.drop, motion);
   const double g = system.link.gravity;
   double t = 0, limit = scene.t_end.value_or(Scene::kFollow);
   PeakTracker peak;
@@ -40,7 +40,7 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
     t = std::min(fall, limit);
     peak.consider(g * g, 0);
     if constexpr (kReport) recorder.ballistic(system, scene.drop, y, t);
-    fly(scene, t, y);
+    fly(system, scene, t, y);
     if (t < fall) {
       if constexpr (kReport) recorder.row(system, t, y), recorder.finish();
       out.t_end = t, out.end = End::kTimeLimit, out.peak = g, out.t_peak = 0,

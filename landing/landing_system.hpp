@@ -28,7 +28,8 @@ struct LandingTerms {
   constexpr LandingTerms(SeaTerms s, bool f = true) : sea(s), floor(f) {}
 };
 
-template <LandingTerms kAllTerms, bool kAccounts, Scalar T = double>
+/// `Constant` is the scalar of the robot's constants: a double spares a T that carries no derivatives by them.
+template <LandingTerms kAllTerms, bool kAccounts, Scalar T = double, Scalar Constant = T>
 class LandingSystem {
   static constexpr SeaTerms kTerms = kAllTerms.sea;
 
@@ -50,21 +51,22 @@ class LandingSystem {
   };
 
   LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const MotionOf<T>& played)
-      : LandingSystem(scene.robot.template cast<T>(), scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(),
-                      actuator, played) {
+      : LandingSystem(scene.robot.template cast<Constant>(),
+                      scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(), actuator, played) {
     for (int j = 0; j < kPoints; ++j) present[j] = scene.floor && scene.contacts[j];
   }
   /// With constants that may carry derivatives; no point may touch until `present` says so.
-  LandingSystem(const TwoLink<T>& robot, const Floor<T>& f, const SeaParameters<T>& actuator, const MotionOf<T>& played)
+  LandingSystem(const TwoLink<Constant>& robot, const Floor<T>& f, const SeaParameters<T>& actuator,
+                const MotionOf<T>& played)
       : link(robot), floor(f), sea(actuator), motion(played) {
     if constexpr (kTerms.torque_limit && !kIsPack<T>)
       if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
   }
 
   /// The same system, in its present mode, in another scalar.
-  template <class U>
-  explicit LandingSystem(const LandingSystem<kAllTerms, kAccounts, U>& o)
-      : link(o.link.template cast<T>()),
+  template <class U, class UConstant>
+  explicit LandingSystem(const LandingSystem<kAllTerms, kAccounts, U, UConstant>& o)
+      : link(o.link.template cast<Constant>()),
         floor(o.floor.template cast<T>()),
         sea(o.sea.template cast<T>()),
         motion(o.motion.template cast<T>()),
@@ -74,7 +76,7 @@ class LandingSystem {
         phase(o.phase),
         motion_start(o.motion_start) {}
 
-  TwoLinkDynamics<T> link;
+  TwoLinkDynamics<Constant> link;
   Floor<T> floor;
   SeaParameters<T> sea;
   MotionOf<T> motion;
@@ -89,7 +91,8 @@ class LandingSystem {
   /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
   /// turn.
   UKEMI_INLINE Pose<T> pose(const State& y) const {
-    if (any(y[kTheta0] != theta0_) || any(y[kTheta1] != theta1_)) {
+    // Angles that compare equal may still differ in their derivatives.
+    if (kDerivatives < T >> 0 || any(y[kTheta0] != theta0_) || any(y[kTheta1] != theta1_)) {
       theta0_ = y[kTheta0], theta1_ = y[kTheta1];
       turn_ = sin_cos(theta0_, theta1_);
     }
@@ -169,37 +172,39 @@ class LandingSystem {
 
   T motor_torque_of(const SeaState<T>& s, const Reference<T>& r) const { return motor_torque<kTerms>(sea, s, r); }
 
-  /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y.
-  template <class Time>
-  void guards(const Time&, const State& y, const State& dy, GuardValues& out) const {
+  /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y. The driver asks for their
+  /// values alone; in a T they keep their derivatives.
+  template <class Time, class Out>
+  void guards(const Time&, const State& y, const State& dy, integrate::Guards<kGuards, Out>& out) const {
     out = {};
     const Accelerations<T> acc{dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]};
     if constexpr (kAllTerms.floor) contact_guards(pose(y), acc, out);
     if constexpr (kTerms.torque_limit) {
-      const Value limit = value_of(sea.tau_max), infinite(std::numeric_limits<double>::infinity());
-      const auto limited = (limit > Value(0)) & (limit < infinite);
+      const Out limit = narrowed<Out>(sea.tau_max), infinite(std::numeric_limits<double>::infinity());
+      const auto limited = (limit > Out(0)) & (limit < infinite);
       if (!any(limited)) return;
       const SeaState<T> s = sea_state(y);
-      const Value tau = value_of(spring_torque<kTerms>(sea, s)),
-                  rate = value_of(spring_torque_rate<kTerms>(sea, s, T(acc.theta1 - acc.theta0), dy[kOmegaM]));
+      const Out tau = narrowed<Out>(spring_torque<kTerms>(sea, s)),
+                rate = narrowed<Out>(spring_torque_rate<kTerms>(sea, s, T(acc.theta1 - acc.theta0), dy[kOmegaM]));
       const auto upper = at_upper(saturation), lower = at_lower(saturation);
       out.set(kTorqueUpper, select(upper, tau - limit, limit - tau), select(upper, rate, -rate), limited & !lower);
       out.set(kTorqueLower, select(lower, -limit - tau, limit + tau), select(lower, -rate, rate), limited & !upper);
     }
   }
 
-  void contact_guards(const Pose<T>& p, const Accelerations<T>& acc, GuardValues& out) const {
+  template <class Out>
+  void contact_guards(const Pose<T>& p, const Accelerations<T>& acc, integrate::Guards<kGuards, Out>& out) const {
     for (int j = 0; j < kPoints; ++j) {
       if (!any(present[j])) continue;
       const T h = height(link, p, j), v = velocity_y(link, p, j);
       const auto under = below(contact[j]);
-      const Value height_value = value_of(h), speed = value_of(v);
+      const Out height_value = narrowed<Out>(h), speed = narrowed<Out>(v);
       out.set(j, select(under, -height_value, height_value), select(under, -speed, speed), present[j]);
       const auto damped = under & (value_of(floor.damping_normal) != Value(0));
       if (!any(damped)) continue;
       const auto pushes = pressed(contact[j]);
-      const Value force = value_of(normal_force(floor, h, v)),
-                  rate = value_of(normal_force_rate(floor, v, acceleration_y(link, p, acc, j)));
+      const Out force = narrowed<Out>(normal_force(floor, h, v)),
+                rate = narrowed<Out>(normal_force_rate(floor, v, acceleration_y(link, p, acc, j)));
       out.set(kPoints + j, select(pushes, force, -force), select(pushes, rate, -rate), damped & present[j]);
     }
   }

@@ -2,6 +2,8 @@
 
 #include <nlopt.h>
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <map>
@@ -93,6 +95,57 @@ NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, 
   run.best.message = nlopt_result_to_string(nlopt_result(run.best.code));
   if (run.error) std::rethrow_exception(run.error);
   return run.best;
+}
+
+namespace {
+
+struct EpigraphRun {
+  const EpigraphProblem* problem;
+  nlopt_opt opt;
+  std::exception_ptr error;
+};
+
+double largest(unsigned n, const double* x, double* gradient, void*) {
+  if (gradient) std::fill(gradient, gradient + n - 1, 0), gradient[n - 1] = 1;
+  return x[n - 1];
+}
+
+void below(unsigned m, double* result, unsigned n, const double* x, double* gradient, void* data) {
+  EpigraphRun& run = *static_cast<EpigraphRun*>(data);
+  try {
+    std::vector<double> d(std::size_t(m) * (n - 1));
+    if (!run.problem->peaks(x, result, d.data())) nlopt_force_stop(run.opt);
+    for (unsigned k = 0; k < m; ++k) {
+      result[k] -= x[n - 1];
+      if (!gradient) continue;
+      std::copy_n(&d[std::size_t(k) * (n - 1)], n - 1, gradient + k * n);
+      gradient[k * n + n - 1] = -1;
+    }
+  } catch (...) {
+    run.error = std::current_exception();
+    std::fill(result, result + m, 0.0);
+    nlopt_force_stop(run.opt);
+  }
+}
+
+}  // namespace
+
+int minimize_epigraph(const EpigraphProblem& problem, double x_tolerance) {
+  const auto n = unsigned(problem.start.size()) + 1;
+  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> opt(nlopt_create(NLOPT_LD_SLSQP, n), &nlopt_destroy);
+  EpigraphRun run{&problem, opt.get(), nullptr};
+  std::vector<double> lower = problem.lower, upper = problem.upper, x = problem.start;
+  lower.push_back(0), upper.push_back(HUGE_VAL), x.push_back(problem.start_value);
+  const std::vector<double> tolerance(std::size_t(problem.count), 1e-9);
+  nlopt_set_min_objective(opt.get(), largest, nullptr);
+  nlopt_set_lower_bounds(opt.get(), lower.data());
+  nlopt_set_upper_bounds(opt.get(), upper.data());
+  nlopt_add_inequality_mconstraint(opt.get(), unsigned(problem.count), below, &run, tolerance.data());
+  nlopt_set_xtol_rel(opt.get(), x_tolerance);
+  double value = 0;
+  const int code = nlopt_optimize(opt.get(), x.data(), &value);
+  if (run.error) std::rethrow_exception(run.error);
+  return code;
 }
 
 }  // namespace ukemi::landing

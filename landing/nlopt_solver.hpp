@@ -30,6 +30,17 @@ struct NloptResult {
   std::string message;  ///< its name
 };
 
+/// The epigraph form of a minimax: min s subject to a_k(x) <= s, k < count, x in a box; NLopt's SLSQP.
+struct EpigraphProblem {
+  int count;
+  /// a_k and their gradients by x, row by row; false ends the run.
+  std::function<bool(const double* x, double* a, double* gradient)> peaks;
+  std::vector<double> lower, upper, start;
+  double start_value;  ///< of s
+};
+/// Runs until a stop; what was best is the caller's to keep, as `peaks` sees every x. Returns NLopt's raw result.
+int minimize_epigraph(const EpigraphProblem& problem, double x_tolerance);
+
 /// Minimises; deterministic for a seed. The best point seen is kept by us, also where NLopt stops on roundoff.
 NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, const NloptStop& stop,
                      std::uint64_t seed);

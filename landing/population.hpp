@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "common/random.hpp"
@@ -32,6 +33,17 @@ inline double spread(const std::vector<Point3>& points) {
     widest = std::max(widest, high - low);
   }
   return widest;
+}
+
+/// A population close by a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
+inline void scatter(const Point3& centre, Random& r, std::vector<Point3>& population) {
+  for (Point3& p : population) {
+    p = centre;
+    p.bound = kNoMotion;
+    if (&p == &population.front()) continue;
+    const double size = 0.02 * std::pow(10.0, -2 * r.uniform());
+    for (double& u : p.u) u = std::clamp(u + size * r.normal(), 0.0, 1.0);
+  }
 }
 
 /// Differential evolution's choices for one generation.

@@ -8,22 +8,28 @@
 
 namespace ukemi::landing {
 
-/// State at release, x_0 = 0, the lowest contact point at the drop's height.
-template <class System>
-typename System::State released(const System& system, const Scene& scene, const Motion& motion) {
-  typename System::State y = System::State::Zero();
-  y[kTheta0] = scene.drop.pitch, y[kTheta1] = scene.drop.pitch + motion.phi_i, y[kPhiM] = motion.phi_i;
-  y[kVx] = scene.drop.forward_speed;
-  y[kOmega0] = y[kOmega1] = scene.drop.pitch_rate;
-  const Pose<double> p = system.pose(y);
-  const double k = system.link.k1 * system.link.a;
+/// State at release, x_0 = 0, the lowest contact point at the drop's height. The drop and the motion are given in the
+/// system's scalar; of the scene, only which points may touch counts.
+template <class System, class T>
+typename System::State released(const System& system, const Scene& scene, const DropOf<T>& drop,
+                                const MotionOf<T>& motion) {
+  typename System::State y;
+  for (int i = 0; i < y.size(); ++i) y[i] = T(0);
+  y[kTheta0] = drop.pitch, y[kTheta1] = drop.pitch + motion.phi_i, y[kPhiM] = motion.phi_i;
+  y[kVx] = drop.forward_speed;
+  y[kOmega0] = y[kOmega1] = drop.pitch_rate;
+  const Pose<T> p = system.pose(y);
+  const T k(system.link.k1 * system.link.a);
   y[kX] = k * (p.s0 + p.s1);  // r_0 = (0, .)
   y[kVx] += k * (p.omega0 * p.c0 + p.omega1 * p.c1);
   y[kVy] = k * (p.omega0 * p.s0 + p.omega1 * p.s1);
-  double lowest = std::numeric_limits<double>::infinity();
+  T lowest(std::numeric_limits<double>::infinity());
   for (int j = 0; j < kPoints; ++j)
-    if (scene.contacts[j] || !scene.touches()) lowest = std::min(lowest, height(system.link, p, j));
-  y[kY] = scene.drop.height - lowest;
+    if (scene.contacts[j] || !scene.touches()) {
+      const T h = height(system.link, p, j);
+      lowest = select(h < lowest, h, lowest);
+    }
+  y[kY] = drop.height - lowest;
   return y;
 }
 
@@ -35,12 +41,16 @@ inline double fall_time(const Scene& scene) {
   if (!scene.touches() || !(g > 0 || scene.drop.height == 0)) return std::numeric_limits<double>::infinity();
   return g > 0 ? std::sqrt(2 * scene.drop.height / g) : 0;
 }
-/// The state after `t` of ballistic flight from release; on the floor if t is `fall_time`.
-template <class State>
-void fly(const Scene& scene, double t, State& y) {
-  const double g = scene.robot.gravity;
-  y[kX] += y[kVx] * t, y[kVy] = -g * t;
-  y[kY] -= t == fall_time(scene) ? scene.drop.height : 0.5 * g * t * t;
+/// The state after `t` of ballistic flight from release; on the floor if t is `fall_time`. Derivatives are those at a
+/// fixed t.
+template <class System>
+void fly(const System& system, const Scene& scene, double t, typename System::State& y) {
+  using T = typename System::State::Scalar;
+  const T g(system.link.gravity);
+  T fallen = T(0.5) * g * T(t) * T(t);
+  if (t == fall_time(scene)) fallen += T(scene.drop.height - value_of(fallen));  // free of rounding
+  y[kX] += y[kVx] * T(t), y[kVy] = -g * T(t);
+  y[kY] -= fallen;
 }
 
 }  // namespace ukemi::landing

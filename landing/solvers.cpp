@@ -11,7 +11,7 @@ namespace ukemi::landing {
 
 const std::vector<std::string>& solver_names() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> n = {"auto", "pattern", "ga", "de"};
+    std::vector<std::string> n = {"auto", "sqp", "pattern", "ga", "de"};
     n.insert(n.end(), nlopt_names().begin(), nlopt_names().end());
     n.push_back("random");
     return n;
@@ -30,6 +30,7 @@ void check_solver(const std::string& name) {
 void run_solver(const std::string& name, Search& search) {
   check_solver(name);
   if (name == "auto") return auto_search(search);
+  if (name == "sqp") return sequential_quadratic(search);
   if (name == "pattern") return pattern_search(search);
   if (name == "ga") return genetic_algorithm(search);
   if (name == "de") return differential_evolution(search);

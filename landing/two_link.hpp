@@ -47,7 +47,8 @@ struct TwoLink {
 /// Components of the state.
 enum Component { kX, kY, kTheta0, kTheta1, kPhiM, kVx, kVy, kOmega0, kOmega1, kOmegaM, kMechanical };
 
-/// What the equations need of a TwoLink, worked out once a run.
+/// What the equations need of a TwoLink, worked out once a run. Its scalar may be a double where the state carries
+/// derivatives by other things.
 template <class T>
 class TwoLinkDynamics {
  public:
@@ -110,27 +111,27 @@ struct Accelerations {
 };
 
 /// Height of a point above the floor [m].
-template <class T>
-T height(const TwoLinkDynamics<T>& d, const Pose<T>& p, int point) {
+template <class C, class T>
+T height(const TwoLinkDynamics<C>& d, const Pose<T>& p, int point) {
   return p.y - d.arm0[point] * p.c0 - d.arm1[point] * p.c1;
 }
 /// Horizontal place of a point [m].
-template <class T>
-T place(const TwoLinkDynamics<T>& d, const Pose<T>& p, int point) {
+template <class C, class T>
+T place(const TwoLinkDynamics<C>& d, const Pose<T>& p, int point) {
   return p.x + d.arm0[point] * p.s0 + d.arm1[point] * p.s1;
 }
 /// Velocity of a point [m/s].
-template <class T>
-T velocity_x(const TwoLinkDynamics<T>& d, const Pose<T>& p, int point) {
+template <class C, class T>
+T velocity_x(const TwoLinkDynamics<C>& d, const Pose<T>& p, int point) {
   return p.vx + d.arm0[point] * p.omega0 * p.c0 + d.arm1[point] * p.omega1 * p.c1;
 }
-template <class T>
-T velocity_y(const TwoLinkDynamics<T>& d, const Pose<T>& p, int point) {
+template <class C, class T>
+T velocity_y(const TwoLinkDynamics<C>& d, const Pose<T>& p, int point) {
   return p.vy + d.arm0[point] * p.omega0 * p.s0 + d.arm1[point] * p.omega1 * p.s1;
 }
 /// Vertical acceleration of a point [m/s^2].
-template <class T>
-T acceleration_y(const TwoLinkDynamics<T>& d, const Pose<T>& p, const Accelerations<T>& acc, int point) {
+template <class C, class T>
+T acceleration_y(const TwoLinkDynamics<C>& d, const Pose<T>& p, const Accelerations<T>& acc, int point) {
   return acc.y + d.arm0[point] * (acc.theta0 * p.s0 + p.omega0 * p.omega0 * p.c0) +
          d.arm1[point] * (acc.theta1 * p.s1 + p.omega1 * p.omega1 * p.c1);
 }
@@ -141,7 +142,8 @@ struct Loads {
   T fx{0}, fy{0}, q0{0}, q1{0};
 
   /// A force (x, y) [N] at `point`.
-  UKEMI_INLINE void add(const TwoLinkDynamics<T>& d, const Pose<T>& p, int point, const T& x, const T& y) {
+  template <class C>
+  UKEMI_INLINE void add(const TwoLinkDynamics<C>& d, const Pose<T>& p, int point, const T& x, const T& y) {
     fx += x, fy += y;
     q0 += d.arm0[point] * (p.c0 * x + p.s0 * y);
     q1 += d.arm1[point] * (p.c1 * x + p.s1 * y);
@@ -149,8 +151,8 @@ struct Loads {
 };
 
 /// Eq. 1 solved for the accelerations; tau is the joint torque tau_SEA, positive where it extends phi_1 [Nm].
-template <class T>
-UKEMI_INLINE Accelerations<T> solve(const TwoLinkDynamics<T>& d, const Pose<T>& p, const T& tau, const Loads<T>& load) {
+template <class C, class T>
+UKEMI_INLINE Accelerations<T> solve(const TwoLinkDynamics<C>& d, const Pose<T>& p, const T& tau, const Loads<T>& load) {
   const T c = d.mu_a2 * (p.c0 * p.c1 + p.s0 * p.s1), cs = d.mu_a2 * (p.s0 * p.c1 - p.c0 * p.s1);
   const T r0 = load.q0 - tau - cs * p.omega1 * p.omega1, r1 = load.q1 + tau + cs * p.omega0 * p.omega0;
   const T inverse = T(1) / (d.inertia0 * d.inertia1 - c * c);
@@ -159,28 +161,29 @@ UKEMI_INLINE Accelerations<T> solve(const TwoLinkDynamics<T>& d, const Pose<T>& 
 }
 
 /// ddr_0, acceleration of the thigh's centre of mass [m/s^2]: r_0 = R - k1 a (u(theta_0) + u(theta_1)).
-template <class T>
-Vec2<T> thigh_acceleration(const TwoLinkDynamics<T>& d, const Pose<T>& p, const Accelerations<T>& acc) {
-  const T w0 = p.omega0 * p.omega0, w1 = p.omega1 * p.omega1, k = d.k1 * d.a;
+template <class C, class T>
+Vec2<T> thigh_acceleration(const TwoLinkDynamics<C>& d, const Pose<T>& p, const Accelerations<T>& acc) {
+  const C k = d.k1 * d.a;
+  const T w0 = p.omega0 * p.omega0, w1 = p.omega1 * p.omega1;
   return {acc.x - k * (acc.theta0 * p.c0 - w0 * p.s0 + acc.theta1 * p.c1 - w1 * p.s1),
           acc.y - k * (acc.theta0 * p.s0 + w0 * p.c0 + acc.theta1 * p.s1 + w1 * p.c1)};
 }
 
 /// r_0 and its velocity.
-template <class T>
-Vec2<T> thigh_position(const TwoLinkDynamics<T>& d, const Pose<T>& p) {
-  const T k = d.k1 * d.a;
+template <class C, class T>
+Vec2<T> thigh_position(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
+  const C k = d.k1 * d.a;
   return {p.x - k * (p.s0 + p.s1), p.y + k * (p.c0 + p.c1)};
 }
-template <class T>
-Vec2<T> thigh_velocity(const TwoLinkDynamics<T>& d, const Pose<T>& p) {
-  const T k = d.k1 * d.a;
+template <class C, class T>
+Vec2<T> thigh_velocity(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
+  const C k = d.k1 * d.a;
   return {p.vx - k * (p.omega0 * p.c0 + p.omega1 * p.c1), p.vy - k * (p.omega0 * p.s0 + p.omega1 * p.s1)};
 }
 
 /// Kinetic energy of both links about and with the centre of mass [J].
-template <class T>
-T kinetic_energy(const TwoLinkDynamics<T>& d, const Pose<T>& p) {
+template <class C, class T>
+T kinetic_energy(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
   const T c = d.mu_a2 * (p.c0 * p.c1 + p.s0 * p.s1);
   return T(0.5) * (d.total_mass * (p.vx * p.vx + p.vy * p.vy) + d.inertia0 * p.omega0 * p.omega0 +
                    d.inertia1 * p.omega1 * p.omega1 + T(2) * c * p.omega0 * p.omega1);

@@ -20,6 +20,8 @@ void add_bench(CLI::App& app, Action& chosen) {
        "ukemi bench integrators -o out", bench_integrators},
       {"identify", "the fit: error of constants and derivatives against run time",
        "ukemi bench identify --draws 20 -o out", bench_identify},
+      {"optimizers", "every solver on ten scenes and both goals: gap to the best known against time",
+       "ukemi bench optimizers --seeds 5 --times 0.03,0.1,0.3,1,10 -o out", bench_optimizers},
       {"stability", "stiff and extreme landings and fits: a map of pass, sensitive, refused",
        "ukemi bench stability --random 400 -o out", bench_stability},
       {"scenes", "what a scene does not need: instructions and time with and without each term",
@@ -32,6 +34,14 @@ void add_bench(CLI::App& app, Action& chosen) {
     verb->add_option("--repetitions", args->repetitions, "timed runs of each entry [30]")->check(CLI::Range(1, 100000));
     if (kind.run == bench_stability)
       verb->add_option("--random", args->random, "seeded random combinations [400]")->check(CLI::Range(0, 1000000));
+    if (kind.run == bench_optimizers) {
+      verb->add_option("--seeds", args->seeds, "searches of each kind [1]")->check(CLI::Range(1, 1000));
+      verb->add_option("--times", args->times,
+                       "budgets of one core [s] [0.03,0.1,0.3,1: some four minutes on two cores]")
+          ->delimiter(',')
+          ->check(CLI::Range(0.001, 1e4));
+      verb->add_option("--solvers", args->solvers, "only these [all]")->delimiter(',');
+    }
     if (kind.run == bench_identify)
       verb->add_option("--draws", args->draws, "noise draws [20]")->check(CLI::Range(2, 100000));
     if (kind.run == bench_scenes) verb->add_option("--only", args->only)->group("");  // for its own instruction counts

@@ -61,22 +61,26 @@ OptimizeOptions options_of(const OptimizeArguments& a, const CommonOptions& comm
   return o;
 }
 
-/// One line a moment at which the best became better, in the search's accuracy, then the result.
-void solver_rows(CsvWriter& csv, const std::string& solver, const Optimum& o) {
-  for (const Progress& p : o.progress) csv.cell(solver).cell(p.motions).cell(p.seconds).cell(p.best.value).end_row();
-  csv.cell(solver).cell(o.evaluations).cell(o.seconds).cell(o.found ? o.value : kNoMotion).end_row();
-}
+/// What a search came to, and how: the moments at which its best became better, in the search's own accuracy.
+struct SolverTables {
+  CsvWriter &results, &progress;
+  void add(const std::string& solver, const Optimum& o) {
+    for (const Progress& p : o.progress)
+      progress.cell(solver).cell(p.motions).cell(p.landings).cell(p.seconds).cell(p.best.value).end_row();
+    results.cell(solver).cell(o.evaluations).cell(o.seconds).cell(o.found ? o.value : kNoMotion).end_row();
+  }
+};
 
 /// Every solver with the same budget; the best of them, and a table of all.
 Optimum compare_solvers(const Scene& scene, const Actuator& actuator, OptimizeOptions options, const Run& run,
-                        CsvWriter& csv, Json& table) {
+                        SolverTables tables, Json& table) {
   Optimum best;
   const auto names = solver_names();
   for (std::size_t i = 0; i < names.size(); ++i) {
     run.progress("solvers", long(i), long(names.size()));
     options.solver = names[i];
     const Optimum o = optimize(scene, actuator.sea, options);
-    solver_rows(csv, names[i], o);
+    tables.add(names[i], o);
     table.push_back({{"solver", names[i]},
                      {"value", o.found ? number(o.value) : Json()},
                      {"evaluations", o.evaluations},
@@ -111,15 +115,18 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
 
   CsvWriter solvers = run.csv();
   solvers.header({"solver", "evaluations", "time_s", "best"});
+  CsvWriter progress = run.csv();
+  progress.header({"solver", "evaluations", "landings", "time_s", "best"});
+  SolverTables tables{solvers, progress};
   Json comparison = Json::array();
   Optimum o;
   if (compare) {
     options.progress = nullptr;
-    o = compare_solvers(scene, actuator, options, run, solvers, comparison);
+    o = compare_solvers(scene, actuator, options, run, tables, comparison);
   } else {
     o = optimize(scene, actuator.sea, options);
     o.solver = options.solver;
-    solver_rows(solvers, options.solver, o);
+    tables.add(options.solver, o);
   }
   const double search_seconds = o.seconds;
   if (best) *best = o;
@@ -174,6 +181,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
   run.add("motion.toml", to_toml(o.motion, run.provenance_text()));
   run.add("motion.csv", motion_csv(run, o.motion, a.rate));
   run.add("solvers.csv", solvers.text());
+  run.add("progress.csv", progress.text());
   Report report("Best landing: " + scene.name);
   if (!scene.floor_source.empty()) report.paragraph("Floor constants: " + scene.floor_source + ".");
   report.table({"", "value"}, {{"phi_I [deg]", fmt::format("{:.6g}", o.motion.phi_i * kDegrees)},

@@ -123,4 +123,68 @@ void Report::plot(const std::string& x_label, const std::string& y_label, std::v
   html_ += svg + "</svg>\n";
 }
 
+namespace {
+/// Dark blue over green to light yellow, 0..1.
+std::string colour(double s) {
+  static constexpr double kStops[5][3] = {{28, 20, 70}, {45, 90, 140}, {40, 150, 130}, {130, 200, 90}, {250, 230, 150}};
+  const double x = std::clamp(s, 0.0, 1.0) * 4;
+  const int i = std::min(3, int(x));
+  std::string out = "#";
+  for (int c = 0; c < 3; ++c)
+    out += fmt::format("{:02x}", int(kStops[i][c] + (x - i) * (kStops[i + 1][c] - kStops[i][c])));
+  return out;
+}
+}  // namespace
+
+void Report::heatmap(const Heatmap& m) {
+  std::vector<double> sorted;
+  for (const double v : m.values)
+    if (std::isfinite(v)) sorted.push_back(v);
+  if (sorted.empty()) return;
+  std::sort(sorted.begin(), sorted.end());
+  const double low = sorted.front(), high = std::max(sorted[sorted.size() * 9 / 10], low * (1 + 1e-9));
+  constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kBottom = 45, kTop = 25, kRight = 90;
+  const std::size_t nx = m.x.size(), ny = m.y.size();
+  const double w = (kWidth - kLeft - kRight) / double(nx), h = (kHeight - kBottom - kTop) / double(ny);
+  constexpr int kSteps = 48;  // equal neighbours are drawn as one
+  const auto shade = [&](std::size_t i, std::size_t j) {
+    const double v = m.values[j * nx + i];
+    return std::isfinite(v) ? int(std::clamp((v - low) / (high - low), 0.0, 1.0) * kSteps) : -1;
+  };
+  std::string svg = fmt::format(
+      "<svg viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" aria-label=\"{} against {}\" font-size=\"12\" "
+      "font-family=\"sans-serif\" shape-rendering=\"crispEdges\">",
+      kWidth, kHeight, kWidth, escape(m.y_label), escape(m.x_label));
+  const auto box = [&](double x, double y, double width, double height, int step) {
+    svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>", x, y, width,
+                       height, colour(double(step) / kSteps));
+  };
+  for (std::size_t j = 0; j < ny; ++j)
+    for (std::size_t i = 0; i < nx;) {
+      const int step = shade(i, j);
+      const std::size_t begin = i;
+      while (i < nx && shade(i, j) == step) ++i;
+      if (step >= 0)
+        box(kLeft + w * double(begin), kHeight - kBottom - h * double(j + 1), w * double(i - begin), h + 0.3, step);
+    }
+  const auto text = [&](double x, double y, const char* anchor, const std::string& s) {
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, escape(s));
+  };
+  for (int q = 0; q <= 4; ++q) {
+    const double s = q / 4.0;
+    text(kLeft + s * (kWidth - kLeft - kRight), kHeight - kBottom + 18, "middle",
+         fmt::format("{:.3g}", m.x.front() + s * (m.x.back() - m.x.front())));
+    text(kLeft - 6, kHeight - kBottom - s * (kHeight - kBottom - kTop) + 4, "end",
+         fmt::format("{:.3g}", m.y.front() + s * (m.y.back() - m.y.front())));
+    const double y = kHeight - kBottom - s * (kHeight - kBottom - kTop);
+    text(kWidth - kRight + 40, y + 4, "start", fmt::format("{:.4g}", low + s * (high - low)));
+  }
+  for (int q = 0; q < kSteps; ++q)
+    box(kWidth - kRight + 15, kTop + (kHeight - kBottom - kTop) * (1 - double(q + 1) / kSteps), 18,
+        (kHeight - kBottom - kTop) / kSteps + 0.3, q);
+  text((kLeft + kWidth - kRight) / 2, kHeight - 8, "middle", m.x_label);
+  text(5, 14, "start", m.y_label);
+  html_ += svg + "</svg>\n";
+}
+
 }  // namespace ukemi::tools

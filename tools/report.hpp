@@ -12,6 +12,12 @@ struct Series {
   std::vector<double> x, y;
 };
 
+/// Values on a grid, row by row from the smallest y; NaN is left white.
+struct Heatmap {
+  std::string x_label, y_label;
+  std::vector<double> x, y, values;
+};
+
 class Report {
  public:
   explicit Report(const std::string& title);
@@ -23,6 +29,8 @@ class Report {
   /// Lines; on logarithmic axes only what is above zero.
   void plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
             Axes axes = Axes::kLinear);
+  /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it.
+  void heatmap(const Heatmap& map);
   /// The page, closed by the provenance.
   std::string html(const std::vector<std::pair<std::string, std::string>>& provenance);
 

@@ -24,7 +24,8 @@ void add_simulate(CLI::App& app, Action& chosen);
 void add_optimize(CLI::App& app, Action& chosen);
 void add_compare(CLI::App& app, Action& chosen);
 void add_demo(CLI::App& app, Action& chosen);
-void add_bench(CLI::App& app, Action& chosen);  // integrators, identify, stability, scenes
+void add_map(CLI::App& app, Action& chosen);
+void add_bench(CLI::App& app, Action& chosen);  // integrators, identify, optimizers, stability, scenes
 
 struct IdentifyArguments {
   std::vector<std::string> trials;

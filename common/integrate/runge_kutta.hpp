@@ -175,16 +175,34 @@ class Step : public StepEnds<T, N> {
     if constexpr (kFirst < kEnd) {
       constexpr auto kRow = [](int j) { return Tableau::a[kFirst][j]; };
       State& at_stage = kFirst == kLast ? y_end : stage_;
-      at_stage = y + T(h) * combined<kRow, kFirst - 1>();
+      if constexpr (kDerivatives < T >> 0) {
+        const State sum = combined<kRow, kFirst - 1>();
+        at_stage = y;
+        for (int c = 0; c < N; ++c) add_scaled(at_stage[c], h, sum[c]);
+      } else {
+        at_stage = y + T(h) * combined<kRow, kFirst - 1>();
+      }
       f(t + Time(Tableau::c[kFirst]) * h, at_stage, k_[kFirst]);
       stages<kFirst + 1, kEnd>(f);
     }
   }
 
-  /// sum_j w(j) k_j, j <= kJ, as one expression: a single pass, with the zeros of the tableau left out.
+  /// sum_j w(j) k_j, j <= kJ, as one expression: a single pass, with the zeros of the tableau left out. With
+  /// derivatives, weights that carry none.
   template <auto kWeight, int kJ>
   auto combined() const {
-    if constexpr (kJ == 0)
+    if constexpr (kDerivatives < T >> 0) {
+      State sum;
+      for (int c = 0; c < N; ++c) {
+        T x = k_[0][c] * kWeight(0);
+        [&]<std::size_t... J>(std::index_sequence<J...>) {
+          ((kWeight(J + 1) != 0 ? add_scaled(x, kWeight(J + 1), k_[J + 1][c]) : void()), ...);
+        }
+        (std::make_index_sequence<std::size_t(kJ)>{});
+        sum[c] = x;
+      }
+      return sum;
+    } else if constexpr (kJ == 0)
       return T(kWeight(0)) * k_[0];
     else if constexpr (kWeight(kJ) == 0)
       return combined<kWeight, kJ - 1>();

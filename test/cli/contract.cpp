@@ -134,7 +134,7 @@ std::map<std::string, std::string> without_provenance(const Folder& f, const std
         if (line.rfind("#", 0) != 0) kept += line + "\n";
       text = kept;
     }
-    if (name == "solvers.csv") {
+    if (name == "solvers.csv" || name == "progress.csv") {
       const Table t(text);
       text = t.header + "\n";
       for (Cells row : t.rows) {
@@ -430,7 +430,8 @@ TEST_CASE("a prediction that diverges is exit 1, and no residual is made up for 
 TEST_CASE("optimize writes its files and keys, and its motion does what the summary says") {
   const Folder f;
   done(f, kOptimize + Arguments{"-o", "out", "--rate", "500"});
-  CHECK(files(f) == std::set<std::string>{"motion.csv", "motion.toml", "report.html", "solvers.csv", "summary.json"});
+  CHECK(files(f) == std::set<std::string>{"motion.csv", "motion.toml", "progress.csv", "report.html", "solvers.csv",
+                                          "summary.json"});
   const Json s = summary(f);
   check_keys(s, {"motion", "peak_acceleration", "tolerant_peak", "contacts", "hold", "reduction", "ratings",
                  "evaluations", "solver", "time_s", "seed", "provenance"});

@@ -9,5 +9,6 @@ common=(-G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$compiler" -DC
 cmake -S "$source_dir/test/install/consumer" -B "$work/a" "${common[@]}" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/a" && "$work/a/consumer"
 command -v ccache >/dev/null && common+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-cmake -S "$source_dir/test/install/consumer" -B "$work/b" "${common[@]}" -DUKEMI_SOURCE="$source_dir" >/dev/null
+# What it computes does not depend on the optimiser, and -O0 compiles in a third of the time.
+cmake -S "$source_dir/test/install/consumer" -B "$work/b" "${common[@]}" -DCMAKE_BUILD_TYPE=Debug -DUKEMI_SOURCE="$source_dir" >/dev/null
 cmake --build "$work/b" && "$work/b/consumer"
