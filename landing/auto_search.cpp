@@ -7,12 +7,13 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Chosen by the mean gap to the best known over seven scenes, ten seeds and 10,000 motions each.
+/// Chosen by the mean gap to the best known: seven scenes, five seeds, 0.03 to 1 s.
 struct Settings {
   int smallest = 12;  ///< the first population; every restart has one more
   int largest = 32;
-  int race = 4;    ///< motions that race for a place in it
-  int screen = 8;  ///< the same for tolerant peaks, by the peak alone: one landing each
+  int race = 60;            ///< motions that race for a place in it
+  double race_share = 0.2;  ///< of the budget that one race may take
+  int screen = 300;         ///< the same for tolerant peaks, by the peak alone: one landing each
   Differential step{.factor_low = 0.2, .factor_high = 0.8};
   double converged = 1e-4;  ///< side of a population that has found its basin
   double apart = 0.04;      ///< basins are further apart than this
@@ -29,9 +30,8 @@ constexpr std::size_t kBasins = 64;
 }  // namespace
 
 AutoSearch::AutoSearch() {
-  population_.reserve(std::size_t(kSet.largest * (kSet.screen + 1) + kBatch));
-  values_.reserve(population_.capacity());
-  trials_.reserve(std::size_t(kSet.largest));
+  population_.reserve(std::size_t(2 * kSet.largest + kBatch));
+  trials_.reserve(population_.capacity());
   basins_.reserve(kBasins);
 }
 
@@ -57,48 +57,47 @@ bool AutoSearch::known(const Point3& p) const {
   return std::any_of(basins_.begin(), basins_.end(), [&](const Point3& b) { return distance(b, p) < kSet.apart; });
 }
 
-/// Fills the population with the best of a number of random motions.
+/// The best of many random motions, each followed only while it may be one of them.
 void AutoSearch::race() {
-  const int places = size_;
+  const Goal goal = search_->objective().options().goal;
   const long left = search_->budget().motions - search_->motions();
-  const bool tolerant = search_->objective().options().goal == Goal::kTolerant && left > 2 * places * kSet.screen;
-  const int entrants = places * (tolerant ? kSet.screen : kSet.race);
-  fill(entrants, tolerant ? Goal::kPeak : search_->objective().options().goal, tolerant ? 2 * places : places);
-  if (!tolerant) return;
-  // The screened ones in their order, each against the worst that still has a place.
-  values_.clear();
-  for (std::size_t i = 0; i < population_.size() && !search_->over(); i += kBatch) {
-    const std::span<Point3> part(population_.data() + i, std::min<std::size_t>(kBatch, population_.size() - i));
-    for (Point3& p : part) p.bound = place_value(places), p.worst = 0;
-    search_->evaluate(part);
-    for (const Point3& p : part) values_.push_back(p.value);
-    std::sort(values_.begin(), values_.end());
+  population_.clear();
+  if (goal == Goal::kPeak || left < 4 * size_ * kSet.screen) {
+    fill(size_ * kSet.race, goal, size_);
+    return;
   }
-  keep(places);
+  // Tolerant peaks: by the peak alone first; then those that it lets through, in its order.
+  fill(size_ * kSet.screen, Goal::kPeak, 2 * size_);
+  std::swap(population_, trials_);
+  population_.clear();
+  for (std::size_t i = 0; i < trials_.size() && !search_->over(); i += kBatch) {
+    const auto part = std::span(trials_).subspan(i, std::min<std::size_t>(kBatch, trials_.size() - i));
+    enter(part, goal, size_);
+  }
 }
-double AutoSearch::place_value(int places) const {
-  return int(values_.size()) >= places ? values_[std::size_t(places - 1)] : kNoMotion;
+
+/// Random motions, away from the known basins, for `places` places.
+void AutoSearch::fill(int entrants, Goal goal, int places) {
+  const double enough = search_->share() + kSet.race_share;
+  for (int n = 0; n < entrants && !search_->over(); n += kBatch) {
+    if (search_->share() > enough && int(population_.size()) >= places) return;
+    std::array<Point3, kBatch> fresh;
+    for (Point3& p : fresh) {
+      p = random_point(random_);
+      for (int again = 0; again < 20 && known(p); ++again) p = random_point(random_);
+    }
+    enter(fresh, goal, places);
+  }
 }
-void AutoSearch::keep(int places) {
+
+/// Gives the points a place in the population where they are good enough.
+void AutoSearch::enter(std::span<Point3> points, Goal goal, int places) {
+  const double last = int(population_.size()) >= places ? population_[std::size_t(places - 1)].value : kNoMotion;
+  for (Point3& p : points) p.bound = last, p.worst = 0;
+  search_->evaluate(points, goal);
+  population_.insert(population_.end(), points.begin(), points.end());
   std::sort(population_.begin(), population_.end());
   population_.resize(std::min(population_.size(), std::size_t(places)));
-}
-void AutoSearch::fill(int entrants, Goal goal, int places) {
-  population_.clear(), values_.clear();
-  while (int(population_.size()) < entrants && !search_->over()) {
-    const std::size_t begin = population_.size();
-    for (int i = 0; i < kBatch; ++i) {
-      Point3 p = random_point(random_);
-      for (int n = 0; n < 20 && known(p); ++n) p = random_point(random_);
-      p.bound = place_value(places);
-      population_.push_back(p);
-    }
-    const std::span<Point3> fresh(population_.data() + begin, population_.size() - begin);
-    search_->evaluate(fresh, goal);
-    for (const Point3& p : fresh) values_.push_back(p.value);
-    std::sort(values_.begin(), values_.end());
-  }
-  keep(places);
 }
 
 /// Generations until the population is as small as `side`, or has fallen behind.
@@ -106,7 +105,7 @@ void AutoSearch::converge(double side, bool may_give_up) {
   if (int(population_.size()) < size_) return;
   trials_.resize(population_.size());
   for (int generation = 0; !search_->over() && spread(population_) > side; ++generation) {
-    evolve(*search_, random_, population_, trials_, kSet.step);
+    evolve([this](std::span<Point3> p) { search_->evaluate(p); }, random_, population_, trials_, kSet.step);
     if (!may_give_up || generation < kSet.trial_period) continue;
     const double best = std::min_element(population_.begin(), population_.end())->value;
     const double grace = 1 + (kSet.behind - 1) * std::pow(0.9, generation - kSet.trial_period);

@@ -11,6 +11,7 @@
 //   4. now and then, and at the end, the best basin is searched once more from close by.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/random.hpp"
@@ -29,8 +30,7 @@ class AutoSearch {
   bool known(const Point3& p) const;
   void race();
   void fill(int entrants, Goal goal, int places);
-  void keep(int places);
-  double place_value(int places) const;
+  void enter(std::span<Point3> points, Goal goal, int places);
   void converge(double side, bool may_give_up);
   void remember();
   void refine();
@@ -39,7 +39,6 @@ class AutoSearch {
   Search* search_ = nullptr;
   Random random_{0};
   std::vector<Point3> population_, trials_, basins_;
-  std::vector<double> values_;
 };
 
 }  // namespace ukemi::landing

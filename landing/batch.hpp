@@ -31,10 +31,11 @@ class BatchSource {
 };
 
 struct BatchOptions {
-  double accuracy = 1e-5;   ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
-  Limits limits;            ///< see SimulateOptions
-  bool extended = false;    ///< some actuator has friction, a stiffening spring or motor-side feedback
-  long max_steps = 20'000;  ///< a landing that needs more is followed by the scalar path, which may go implicit
+  double accuracy = 1e-5;  ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
+  Limits limits;           ///< see SimulateOptions
+  bool extended = false;   ///< some actuator has friction, a stiffening spring or motor-side feedback
+  enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
+  long max_steps = 20'000;  ///< steps of a lane; the scalar path has 200,000, and may go implicit
 };
 
 /// Instruction sets, and the widest that this machine has.

@@ -116,7 +116,7 @@ class BatchEngine {
 
   [[gnu::noinline]] void finish(int i, End end) {
     LandingPeak& out = out_[i];
-    if (end == End::kFailed) {
+    if (end == End::kFailed && options_.too_long == BatchOptions::Long::kScalar) {
       hand_over(i);
     } else {
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];

@@ -1,5 +1,6 @@
 // Peers that evaluate in batches: differential evolution, the paper's GA and pattern search, random search.
 #include "landing/population.hpp"
+#include "landing/search.hpp"
 #include "landing/solvers.hpp"
 
 namespace ukemi::landing {
@@ -31,7 +32,8 @@ void differential_evolution(Search& search) {
   std::vector<Point3> trials(kPopulation);
   while (!search.over()) {
     std::vector<Point3> population = random_population(search, r, kPopulation);
-    while (!search.over() && spread(population) > kConverged) evolve(search, r, population, trials, {});
+    while (!search.over() && spread(population) > kConverged)
+      evolve([&](std::span<Point3> p) { search.evaluate(p); }, r, population, trials, {});
   }
 }
 

@@ -5,6 +5,7 @@
 #include "common/error.hpp"
 #include "common/parallel.hpp"
 #include "landing/population.hpp"
+#include "landing/search.hpp"
 
 namespace ukemi::landing {
 
@@ -76,7 +77,8 @@ std::vector<Basin> basins(const Scene& scene, const SeaParameters<double>& sea, 
     search.evaluate(population);
     while (!search.over()) {
       while (!search.over() && spread(population) > kConverged)
-        evolve(search, random, population, trials, {.factor_low = 0.2, .factor_high = 0.8});
+        evolve([&](std::span<Point3> p) { search.evaluate(p); }, random, population, trials,
+               {.factor_low = 0.2, .factor_high = 0.8});
       scatter(search.best(), random, population);  // once more, from close by
       search.evaluate(population);
     }

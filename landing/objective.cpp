@@ -11,6 +11,12 @@ namespace ukemi::landing {
 Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
     : scene_(scene), sea_(sea), options_(options), extended_(is_extended(sea)) {
   std::iota(order_.begin(), order_.end(), 0);
+  // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
+  // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.
+  constexpr long kUsual = 300, kTimes = 20;
+  const long steps = peak_acceleration(scene, sea, motion({}), {.accuracy = options.accuracy}).work.steps;
+  patient_ = steps > kUsual * kTimes;
+  max_steps_ = kTimes * std::max(kUsual, steps);
 }
 
 Motion Objective::motion(const Point3& p) const {
@@ -109,7 +115,11 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
   std::atomic<long> landings{0};
-  const BatchOptions batch{.accuracy = options_.accuracy, .limits = options_.limits, .extended = extended_};
+  const BatchOptions batch{.accuracy = options_.accuracy,
+                           .limits = options_.limits,
+                           .extended = extended_,
+                           .too_long = patient_ ? BatchOptions::Long::kScalar : BatchOptions::Long::kFail,
+                           .max_steps = patient_ ? BatchOptions().max_steps : max_steps_};
   parallel_for(parts, options_.threads, [&](int i) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);

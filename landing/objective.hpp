@@ -65,7 +65,8 @@ class Objective {
   const Scene& scene_;
   const SeaParameters<double>& sea_;
   Options options_;
-  bool extended_;
+  bool extended_, patient_ = false;  ///< patient: landings may be as long as they like
+  long max_steps_ = 0;
   std::array<int, kExecutionPoints> order_;        ///< in which an execution box is played: the worst come first
   std::array<long, kExecutionPoints> failures_{};  ///< how often each was the worst
   long motions_ = 0, landings_ = 0;

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "common/random.hpp"
-#include "landing/search.hpp"
+#include "landing/objective.hpp"
 
 namespace ukemi::landing {
 
@@ -25,7 +26,7 @@ inline double distance(const Point3& a, const Point3& b) {
   return d;
 }
 /// Side of the smallest cube that holds them all.
-inline double spread(const std::vector<Point3>& points) {
+inline double spread(std::span<const Point3> points) {
   double widest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     double low = 1, high = 0;
@@ -54,9 +55,10 @@ struct Differential {
 };
 
 /// One generation of best/1/bin: a trial for every member, played only until it is worse than its parent, and taken in
-/// its place if it is not. `trials` is scratch of the population's size; nothing is allocated.
-inline void evolve(Search& search, Random& r, std::vector<Point3>& population, std::vector<Point3>& trials,
-                   const Differential& choice) {
+/// its place if it is not. `trials` is scratch of the population's size; nothing is allocated. `play` evaluates them.
+template <class Play>
+void evolve(Play&& play, Random& r, std::span<Point3> population, std::span<Point3> trials,
+            const Differential& choice) {
   const int n = int(population.size());
   std::partial_sort(population.begin(), population.begin() + std::min(n, choice.leaders), population.end());
   for (int i = 0; i < n; ++i) {
@@ -81,7 +83,7 @@ inline void evolve(Search& search, Random& r, std::vector<Point3>& population, s
     }
     trial.bound = parent.value;
   }
-  search.evaluate(trials);
+  play(trials);
   for (int i = 0; i < n; ++i)
     if (trials[std::size_t(i)].value <= population[std::size_t(i)].value)
       population[std::size_t(i)] = trials[std::size_t(i)];

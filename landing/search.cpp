@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/random.hpp"
+#include "landing/population.hpp"
 
 namespace ukemi::landing {
 
@@ -37,8 +37,15 @@ void Search::evaluate(std::span<Point3> points, Goal goal) {
 }
 
 void Search::keep(const Point3& p) {
+  constexpr double kSame = 1e-3;  // of the box: of neighbours only the best is kept
   const bool better = p.value < few_[0].value;
   std::size_t i = few_.size() - 1;
+  for (std::size_t n = 0; n < few_.size(); ++n)
+    if (few_[n].value < kNoMotion && distance(few_[n], p) < kSame) {
+      if (few_[n].value <= p.value) return;
+      i = n;
+      break;
+    }
   for (; i > 0 && p.value < few_[i - 1].value; --i) few_[i] = few_[i - 1];
   few_[i] = p;
   if (better && progress_ && progress_->size() < progress_->capacity())
@@ -47,42 +54,51 @@ void Search::keep(const Point3& p) {
 
 Point3 Search::settle(double accuracy, Objective::Clock::time_point deadline) {
   constexpr double kFallen = 1e-3, kTight = 1e-9;
-  constexpr std::size_t kBack = 24;  // motions at a time on the way back from an edge
   if (few_[0].value >= kNoMotion) return few_[0];
-  objective_.deadline = deadline;
   const double searched = objective_.accuracy();
+  const Goal goal = objective_.options().goal;
+  const Few found = few_;
+  objective_.deadline = deadline;
   objective_.set_accuracy(kTight);
-  const std::array<Point3, 12> found = few_;
+  few_.fill({});
   const auto play = [&](std::span<Point3> points) {
-    objective_.evaluate(points, objective_.options().goal);
+    objective_.evaluate(points, goal);
     for (const Point3& p : points)
       if (p.value <= p.bound && p.value < few_.back().value) keep(p);
   };
-  few_.fill({});
-  std::array<Point3, 3> first = {found[0], found[1], found[2]};
-  for (Point3& p : first) p.bound = kNoMotion;
-  play(first);
-  const double wanted = found[0].value * (1 + kFallen);
-  if (few_[0].value > wanted) {
+  Few again = found;
+  for (Point3& p : again) p.bound = kNoMotion;
+  play(std::span(again).first(goal == Goal::kPeak ? again.size() : 3));
+  if (few_[0].value > found[0].value * (1 + kFallen)) {
+    // Back from the edge: a population about the place where it seemed to be, from a hundredth of the box down to its
+    // rounding, that converges on ground that holds.
+    constexpr int kGenerations = 80;
+    constexpr double kConverged = 1e-8;
     Random random(seed, 0x5e77);
-    std::array<Point3, kBack> points;
-    for (double size = 1e-6; size < 1e-2 && few_[0].value > wanted && !objective_.late(); size *= 4) {
-      for (Point3& p : points) {
-        p = found[std::size_t(random.uniform() * 4)];
-        for (double& u : p.u) u = std::clamp(u + size * random.uniform(-1, 1), 0.0, 1.0);
-        p.bound = few_[0].value;
-      }
-      play(points);
+    std::array<Point3, 24> population, trials;
+    for (Point3& p : population) {
+      p = found[0];
+      p.bound = kNoMotion;
+      const double size = std::pow(10.0, random.uniform(-7, -2));
+      for (double& u : p.u) u = std::clamp(u + size * random.normal(), 0.0, 1.0);
     }
+    play(population);
+    for (int n = 0; n < kGenerations && spread(population) > kConverged && !objective_.late(); ++n)
+      evolve(play, random, population, trials, {.factor_low = 0.2, .factor_high = 0.8});
   }
   objective_.set_accuracy(searched);
   Point3 best;
-  for (const Point3& p : few_) {
-    if (p.value >= best.value) break;
-    Point3 tight = p;
-    tight.value = objective_.verified(objective_.motion(p), accuracy, best.value);
-    if (tight.value < best.value) best = tight;
-  }
+  const auto verify = [&](const Few& candidates) {
+    for (const Point3& p : candidates) {
+      if (p.value >= best.value) break;
+      Point3 tight = p;
+      tight.value = objective_.verified(objective_.motion(p), accuracy, best.value);
+      if (tight.value < best.value) best = tight;
+      if (objective_.late() && best.value < kNoMotion) break;
+    }
+  };
+  verify(few_);
+  if (best.value >= kNoMotion) verify(found);  // the deadline came before anything was evaluated anew
   return best;
 }
 

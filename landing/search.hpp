@@ -56,7 +56,8 @@ class Search {
   Objective::Clock::time_point start_;
   long first_motion_;
   std::vector<Progress>* progress_;
-  std::array<Point3, 12> few_;  ///< the best, in order
+  using Few = std::array<Point3, 12>;
+  Few few_;  ///< the best that are apart, in order
 };
 
 }  // namespace ukemi::landing

@@ -16,6 +16,8 @@ void add_bench(CLI::App& app, Action& chosen) {
     int (*run)(const BenchArguments&, const CommonOptions&);
   };
   static constexpr Kind kKinds[] = {
+      {"batch", "landings a second in SIMD lanes against the scalar path, and how late a planner answers",
+       "ukemi bench batch -o out", bench_batch},
       {"integrators", "landings and the rig: error against run time of every integrator",
        "ukemi bench integrators -o out", bench_integrators},
       {"identify", "the fit: error of constants and derivatives against run time",
@@ -34,6 +36,8 @@ void add_bench(CLI::App& app, Action& chosen) {
     verb->add_option("--repetitions", args->repetitions, "timed runs of each entry [30]")->check(CLI::Range(1, 100000));
     if (kind.run == bench_stability)
       verb->add_option("--random", args->random, "seeded random combinations [400]")->check(CLI::Range(0, 1000000));
+    if (kind.run == bench_batch)
+      verb->add_option("--calls", args->calls, "calls of a planner [1000]")->check(CLI::Range(1, 1000000));
     if (kind.run == bench_optimizers) {
       verb->add_option("--seeds", args->seeds, "searches of each kind [1]")->check(CLI::Range(1, 1000));
       verb->add_option("--times", args->times,

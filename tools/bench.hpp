@@ -14,6 +14,7 @@ struct BenchArguments {
   int repetitions = 30;              ///< timed runs of each entry
   int random = 400;                  ///< stability: seeded combinations
   int draws = 20;                    ///< identify: noise draws
+  int calls = 1000;                  ///< batch: of a planner
   int seeds = 1;                     ///< optimizers: of each search
   std::vector<double> times;         ///< optimizers: budgets of one core [s]; empty: the quick mode's
   std::vector<std::string> solvers;  ///< optimizers: empty: all
@@ -21,6 +22,7 @@ struct BenchArguments {
 };
 
 int bench_integrators(const BenchArguments& arguments, const CommonOptions& common);
+int bench_batch(const BenchArguments& arguments, const CommonOptions& common);
 int bench_identify(const BenchArguments& arguments, const CommonOptions& common);
 int bench_stability(const BenchArguments& arguments, const CommonOptions& common);
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common);

@@ -316,6 +316,7 @@ TEST_CASE("what a later version brings says so") {
   const std::string later = "not in this version";
   for (const char* verb : {"risk", "atlas", "design", "calibrate"}) check_refused(f, {verb}, {verb, later});
   check_refused(f, {"bench", "-o", "out"}, {"subcommand"});
+  check_refused(f, {"bench", "optimizers", "--solvers", "none", "-o", "out"}, {"solver: 'none'"});
   check_refused(f, {"bench", "scenes", "--only", "nonsense", "-o", "out"}, {"--only", "no such omission"});
   check_identify({"--strict"}, {"--strict", later});
   for (const char* term : {"encoder_offset", "force_gain", "force_bias", "time_shift", "stiffening"})

@@ -52,19 +52,24 @@ TEST_CASE("search: both goals agree with the landings one by one, whatever the t
       for (int i = 0; i < 40; ++i) points.push_back(random_point(r));
       o.evaluate(points, goal);
       CHECK(o.motions() == 40);
-      CHECK(o.landings() == (goal == Goal::kPeak ? 40 : 600));
+      CHECK(o.landings() <= (goal == Goal::kPeak ? 40 : 600));
       results.push_back(points);
     }
+    int passed_over = 0;  // a landing that chatters for twenty times the usual number of steps is not waited for
     for (std::size_t i = 0; i < 40; ++i) {
       const Point3& p = results[0][i];
       CHECK(p.value == results[1][i].value);
       Objective o(scene, sea, {.goal = goal});
       const double exact = o.verified(o.motion(p), 1e-9);
-      if (std::abs(p.value - exact) > 1e-5 * exact) WARN(p.value << " against " << exact << ": on a cliff?");
-      CHECK(std::abs(p.value - exact) < 0.02 * exact);
+      if (p.value >= kNoMotion) {
+        ++passed_over;
+        continue;
+      }
+      CHECK(std::abs(p.value - exact) < 1e-5 * exact);
       if (goal == Goal::kTolerant)
         CHECK(exact == Approx(tolerant_peak(scene, sea, o.motion(p), {.accuracy = 1e-9}, 0, 1, 1).value));
     }
+    CHECK(passed_over <= 1);
   }
 }
 
