@@ -13,6 +13,8 @@ void OptimizeOptions::validate() const {
   if (evaluations && *evaluations < 1)
     throw InputError("evaluations: " + std::to_string(*evaluations) + ": at least 1 is needed");
   if (deadline && !(*deadline > 0)) throw InputError("deadline: " + shortest(*deadline) + " s: above 0 is needed");
+  if (!(tolerance >= 0 && tolerance < 1))
+    throw InputError("tolerance: " + shortest(tolerance) + ": at least 0 and below 1 is needed");
   check_solver(solver);
 }
 
@@ -34,6 +36,7 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   }
   if (options.evaluations || !options.deadline)
     budget.motions = options.evaluations.value_or(default_evaluations(options.goal));
+  budget.tolerance = options.tolerance;
   Optimum out;
   out.solver = options.solver;
   constexpr std::size_t kKept = 4096;

@@ -48,6 +48,7 @@ void Search::keep(const Point3& p) {
     }
   for (; i > 0 && p.value < few_[i - 1].value; --i) few_[i] = few_[i - 1];
   few_[i] = p;
+  if (better && p.value < milestone_ * (1 - budget_.tolerance)) milestone_ = p.value, milestone_motions_ = motions();
   if (better && progress_ && progress_->size() < progress_->capacity())
     progress_->push_back({motions(), objective_.landings(), seconds(), p});
 }

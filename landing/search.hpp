@@ -11,6 +11,8 @@ namespace ukemi::landing {
 struct Budget {
   long motions = std::numeric_limits<long>::max();           ///< evaluated in all
   double seconds = std::numeric_limits<double>::infinity();  ///< from the start of the search; a clock is never exact
+  double tolerance = 0;   ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
+  long patience = 5'000;  ///< [motions]
 };
 
 /// A moment at which the best became better.
@@ -26,7 +28,7 @@ class Search {
   Search(Objective& objective, const Budget& budget, std::uint64_t seed, std::vector<Progress>* progress = nullptr);
 
   /// True once nothing may be spent any more.
-  bool over() const { return objective_.motions() - first_motion_ >= budget_.motions || objective_.late(); }
+  bool over() const { return motions() >= budget_.motions || objective_.late() || stalled(); }
   double seconds() const { return std::chrono::duration<double>(Objective::Clock::now() - start_).count(); }
   long motions() const { return objective_.motions() - first_motion_; }
   const Budget& budget() const { return budget_; }
@@ -50,11 +52,14 @@ class Search {
 
  private:
   void keep(const Point3& p);
+  bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }
 
   Objective& objective_;
   Budget budget_;
   Objective::Clock::time_point start_;
   long first_motion_;
+  long milestone_motions_ = 0;    ///< when the best last became better by more than the tolerance
+  double milestone_ = kNoMotion;  ///< and what it was then
   std::vector<Progress>* progress_;
   using Few = std::array<Point3, 12>;
   Few few_;  ///< the best that are apart, in order

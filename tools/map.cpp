@@ -114,16 +114,9 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
          fmt::format("{:.2f}", b.peak), both(e.width[0], kDegrees), both(e.width[1], kDegrees), both(e.width[2], 1e3),
          fmt::format("{:.1f}", e.tolerant.value), fmt::format("{:.0f}", e.one_degree),
          fmt::format("{:.0f}", e.ten_milliseconds), fmt::format("{:.0f}", e.one_centimetre)});
-    summary["basins"].push_back({{"motion", motion_json(b.motion)},
-                                 {"peak_acceleration", number(b.peak)},
-                                 {"tolerant_peak", number(e.tolerant.value)},
-                                 {"width_deg_s",
-                                  {{"phi_i", {e.width[0][0] * kDegrees, e.width[0][1] * kDegrees}},
-                                   {"phi_f", {e.width[1][0] * kDegrees, e.width[1][1] * kDegrees}},
-                                   {"duration", e.width[2]}}},
-                                 {"one_degree", number(e.one_degree)},
-                                 {"ten_milliseconds", number(e.ten_milliseconds)},
-                                 {"one_centimetre", number(e.one_centimetre)}});
+    Json basin = {{"motion", motion_json(b.motion)}, {"peak_acceleration", number(b.peak)}};
+    basin.update(evidence_json(e));
+    summary["basins"].push_back(basin);
   }
   run.add("basins.csv", csv.text());
   const Basin& best = found.front();

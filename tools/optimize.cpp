@@ -43,6 +43,7 @@ OptimizeOptions options_of(const OptimizeArguments& a, const CommonOptions& comm
   o.goal = a.goal;
   o.evaluations = a.evaluations;
   o.deadline = a.deadline;
+  o.tolerance = a.tolerance;
   o.seed = common.seed;
   o.threads = common.threads;
   for (const std::string& point : a.forbid) {
@@ -162,6 +163,8 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
   summary["peaks"] = peaks_json(l);
   summary["hold"] = {{"phi_deg", -45}, {"peak_acceleration", number(held.peak)}};
   summary["reduction"] = number(1 - l.peak / held.peak);
+  const Evidence e = evidence(scene, actuator.sea, o.motion, options.accuracy, 0, options.seed, options.threads);
+  summary["evidence"] = evidence_json(e);
   summary["ratings"] = ratings(o.motion, l, actuator, run);
   summary["objective"] = goal;
   summary["evaluations"] = o.evaluations;
@@ -191,6 +194,9 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
                                {"tolerant peak [m/s²]", fmt::format("{:.6g}", o.tolerant.value)},
                                {"held at -45 deg [m/s²]", fmt::format("{:.6g}", held.peak)},
                                {"reduction", fmt::format("{:.1f} %", 100 * (1 - l.peak / held.peak))},
+                               {"with the angles off by 1 deg [m/s²]", fmt::format("{:.4g}", e.one_degree)},
+                               {"with the duration off by 10 ms", fmt::format("{:.4g}", e.ten_milliseconds)},
+                               {"with the height off by 1 cm", fmt::format("{:.4g}", e.one_centimetre)},
                                {"contacts", order_of(l)},
                                {"motions evaluated", std::to_string(o.evaluations)}});
   report.list(run.warnings());
@@ -227,6 +233,8 @@ void add_optimize(CLI::App& app, Action& chosen) {
   verb->add_option("--evaluations", args->evaluations,
                    "motions in all: the stopping rule [40000; tolerant 10000; none with --deadline]");
   verb->add_option("--deadline", args->deadline, "answer within this time [s], whatever has been found");
+  verb->add_option("--tolerance", args->tolerance,
+                   "stop once 5000 motions in a row better the best by less than this fraction [0: never]");
   verb->add_option("--forbid", args->forbid, "points that must never touch: hip,knee,foot")->delimiter(',');
   verb->add_flag_callback(
       "--respect-ratings", [args] { args->ratings = OptimizeArguments::Ratings::kRespect; },

@@ -73,6 +73,17 @@ Json ratings(const Motion& motion, const Landing& l, const Actuator& actuator, R
   return j;
 }
 
+Json evidence_json(const Evidence& e) {
+  return {{"tolerant_peak", number(e.tolerant.value)},
+          {"width_of_5_percent",
+           {{"phi_i_deg", {e.width[0][0] * kDegrees, e.width[0][1] * kDegrees}},
+            {"phi_f_deg", {e.width[1][0] * kDegrees, e.width[1][1] * kDegrees}},
+            {"duration", e.width[2]}}},
+          {"one_degree", number(e.one_degree)},
+          {"ten_milliseconds", number(e.ten_milliseconds)},
+          {"one_centimetre", number(e.one_centimetre)}};
+}
+
 namespace {
 
 struct SimulateArguments {

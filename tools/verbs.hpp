@@ -9,6 +9,7 @@
 
 #include "common/actuator.hpp"
 #include "identify/fit.hpp"
+#include "landing/evidence.hpp"
 #include "landing/optimize.hpp"
 #include "tools/output.hpp"
 
@@ -42,6 +43,7 @@ struct OptimizeArguments {
   landing::Goal goal = landing::Goal::kPeak;
   std::optional<long> evaluations;
   std::optional<double> deadline;
+  double tolerance = 0;
   std::vector<std::string> forbid;
   enum class Ratings { kReport, kRespect } ratings = Ratings::kReport;
   double rate = 1000;
@@ -64,6 +66,7 @@ Json ratings(const landing::Motion& motion, const landing::Landing& landing, con
 
 /// The words for an outcome, and JSON pieces that several verbs write.
 std::string failure(const landing::LandingPeak& landing);
+Json evidence_json(const landing::Evidence& evidence);
 Json motion_json(const landing::Motion& motion);
 Json contacts_json(const landing::Landing& landing);
 Json peaks_json(const landing::Landing& landing);

@@ -304,6 +304,7 @@ TEST_CASE("a bad number in an option is refused with its rule") {
   check_optimize({"--rate", "-1"}, {"--rate: -1: ", "above 0"});
   check_optimize({"--evaluations", "0"}, {"evaluations: 0: ", "at least 1"});
   check_optimize({"--evaluations", "many"}, {"--evaluations", "many"});
+  check_optimize({"--tolerance", "-1"}, {"tolerance: -1: ", "at least 0"});
   check_optimize({"--deadline", "0"}, {"deadline: 0 s: ", "above 0"});
   check_optimize({"--deadline", "-1"}, {"deadline: -1 s: ", "above 0"});
   check_optimize({"--objective", "tolerent"}, {"--objective: 'tolerent': ", "peak or tolerant", "tolerant"});

@@ -586,6 +586,75 @@ TEST_CASE("option --json: a failure tells its summary too") {
   CHECK_THAT(r.err, Contains("warning"));
 }
 
+TEST_CASE("optimize: both objectives, limits, a deadline, and every solver side by side") {
+  const Folder f;
+  const Arguments base = {"optimize", kPaper, "--actuator", kTable2};
+  done(f, base + Arguments{"--objective", "tolerant", "--evaluations", "300", "-o", "tolerant"});
+  const Json t = summary(f, "tolerant");
+  CHECK(t["objective"] == "tolerant");
+  CHECK(t["tolerant_peak"].get<double>() < 260);
+  CHECK(t["evaluations"] == 300);
+  CHECK(t["landings"].get<long>() > 300);
+
+  done(f, base + Arguments{"--respect-ratings", "--evaluations", "2000", "-o", "rated"});
+  const Json r = summary(f, "rated")["ratings"];
+  CHECK(r["peak_reference_rate"].get<double>() <= 3.14);
+  CHECK(r["motor_speed"].get<double>() <= 3.14 * 1.01);  // limits are kept where steps end
+  CHECK(r["motor_torque"].get<double>() <= 20 * 1.01);
+
+  done(f, base + Arguments{"--forbid", "hip", "--evaluations", "2000", "-o", "off"});
+  for (const Json& c : summary(f, "off")["contacts"]) CHECK(c["point"] != "hip");
+
+  done(f, base + Arguments{"--deadline", "0.2", "-o", "soon"});
+  CHECK(summary(f, "soon")["peak_acceleration"].get<double>() < 466);
+
+  done(f, base + Arguments{"--solver", "compare", "--evaluations", "60", "-o", "all"});
+  const Table all = table(f, "all/solvers.csv");
+  CHECK(all.rows.size() == 15);
+  const std::vector<double> best = all.numbers("best");
+  CHECK(summary(f, "all")["peak_acceleration"].get<double>() ==
+        Approx(*std::min_element(best.begin(), best.end())).epsilon(1e-9));
+
+  const Result none =
+      run(base + Arguments{"--forbid", "hip,knee,foot", "--evaluations", "200", "-o", "none"}, f.at(""));
+  CHECK(none.code == 1);
+  CHECK_THAT(none.err, Contains("no motion of the search range was found that keeps the limits"));
+  CHECK(summary(f, "none")["motion"].is_null());
+  done(f, base + Arguments{"--evaluations", "1", "-o", "one"});
+  CHECK(summary(f, "one")["evaluations"] == 1);
+}
+
+TEST_CASE("map writes the grid, its basins and what they are worth") {
+  const Folder f;
+  done(f, {"map", kPaper, "--actuator", kTable2, "--grid", "8,7,5", "--polish", "3", "-o", "out"});
+  CHECK(files(f) == std::set<std::string>{"basins.csv", "map.csv", "report.html", "summary.json"});
+  const Table grid = table(f, "out/map.csv");
+  CHECK(grid.rows.size() == 8 * 7 * 5);
+  CHECK(grid.header == "phi_i_deg,phi_f_deg,duration,peak,peak_contact,contacts");
+  const std::vector<double> peaks = grid.numbers("peak"), contact = grid.numbers("peak_contact");
+  const Cells contacts = grid.texts("contacts");
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    CHECK(contact[i] >= 1);
+    CHECK(contact[i] <= double(contacts[i].size()));
+  }
+  const Json s = summary(f);
+  check_keys(s, {"grid", "landings", "failed", "map_time_s", "basins", "provenance"});
+  REQUIRE(s["basins"].size() >= 1);
+  double last = 0;
+  for (const Json& b : s["basins"]) {
+    const double peak = b["peak_acceleration"];
+    CHECK(peak >= last);
+    CHECK(b["tolerant_peak"].get<double>() >= peak);
+    for (const char* off : {"one_degree", "ten_milliseconds", "one_centimetre"})
+      CHECK(b[off].get<double>() >= 0.9 * peak);
+    last = peak;
+  }
+  CHECK(s["basins"][0]["peak_acceleration"].get<double>() <= *std::min_element(peaks.begin(), peaks.end()));
+  CHECK(run({"map", kPaper, "--actuator", kTable2, "--grid", "8,7", "-o", "bad"}, f.at("")).code == 2);
+  CHECK(run({"map", kPaper, "--actuator", kTable2, "--grid", "8,1,5", "-o", "bad"}, f.at("")).code == 2);
+  CHECK(!fs::exists(f.at("bad")));
+}
+
 TEST_CASE("option --quiet: nothing on stderr but warnings; --no-report: no report") {
   const Folder f;
   const std::vector<Arguments> commands = {{"identify", kTrial1, "--rig", kRig},
@@ -602,7 +671,8 @@ TEST_CASE("option --quiet: nothing on stderr but warnings; --no-report: no repor
   const Result r = done(f, kOptimize + Arguments{"--quiet", "--no-report", "-o", "optimize"});
   std::istringstream lines(r.err);
   for (std::string line; std::getline(lines, line);) CHECK_THAT(line, Contains("warning"));
-  CHECK(files(f, "optimize") == std::set<std::string>{"motion.csv", "motion.toml", "solvers.csv", "summary.json"});
+  CHECK(files(f, "optimize") ==
+        std::set<std::string>{"motion.csv", "motion.toml", "progress.csv", "solvers.csv", "summary.json"});
 }
 
 TEST_CASE("without -o the results are in ./ukemi-out/VERB of the working directory") {

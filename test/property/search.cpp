@@ -96,6 +96,17 @@ TEST_CASE("search: every solver keeps its budget of motions and of time, and rep
     }
 }
 
+TEST_CASE("search: a tolerance stops it once the best stands still") {
+  const Scene scene = scene_of("paper_rough_b");
+  const SeaParameters<double> sea = table2();
+  Objective o(scene, sea, {});
+  Search s(o, {.motions = 1'000'000, .tolerance = 1e-3, .patience = 3000}, 1);
+  auto_search(s);
+  CHECK(s.motions() > 3000);
+  CHECK(s.motions() < 100'000);
+  CHECK(s.best().value < 1.02 * 173.70);
+}
+
 TEST_CASE("search: a planner answers for any drop, without allocating") {
   const SeaParameters<double> sea = table2();
   const Scene scene = scene_of("paper");
