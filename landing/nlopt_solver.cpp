@@ -131,6 +131,7 @@ void below(unsigned m, double* result, unsigned n, const double* x, double* grad
 }  // namespace
 
 int minimize_epigraph(const EpigraphProblem& problem, double x_tolerance) {
+  constexpr int kMostSteps = 500;  // a line search on a kink may go on without end
   const auto n = unsigned(problem.start.size()) + 1;
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> opt(nlopt_create(NLOPT_LD_SLSQP, n), &nlopt_destroy);
   EpigraphRun run{&problem, opt.get(), nullptr};
@@ -142,6 +143,7 @@ int minimize_epigraph(const EpigraphProblem& problem, double x_tolerance) {
   nlopt_set_upper_bounds(opt.get(), upper.data());
   nlopt_add_inequality_mconstraint(opt.get(), unsigned(problem.count), below, &run, tolerance.data());
   nlopt_set_xtol_rel(opt.get(), x_tolerance);
+  nlopt_set_maxeval(opt.get(), kMostSteps);
   double value = 0;
   const int code = nlopt_optimize(opt.get(), x.data(), &value);
   if (run.error) std::rethrow_exception(run.error);

@@ -1,6 +1,7 @@
 // The paper's SQP on a form that it can differentiate: min s subject to a_k(x) <= s over the largest local maxima a_k
 // of the landing (or of the landings of the execution box), each with its exact gradient (gradient.hpp).
 #include <algorithm>
+#include <cmath>
 
 #include "landing/gradient.hpp"
 #include "landing/nlopt_solver.hpp"
@@ -30,6 +31,7 @@ void sequential_quadratic(Search& search) {
                                       {.accuracy = objective.accuracy()}, each);
       for (std::size_t i = 0; i < found.peaks.size(); ++i) {
         const auto row = std::size_t(k * each) + i;
+        if (!std::isfinite(found.peaks[i].value) || !found.peaks[i].d.allFinite()) continue;
         a[row] = found.peaks[i].value;
         Eigen::Map<Eigen::Vector3d>(gradient + 3 * row) = found.peaks[i].d.cwiseProduct(scale);
       }
