@@ -8,8 +8,8 @@
 namespace ukemi::landing {
 
 double verification_time(Goal goal, double budget) {
-  const double least = goal == Goal::kPeak ? 0.004 : 0.012, most = goal == Goal::kPeak ? 0.05 : 0.1;
-  return std::min(0.4 * budget, std::clamp(0.1 * budget, least, most));
+  const double least = goal == Goal::kPeak ? 0.006 : 0.03, most = goal == Goal::kPeak ? 0.05 : 0.1;
+  return std::min(0.45 * budget, std::clamp(0.1 * budget, least, most));
 }
 
 Planner::Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options)

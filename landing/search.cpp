@@ -69,7 +69,7 @@ Point3 Search::settle(double accuracy, Objective::Clock::time_point deadline) {
   };
   Few again = found;
   for (Point3& p : again) p.bound = kNoMotion;
-  play(std::span(again).first(goal == Goal::kPeak ? again.size() : 3));
+  play(std::span(again).first(goal == Goal::kPeak ? again.size() : 2));
   if (few_[0].value > found[0].value * (1 + kFallen)) {
     // Back from the edge: a population about the place where it seemed to be, from a hundredth of the box down to its
     // rounding, that converges on ground that holds.
