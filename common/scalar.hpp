@@ -83,4 +83,13 @@ void add_scaled(ceres::Jet<double, P>& y, double w, const ceres::Jet<double, P>&
   for (int i = 0; i < P; ++i) y.v[i] += w * x.v[i];
 }
 
+/// y += a b, likewise.
+UKEMI_INLINE void add_product(double& y, double a, double b) { y += a * b; }
+template <int P>
+UKEMI_INLINE void add_product(ceres::Jet<double, P>& y, const ceres::Jet<double, P>& a,
+                              const ceres::Jet<double, P>& b) {
+  y.a += a.a * b.a;
+  for (int i = 0; i < P; ++i) y.v[i] += a.a * b.v[i] + b.a * a.v[i];
+}
+
 }  // namespace ukemi

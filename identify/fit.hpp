@@ -32,13 +32,13 @@ struct FitOptions {
   double huber = 0;  ///< Huber's delta on each sample's residual [rad]; 0: squares
   enum class Weights { kEqual, kTrial } weights = Weights::kEqual;  ///< kTrial: 1 / each trial's own residual variance
   double accuracy = 1e-9;                                           ///< relative tolerance of the rollout
-  Method method = Method::kDormandPrince853;                        ///< of the rollout; others for comparison
-  double max_step = RolloutOptions{}.max_step;                      ///< of the rollout [s]
-  double escape = kEscape;                                          ///< [rad]; infinite for multi-turn trials
-  int restarts = 10;         ///< further starts where the residual stays far above the noise
-  std::uint64_t seed = 1;    ///< of the drawn starts
-  int max_iterations = 200;  ///< of the solver, each start
-  void validate() const;     ///< throws InputError
+  std::optional<Method> method;                 ///< of the rollout, for comparison; see RolloutOptions
+  double max_step = RolloutOptions{}.max_step;  ///< of the rollout [s]
+  double escape = kEscape;                      ///< [rad]; infinite for multi-turn trials
+  int restarts = 10;                            ///< further starts where the residual stays far above the noise
+  std::uint64_t seed = 1;                       ///< of the drawn starts
+  int max_iterations = 200;                     ///< of the solver, each start
+  void validate() const;                        ///< throws InputError
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };

@@ -175,7 +175,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
     for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
 
   ceres::Solver::Options o;
-  o.linear_solver_type = ceres::DENSE_QR;
+  o.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;  // thousands of residuals for each parameter
   o.max_num_iterations = options.max_iterations;
   o.function_tolerance = 1e-14;
   o.parameter_tolerance = 1e-11;

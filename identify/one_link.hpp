@@ -35,9 +35,9 @@ class OneLinkSystem {
 
   static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
 
-  /// `t` may be a double or, to differentiate by it, a T.
+  /// `t` may be a double or, to differentiate by it, a T. Flattened: operations on Jets are worth no calls.
   template <class Time>
-  void derivative(const Time& t, const State& y, State& dy) const {
+  [[gnu::flatten]] void derivative(const Time& t, const State& y, State& dy) const {
     const Time u = t - input.t;
     const SeaState<T> s = sea_state(y);
     const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), saturation);

@@ -1,71 +1,307 @@
-// One trial from stretch to stretch: the loop that every method and every kernel shares. Included by the files that
-// compile kernels (rollout.cpp, rollout_methods.cpp), by no other.
+// One trial from stretch to stretch: exactly where the rig is linear, integrated where it is not. Included by the files
+// that compile kernels (rollout.cpp, rollout_methods.cpp), by no other.
 #pragma once
 
 #include <cmath>
+#include <optional>
 
+#include "identify/linear.hpp"
 #include "identify/rollout.hpp"
 
 namespace ukemi::identify {
 
 /// One trial with `Method` and the kernel of `kTerms`, see `rollout`.
 template <class Method, SeaTerms kTerms, class T>
-RolloutStatus roll(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
-                   const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
-                   std::vector<T>& phi_m) {
+class Roll {
   using System = OneLinkSystem<kTerms, T>;
-  System system(sea, rig.length, rig.inertia);
-  const std::vector<double>& t = trial.trial->t;
-  phi.resize(t.size()), phi_m.resize(t.size());
-  typename System::State y;
-  y << T(trial.phi_start) + initial.angle, T(trial.phi_start) + initial.angle, initial.rate, T(0);
-  phi[0] = y[System::kPhi], phi_m[0] = y[System::kPhiM];
-  if (trial.stretches.empty()) return RolloutStatus::kDone;
-  system.input = trial.stretches.front().input;
-  integrate::Integrator<Method, System> integrator(
-      system, t[0], y,
-      {.accuracy = options.accuracy, .first_step = std::min(1e-3, options.max_step), .max_step = options.max_step});
-  long steps = 0;
-  double paced = t[0];
-  for (const PreparedTrial::Stretch& stretch : trial.stretches) {
-    system.input = stretch.input;
-    if (stretch.jumps) integrator.refresh();
-    std::size_t sample = stretch.first + 1;
+  using Plain = OneLinkSystem<kTerms, double>;
+  using State = typename System::State;
+  using Values = typename Plain::State;
+  using Stretch = PreparedTrial::Stretch;
+  using Status = integrate::Status;
+
+ public:
+  Roll(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial, const PreparedTrial& trial,
+       const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m)
+      : system_(sea, rig.length, rig.inertia),
+        plain_(values(sea), rig.length, rig.inertia),
+        trial_(trial),
+        t_(trial.trial->t),
+        options_(options),
+        motor_(kDerivatives<T> == 0 || !trial.trial->phi_motor.empty()),
+        phi_(phi),
+        phi_m_(phi_m),
+        driver_(system_, t_[0], start(initial),
+                {.accuracy = options.accuracy,
+                 .first_step = std::min(1e-3, options.max_step),
+                 .max_step = options.max_step}) {
+    const bool nonlinear = kTerms.extended && (present(sea.friction) || present(sea.k_sea_cubic));
+    if (options.linear == RolloutOptions::Linear::kExact && !nonlinear) prepare_flow();
+  }
+
+  RolloutStatus run() {
+    phi_.resize(t_.size()), phi_m_.resize(motor_ ? t_.size() : 0);
+    record(0, driver_.state());
+    paced_ = t_[0];
+    RolloutStatus status = RolloutStatus::kDone;
+    for (const Stretch& stretch : trial_.stretches) {
+      system_.input = stretch.input;
+      if (stretch.jumps) driver_.refresh();
+      sample_ = stretch.first + 1;
+      while (sample_ <= stretch.last && status == RolloutStatus::kDone)
+        status = is_linear(stretch) ? flow(stretch) : integrate(stretch);
+      if (status != RolloutStatus::kDone) break;
+    }
+    if (options_.work) *options_.work = driver_.counters();
+    return status;
+  }
+
+ private:
+  bool is_linear(const Stretch& s) const {
+    return flow_ && system_.saturation == 0 && s.input.force == 0 && s.input.force_rate == 0;
+  }
+
+  State start(const InitialState<T>& initial) const {
+    const T angle = T(trial_.phi_start) + initial.angle;
+    State y;
+    y << angle, angle, initial.rate, T(0);
+    return y;
+  }
+  void record(std::size_t sample, const State& y) {
+    phi_[sample] = y[System::kPhi];
+    if (motor_) phi_m_[sample] = y[System::kPhiM];
+  }
+  /// kDone while the link is within its bounds.
+  RolloutStatus bounds(double angle) const {
+    if (std::abs(angle - trial_.phi_start) < options_.escape) return RolloutStatus::kDone;
+    return std::isfinite(angle) ? RolloutStatus::kEscaped : RolloutStatus::kDiverged;
+  }
+
+  // --- integrated ---
+
+  /// To the end of the stretch, or to where the rig becomes linear.
+  RolloutStatus integrate(const Stretch& stretch) {
     for (;;) {
-      const integrate::Outcome outcome = integrator.step(stretch.t_end);
-      if (outcome.status > integrate::Status::kEvent || ++steps > options.max_steps) return RolloutStatus::kDiverged;
-      const double end = integrator.time();
+      const integrate::Outcome outcome = driver_.step(stretch.t_end);
+      if (outcome.status > Status::kEvent || ++steps_ > options_.max_steps) return RolloutStatus::kDiverged;
+      const double end = driver_.time();
       // Constants too stiff for an explicit method show early: at the pace of the last steps the rest would take too
       // many.
       constexpr long kPace = 200;
-      if (steps % kPace == 0) {
-        if (double(kPace) * (t.back() - end) > double(options.max_steps) * (end - paced))
+      if (steps_ % kPace == 0) {
+        if (double(kPace) * (t_.back() - end) > double(options_.max_steps) * (end - paced_))
           return RolloutStatus::kDiverged;
-        paced = end;
+        paced_ = end;
       }
-      const bool reached = outcome.status == integrate::Status::kReached;
-      while (sample <= stretch.last && (t[sample] < end || reached)) {
-        if (sample == stretch.last && reached) {
-          phi[sample] = integrator.state()[System::kPhi], phi_m[sample] = integrator.state()[System::kPhiM];
+      const bool reached = outcome.status == Status::kReached;
+      for (; sample_ <= stretch.last && (t_[sample_] < end || reached); ++sample_) {
+        if (sample_ == stretch.last && reached) {
+          record(sample_, driver_.state());
         } else {
-          const auto& step = integrator.dense();
-          const double s = (t[sample] - step.t) / step.h;
-          phi[sample] = step.component_at(System::kPhi, s), phi_m[sample] = step.component_at(System::kPhiM, s);
+          const auto& step = driver_.dense();
+          const double s = (t_[sample_] - step.t) / step.h;
+          phi_[sample_] = step.component_at(System::kPhi, s);
+          if (motor_) phi_m_[sample_] = step.component_at(System::kPhiM, s);
         }
-        ++sample;
       }
-      const double angle = value_of(integrator.state()[System::kPhi]);
-      if (!(std::abs(angle - trial.phi_start) < options.escape))
-        return std::isfinite(angle) ? RolloutStatus::kEscaped : RolloutStatus::kDiverged;
+      const RolloutStatus status = bounds(value_of(driver_.state()[System::kPhi]));
+      if (status != RolloutStatus::kDone) return status;
       if (outcome.event >= 0) {
-        system.cross(outcome.event);
-        integrator.refresh();
+        system_.cross(outcome.event);
+        driver_.refresh();
+        if (is_linear(stretch)) return RolloutStatus::kDone;
       }
-      if (reached) break;
+      if (reached) return RolloutStatus::kDone;
     }
   }
-  if (options.work) *options.work = integrator.counters();
-  return RolloutStatus::kDone;
-}
+
+  // --- exact ---
+
+  void prepare_flow() {
+    if (t_.size() < 2) return;
+    Eigen::Matrix<T, 4, 4> a;
+    Eigen::Matrix<double, 4, 4> plain;
+    for (int j = 0; j < 4; ++j) {  // the field is linear, and zero at rest at a reference of zero
+      State dy;
+      system_.derivative(0.0, State(State::Unit(j)), dy);
+      for (int i = 0; i < 4; ++i) a(i, j) = dy[i], plain(i, j) = value_of(dy[i]);
+    }
+    flow_.emplace(a, trial_.spacing);
+    // The guards are looked at often enough for the cubics between to be exact.
+    constexpr double kTurn = 0.5;
+    constexpr int kMostLooks = 8;
+    looks_ = std::clamp(int(std::ceil(flow_->rate() * trial_.spacing / kTurn)), 1, kMostLooks);
+    values_flow_.emplace(plain, trial_.spacing / looks_);
+    if (!kTerms.torque_limit) return;
+    // The spring's torque within a block is at most quiet_ . |z|: at the looks, and between them by its rate.
+    Values torque{-plain_.sea.k_sea, plain_.sea.k_sea, -plain_.sea.c_sea, plain_.sea.c_sea}, largest = Values::Zero(),
+                                                                                             fastest = Values::Zero();
+    for (int j = 0; j <= LinearFlow<T>::kBlock * looks_; ++j) {
+      largest = largest.cwiseMax(torque.cwiseAbs());
+      fastest = fastest.cwiseMax((plain.transpose() * torque).cwiseAbs());
+      torque = values_flow_->step().transpose() * torque;
+    }
+    quiet_ = largest + 0.5 * values_flow_->h() * fastest;
+  }
+
+  /// The state as the flow sees it: about a held reference, which is then a rest.
+  struct Frame {
+    T rest;
+    State b0, b1;
+    bool held;
+  };
+  Frame frame(const Excitation& in, double t) {
+    Frame f{T(in.phi_ref), State::Zero(), State::Zero(),
+            in.phi_ref_rate == 0 && in.dphi_ref == 0 && in.dphi_ref_rate == 0};
+    if (f.held) return f;
+    f.rest = T(0);
+    State later;
+    system_.derivative(t, State(State::Zero()), f.b0);
+    system_.derivative(t + 1, State(State::Zero()), later);
+    f.b1 = later - f.b0;
+    return f;
+  }
+  static Values values(const State& y) {
+    Values v;
+    for (int i = 0; i < 4; ++i) v[i] = value_of(y[i]);
+    return v;
+  }
+  static SeaParameters<double> values(const SeaParameters<T>& sea) {
+    SeaParameters<double> p{};
+    SeaParameters<double>::for_each(p, sea, [](double& to, const T& from) { to = value_of(from); });
+    p.feedback = sea.feedback;
+    return p;
+  }
+  static bool present(const T& x) {
+    if constexpr (kDerivatives < T >> 0)
+      return x.a != 0 || !x.v.isZero(0);
+    else
+      return x != 0;
+  }
+
+  /// To the end of the stretch, or to where the torque limit is met.
+  [[gnu::flatten]] RolloutStatus flow(const Stretch& stretch) {
+    double t = driver_.time();
+    const Frame f = frame(stretch.input, t);
+    plain_.input = f.held ? Excitation{} : stretch.input;
+    const State rest{f.rest, f.rest, T(0), T(0)};
+    State z = driver_.state() - rest;
+    const double from = t;
+    while (sample_ <= stretch.last) {
+      if (const int n = f.held ? clear_intervals(z, on_grid(t, stretch.last)) : 0; n > 0) {
+        for (int j = 0; j < n; ++j, ++sample_) {
+          phi_[sample_] = f.rest + flow_->angle(0, j, z);
+          if (motor_) phi_m_[sample_] = f.rest + flow_->angle(1, j, z);
+          const RolloutStatus status = bounds(value_of(phi_[sample_]));
+          if (status != RolloutStatus::kDone) return status;
+        }
+        t = t_[sample_ - 1];
+        z = flow_->after(n, z);
+        continue;
+      }
+      // A part of an interval, or one that meets the limit.
+      const double left = t_[sample_] - t, d = std::min(left, trial_.spacing);
+      const Meeting met = meeting(values(z), t, d);
+      const double h = met.guard < 0 ? d : met.s * d;
+      z = f.held ? flow_->advance(z, h) : flow_->advance(z, f.b0 + f.b1 * T(t - from), f.b1, h);
+      t = h == left ? t_[sample_] : t + h;
+      if (met.guard >= 0) {
+        driver_.restart(t, z + rest);
+        system_.cross(met.guard);
+        return RolloutStatus::kDone;
+      }
+      if (h < left) continue;
+      record(sample_++, z + rest);
+      const RolloutStatus status = bounds(value_of(z[0] + f.rest));
+      if (status != RolloutStatus::kDone) return status;
+    }
+    driver_.restart(t, z + rest);
+    return RolloutStatus::kDone;
+  }
+
+  /// How many of the next samples are one interval apart from `t` on; at most a block.
+  int on_grid(double t, std::size_t last) const {
+    constexpr double kOff = 1e-9;  // of an interval
+    int n = 0;
+    while (n < LinearFlow<T>::kBlock && sample_ + std::size_t(n) <= last &&
+           std::abs(t_[sample_ + std::size_t(n)] - t - (n + 1) * trial_.spacing) <= kOff * trial_.spacing)
+      ++n;
+    return n;
+  }
+
+  using Guards = integrate::Guards<System::kGuards>;
+  /// The guards at a state in the frame.
+  Guards guards(double t, const Values& z) const {
+    Values dz;
+    plain_.derivative(t, z, dz);
+    Guards g;
+    plain_.guards(t, z, dz, g);
+    return g;
+  }
+  static integrate::Node node(double s, const Guards& g, int i, double h) { return {s, g.value[i], g.rate[i] * h}; }
+
+  /// How many of `n` intervals from z on pass without a guard coming near zero.
+  int clear_intervals(const State& z, int n) const {
+    if (!kTerms.torque_limit || n == 0) return n;
+    const double h = values_flow_->h();
+    Values y = values(z);
+    if (quiet_.dot(y.cwiseAbs()) < value_of(system_.sea.tau_max)) return n;
+    Guards a = guards(0, y);
+    for (int j = 0; j < n * looks_; ++j) {
+      y = values_flow_->after(1, y);
+      const Guards b = guards(0, y);
+      for (int i = 0; i < System::kGuards; ++i) {
+        const integrate::Node start = j == 0 ? integrate::start_node(a.value[i], a.rate[i] * h) : node(0, a, i, h);
+        if (b.value[i] < 0 || bernstein_minimum(start, node(1, b, i, h)) <= 0) return j / looks_;
+      }
+      a = b;
+    }
+    return n;
+  }
+
+  /// The first guard that falls to zero within d of z, and where.
+  struct Meeting {
+    int guard = -1;
+    double s = integrate::kNoZero;  ///< in parts of d
+  };
+  Meeting meeting(const Values& z, double t, double d) const {
+    Meeting met;
+    if (!kTerms.torque_limit) return met;
+    Values b0, b1;
+    plain_.derivative(t, Values(Values::Zero()), b0);
+    plain_.derivative(t + 1, Values(Values::Zero()), b1);
+    b1 -= b0;
+    const auto at = [&](double s) { return values_flow_->advance(z, b0, b1, s * d); };
+    Guards a = guards(t, z);
+    for (int look = 0; look < looks_ && met.guard < 0; ++look) {
+      const double sa = double(look) / looks_, sb = (look + 1.0) / looks_;
+      const Guards b = guards(t + sb * d, at(sb));
+      for (int i = 0; i < System::kGuards; ++i) {
+        const integrate::Node start = look == 0 ? integrate::start_node(a.value[i], a.rate[i] * d) : node(sa, a, i, d);
+        const double s = integrate::zero_between(start, node(sb, b, i, d),
+                                                 [&](double x) { return guards(t + x * d, at(x)).value[i]; });
+        if (s < met.s) met = {i, s};
+      }
+      a = b;
+    }
+    return met;
+  }
+
+  System system_;
+  Plain plain_;  ///< of the frame, in values, with the limit not reached
+  const PreparedTrial& trial_;
+  const std::vector<double>& t_;
+  const RolloutOptions& options_;
+  const bool motor_;  ///< phi_m is asked for
+  std::vector<T>&phi_, &phi_m_;
+  integrate::Integrator<Method, System> driver_;
+  std::optional<LinearFlow<T>> flow_;  ///< where the rig has a linear mode
+  std::optional<LinearFlow<double>> values_flow_;
+  int looks_ = 1;  ///< at the guards in an interval
+  Values quiet_ = Values::Zero();
+  std::size_t sample_ = 0;  ///< the next to be recorded
+  long steps_ = 0;
+  double paced_ = 0;
+};
 
 }  // namespace ukemi::identify

@@ -1,5 +1,6 @@
 #include "identify/rollout.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "identify/roll.hpp"
@@ -21,6 +22,11 @@ const char* name(RolloutStatus status) {
 PreparedTrial::PreparedTrial(const Trial& source) : trial(&source) {
   const std::vector<double>&t = source.t, &f = source.force, &r = source.phi_ref, &d = source.dphi_ref;
   phi_start = r.empty() ? 0 : r[0];
+  std::vector<double> intervals;
+  for (std::size_t i = 0; i + 1 < t.size(); ++i) intervals.push_back(t[i + 1] - t[i]);
+  const auto middle = intervals.begin() + long(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  spacing = intervals.empty() ? 0 : *middle;
   for (std::size_t i = 0; i + 1 < t.size(); ++i) {
     const double dt = t[i + 1] - t[i];
     Excitation e{.t = t[i]};
@@ -59,10 +65,11 @@ RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Initial
   const bool limited = std::isfinite(value_of(sea.tau_max));
   const bool extended = present(sea.friction) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
-    if (options.method != Method::kDormandPrince853)
-      return roll_with_method(rig, sea, initial, trial, options, phi, phi_m);
+    if (options.method) return roll_with_method(rig, sea, initial, trial, options, phi, phi_m);
   const auto with = [&]<SeaTerms kTerms>() {
-    return roll<integrate::DormandPrince853, kTerms>(rig, sea, initial, trial, options, phi, phi_m);
+    // A kernel without friction and stiffening integrates hits alone, from sample to sample: no place for long steps.
+    using Explicit = std::conditional_t<kTerms.extended, integrate::DormandPrince853, integrate::DormandPrince54>;
+    return Roll<Explicit, kTerms, T>(rig, sea, initial, trial, options, phi, phi_m).run();
   };
   if (extended)
     return limited ? with.template operator()<SeaTerms{true, true}>()

@@ -4,6 +4,7 @@
 #include <ceres/jet.h>
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct PreparedTrial {
   const Trial* trial;
   std::vector<Stretch> stretches;
   double phi_start;  ///< phi_ref at the first sample, else 0 [rad]
+  double spacing;    ///< median interval between samples [s]
 };
 
 /// How a rollout starts: at rest at the reference, but for these (a nuisance of the fit each).
@@ -47,22 +49,25 @@ const char* name(RolloutStatus status);
 struct RolloutOptions {
   double accuracy = 1e-9;  ///< relative tolerance of each step
   double max_step = 0.05;  ///< longest step; the step of a fixed-step method [s]
-  /// The others are for comparison, and kAuto for values of stiff constants; derivatives are explicit only, and only
-  /// with kSmallJet where it is not the default.
-  Method method = Method::kDormandPrince853;
-  integrate::Counters* work = nullptr;  ///< receives the work done
+  /// Absent: the explicit one that suits the trial's kernel. The others are for comparison, and kAuto for values of
+  /// stiff constants; derivatives are explicit only, and with another method only in a Jet of kSmallJet.
+  std::optional<Method> method;
+  /// Where the rig is linear: exactly (linear.hpp), or integrated like the rest, for comparison and other methods.
+  enum class Linear { kExact, kIntegrated } linear = Linear::kExact;
+  integrate::Counters* work = nullptr;  ///< receives the work done by integrating
   double escape = kEscape;              ///< infinite for multi-turn trials [rad]
   long max_steps = 10'000;              ///< beyond it the constants are too stiff to follow: diverged
 };
 
 /// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives
-/// pass through its events without a jump). On kEscaped or kDiverged the outputs are not complete.
+/// pass through its events without a jump); a Jet's phi_m stays empty where the trial did not log phi_motor. Exact
+/// where the rig is linear. On kEscaped or kDiverged the outputs are not complete.
 template <class T>
 [[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
                                     const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                                     std::vector<T>& phi_m);
 
-/// `rollout` with another method than the default, on one kernel for every trial. double or a Jet of kSmallJet.
+/// `rollout` with the method that the options name, on one kernel for every trial. double or a Jet of kSmallJet.
 template <class T>
 [[nodiscard]] RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea,
                                              const InitialState<T>& initial, const PreparedTrial& trial,

@@ -11,7 +11,9 @@ RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, cons
                                std::vector<T>& phi_m) {
   using integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
   constexpr SeaTerms kAll{true, true};
-  const auto with = [&]<class M>() { return roll<M, kAll>(rig, sea, initial, trial, options, phi, phi_m); };
+  RolloutOptions o = options;
+  if (options.method != Method::kAuto) o.linear = RolloutOptions::Linear::kIntegrated;
+  const auto with = [&]<class M>() { return Roll<M, kAll, T>(rig, sea, initial, trial, o, phi, phi_m).run(); };
   if constexpr (std::is_same_v<T, double>) {  // the implicit ones have no derivatives
     if (options.method == Method::kRodas5P) return with.template operator()<Rodas5P>();
     if (options.method == Method::kAuto)

@@ -158,12 +158,6 @@ class BatchEngine {
   static bool any(const M& m, int i) { return m[i]; }
   static bool any(const M& m) { return ukemi::any(m); }
 
-  Node start_node(int i, int g) const {
-    constexpr double kOnZero = 1e-9;  // in parts of the step
-    const double v = start_.value[g][i], d = start_.rate[g][i] * step_.h[i];
-    return {0, v <= kOnZero * d ? 0 : std::max(v, 0.0), d};
-  }
-
   struct Crossing {
     int guard = -1;
     double s = 2;  ///< where in the step, 0..1
@@ -173,19 +167,10 @@ class BatchEngine {
   Crossing first_crossing(int i) const {
     Crossing first;
     for (int g = 0; g < kGuards; ++g) {
-      const Node a = start_node(i, g), b{1, end_.value[g][i], end_.rate[g][i] * step_.h[i]};
-      if (bernstein_minimum(a, b) > 0) continue;
-      double upper = 1, at_upper = b.g, lower = 0, at_lower = a.g;
-      if (b.g >= 0) {
-        upper = cubic_minimum(a, b);
-        if (upper < 0 || (at_upper = cubic(a, b, upper)) >= 0) continue;
-      }
-      if (a.g <= 0)
-        for (double x = 0.5; x > 1e-6 && at_lower <= 0; x *= 0.5) at_lower = cubic(a, b, lower = x * upper);
-      const double s = at_lower <= 0
-                           ? lower
-                           : integrate::root(
-                                 lower, at_lower, upper, at_upper, [&](double x) { return cubic(a, b, x); }, kPlaced);
+      const Node a = integrate::start_node(start_.value[g][i], start_.rate[g][i] * step_.h[i]),
+                 b{1, end_.value[g][i], end_.rate[g][i] * step_.h[i]};
+      const double s = integrate::zero_between(
+          a, b, [&](double x) { return cubic(a, b, x); }, kPlaced);
       if (s < first.s) first = {g, s};
     }
     return first;

@@ -71,4 +71,32 @@ double root(double a, double fa, double b, double fb, F&& f, double resolution =
   return b;
 }
 
+/// A guard where a step starts: one that rises from within rounding of zero starts on zero. `d` is its rate times h.
+inline Node start_node(double g, double d) {
+  constexpr double kOnZero = 1e-9;  // in parts of the step
+  return {0, g <= kOnZero * d ? 0 : std::max(g, 0.0), d};
+}
+
+/// Where a guard, `value(s)`, first falls to zero between two nodes as far as their cubic tells; kNoZero if nowhere.
+inline constexpr double kNoZero = 2;
+template <class F>
+double zero_between(const Node& a, const Node& b, F&& value, double resolution = 1e-14) {
+  if (b.g >= 0 && bernstein_minimum(a, b) > 0) return kNoZero;
+  double lower = a.s, at_lower = a.g, upper = b.s, at_upper = b.g;
+  if (b.g >= 0) {  // both ends are above: is there a dip between them?
+    upper = cubic_minimum(a, b);
+    if (upper < 0 || (at_upper = value(upper)) >= 0) return kNoZero;
+  }
+  if (a.g <= 0) {  // the part starts on the zero that was just left: begin where the guard has risen
+    const double w = upper - a.s;
+    for (double x = 0.5; x > 1e-6; x *= 0.5)
+      if ((at_lower = value(a.s + x * w)) > 0) {
+        lower = a.s + x * w;
+        break;
+      }
+    if (at_lower <= 0) return a.s;
+  }
+  return root(lower, at_lower, upper, at_upper, value, resolution);
+}
+
 }  // namespace ukemi::integrate

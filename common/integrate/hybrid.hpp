@@ -110,6 +110,8 @@ class Integrator {
   /// The field, or the state, has jumped (mode change, new reference): evaluate it afresh.
   void refresh() { fresh_ = false; }
   void refresh(const State& y) { step_.y_end = y, fresh_ = false; }
+  /// Goes on from another time and state, with the step length that stood.
+  void restart(double t, const State& y) { step_.t = t, step_.h = 0, refresh(y); }
   /// Bounds the next step, after an event that brings faster dynamics.
   void limit_next_step(double h) { h_next_ = std::min(h_next_, h); }
 
@@ -214,12 +216,7 @@ class Integrator {
     return g.value[i];
   }
 
-  /// Where the step starts; a guard that rises from within rounding of zero starts on zero.
-  Node start_node(int i) const {
-    constexpr double kOnZero = 1e-9;  // in parts of the step
-    const double g = start_.value[i], d = start_.rate[i] * step_.h;
-    return {0, g <= kOnZero * d ? 0 : std::max(g, 0.0), d};
-  }
+  Node start_of(int i) const { return start_node(start_.value[i], start_.rate[i] * step_.h); }
 
   /// The earliest zero inside the step. A guard that simply falls through is first placed by its cubic, and searched on
   /// the dense output only if it is among the first; one that comes near zero or leaves it is searched throughout.
@@ -229,7 +226,7 @@ class Integrator {
     std::array<double, kGuards> guess{};
     double earliest = 2;
     for (int i = 0; i < kGuards; ++i) {
-      const Node a = start_node(i), b{1, end_.value[i], end_.rate[i] * step_.h};
+      const Node a = start_of(i), b{1, end_.value[i], end_.rate[i] * step_.h};
       const double margin = 0.02 * (std::abs(a.d) + std::abs(b.d));
       if (bernstein_minimum(a, b) > (a.g > 0 ? margin : 0)) continue;
       if (a.g > margin && b.g < 0 && a.d < 0 && b.d < 0) {
@@ -284,34 +281,13 @@ class Integrator {
       }
       for (int i = 0; i < kGuards; ++i)
         if (near >> i & 1u) {
-          const Node a = q == 1 ? start_node(i) : Node{sa, left.value[i], left.rate[i] * step_.h},
+          const Node a = q == 1 ? start_of(i) : Node{sa, left.value[i], left.rate[i] * step_.h},
                      b{sb, right.value[i], right.rate[i] * step_.h};
-          const double s = zero_between(i, a, b);
+          const double s = zero_between(a, b, [&](double x) { return guard_at(i, x); });
           if (s < first.s) first = {i, s};
         }
       left = right;
     }
-  }
-
-  double zero_between(int i, const Node& a, const Node& b) {
-    constexpr double kNone = 2;
-    if (b.g >= 0 && bernstein_minimum(a, b) > 0) return kNone;
-    const auto value = [&](double s) { return guard_at(i, s); };
-    double lower = a.s, at_lower = a.g, upper = b.s, at_upper = b.g;
-    if (b.g >= 0) {  // both ends are above: is there a dip between them?
-      upper = cubic_minimum(a, b);
-      if (upper < 0 || (at_upper = value(upper)) >= 0) return kNone;
-    }
-    if (a.g <= 0) {  // the part starts on the zero that was just left: begin where the guard has risen
-      const double w = upper - a.s;
-      for (double x = 0.5; x > 1e-6; x *= 0.5)
-        if ((at_lower = value(a.s + x * w)) > 0) {
-          lower = a.s + x * w;
-          break;
-        }
-      if (at_lower <= 0) return a.s;
-    }
-    return root(lower, at_lower, upper, at_upper, value);
   }
 
   /// Retakes the step so that it ends on the zero of `c.guard`.

@@ -132,7 +132,8 @@ TEST_CASE("one_link: hits, torque limit and optional terms agree with a fine fix
 TEST_CASE("one_link: Jet derivatives of a rollout are its central differences, through the torque limit too") {
   using Jet = ceres::Jet<double, kLargeJet>;
   const double peak = GENERATE(40.0, 180.0);  // the second trial saturates
-  const Trial trial = pulse(0.12, peak, 0.012);
+  Trial trial = pulse(0.12, peak, 0.012);
+  trial.phi_motor.resize(trial.t.size());  // so that its derivatives are asked for
   const PreparedTrial prepared(trial);
   constexpr std::array<const char*, kLargeJet> kNames{"k_p",     "k_d",   "k_sea", "c_sea",
                                                       "i_motor", "angle", "rate",  "tau_max"};
@@ -192,4 +193,59 @@ TEST_CASE("one_link: a trial that escapes, and one that cannot be followed, say 
   broken.k_sea = std::numeric_limits<double>::quiet_NaN();
   CHECK(rollout(kRig, broken, {}, PreparedTrial(soft), {}, phi, phi_m) == RolloutStatus::kDiverged);
   CHECK(std::string(name(RolloutStatus::kEscaped)) == "the link escapes");
+}
+
+TEST_CASE("one_link: where the rig is linear the exact path is the integrated one, derivatives included") {
+  using Jet = ceres::Jet<double, kSmallJet>;
+  const std::string kind = GENERATE("even", "uneven", "with gaps", "a reference in steps", "a reference that moves",
+                                    "sparse", "stiff damping", "motor side");
+  CAPTURE(kind);
+  Trial trial = pulse(0.4, 180, 0.012);  // reaches the torque limit
+  SeaParameters<double> p = table2();
+  if (kind == "uneven" || kind == "with gaps") {
+    Trial cut;
+    for (std::size_t i = 0; i < trial.t.size(); ++i) {
+      if (kind == "with gaps" && i > 30 && i % 60 > 20) continue;
+      cut.t.push_back(trial.t[i] + (kind == "uneven" ? 3e-4 * std::sin(1.7 * double(i)) : 0));
+      cut.force.push_back(trial.force[i]);
+    }
+    trial = cut;
+  } else if (kind == "sparse") {
+    trial = pulse(0.4, 0, 0.012);
+    Trial cut;
+    for (std::size_t i = 0; i < trial.t.size(); i += 25)
+      cut.t.push_back(trial.t[i]), cut.phi_ref.push_back(i == 0 ? 0 : 0.9);
+    trial = cut;  // a step that reaches the limit between two samples
+  } else if (kind.rfind("a reference", 0) == 0) {
+    for (const double t : trial.t) {
+      trial.phi_ref.push_back(0.2 * std::sin(9 * t));
+      if (kind == "a reference that moves") trial.dphi_ref.push_back(1.8 * std::cos(9 * t));
+    }
+  }
+  if (kind == "stiff damping") p.c_sea = 60;
+  if (kind == "motor side") p.feedback = Feedback::kMotor;
+  trial.phi_motor.resize(trial.t.size());
+  SeaParameters<Jet> seeded = p.cast<Jet>();
+  Jet* const constants[] = {&seeded.k_p, &seeded.k_d, &seeded.k_sea, &seeded.c_sea, &seeded.i_motor};
+  for (int k = 0; k < 5; ++k) constants[k]->v[k] = constants[k]->a;
+  const PreparedTrial prepared(trial);
+  RolloutOptions options = kTight;
+  options.max_steps = 1'000'000;
+  std::vector<Jet> exact, exact_m, integrated, integrated_m;
+  integrate::Counters few, many;
+  options.work = &few;
+  REQUIRE(rollout(kRig, seeded, {}, prepared, options, exact, exact_m) == RolloutStatus::kDone);
+  options.linear = RolloutOptions::Linear::kIntegrated, options.work = &many;
+  REQUIRE(rollout(kRig, seeded, {}, prepared, options, integrated, integrated_m) == RolloutStatus::kDone);
+  CHECK(many.events == few.events);
+  CHECK(many.events > 0);
+  CHECK(2 * few.steps < many.steps);
+  double worst = 0, worst_slope = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i)
+    for (const auto& [a, b] : {std::pair(exact[i], integrated[i]), std::pair(exact_m[i], integrated_m[i])}) {
+      worst = std::max(worst, std::abs(a.a - b.a));
+      worst_slope = std::max(worst_slope, (a.v - b.v).cwiseAbs().maxCoeff());
+    }
+  CHECK(worst < 1e-11);
+  CHECK(worst_slope < 1e-10);
 }

@@ -1,0 +1,139 @@
+// The rig where it is linear: no hit, the torque limit not reached, no dry friction, no stiffening spring. There
+//
+//     dz/dt = A z + b(t),   z = [phi_1, phi_m, dphi_1, dphi_m],   b linear in time,
+//
+// is followed exactly, and so are its derivatives where T is a Jet: exp(A h) by scaling and squaring, once for a
+// trial's sampling interval, and its action on a state by the Taylor series where samples are uneven or the reference
+// moves. Tests: test/unit/one_link.cpp against the integrated path and closed forms.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/scalar.hpp"
+
+namespace ukemi::identify {
+
+template <class T>
+class LinearFlow {
+ public:
+  static constexpr int kStates = 4;
+  using State = Eigen::Matrix<T, kStates, 1>;
+  using Matrix = Eigen::Matrix<T, kStates, kStates>;
+  static constexpr int kBlock = 16;  ///< samples that are read off one state
+
+  /// `a` is A, `h` the interval between samples [s].
+  LinearFlow(const Matrix& a, double h) : a_(a), h_(h), rate_(balanced_norm(a)), step_(exponential(h)) {
+    Matrix power = step_;
+    for (int j = 0; j < kBlock; ++j) {
+      for (int i = 0; i < 2; ++i) rows_[i][j] = power.row(i).transpose();
+      if (j + 1 < kBlock) power = product(power, step_);
+    }
+    block_ = power;
+  }
+
+  double h() const { return h_; }
+  const Matrix& step() const { return step_; }  ///< exp(A h)
+  /// z n intervals later, for b = 0; n <= kBlock.
+  State after(int n, State z) const {
+    if (n == kBlock) return product(block_, z);
+    for (int i = 0; i < n; ++i) z = product(step_, z);
+    return z;
+  }
+  /// Angle i (0: phi_1, 1: phi_m) j + 1 intervals after z, for b = 0; j < kBlock.
+  T angle(int i, int j, const State& z) const { return dot(rows_[i][j], z); }
+  /// An upper bound of the size of A's eigenvalues [1/s].
+  double rate() const { return rate_; }
+
+  /// z a time h later, for b = 0.
+  State advance(const State& z, double h) const {
+    constexpr double kLong = 64;  // terms by the thousand for a stiff rig: squaring is cheaper
+    if (rate_ * h > kLong) return product(exponential(h), z);
+    return advance(z, State::Zero(), State::Zero(), h);
+  }
+  /// The same for b = b0 + b1 t, t from here on.
+  State advance(State z, const State& b0, const State& b1, double h) const {
+    const int parts = std::max(1, int(std::ceil(rate_ * h)));
+    const double d = h / parts;
+    for (int p = 0; p < parts; ++p) {
+      State term = z;
+      double size = 1;
+      for (int k = 1; size > kNothing; ++k) {
+        term = applied(term);
+        if (k == 1) term += b0 + b1 * T(p * d);
+        if (k == 2) term += b1 * T(d);
+        scale(term, d / k);
+        z += term;
+        size *= std::max(rate_ * d, kSlow) / k;
+      }
+    }
+    return z;
+  }
+
+  /// exp(A h): scaling, Taylor series, squaring (Moler, Van Loan 2003, method 3).
+  Matrix exponential(double h) const {
+    const int squarings = std::max(0, int(std::ceil(std::log2(std::max(rate_ * h, 1e-300)))));
+    const double d = std::ldexp(h, -squarings);
+    Matrix sum;
+    for (int j = 0; j < kStates; ++j) sum.col(j) = advance(State(State::Unit(j)), State::Zero(), State::Zero(), d);
+    for (int s = 0; s < squarings; ++s) sum = product(sum, sum);
+    return sum;
+  }
+
+ private:
+  // Written out: an expression of Jets makes a temporary of each.
+  template <class Row>
+  static T dot(const Row& r, const State& z) {
+    T sum(0);
+    for (int i = 0; i < kStates; ++i) add_product(sum, r[i], z[i]);
+    return sum;
+  }
+  static State product(const Matrix& m, const State& z) {
+    State out = State::Zero();
+    for (int j = 0; j < kStates; ++j)
+      for (int i = 0; i < kStates; ++i) add_product(out[i], m(i, j), z[j]);
+    return out;
+  }
+  static Matrix product(const Matrix& m, const Matrix& n) {
+    Matrix out;
+    for (int j = 0; j < kStates; ++j) out.col(j) = product(m, State(n.col(j)));
+    return out;
+  }
+
+  static constexpr double kNothing = 1e-19;  ///< a term of the series so small, derivatives included
+  static constexpr double kSlow = 1e-3;      ///< |A h| below which a reference that moves sets the number of terms
+
+  /// A z: the first two rows of A say that the angles' rates are the rates.
+  State applied(const State& z) const {
+    State out;
+    out[0] = z[2], out[1] = z[3];
+    for (int i = 2; i < kStates; ++i) out[i] = dot(a_.row(i), z);
+    return out;
+  }
+  static void scale(State& z, double x) {
+    for (int i = 0; i < kStates; ++i) z[i] *= x;
+  }
+
+  /// The largest row sum of |A| with rates counted in units that even it out.
+  static double balanced_norm(const Matrix& a) {
+    double w = 1;
+    for (int i = 2; i < kStates; ++i)
+      for (int j = 0; j < 2; ++j) w = std::max(w, std::sqrt(std::abs(value_of(a(i, j)))));
+    double norm = 0;
+    for (int i = 0; i < kStates; ++i) {
+      double row = 0;
+      for (int j = 0; j < kStates; ++j) row += std::abs(value_of(a(i, j))) * (j < 2 ? 1 : w) / (i < 2 ? 1 : w);
+      norm = std::max(norm, row);
+    }
+    return norm;
+  }
+
+  Matrix a_;
+  double h_, rate_;
+  Matrix step_, block_;
+  State rows_[2][kBlock];
+};
+
+}  // namespace ukemi::identify
