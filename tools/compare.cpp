@@ -55,7 +55,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
   if (!a.trials.empty()) {
     rig = identify::read_rig(a.rig);
     run.input(a.rig);
-    trials = read_trials(a.trials, rig, {}, run);
+    trials = read_trials(a.trials, {}, rig, {}, run).trials;
   }
   Report report("Identified against nominal");
   report.paragraph("nominal: " + sets[0].name + "; identified: " + sets[1].name);
