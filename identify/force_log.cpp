@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "identify/columns.hpp"
 
@@ -112,11 +113,17 @@ double attach_force(Trial& trial, const ForceLog& log, const Rig& rig, ForceCloc
   trial.force = log.force;
   trial.force_t = log.t;
   for (double& t : trial.force_t) t += shift;
-  if (begin > trial.t.front() || end < trial.t.back())
+  const double missing = std::max(begin - trial.t.front(), trial.t.back() - end),
+               interval = (trial.t.back() - trial.t.front()) / double(trial.samples() - 1);
+  if (missing > 3 * interval)
     trial.notes.push_back(
         fmt::format("the force in {} covers {:.6g} to {:.6g} s of {:.6g} to {:.6g} s: taken as 0 "
                     "outside",
                     log.file, begin, end, trial.t.front(), trial.t.back()));
+  const std::vector<double>& r = trial.phi_ref;
+  if (clock == ForceClock::kOwn && std::adjacent_find(r.begin(), r.end(), std::not_equal_to<>()) != r.end())
+    trial.notes.push_back("the reference moves too: the onset that the force in " + log.file +
+                          " was aligned to may be the reference's");
   return shift;
 }
 

@@ -26,7 +26,8 @@ enum class ForceClock { kShared, kOwn };
 ///
 /// kOwn aligns coarsely, onset to onset: a link that no torque holds yet, M ddphi_1 = l F_e (Eq. 5 right after the
 /// hit), leaves its rest by a small angle some time after the force begins; the shift is what makes it leave when the
-/// measured angle does. Good to a few samples: fit the rest of it.
+/// measured angle does. Good to a sample or so: fit the rest of it. Notes what the force does not cover, and a
+/// reference that moves too.
 ///
 /// Throws InputError: a trial that has a force already; logs that do not overlap (both ranges named); with kOwn, a
 /// force that is 0 throughout and an angle that never leaves its rest.
