@@ -51,7 +51,7 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   identify::FitOptions o;
   o.seed = common.seed;
   o.accuracy = a.accuracy;
-  if (a.reading.angles == identify::TrialOptions::Angles::kMultiTurn) o.escape = identify::FitOptions::kInfinity;
+  o.escape = escape_of(a.reading);
   if (!a.free.empty()) {
     o.free.fill(false);
     for (const std::string& name : split(a.free)) o.free[constant_index("--free", name)] = true;

@@ -65,6 +65,10 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
   verb.add_option("--gains", a.gains, "HEBI gains (XML), listed in summary.json for the record");
 }
 
+double escape_of(const TrialArguments& a) {
+  return a.angles == identify::TrialOptions::Angles::kMultiTurn ? identify::FitOptions::kInfinity : identify::kEscape;
+}
+
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& a, const identify::Rig& rig,
                         const TrialNeeds& needs, Run& run) {
   if (paths.empty()) throw InputError("no trials: at least one trial file is needed");

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "identify/fit.hpp"
 #include "identify/force_log.hpp"
-#include "identify/rig.hpp"
-#include "identify/trial.hpp"
 #include "tools/output.hpp"
 
 namespace ukemi::tools {
@@ -30,6 +29,9 @@ struct TrialInputs {
 
 /// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --gains.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
+
+/// Beyond which angle a rollout has escaped [rad]: infinite where many turns are meant.
+double escape_of(const TrialArguments& arguments);
 
 /// What a verb cannot do without.
 struct TrialNeeds {

@@ -54,6 +54,7 @@ int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common
 struct CompareArguments {
   std::string nominal, identified, scene, rig;
   std::vector<std::string> trials;
+  TrialArguments reading;
   std::optional<landing::Optimum> identified_best;  ///< where it is known already
 };
 int run_compare(const CompareArguments& arguments, const CommonOptions& common, Json* summary = nullptr);

@@ -113,7 +113,7 @@ TEST_CASE("identify reads HEBI logs and force logs on one clock as it reads the 
   CHECK(b["provenance"].contains("checksum force_8.csv"));
 }
 
-TEST_CASE("force logs on clocks of their own are moved onto the trials' to a few milliseconds; the shift is told") {
+TEST_CASE("force logs on clocks of their own are moved onto the trials' to a millisecond; the shift is told") {
   const Laboratory lab(71.25);
   const Result r = done(lab.folder, Arguments{"predict"} + lab.logs +
                                         Arguments{"--rig", kRig, "--actuator", kTable2, "--module", "2"} + lab.forces +
@@ -123,7 +123,21 @@ TEST_CASE("force logs on clocks of their own are moved onto the trials' to a few
   REQUIRE(s["force_logs"].size() == 8);
   for (const Json& f : s["force_logs"]) {
     CHECK(f["clock"] == "own");
-    CHECK(f["shift"].get<double>() == Approx(-71.25).margin(3e-3));
+    CHECK(f["shift"].get<double>() == Approx(-71.25).margin(1e-3));
+  }
+}
+
+TEST_CASE("compare reads the logs that identify reads") {
+  const Laboratory lab(0);
+  done(lab.folder, Arguments{"compare", "--nominal", dataset("actuators/x8-9_nominal.toml"), "--identified", kTable2,
+                             "--rig", kRig, "--module", "Knee", "--trials"} +
+                       lab.logs + lab.forces + kForceColumns + Arguments{"--force-clock", "shared", "-o", "out"});
+  const Json s = summary(lab.folder);
+  CHECK(s["force_logs"].size() == 8);
+  REQUIRE(s["residuals"].size() == 8);
+  for (const Json& r : s["residuals"]) {
+    CHECK(r["identified"].get<double>() < 6e-4);  // Table 2 made the trials; their noise is 5e-4
+    CHECK(r["nominal"].get<double>() > 2 * r["identified"].get<double>());
   }
 }
 
