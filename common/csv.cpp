@@ -45,6 +45,10 @@ void for_cells(std::string_view line, char separator, Use&& use) {
   }
 }
 
+bool is_nan(std::string_view cell) {
+  return cell.size() == 3 && (cell[0] | 32) == 'n' && (cell[1] | 32) == 'a' && (cell[2] | 32) == 'n';
+}
+
 double parse_number(std::string_view cell, const Location& where, const std::string& column) {
   std::string_view digits = cell;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-' && digits[1] != '+') digits.remove_prefix(1);
@@ -71,8 +75,8 @@ CsvTable read_csv(const std::string& path) {
   return read_csv(path, [](const std::string&) { return true; });
 }
 
-CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*),
-                          const void* context) {
+CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context,
+                          NanCells nan) {
   const std::string text = read_text_file(path, kLongestLine);
   CsvTable table;
   table.file = path;
@@ -108,7 +112,7 @@ CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::str
         throw InputError({path, number, column}, fmt::format("{}: more cells than the header's {} columns",
                                                              quoted(std::string(cell)), table.header.size()));
       if (use[c]) {
-        const bool empty = cell.empty();
+        const bool empty = cell.empty() || (nan == NanCells::kAsEmpty && is_nan(cell));
         table.columns[c].push_back(empty ? std::numeric_limits<double>::quiet_NaN()
                                          : parse_number(cell, {path, number, column}, table.header[c]));
         table.column_of[c].push_back(column);

@@ -19,7 +19,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string read_bytes(const std::string& path) {
+void make_folder(const fs::path& folder) {
+  std::error_code ec;
+  if (folder.empty() || fs::is_directory(folder, ec)) return;
+  fs::create_directories(folder, ec);
+  if (ec) throw InputError({folder.string()}, "the folder cannot be made: " + ec.message());
+}
+
+}  // namespace
+
+std::string read_binary_file(const std::string& path) {
   std::error_code ec;
   if (!fs::exists(path, ec)) throw InputError({path}, "no such file");
   if (fs::is_directory(path, ec)) throw InputError({path}, "is a folder: a file is needed");
@@ -30,17 +39,8 @@ std::string read_bytes(const std::string& path) {
   return text;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code ec;
-  if (folder.empty() || fs::is_directory(folder, ec)) return;
-  fs::create_directories(folder, ec);
-  if (ec) throw InputError({folder.string()}, "the folder cannot be made: " + ec.message());
-}
-
-}  // namespace
-
 std::string read_text_file(const std::string& path, std::size_t longest_line) {
-  std::string text = read_bytes(path);
+  std::string text = read_binary_file(path);
   long line = 1;
   std::size_t start = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -91,7 +91,7 @@ void require_writable_folder(const std::string& folder) {
 
 std::string checksum(const std::string& path) {
   std::uint64_t h = 14695981039346656037ull;
-  for (const unsigned char c : read_bytes(path)) h = (h ^ c) * 1099511628211ull;
+  for (const unsigned char c : read_binary_file(path)) h = (h ^ c) * 1099511628211ull;
   return fmt::format("{:016x}", h);
 }
 

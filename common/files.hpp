@@ -9,6 +9,9 @@ namespace ukemi {
 /// their line and column), and a line longer than `longest_line` bytes.
 std::string read_text_file(const std::string& path, std::size_t longest_line = 1 << 20);
 
+/// The bytes of any file. Throws InputError on a missing or unreadable file, or a folder.
+std::string read_binary_file(const std::string& path);
+
 /// Writes `content` under a temporary name beside `path`, then renames it: never a partial file. Makes the folder where
 /// it is missing. Throws InputError naming the path and the system's reason.
 void write_file(const std::string& path, const std::string& content);

@@ -20,7 +20,8 @@ const char* name(RolloutStatus status) {
 }
 
 PreparedTrial::PreparedTrial(const Trial& source) : trial(&source) {
-  const std::vector<double>&t = source.t, &f = source.force, &r = source.phi_ref, &d = source.dphi_ref;
+  const std::vector<double> f = force_at_samples(source);
+  const std::vector<double>&t = source.t, &r = source.phi_ref, &d = source.dphi_ref;
   phi_start = r.empty() ? 0 : r[0];
   std::vector<double> intervals;
   for (std::size_t i = 0; i + 1 < t.size(); ++i) intervals.push_back(t[i + 1] - t[i]);

@@ -37,12 +37,13 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
     if (const double w = dominant_frequency(trial); w > 0 && std::isfinite(w)) omega += w, ++with_frequency;
     if (trial.force.empty() || trial.phi.empty()) continue;
     Moments m;
+    const std::vector<double> force = force_at_samples(trial);
     for (std::size_t i = 0; i + 1 < trial.samples(); ++i) {
       const double dt = trial.t[i + 1] - trial.t[i], t = 0.5 * (trial.t[i + 1] + trial.t[i]) - trial.t[0];
       const double ref = trial.phi_ref.empty() ? 0 : trial.phi_ref[i];
       const double phi = 0.5 * (trial.phi[i] + trial.phi[i + 1]) - ref;
-      const double torque = 0.5 * rig.length *
-                            (std::cos(trial.phi[i]) * trial.force[i] + std::cos(trial.phi[i + 1]) * trial.force[i + 1]);
+      const double torque =
+          0.5 * rig.length * (std::cos(trial.phi[i]) * force[i] + std::cos(trial.phi[i + 1]) * force[i + 1]);
       m.torque += torque * dt, m.torque_t += torque * t * dt, m.phi += phi * dt, m.phi_t += phi * t * dt;
     }
     num_p += m.torque * m.phi, den_p += m.phi * m.phi;

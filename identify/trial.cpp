@@ -3,126 +3,105 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "common/csv.hpp"
+#include "identify/columns.hpp"
 
 namespace ukemi::identify {
 
 namespace {
 
-const std::vector<std::string> kColumns = {"t", "phi", "force", "phi_ref", "dphi_ref", "phi_motor"};
+const std::vector<Column> kColumns = {{"t", Quantity::kTime},        {"phi", Quantity::kAngle},
+                                      {"force", Quantity::kForce},   {"phi_ref", Quantity::kAngle},
+                                      {"dphi_ref", Quantity::kRate}, {"phi_motor", Quantity::kAngle}};
 
-bool is_angle(const std::string& name) { return name != "t" && name != "force"; }
-bool ends_with(const std::string& s, const std::string& tail) {
-  return s.size() > tail.size() && s.compare(s.size() - tail.size(), tail.size(), tail) == 0;
+bool constant(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [&](double v) { return v == x.front(); });
 }
-
-struct Source {
-  std::string column;  ///< name in the file
-  double scale = 1;    ///< to SI, sign included
-};
-
-/// Unit of a column from its suffix.
-double unit_of(const std::string& column, const std::string& name) {
-  if (name == "t" && ends_with(column, "_ms")) return 1e-3;
-  if (is_angle(name) && ends_with(column, "_deg")) return std::numbers::pi / 180;
-  return 1;
-}
-
-std::map<std::string, Source> parse_columns(const std::string& text) {
-  std::map<std::string, Source> out;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string item = text.substr(begin, end - begin);
-    begin = end + 1;
-    const std::size_t equals = item.find('=');
-    if (equals == std::string::npos || equals + 1 == item.size())
-      throw InputError("--columns: " + quoted(item) + ": NAME=COLUMN is needed");
-    const std::string name = item.substr(0, equals);
-    if (std::find(kColumns.begin(), kColumns.end(), name) == kColumns.end())
-      throw InputError("--columns: " + quoted(name) + ": one of t, phi, force, phi_ref, dphi_ref, phi_motor is needed" +
-                       hint(name, kColumns));
-    Source s{item.substr(equals + 1), 1};
-    if (s.column.front() == '-') s = {s.column.substr(1), -1};
-    s.scale *= unit_of(s.column, name);
-    out[name] = s;
-  }
-  return out;
+bool zero(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double v) { return v == 0; });
 }
 
 }  // namespace
 
 Trial read_trial(const std::string& path, const TrialOptions& options) {
-  const auto given = parse_columns(options.columns);
-  const auto candidates = [&](const std::string& name) -> std::vector<Source> {
-    const auto it = given.find(name);
-    if (it != given.end()) return {it->second};
-    std::vector<Source> c{{name, 1}};
-    if (name == "t") c.push_back({"t_ms", 1e-3});
-    if (is_angle(name)) c.push_back({name + "_deg", std::numbers::pi / 180});
-    return c;
-  };
-  std::map<std::string, Source> wanted;  // by the file's column
-  for (const std::string& name : kColumns)
-    for (const Source& s : candidates(name)) wanted[s.column] = s;
-
-  const CsvTable table = read_csv(path, [&](const std::string& column) { return wanted.count(column) > 0; });
+  const ColumnMap map("--columns", options.columns, kColumns);
+  const CsvTable table = read_csv(path, [&](const std::string& column) { return map.wants(column); });
   Trial trial;
   trial.file = path;
-  std::map<std::string, int> index;
-  const auto load = [&](const std::string& name, std::vector<double>& out) {
-    for (const Source& s : candidates(name)) {
-      const int c = table.find(s.column);
-      if (c < 0) continue;
-      if (!out.empty())
-        throw InputError({path, table.header_line, table.header_column[std::size_t(c)]},
-                         "column " + quoted(s.column) + ": '" + name + "' is given twice");
-      index[name] = c;
-      const auto& column = table.columns[std::size_t(c)];
-      out.resize(column.size());
-      for (std::size_t i = 0; i < column.size(); ++i) {
-        if (std::isnan(column[i]))
-          throw InputError(table.at(c, i), "column '" + s.column + "': empty: a number is needed");
-        out[i] = column[i] * s.scale;
-        if (is_angle(name) && name != "dphi_ref" && options.angles == TrialOptions::Angles::kOneTurn &&
-            std::abs(out[i] / (name == "phi_motor" ? options.gear_ratio : 1)) > 2 * std::numbers::pi)
-          throw InputError(table.at(c, i),
-                           fmt::format("column '{}': {}: an angle beyond 2 pi rad; are these degrees? then name "
-                                       "the column {}_deg (or --columns {}=..._deg); --multi-turn if it is meant",
-                                       s.column, shortest(column[i]), name, name));
-      }
+  int time_column = -1;
+  const auto load = [&](const Column& which, std::vector<double>& out) {
+    Source s;
+    const int c = map.find(table, which.name, s);
+    if (which.quantity == Quantity::kTime) time_column = c;
+    if (c < 0) return;
+    const bool one_turn = which.quantity == Quantity::kAngle && options.angles == TrialOptions::Angles::kOneTurn;
+    const double gear = which.name == "phi_motor" ? options.gear_ratio : 1;
+    const auto& column = table.columns[std::size_t(c)];
+    out.resize(column.size());
+    for (std::size_t i = 0; i < column.size(); ++i) {
+      if (std::isnan(column[i]))
+        throw InputError(table.at(c, i), "column '" + s.column + "': empty: a number is needed");
+      out[i] = column[i] * s.scale / gear;
+      if (one_turn && std::abs(out[i]) > 2 * std::numbers::pi)
+        throw InputError(table.at(c, i),
+                         fmt::format("column '{}': {}: an angle beyond 2 pi rad; are these degrees? then name "
+                                     "the column {}_deg (or --columns {}=..._deg); --multi-turn if it is meant",
+                                     s.column, shortest(column[i]), which.name, which.name));
     }
-    if (out.empty() && given.count(name))
-      throw InputError({path, table.header_line},
-                       "no column " + quoted(given.at(name).column) + hint(given.at(name).column, table.header));
   };
-  load("t", trial.t);
-  load("phi", trial.phi);
-  load("force", trial.force);
-  load("phi_ref", trial.phi_ref);
-  load("dphi_ref", trial.dphi_ref);
-  load("phi_motor", trial.phi_motor);
+  std::vector<double>* const targets[] = {&trial.t,       &trial.phi,      &trial.force,
+                                          &trial.phi_ref, &trial.dphi_ref, &trial.phi_motor};
+  for (std::size_t k = 0; k < kColumns.size(); ++k) load(kColumns[k], *targets[k]);
 
   const auto missing = [&](const std::string& name) {
     throw InputError({path, table.header_line}, "no column '" + name + "'" + hint(name, table.header));
   };
   if (trial.t.empty()) missing("t");
   if (options.require_phi && trial.phi.empty()) missing("phi");
-  if (trial.force.empty() && trial.phi_ref.empty())
+  const bool elsewhere = options.force == TrialOptions::Force::kElsewhere;
+  if (trial.force.empty() && trial.phi_ref.empty() && !elsewhere)
     throw InputError({path, table.header_line},
                      "no column 'force' or 'phi_ref': at least one excitation is needed" + hint("force", table.header));
   if (!trial.dphi_ref.empty() && trial.phi_ref.empty()) missing("phi_ref");
   if (trial.samples() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
   for (std::size_t i = 1; i < trial.t.size(); ++i)
     if (!(trial.t[i] > trial.t[i - 1]))
-      throw InputError(table.at(index["t"], i), fmt::format("column 't': {}: time must increase; {} stands before it",
-                                                            shortest(trial.t[i]), shortest(trial.t[i - 1])));
-  for (double& x : trial.phi_motor) x /= options.gear_ratio;
+      throw InputError(table.at(time_column, i), fmt::format("column 't': {}: time must increase; {} stands before it",
+                                                             shortest(trial.t[i]), shortest(trial.t[i - 1])));
   return trial;
+}
+
+void require_excitation(const Trial& trial) {
+  if (!zero(trial.force) || !constant(trial.phi_ref) || !zero(trial.dphi_ref)) return;
+  throw InputError({trial.file}, fmt::format("no excitation: {} and {}: a force or a moving reference is needed",
+                                             trial.force.empty() ? "no force" : "a force of 0 throughout",
+                                             trial.phi_ref.empty() ? "no reference" : "a reference that stays"));
+}
+
+bool same_content(const Trial& a, const Trial& b) {
+  return a.phi == b.phi && a.force == b.force && a.t == b.t && a.force_t == b.force_t && a.phi_ref == b.phi_ref &&
+         a.dphi_ref == b.dphi_ref && a.phi_motor == b.phi_motor;
+}
+
+std::vector<double> force_at_samples(const Trial& trial) {
+  if (trial.force_t.empty()) return trial.force;
+  const std::vector<double>&ft = trial.force_t, &f = trial.force;
+  std::vector<double> out;
+  for (const double t : trial.t) {
+    const auto after = std::lower_bound(ft.begin(), ft.end(), t);
+    if (after == ft.end() || t < ft.front()) {
+      out.push_back(0);
+    } else if (after == ft.begin()) {
+      out.push_back(f.front());
+    } else {
+      const std::size_t i = std::size_t(after - ft.begin());
+      out.push_back(f[i - 1] + (f[i] - f[i - 1]) * (t - ft[i - 1]) / (ft[i] - ft[i - 1]));
+    }
+  }
+  return out;
 }
 
 int shortest_pulse(const Trial& trial) {

@@ -6,15 +6,18 @@
 
 namespace ukemi::identify {
 
-/// A log. Every column has as many samples as `t`, or none where the log lacks it.
+/// A log. Every column has as many samples as `t`, or none where the log lacks it; a force of its own clock has as many
+/// as `force_t`.
 struct Trial {
   std::string file;
-  std::vector<double> t;          ///< [s], increasing
-  std::vector<double> phi;        ///< measured output angle [rad]
-  std::vector<double> force;      ///< at the link's tip, along +y [N]; linear between samples
-  std::vector<double> phi_ref;    ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
-  std::vector<double> dphi_ref;   ///< [rad/s]; linear between samples
-  std::vector<double> phi_motor;  ///< measured motor angle at the gear's output side [rad]
+  std::vector<double> t;           ///< [s], increasing
+  std::vector<double> phi;         ///< measured output angle [rad]
+  std::vector<double> force;       ///< at the link's tip, along +y [N]; linear between samples
+  std::vector<double> force_t;     ///< the force's own sample times on the clock of `t` [s], increasing; empty: `t`
+  std::vector<double> phi_ref;     ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
+  std::vector<double> dphi_ref;    ///< [rad/s]; linear between samples
+  std::vector<double> phi_motor;   ///< measured motor angle at the gear's output side [rad]
+  std::vector<std::string> notes;  ///< what was handled and counted while reading, a sentence each
 
   std::size_t samples() const { return t.size(); }
   /// Measured outputs that a fit compares: phi, then phi_motor.
@@ -23,17 +26,28 @@ struct Trial {
 
 /// How a file's columns become a Trial.
 struct TrialOptions {
-  std::string columns;      ///< "t=Time,phi=-defl_deg,...": name here = name there; a leading minus flips the sign
+  std::string columns;      ///< "t=Time,phi=-defl_deg,force=0.001*Fy,...": name here = scale * name there
   bool require_phi = true;  ///< prediction can do without
+  enum class Force { kInFile, kElsewhere } force = Force::kInFile;       ///< kElsewhere: a log of its own brings it
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;  ///< kOneTurn refuses |angle| > 2 pi
   double gear_ratio = 1;                                                 ///< divides phi_motor
 };
 
-/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor; suffixes _ms and _deg
-/// convert. Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name
+/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor; unit suffixes convert (see
+/// Quantity). Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name
 /// given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2 pi unless
 /// multi-turn.
 Trial read_trial(const std::string& path, const TrialOptions& options = {});
+
+/// Throws InputError, naming the file and the rule, where nothing moves the rig: no force or all of it zero, and a
+/// reference that stays where it is. A trial that starts at rest then says nothing about the actuator.
+void require_excitation(const Trial& trial);
+
+/// Whether two trials hold the same numbers, whatever their files are called.
+bool same_content(const Trial& a, const Trial& b);
+
+/// The force at the times of `t`, linear between its own samples and 0 outside of them [N]; empty without force.
+std::vector<double> force_at_samples(const Trial& trial);
 
 /// Fewest samples of any pulse of the force (a run above 5 % of the largest |force|); 0 without force.
 int shortest_pulse(const Trial& trial);

@@ -53,7 +53,7 @@ int bench_identify(const BenchArguments& a, const CommonOptions& common) {
   const SeaParameters<double> truth = read_actuator(dataset("actuators/table2.toml")).sea;
   std::vector<std::string> files;
   for (int i = 1; i <= 8; ++i) files.push_back(dataset(fmt::format("impact/trial_{}.csv", i)));
-  const std::vector<Trial> logs = read_trials(files, rig, {}, run);
+  const std::vector<Trial> logs = read_trials(files, {}, rig, {}, run).trials;
   std::vector<PreparedTrial> prepared(logs.begin(), logs.end());
   std::vector<std::vector<double>> exact;
   for (const PreparedTrial& t : prepared) {

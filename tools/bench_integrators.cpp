@@ -139,7 +139,7 @@ Bench rig_trials(Run& run) {
   d->rig = identify::read_rig(dataset("rigs/paper.toml"));
   std::vector<std::string> files;
   for (int i = 1; i <= 8; ++i) files.push_back(dataset(fmt::format("impact/trial_{}.csv", i)));
-  d->trials = read_trials(files, d->rig, {}, run);
+  d->trials = read_trials(files, {}, d->rig, {}, run).trials;
   for (const identify::Trial& t : d->trials) d->prepared.emplace_back(t);
   d->sea = read_actuator(dataset("actuators/table2.toml")).sea;
   const auto roll = [](const Data& data, int i, const identify::RolloutOptions& o, std::vector<double>& phi) {

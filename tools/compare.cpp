@@ -52,14 +52,16 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
   if (!a.scene.empty()) scene = read_scene(a.scene), run.input(a.scene);
   identify::Rig rig{};
   std::vector<identify::Trial> trials;
+  Json summary;
   if (!a.trials.empty()) {
     rig = identify::read_rig(a.rig);
     run.input(a.rig);
-    trials = read_trials(a.trials, rig, {}, run);
+    TrialInputs inputs = read_trials(a.trials, a.reading, rig, {}, run);
+    trials = std::move(inputs.trials);
+    summary = std::move(inputs.summary);
   }
   Report report("Identified against nominal");
   report.paragraph("nominal: " + sets[0].name + "; identified: " + sets[1].name);
-  Json summary;
 
   // The constants.
   CsvWriter csv = run.csv();
@@ -97,11 +99,13 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
   bool failed = false;
   if (!a.trials.empty()) {
     identify::Fit fits[2];
+    identify::FitOptions options;
+    options.escape = escape_of(a.reading);
     for (int s = 0; s < 2; ++s) {
       SeaParameters<double> sea = sets[s].sea;
       sea.tau_max = rig.tau_max.value_or(sea.tau_max);
       sea.feedback = rig.feedback.value_or(sea.feedback);
-      fits[s] = identify::predict(rig, trials, sea);
+      fits[s] = identify::predict(rig, trials, sea, options);
       if (!fits[s].converged) run.warn(std::string(kSets[s]) + ": " + fits[s].message), failed = true;
     }
     summary["residuals"] = Json::array();
@@ -188,6 +192,7 @@ void add_compare(CLI::App& app, Action& chosen) {
   verb->add_option("--scene", args->scene, "scene file: best motions, each under both actuators");
   verb->add_option("--trials", args->trials, "trial files: residuals of both sets");
   verb->add_option("--rig", args->rig, "rig file, with --trials");
+  add_trial_options(*verb, args->reading);
   add_common(*verb, *common);
   verb->footer("Example: ukemi compare --nominal nominal.toml --identified actuator.toml --scene scene.toml -o out");
   verb->callback([args, common, &chosen] { chosen = [args, common] { return run_compare(*args, *common); }; });

@@ -51,7 +51,7 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   identify::FitOptions o;
   o.seed = common.seed;
   o.accuracy = a.accuracy;
-  if (a.angles == identify::TrialOptions::Angles::kMultiTurn) o.escape = identify::FitOptions::kInfinity;
+  o.escape = escape_of(a.reading);
   if (!a.free.empty()) {
     o.free.fill(false);
     for (const std::string& name : split(a.free)) o.free[constant_index("--free", name)] = true;
@@ -180,18 +180,6 @@ std::string report_html(const Run& run, const std::string& title, const std::vec
 
 }  // namespace
 
-std::vector<identify::Trial> read_trials(const std::vector<std::string>& paths, const identify::Rig& rig,
-                                         identify::TrialOptions options, Run& run) {
-  if (paths.empty()) throw InputError("no trials: at least one trial file is needed");
-  options.gear_ratio = rig.gear_ratio.value_or(1);
-  std::vector<identify::Trial> trials;
-  for (const std::string& path : paths) {
-    run.input(path);
-    trials.push_back(identify::read_trial(path, options));
-  }
-  return trials;
-}
-
 int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuator* fitted) {
   const bool predict = !a.actuator.empty();
   Run run(predict ? "predict" : "identify", common);
@@ -204,13 +192,20 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
     run.input(given);
   }
   const identify::FitOptions options = fit_options(a, common);
-  const std::vector<identify::Trial> trials =
-      read_trials(a.trials, rig, {.columns = a.columns, .require_phi = !predict, .angles = a.angles}, run);
   if (!predict && !start)
     for (int i = 0; i < kConstants; ++i)
       if (!options.free[std::size_t(i)])
         throw InputError("--free: " + std::string(kConstantNames[std::size_t(i)]) +
                          " is not free and needs a value: give --start");
+  // From rest, a trial without excitation says nothing; one that is let go from elsewhere does.
+  using Term = identify::NuisanceTerms::Term;
+  const bool from_rest =
+      options.nuisance.initial_angle == Term::kAbsent && options.nuisance.initial_rate == Term::kAbsent;
+  TrialNeeds needs;
+  if (predict) needs.phi = TrialNeeds::Angle::kOptional;
+  if (!predict && from_rest) needs.excitation = TrialNeeds::Excitation::kRequired;
+  TrialInputs inputs = read_trials(a.trials, a.reading, rig, needs, run);
+  const std::vector<identify::Trial>& trials = inputs.trials;
 
   // tau_max and feedback: the rig's, else the given actuator's, else no limit and Eq. 3 as printed.
   SeaParameters<double> base{};
@@ -255,7 +250,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
     run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, trials.size()));
 
-  Json summary;
+  Json summary = std::move(inputs.summary);
   summary["parameters"] = parameters;
   summary["nuisance"] = nuisance;
   summary["rms"] = number(fit.rms);
@@ -304,15 +299,13 @@ void add_identify(CLI::App& app, Action& chosen) {
     auto common = std::make_shared<CommonOptions>();
     CLI::App* verb = predict ? app.add_subcommand("predict", "the rig's motion for given constants, against the log")
                              : app.add_subcommand("identify", "fit the actuator's constants to impact trials");
-    verb->add_option("TRIAL", args->trials, "trial files (CSV: t [s], phi [rad], force [N] and/or phi_ref [rad])")
+    verb->add_option(
+            "TRIAL", args->trials,
+            "trial files: CSV (t [s], phi [rad], force [N] and/or phi_ref [rad]), HEBI .hebilog or its CSV export")
         ->required();
     verb->add_option("--rig", args->rig, "rig file (TOML)")->required();
     if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
-    verb->add_option("--columns", args->columns,
-                     "t=Time,phi=-defl_deg,...: columns by other names, a minus flips the sign");
-    verb->add_flag_callback(
-        "--multi-turn", [args] { args->angles = identify::TrialOptions::Angles::kMultiTurn; },
-        "angles beyond 2 pi are meant");
+    add_trial_options(*verb, args->reading);
     verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
     if (!predict) {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");

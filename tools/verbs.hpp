@@ -12,6 +12,7 @@
 #include "landing/evidence.hpp"
 #include "landing/optimize.hpp"
 #include "tools/output.hpp"
+#include "tools/trials.hpp"
 
 namespace ukemi::tools {
 
@@ -31,8 +32,8 @@ void add_bench(CLI::App& app, Action& chosen);  // integrators, identify, optimi
 struct IdentifyArguments {
   std::vector<std::string> trials;
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
-  std::string free, nuisance, lower, upper, loss = "none", weights = "equal", columns;
-  identify::TrialOptions::Angles angles = identify::TrialOptions::Angles::kOneTurn;
+  std::string free, nuisance, lower, upper, loss = "none", weights = "equal";
+  TrialArguments reading;
   double accuracy = 1e-9;
 };
 /// Fits (or, with `actuator` set, predicts) and writes the verb's files. `fitted` receives the result.
@@ -53,13 +54,10 @@ int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common
 struct CompareArguments {
   std::string nominal, identified, scene, rig;
   std::vector<std::string> trials;
+  TrialArguments reading;
   std::optional<landing::Optimum> identified_best;  ///< where it is known already
 };
 int run_compare(const CompareArguments& arguments, const CommonOptions& common, Json* summary = nullptr);
-
-/// Trials read the way the rig says.
-std::vector<identify::Trial> read_trials(const std::vector<std::string>& paths, const identify::Rig& rig,
-                                         identify::TrialOptions options, Run& run);
 
 /// Where a robot could not follow a motion: the actuator's ratings against its demands.
 Json ratings(const landing::Motion& motion, const landing::Landing& landing, const Actuator& actuator, Run& run);

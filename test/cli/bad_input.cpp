@@ -1,30 +1,12 @@
 // Bad usage and bad input: exit code 2, one line on stderr that says where, what and the rule, and nothing written.
-#include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "test/cli/program.hpp"
+#include "test/cli/refused.hpp"
 
 using namespace cli;
-using Catch::Matchers::Contains;
 
 namespace {
 
-/// Runs the program in `folder` with results meant for folder/out, and checks that it refuses as promised, naming
-/// `texts`.
-void check_refused(const Folder& folder, const Arguments& arguments, const std::vector<std::string>& texts) {
-  const auto before = folder.content();
-  const Result r = run(arguments, folder.at(""));
-  INFO("stderr: " << r.err);
-  CHECK(r.code == 2);
-  CHECK(r.out == "");
-  CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
-  CHECK((!r.err.empty() && r.err.back() == '\n'));
-  for (const std::string& t : texts) CHECK_THAT(r.err, Contains(t));
-  const bool nothing_written = folder.content() == before;  // no output folder, no file, none changed
-  CHECK(nothing_written);
-}
-
-const Arguments kOut = {"-o", "out"};
 const std::string kRig = dataset("rigs/paper.toml"), kTable2 = dataset("actuators/table2.toml"),
                   kNominal = dataset("actuators/x8-9_nominal.toml"), kPaper = dataset("scenes/paper.toml"),
                   kTrial1 = dataset("impact/trial_1.csv");

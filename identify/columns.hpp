@@ -1,0 +1,45 @@
+// The map from a file's columns to quantities in SI units: names, unit suffixes, scales, signs.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/csv.hpp"
+
+namespace ukemi::identify {
+
+/// What a column holds; its name's suffix says in which unit: time _ms; angle and rate _deg, _mrad; force _N, _kN.
+enum class Quantity { kTime, kAngle, kRate, kForce };
+
+struct Column {
+  std::string name;
+  Quantity quantity;
+};
+
+/// Where a quantity stands in a file.
+struct Source {
+  std::string column;  ///< name in the file
+  double scale = 1;    ///< to SI, sign included
+};
+
+/// Reads the quantities of a table by name, or by a map "t=Time,phi=-defl_deg,force=0.001*Fy,...".
+class ColumnMap {
+ public:
+  /// `option` is named in errors. Throws InputError on an item that is not NAME=COLUMN, a name that is not among
+  /// `known` (nearest given), and a scale that is 0 or not finite.
+  ColumnMap(const std::string& option, const std::string& map, std::vector<Column> known);
+
+  /// Whether a column of the file is one that the map or the known names ask for.
+  bool wants(const std::string& column) const;
+  /// Index in `table` of the column that holds `name`, with its scale in `source`; -1 where there is none. Throws
+  /// InputError where two columns hold it, and where the map names a column that is not there.
+  int find(const CsvTable& table, const std::string& name, Source& source) const;
+
+ private:
+  std::vector<Source> candidates(const std::string& name) const;
+  std::vector<Column> known_;
+  std::map<std::string, Source> given_;
+};
+
+}  // namespace ukemi::identify
