@@ -34,8 +34,8 @@ class SampleObserver {
       sample(l, driver.dense().at(std::max(0.0, (next() - step.t) / step.h)));
   }
   void before(const Landing&, double, const State&, const State&, const typename Landing::Derivatives&) {}
-  void behind(const Landing&, double t, const State&, const typename Landing::Derivatives& shift, int event) {
-    if (event < kPoints) out.jumps.push_back({t, shift});
+  void behind(const Landing&, double t, const State&, const typename Landing::Derivatives&, int event) {
+    if (event < kPoints) out.jumps.push_back(t);
   }
   void cut(const Landing& l, double, const State& y, const State&, const typename Landing::Derivatives&) {
     while (waiting()) sample(l, y);  // the last time, where it differs from the limit by rounding
@@ -86,7 +86,6 @@ DropRollout roll(const Scene& scene, const SeaParameters<double>& sea, const Mot
   out.complete = out.samples.size() == times.size();
   for (DropSample& s : out.samples)
     for (DropDerivatives& d : s.slope) d.array() /= landing.unit();
-  for (DropJump& j : out.jumps) j.d.array() /= landing.unit();
   return out;
 }
 

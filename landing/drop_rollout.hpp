@@ -1,8 +1,7 @@
 // A landing as a rollout: what a drop log measures, at the log's times, with exact derivatives through the events.
 //
 // Between events the derivatives y_p of gradient.hpp are those at a fixed time, and so are the outputs'. ddr_0 jumps
-// where a point touches or leaves the floor; each such time is given with its own derivative. Tests:
-// test/property/drop_rollout.cpp.
+// where a point touches or leaves the floor; those times are given. Tests: test/property/drop_rollout.cpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,15 +38,9 @@ struct DropSample {
   std::array<DropDerivatives, kOutputs> slope;  ///< by each parameter, at a fixed time
 };
 
-/// A time at which ddr_0 may jump.
-struct DropJump {
-  double t;           ///< from release [s]
-  DropDerivatives d;  ///< dt/dp
-};
-
 struct DropRollout {
-  std::vector<DropSample> samples;                         ///< one a time; fewer where the run failed
-  std::vector<DropJump> jumps;                             ///< in the order of time
+  std::vector<DropSample> samples;  ///< one a time; fewer where the run failed
+  std::vector<double> jumps;        ///< touchdowns and lift-offs, where ddr_0 may jump, from release [s], in order
   integrate::Status status = integrate::Status::kStepped;  ///< why it failed, where it did
   bool complete = false;                                   ///< every time has its sample
 };

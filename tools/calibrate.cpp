@@ -159,8 +159,9 @@ class Throws {
   Assignments motions_, heights_, speeds_;
 };
 
+/// Value, standard error and unit; an angle in degrees too.
 std::string words(const identify::Estimate& e) {
-  std::string text = text_of(e);
+  std::string text = text_of(e) + " " + e.unit;
   if (e.unit == "rad" && std::isfinite(e.value))
     text += e.std ? fmt::format(" ({:.5g} ± {:.2g} deg)", e.value * kDegrees, *e.std * kDegrees)
                   : fmt::format(" ({:.5g} deg)", e.value * kDegrees);
@@ -170,16 +171,16 @@ std::string words(const identify::Estimate& e) {
 std::string samples_csv(const Run& run, const std::vector<LoggedDrop>& drops, const std::vector<DropResult>& results) {
   CsvWriter csv = run.csv();
   csv.comment(
-      "residual = simulated - measured; drop counts from 1; t as in the log; weight 0..1: below 1 within a sampling "
-      "interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.");
-  csv.header({"drop", "t", "output", "measured", "simulated", "residual", "weight"});
+      "residual = simulated - measured; drop counts from 1; t as in the log; used 0: left out, an acceleration "
+      "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.");
+  csv.header({"drop", "t", "output", "measured", "simulated", "residual", "used"});
   for (std::size_t m = 0; m < drops.size(); ++m)
     for (std::size_t o = 0; o < kOutputs; ++o)
       for (std::size_t i = 0; i < results[m].value[o].size(); ++i) {
         const double measured = drops[m].log.output[o][i], simulated = results[m].value[o][i];
         if (!std::isfinite(measured) || !std::isfinite(simulated)) continue;
         csv.cell(long(m + 1)).cell(drops[m].log.t[i]).cell(kOutputNames[o]).cell(measured).cell(simulated);
-        csv.cell(simulated - measured).cell(results[m].weight[o][i]);
+        csv.cell(simulated - measured).cell(int(results[m].used[o][i]));
         csv.end_row();
       }
   return csv.text();
@@ -251,8 +252,7 @@ void report_drops(Report& report, const std::vector<LoggedDrop>& drops, const Ca
 std::string scene_toml(const Run& run, const Calibration& c) {
   std::string comments = run.provenance_text();
   for (std::size_t k = 0; k < c.parameters.size(); ++k)
-    comments += fmt::format("{}: {} {}: {}\n", c.parameters[k].name, words(c.parameters[k]), c.parameters[k].unit,
-                            name(c.verdicts[k]));
+    comments += fmt::format("{}: {}: {}\n", c.parameters[k].name, words(c.parameters[k]), name(c.verdicts[k]));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
   return to_toml(c.scene, comments);
 }
@@ -269,11 +269,11 @@ std::string report_html(const Run& run, const std::vector<LoggedDrop>& drops, co
   };
   for (std::size_t k = 0; k < c.parameters.size(); ++k) {
     const auto& e = c.parameters[k];
-    rows.push_back({e.name, words(e), interval(e), e.unit, name(c.verdicts[k])});
+    rows.push_back({e.name, words(e), interval(e), name(c.verdicts[k])});
   }
   for (const auto& e : c.nuisance)
-    rows.push_back({fmt::format("{} (drop {})", e.name, e.trial + 1), words(e), interval(e), e.unit, ""});
-  report.table({"constant", "value ± standard error", "95 % interval", "unit", "verdict"}, rows);
+    rows.push_back({fmt::format("{} (drop {})", e.name, e.trial + 1), words(e), interval(e), ""});
+  report.table({"constant", "value ± standard error", "95 % interval", "verdict"}, rows);
   if (c.correlation.rows() > 1) {
     report.heading("Correlations");
     rows.clear();
@@ -322,10 +322,10 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
     Json j = estimate_json(e);
     j["verdict"] = name(c.verdicts[k]);
     summary["parameters"][e.name] = j;
-    run.say(fmt::format("{:18} {:44} {:8} {}", e.name, words(e), e.unit, name(c.verdicts[k])));
+    run.say(fmt::format("{:18} {:50} {}", e.name, words(e), name(c.verdicts[k])));
   }
   for (const auto& e : c.nuisance)
-    run.say(fmt::format("{:18} {:44} {}", fmt::format("{}[{}]", e.name, e.trial + 1), words(e), e.unit));
+    run.say(fmt::format("{:18} {}", fmt::format("{}[{}]", e.name, e.trial + 1), words(e)));
   summary["nuisance"] = nuisance_json(c);
   summary["cost"] = number(c.cost);
   summary["converged"] = c.converged;

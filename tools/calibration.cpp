@@ -116,13 +116,15 @@ class DropModel {
                 const double inverse = 1 / sigma[std::size_t(x.output)],
                              difference =
                                  s.value[std::size_t(x.output)] - drop_.log.output[std::size_t(x.output)][x.sample];
-                const Edge e = edge(*rolled, DropOutput(x.output), x.sample);
-                r[row] = e.weight * difference * inverse;
+                if (left_out(*rolled, DropOutput(x.output), x.sample)) {
+                  r[row] = 0;
+                  fill(row++, [](Term) { return 0.0; });
+                  continue;
+                }
+                r[row] = difference * inverse;
                 fill(row++, [&](Term term) {
                   const int slot = slot_of(term);
-                  const double slope = slot < 0 ? s.rate[std::size_t(x.output)] : s.slope[std::size_t(x.output)][slot];
-                  const double apart = e.jump ? (slot < 0 ? 1 : -e.jump->d[slot]) : 0;  // d(t - t*)/d(term)
-                  return (e.weight * slope + difference * e.slope * apart) * inverse;
+                  return inverse * (slot < 0 ? s.rate[std::size_t(x.output)] : s.slope[std::size_t(x.output)][slot]);
                 });
               }
               for (const Prior& p : priors) {
@@ -151,15 +153,17 @@ class DropModel {
       const auto k = std::size_t(o);
       const std::vector<double>& measured = drop_.log.output[k];
       if (measured.empty()) continue;
-      out.value[k].assign(measured.size(), kNaN), out.weight[k].assign(measured.size(), 0);
-      double sum = 0, weights = 0;
+      out.value[k].assign(measured.size(), kNaN), out.used[k].assign(measured.size(), false);
+      double sum = 0;
+      long n = 0;
       for (std::size_t i = first_; i < measured.size(); ++i) {
         if (!std::isfinite(measured[i])) continue;
         out.value[k][i] = rolled->rollout.samples[i - first_].value[k];
-        const double w = out.weight[k][i] = edge(*rolled, DropOutput(o), i).weight;
-        sum += std::pow(w * (out.value[k][i] - measured[i]), 2), weights += w * w;
+        if (left_out(*rolled, DropOutput(o), i)) continue;
+        out.used[k][i] = true;
+        sum += std::pow(out.value[k][i] - measured[i], 2), ++n;
       }
-      if (weights > 0) out.rms[k] = std::sqrt(sum / weights);
+      if (n > 0) out.rms[k] = std::sqrt(sum / double(n));
     }
     SimulateOptions to_the_end = options_;
     to_the_end.rest = SimulateOptions::Rest::kIgnore;
@@ -190,12 +194,6 @@ class DropModel {
     Rolled rolled;
     bool complete = false;
   };
-  /// The weight of a sample and its slope by t - t*, the distance from the nearest jump.
-  struct Edge {
-    double weight = 1, slope = 0;
-    const DropJump* jump = nullptr;
-  };
-
   const Rolled* recall(Memory& m, const double* shared, const double* own, std::size_t end) const {
     std::vector<double> point(shared, shared + layout_.shared.size());
     point.insert(point.end(), own, own + layout_.own.size());
@@ -227,15 +225,13 @@ class DropModel {
     return out.rollout.complete;
   }
 
-  Edge edge(const Rolled& rolled, DropOutput o, std::size_t i) const {
-    const std::vector<DropJump>& jumps = rolled.rollout.jumps;
+  /// True within a sampling interval of a jump.
+  bool left_out(const Rolled& rolled, DropOutput o, std::size_t i) const {
+    if (!landing::jumps(o)) return false;
+    const std::vector<double>& jumps = rolled.rollout.jumps;
     const double width = interval_[std::size_t(o)], t = drop_.log.t[i] + rolled.shift;
-    if (!landing::jumps(o) || jumps.empty() || width == 0) return {};
-    auto nearest = std::lower_bound(jumps.begin(), jumps.end(), t, [](const DropJump& j, double x) { return j.t < x; });
-    if (nearest == jumps.end() || (nearest != jumps.begin() && t - std::prev(nearest)->t < nearest->t - t)) --nearest;
-    const double x = (t - nearest->t) / width, d = std::abs(x);
-    if (d >= 1) return {};
-    return {d * d * (3 - 2 * d), std::copysign(6 * d * (1 - d) / width, x), &*nearest};
+    const auto next = std::lower_bound(jumps.begin(), jumps.end(), t - width);
+    return next != jumps.end() && *next <= t + width;
   }
 
   const Scene& scene_;
@@ -268,10 +264,11 @@ PerOutput noise_of(const std::vector<LoggedDrop>& drops) {
 PerOutput rms_of(const std::vector<DropResult>& drops) {
   PerOutput out;
   for (std::size_t o = 0; o < kOutputs; ++o) {
-    double sum = 0, weights = 0;
+    double sum = 0, n = 0;
     for (const DropResult& d : drops)
-      for (const double w : d.weight[o]) weights += w * w, sum += w * w * d.rms[o] * d.rms[o];
-    out[o] = weights > 0 ? std::sqrt(sum / weights) : kNaN;
+      for (const bool used : d.used[o])
+        if (used) n += 1, sum += d.rms[o] * d.rms[o];
+    out[o] = n > 0 ? std::sqrt(sum / n) : kNaN;
   }
   return out;
 }

@@ -1,14 +1,14 @@
 // Calibration: the floor's constants and the pitch that make simulated drops meet the logs of measured ones,
 //
-//     min sum_d sum_o sum_n ( w_dn (sim_do(t_n + s_d) - meas_do(n)) / sigma_o )^2  +  priors,
+//     min sum_d sum_o sum_n ( (sim_do(t_n + s_d) - meas_do(n)) / sigma_o )^2  +  priors,
 //
 // over U = [K_f C_fy C_fx phi_0], with exact derivatives through the touchdowns (landing/drop_rollout.hpp) and
 // identify's bounded least squares. sigma_o is the noise of output o, so that accelerations and poses mix.
 //
-// ddr_0 jumps where a point touches or leaves the floor: within a sampling interval of such a time a sample of it
-// tells nothing but on which side it fell. There its weight w falls to 0 (3 x^2 - 2 x^3 of the distance in intervals),
-// with the derivative of w counted: the cost stays smooth while a simulated touchdown passes over a sample. A robust
-// loss would leave that step in the cost.
+// ddr_0 jumps where a point touches or leaves the floor: a sample of it within one sampling interval of such a
+// simulated time is left out, for it tells little but on which side it fell, and its residual jumps as the time passes
+// over it. A weight that falls to 0 smoothly, its slope counted, was tried and claims information about weak contacts
+// that is not there (mean square of the standardised errors 1.8 instead of 1.3).
 //
 // No printing, no files: tools/calibrate.cpp is the verb. Tests: test/regression/calibrate.cpp.
 #pragma once
@@ -84,10 +84,10 @@ inline constexpr double kPitchSize = 0.17453292519943295;
 /// One drop, simulated beside its log.
 struct DropResult {
   std::string file;
-  bool simulated = false;                                     ///< false: the run failed; nothing below holds
-  std::array<std::vector<double>, landing::kOutputs> value;   ///< as DropLog::output, NaN where not measured
-  std::array<std::vector<double>, landing::kOutputs> weight;  ///< w, 0..1
-  std::array<double, landing::kOutputs> rms{};                ///< of w (sim - meas), per sum of w^2; NaN: not measured
+  bool simulated = false;                                    ///< false: the run failed; nothing below holds
+  std::array<std::vector<double>, landing::kOutputs> value;  ///< as DropLog::output, NaN where not measured
+  std::array<std::vector<bool>, landing::kOutputs> used;     ///< false: not measured, or left out
+  std::array<double, landing::kOutputs> rms{};               ///< of sim - meas, where used; NaN: not measured
   double peak_measured = 0, peak_simulated = 0;  ///< largest |ddr_0| at the log's samples [m/s^2]; NaN: not measured
   double peak_between = 0;                       ///< the simulated one over all times up to the log's end [m/s^2]
 };
