@@ -68,16 +68,7 @@ Actuator read_actuator(const std::string& path) {
 }
 
 std::string to_toml(const Actuator& a, double half_width) {
-  // TOML takes UTF-8 without control characters; whatever else a file name holds becomes '?'.
-  const auto escape = [](const std::string& s) {
-    std::string out;
-    for (const char c : s) {
-      if (c == '"' || c == '\\') out += '\\';
-      out += static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126 ? '?' : c;
-    }
-    return out;
-  };
-  std::string t = fmt::format("[actuator]\nname = \"{}\"\n", escape(a.name));
+  std::string t = fmt::format("[actuator]\nname = \"{}\"\n", toml_text(a.name));
   const auto u = constants(a.sea);
   for (int i = 0; i < kConstants; ++i)
     t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
@@ -116,7 +107,7 @@ std::string to_toml(const Actuator& a, double half_width) {
   }
   if (!a.provenance.empty()) {
     t += "\n[provenance]\n";
-    for (const auto& [key, text] : a.provenance) t += fmt::format("\"{}\" = \"{}\"\n", escape(key), escape(text));
+    for (const auto& [key, text] : a.provenance) t += fmt::format("\"{}\" = \"{}\"\n", toml_text(key), toml_text(text));
   }
   return t;
 }

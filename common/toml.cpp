@@ -240,4 +240,13 @@ std::optional<std::string> TomlSection::optional_choice(const std::string& key,
   fail(key, quoted(*v) + ": one of " + all + " is needed");
 }
 
+std::string toml_text(const std::string& s) {
+  std::string out;
+  for (const char c : s) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126 ? '?' : c;
+  }
+  return out;
+}
+
 }  // namespace ukemi

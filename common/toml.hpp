@@ -84,4 +84,8 @@ class TomlSection {
   std::string name_;
 };
 
+/// A text for between the quotes of a TOML file: quotes and backslashes escaped, and '?' for whatever is no printable
+/// ASCII (TOML takes UTF-8 without control characters; a file name may hold anything).
+std::string toml_text(const std::string& s);
+
 }  // namespace ukemi

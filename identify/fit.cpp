@@ -28,6 +28,12 @@ void FitOptions::validate() const {
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
 }
 
+void set_error(Estimate& e, double variance, double half_width) {
+  if (!(variance >= 0 && std::isfinite(variance))) return;
+  e.std = std::sqrt(variance);
+  e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
+}
+
 namespace {
 
 TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const SeaParameters<double>& sea,
@@ -66,13 +72,6 @@ void warn_of_logs(const std::vector<Trial>& trials, std::vector<std::string>& wa
           "{}: a pulse of {} samples: below 8 the log loses part of the impulse and biases the fit", t.file, n));
 }
 
-/// Standard error and 95 % interval from a variance; none where it is not a number.
-void set_error(Estimate& e, double variance, double half_width) {
-  if (!(variance >= 0 && std::isfinite(variance))) return;
-  e.std = std::sqrt(variance);
-  e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
-}
-
 /// The constants as they are given, without errors.
 std::vector<Estimate> as_given(const SeaParameters<double>& sea, const std::array<bool, kConstants>& free) {
   std::vector<Estimate> out;
@@ -90,10 +89,7 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
   out.half_width = t_quantile_975(std::max(dof, 1l));
   const int G = layout.globals();
   out.covariance = s.global_covariance * variance;
-  out.correlation = Eigen::MatrixXd::Identity(G, G);
-  for (int i = 0; i < G; ++i)
-    for (int j = 0; j < G; ++j)
-      out.correlation(i, j) = out.covariance(i, j) / std::sqrt(out.covariance(i, i) * out.covariance(j, j));
+  out.correlation = correlation_of(out.covariance);
   out.eigenvalues = s.eigenvalues;
   const auto estimate = [&](int g) {
     const Parameter& p = problem.globals[std::size_t(g)];

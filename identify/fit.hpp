@@ -55,6 +55,9 @@ struct Estimate {
   int trial = -1;  ///< of a nuisance term that each trial has; -1: one for all
 };
 
+/// Standard error and 95 % interval from a variance; none where it is not a number.
+void set_error(Estimate& e, double variance, double half_width);
+
 struct TrialResult {
   std::string file;
   std::size_t samples = 0;

@@ -224,6 +224,11 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
+Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  return inverse.asDiagonal() * covariance * inverse.asDiagonal();
+}
+
 double t_quantile_975(long dof) {
   // Cornish-Fisher expansion of Student's t about the normal quantile; exact enough (1e-3) from 3 degrees of freedom
   // on.

@@ -7,16 +7,17 @@
 
 namespace ukemi::landing {
 
-/// Turns the first P of Parameter into scalars that carry derivatives. Constants of the floor and the actuator are
-/// differentiated by their share, so that the error control sees derivatives of one size.
+/// Turns P of Parameter, from `first` on, into scalars that carry derivatives. Constants of the floor and the actuator
+/// are differentiated by their share, so that the error control sees derivatives of one size.
 template <int P>
 class Seeds {
  public:
   using Jet = ceres::Jet<double, P>;
+  explicit Seeds(Parameter first) : first_(int(first)) {}
   Jet operator()(double x, Parameter which) {
-    const int i = int(which);
+    const int i = int(which) - first_;
     Jet seeded(x);
-    if (i >= P) return seeded;
+    if (i < 0 || i >= P) return seeded;
     unit_[i] = which >= Parameter::kStiffness && x != 0 ? std::abs(x) : 1;
     seeded.v[i] = unit_[i];
     return seeded;
@@ -40,10 +41,11 @@ class Seeds {
     s.i_motor = (*this)(sea.i_motor, Parameter::kIMotor);
     return s;
   }
-  /// What a derivative counts, by parameter.
+  /// What a derivative counts, by slot.
   const Eigen::Array<double, P, 1>& unit() const { return unit_; }
 
  private:
+  int first_;
   Eigen::Array<double, P, 1> unit_ = Eigen::Array<double, P, 1>::Ones();
 };
 

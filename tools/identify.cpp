@@ -12,21 +12,11 @@
 
 namespace ukemi::tools {
 
-namespace {
-
 std::vector<std::string> split(const std::string& list) {
   std::vector<std::string> out;
   std::stringstream s(list);
   for (std::string item; std::getline(s, item, ',');) out.push_back(item);
   return out;
-}
-
-std::size_t constant_index(const std::string& option, const std::string& name) {
-  const std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
-  for (std::size_t i = 0; i < known.size(); ++i)
-    if (known[i] == name) return i;
-  throw InputError(option + ": " + quoted(name) + ": one of k_p, k_d, k_sea, c_sea, i_motor is needed" +
-                   hint(name, known));
 }
 
 double to_number(const std::string& option, const std::string& text) {
@@ -37,6 +27,34 @@ double to_number(const std::string& option, const std::string& text) {
   } catch (const std::exception&) {
   }
   throw InputError(option + ": " + quoted(text) + ": a finite number is needed");
+}
+
+Json estimate_json(const identify::Estimate& e) {
+  Json j;
+  j["value"] = number(e.value);
+  j["std"] = number(e.std);
+  j["ci95"] = e.std ? Json{e.ci_low, e.ci_high} : Json(nullptr);
+  j["unit"] = e.unit;
+  j["at_bound"] = e.at_bound;
+  j["free"] = e.free;
+  return j;
+}
+
+std::string text_of(const identify::Estimate& e) {
+  if (!e.free) return fmt::format("{:.6g} (fixed)", e.value);
+  if (e.at_bound) return fmt::format("{:.6g} (at bound)", e.value);
+  if (!e.std) return fmt::format("{:.6g} (not determined)", e.value);
+  return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
+}
+
+namespace {
+
+std::size_t constant_index(const std::string& option, const std::string& name) {
+  const std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (known[i] == name) return i;
+  throw InputError(option + ": " + quoted(name) + ": one of k_p, k_d, k_sea, c_sea, i_motor is needed" +
+                   hint(name, known));
 }
 
 void parse_bounds(const std::string& option, const std::string& list, std::array<double, kConstants>& bounds) {
@@ -85,24 +103,6 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
     throw InputError("--weights: " + quoted(a.weights) + ": equal or trial is needed");
   o.validate();
   return o;
-}
-
-Json estimate_json(const identify::Estimate& e) {
-  Json j;
-  j["value"] = number(e.value);
-  j["std"] = number(e.std);
-  j["ci95"] = e.std ? Json{e.ci_low, e.ci_high} : Json(nullptr);
-  j["unit"] = e.unit;
-  j["at_bound"] = e.at_bound;
-  j["free"] = e.free;
-  return j;
-}
-
-std::string text_of(const identify::Estimate& e) {
-  if (!e.free) return fmt::format("{:.6g} (fixed)", e.value);
-  if (e.at_bound) return fmt::format("{:.6g} (at bound)", e.value);
-  if (!e.std) return fmt::format("{:.6g} (not determined)", e.value);
-  return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
 }
 
 std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, const identify::Fit& fit) {

@@ -26,7 +26,7 @@ namespace {
 
 /// Verbs that later versions bring: named, so that a script learns why.
 void add_later(CLI::App& app, Action& chosen) {
-  for (const char* name : {"risk", "atlas", "design", "calibrate"}) {
+  for (const char* name : {"risk", "atlas", "design"}) {
     CLI::App* verb = app.add_subcommand(name, "not in this version");
     verb->allow_extras();
     verb->callback([name, &chosen] {
@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   add_identify(app, chosen);
   add_simulate(app, chosen);
   add_optimize(app, chosen);
+  add_calibrate(app, chosen);
   add_compare(app, chosen);
   add_demo(app, chosen);
   add_map(app, chosen);

@@ -24,6 +24,7 @@ void add_common(CLI::App& verb, CommonOptions& options);
 void add_identify(CLI::App& app, Action& chosen);  // identify, predict
 void add_simulate(CLI::App& app, Action& chosen);
 void add_optimize(CLI::App& app, Action& chosen);
+void add_calibrate(CLI::App& app, Action& chosen);
 void add_compare(CLI::App& app, Action& chosen);
 void add_demo(CLI::App& app, Action& chosen);
 void add_map(CLI::App& app, Action& chosen);
@@ -69,6 +70,12 @@ Json motion_json(const landing::Motion& motion);
 Json contacts_json(const landing::Landing& landing);
 Json peaks_json(const landing::Landing& landing);
 std::string order_of(const landing::Landing& landing);  ///< "foot, knee, hip"; chatter left out
+
+/// What the verbs that fit share: lists and numbers of their options, and estimates in words and JSON.
+std::vector<std::string> split(const std::string& list);  ///< at commas
+double to_number(const std::string& option, const std::string& text);
+Json estimate_json(const identify::Estimate& estimate);
+std::string text_of(const identify::Estimate& estimate);
 
 inline constexpr double kDegrees = 57.29577951308232;
 

@@ -1,0 +1,183 @@
+// ukemi calibrate: the contract for scripts, and what it refuses.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "test/cli/program.hpp"
+
+using namespace cli;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kFolder = dataset("drops/"), kTable2 = dataset("actuators/table2.toml"),
+                  kGuess = kFolder + "first_guess.toml", kHold = kFolder + "hold.toml", kBend = kFolder + "bend.toml",
+                  kDrop1 = kFolder + "drop_1.csv";
+const Arguments kOut = {"-o", "out"};
+const Arguments kOne = {"calibrate", kDrop1, "--scene", kGuess, "--actuator", kTable2, "--motion", kHold};
+const Arguments kAll = {"calibrate",
+                        kDrop1,
+                        kFolder + "drop_2.csv",
+                        kFolder + "drop_3.csv",
+                        "--scene",
+                        kGuess,
+                        "--actuator",
+                        kTable2,
+                        "--motion",
+                        kHold,
+                        "--motion-of",
+                        "drop_3=" + kBend,
+                        "--motion-of",
+                        "validation=" + kBend,
+                        "--height-of",
+                        "drop_2=0.25",
+                        "--height-of",
+                        "validation.csv=0.32",
+                        "--validate",
+                        kFolder + "validation.csv"};
+
+void check_refused(const Folder& folder, const Arguments& arguments, const std::vector<std::string>& texts) {
+  const auto before = folder.content();
+  const Result r = run(arguments, folder.at(""));
+  INFO("stderr: " << r.err);
+  CHECK(r.code == 2);
+  CHECK(r.out == "");
+  for (const std::string& t : texts) CHECK_THAT(r.err, Contains(t));
+  const bool nothing_written = folder.content() == before;
+  CHECK(nothing_written);
+}
+void check_log(const std::string& bytes, const std::vector<std::string>& texts) {
+  const Folder f;
+  f.write("drop.csv", bytes);
+  check_refused(
+      f, Arguments{"calibrate", "drop.csv", "--scene", kGuess, "--actuator", kTable2, "--motion", kHold} + kOut, texts);
+}
+void check_options(const Arguments& options, const std::vector<std::string>& texts) {
+  check_refused(Folder(), kOne + kOut + options, texts);
+}
+
+}  // namespace
+
+TEST_CASE("calibrate writes its files and keys, and every verb reads the scene that it wrote") {
+  const Folder f;
+  const Result r = run(kAll + kOut + Arguments{"--strict"}, f.at(""));
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  for (const char* name : {"scene.toml", "fit.csv", "validation.csv", "summary.json", "report.html"})
+    CHECK(fs::exists(f.at(std::string("out/") + name)));
+  const Json s = Json::parse(read(f.at("out/summary.json")));
+  const std::vector<std::pair<std::string, double>> truth = {
+      {"stiffness", 6000}, {"damping_normal", 110}, {"damping_tangential", 40}, {"pitch", -8 * 0.017453292519943295}};
+  for (const auto& [name, value] : truth) {
+    INFO(name);
+    CHECK_THAT(r.out, Contains(name));
+    const Json& p = s["parameters"][name];
+    CHECK(std::abs(p["value"].get<double>() - value) < 4 * p["std"].get<double>());
+    CHECK(p["ci95"].size() == 2);
+    CHECK(p["at_bound"] == false);
+    CHECK(p["free"] == true);
+    CHECK(p["verdict"] == "trusted");
+  }
+  CHECK(s["parameters"]["pitch"]["unit"] == "rad");
+  CHECK(s["converged"] == true);
+  CHECK(s["trusted"] == true);
+  CHECK(s["correlation"].size() == 4);
+  CHECK(s["warnings"].empty());
+  CHECK(s["drops"].size() == 3);
+  CHECK(s["outputs"]["acc"]["rms"].get<double>() == Approx(2).epsilon(0.03));
+  CHECK(s["outputs"]["acc"]["noise"].get<double>() == Approx(2).epsilon(0.2));
+  CHECK(s["outputs"]["phi_0"]["unit"] == "rad");
+  const Json& v = s["validation"]["drops"][0];
+  CHECK(v["rms"]["acc"].get<double>() == Approx(2).epsilon(0.06));
+  CHECK(v["peak_simulated"].get<double>() == Approx(v["peak_measured"].get<double>()).margin(8));
+  CHECK(v["peak_between_samples"].get<double>() > v["peak_simulated"].get<double>());
+
+  std::istringstream csv(read(f.at("out/fit.csv")));
+  std::string line;
+  while (std::getline(csv, line) && line[0] == '#') continue;
+  CHECK(line == "drop,t,output,measured,simulated,residual,used");
+  long rows = 0;
+  for (; std::getline(csv, line); ++rows)
+    if (rows == 0) CHECK_THAT(line, Contains("1,0,acc,7.74,9.81,"));
+  CHECK(rows == 3 * 4 * 1001);
+
+  const std::string scene = read(f.at("out/scene.toml"));
+  CHECK_THAT(scene,
+             Contains("source = \"calibrated from drop logs by ukemi\"") && Contains("± ") && Contains("trusted"));
+  const Result again =
+      run({"simulate", "out/scene.toml", "--actuator", kTable2, "--motion", kHold, "-o", "sim"}, f.at(""));
+  CHECK(again.code == 0);
+  const Result search =
+      run({"optimize", "out/scene.toml", "--actuator", kTable2, "--evaluations", "50", "-o", "opt"}, f.at(""));
+  CHECK(search.code == 0);
+}
+
+TEST_CASE("calibrate: the same bytes again, JSON on stdout, no report where none is asked for") {
+  const Folder f;
+  const Arguments quick = {"--json", "--no-report", "--quiet"};
+  const Result a = run(kOne + quick + Arguments{"-o", "a"}, f.at("")),
+               b = run(kOne + quick + Arguments{"-o", "b"}, f.at(""));
+  REQUIRE(a.code == b.code);
+  CHECK_FALSE(fs::exists(f.at("a/report.html")));
+  Json x = Json::parse(a.out), y = Json::parse(b.out);
+  for (Json* j : {&x, &y}) j->erase("provenance"), j->erase("time_s");
+  CHECK(x == y);
+}
+
+TEST_CASE("calibrate --strict: exit 1 where a constant is not trusted, with every file written") {
+  const Folder f;
+  f.write("short.csv",
+          "t_ms,acc_g\n284,1.0\n285,1.01\n286,26\n287,23\n288,20\n289,18\n290,16.5\n291,15\n292,14\n293,13\n");
+  const Arguments command = {"calibrate", "short.csv", "--scene", kGuess, "--actuator", kTable2, "--motion", kHold};
+  const Arguments lenient = {"--free", "stiffness", "-o", "lenient"};
+  CHECK(run(command + lenient, f.at("")).code == 0);
+  const Json s = Json::parse(read(f.at("lenient/summary.json")));
+  CHECK(s["parameters"]["stiffness"]["free"] == true);
+  CHECK(s["parameters"]["damping_normal"]["verdict"] == "fixed");
+  const Result r = run(command + Arguments{"--strict", "-o", "strict"}, f.at(""));
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("warning"));
+  CHECK(Json::parse(read(f.at("strict/summary.json")))["trusted"] == false);
+}
+
+TEST_CASE("calibrate refuses malformed logs with file, line and column") {
+  SECTION("no time") { check_log("time,acc\n0,1\n1,2\n", {"drop.csv:1: ", "no column 't'"}); }
+  SECTION("no output") { check_log("t,accel\n0,1\n1,2\n", {"drop.csv:1: ", "no measured output", "\"accel\""}); }
+  SECTION("text") { check_log("t,acc\n0,1\n1,x\n", {"drop.csv:3:3: ", "'acc'", "a number is needed"}); }
+  SECTION("time backwards") { check_log("t,acc\n0,1\n2,1\n1,1\n", {"drop.csv:4:1: ", "time must increase"}); }
+  SECTION("empty time") { check_log("t,acc\n0,1\n,1\n1,1\n", {"drop.csv:3:1: ", "'t'", "empty"}); }
+  SECTION("one unit twice") { check_log("t,acc,acc_g\n0,1,1\n1,1,1\n", {"drop.csv:1:7: ", "another unit"}); }
+  SECTION("degrees") { check_log("t,phi_0\n0,-10\n1,1\n", {"drop.csv:2:3: ", "2 pi", "phi_0_deg"}); }
+  SECTION("before the release") { check_log("t,acc\n-2,1\n-1,1\n0,1\n", {"drop.csv:4: ", "from the release"}); }
+  SECTION("before the touchdown") {
+    check_log("t,acc\n0,9.8\n0.1,9.8\n", {"drop.csv: ", "before the first touchdown"});
+  }
+  SECTION("nothing measured") { check_log("t,acc\n0,\n1,\n", {"drop.csv: ", "no measured value"}); }
+}
+
+TEST_CASE("calibrate refuses bad options") {
+  check_options({"--free", "stifness"}, {"--free: 'stifness': ", "\"stiffness\""});
+  check_options({"--free", "pitch,pitch"}, {"--free: 'pitch': ", "twice"});
+  check_options({"--nuisance", "friction"}, {"--nuisance: 'friction': ", "time_shift"});
+  check_options({"--nuisance", "pitch_offset"}, {"pitch and pitch_offset", "not both"});
+  check_options({"--lower", "stiffness"}, {"--lower: 'stiffness': ", "NAME=VALUE"});
+  check_options({"--lower", "stiffness=-1"}, {"lower bound of stiffness: -1: ", "at least 0"});
+  check_options({"--lower", "stiffness_deg=1"}, {"--lower: 'stiffness_deg': "});
+  check_options({"--upper", "pitch_deg=-190"}, {"bounds of pitch: ", "lower < upper"});
+  check_options({"--prior", "pitch_deg=10"}, {"--prior: 'pitch_deg=10': ", "NAME=VALUE:STD"});
+  check_options({"--prior", "pitch_deg=10:0"}, {"prior of pitch: 0: ", "above 0"});
+  check_options({"--prior", "time_shift=0:1e-3"}, {"--prior: 'time_shift': ", "not fitted"});
+  check_options({"--motion-of", "drop_9=x.toml"}, {"--motion-of: 'drop_9': ", "no such drop"});
+  check_options({"--height-of", "drop_1=-1"}, {"--height-of: '-1': ", "at least 0"});
+  check_options({"--speed-of", "drop_1=fast"}, {"--speed-of: 'fast': ", "a finite number"});
+  check_options({"--accuracy", "1"}, {"accuracy: 1: "});
+  check_options({"--validate", "nowhere.csv"}, {"nowhere.csv"});
+  check_refused(Folder(), Arguments{"calibrate", kDrop1, "--scene", kGuess, "--actuator", kTable2} + kOut,
+                {"no motion: give --motion"});
+  const Folder f;
+  f.write("scene.toml", read(kGuess).substr(0, read(kGuess).find("[floor]")) + "[drop]\nheight = 0.4\npitch_deg = 0\n");
+  check_refused(
+      f, Arguments{"calibrate", kDrop1, "--scene", "scene.toml", "--actuator", kTable2, "--motion", kHold} + kOut,
+      {"no [floor]"});
+}

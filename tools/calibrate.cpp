@@ -1,0 +1,404 @@
+// ukemi calibrate.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "common/error.hpp"
+#include "landing/scene_file.hpp"
+#include "tools/calibration.hpp"
+#include "tools/report.hpp"
+#include "tools/verbs.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+struct CalibrateArguments {
+  std::vector<std::string> drops, validate, motion_of, height_of, speed_of, priors;
+  std::string scene, actuator, motion, free, nuisance, lower, upper;
+  double accuracy = 1e-9;
+  enum class Doubt { kReport, kFail } doubt = Doubt::kReport;
+};
+
+/// NAME=VALUE.
+std::pair<std::string, std::string> assignment(const std::string& option, const std::string& item) {
+  const std::size_t equals = item.rfind('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == item.size())
+    throw InputError(option + ": " + quoted(item) + ": NAME=VALUE is needed");
+  return {item.substr(0, equals), item.substr(equals + 1)};
+}
+
+/// A term among [first, last), and the unit that its name asks for: a pitch may be given as pitch_deg.
+struct Named {
+  Term term;
+  double unit = 1;
+};
+Named named(const std::string& option, const std::string& text, int first, int last) {
+  std::vector<std::string> known(kTermNames.begin() + first, kTermNames.begin() + last);
+  const bool degrees = text.size() > 4 && text.compare(text.size() - 4, 4, "_deg") == 0;
+  const std::string name = degrees ? text.substr(0, text.size() - 4) : text;
+  for (int k = first; k < last; ++k)
+    if (name == kTermNames[std::size_t(k)] && (!degrees || std::string(kTermUnits[std::size_t(k)]) == "rad"))
+      return {Term{k}, degrees ? 1 / kDegrees : 1};
+  std::string list;
+  for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+  throw InputError(option + ": " + quoted(text) + ": one of " + list + " is needed" + hint(text, known));
+}
+
+CalibrationOptions calibration_options(const CalibrateArguments& a, const CommonOptions& common) {
+  CalibrationOptions o;
+  o.seed = common.seed;
+  o.accuracy = a.accuracy;
+  const auto terms = [](const std::string& option, const std::string& list, int first, int last) {
+    std::vector<Term> out;
+    for (const std::string& item : split(list)) {
+      const Term t = named(option, item, first, last).term;
+      if (std::find(out.begin(), out.end(), t) != out.end())
+        throw InputError(option + ": " + quoted(item) + ": named twice");
+      out.push_back(t);
+    }
+    return out;
+  };
+  if (!a.free.empty()) o.free = terms("--free", a.free, 0, kCalibrated);
+  o.nuisance = terms("--nuisance", a.nuisance, kCalibrated, kTerms);
+  const auto bounds = [](const std::string& option, const std::string& list, std::array<double, kCalibrated>& to) {
+    for (const std::string& item : split(list)) {
+      const auto [name, value] = assignment(option, item);
+      const Named n = named(option, name, 0, kCalibrated);
+      to[std::size_t(n.term)] = to_number(option, value) * n.unit;
+    }
+  };
+  bounds("--lower", a.lower, o.lower);
+  bounds("--upper", a.upper, o.upper);
+  for (const std::string& item : a.priors) {
+    const auto [name, rule] = assignment("--prior", item);
+    const std::size_t colon = rule.find(':');
+    if (colon == std::string::npos) throw InputError("--prior: " + quoted(item) + ": NAME=VALUE:STD is needed");
+    const Named n = named("--prior", name, 0, kTerms);
+    if (std::find(o.free.begin(), o.free.end(), n.term) == o.free.end() &&
+        std::find(o.nuisance.begin(), o.nuisance.end(), n.term) == o.nuisance.end())
+      throw InputError("--prior: " + quoted(name) + ": it is not fitted, see --free and --nuisance");
+    o.priors.push_back({n.term, to_number("--prior", rule.substr(0, colon)) * n.unit,
+                        to_number("--prior", rule.substr(colon + 1)) * n.unit});
+  }
+  o.validate();
+  return o;
+}
+
+/// The logs with how each was played and thrown. Options that name a drop do so by its path, file name or stem.
+class Throws {
+ public:
+  Throws(const CalibrateArguments& a, const Scene& scene, Run& run) : arguments_(a), scene_(scene), run_(run) {
+    if (!a.motion.empty()) {
+      motion_ = read_motion(a.motion);
+      run.input(a.motion);
+    }
+    const auto collect = [&](const std::string& option, const std::vector<std::string>& items,
+                             std::vector<std::pair<std::string, std::string>>& to) {
+      for (const std::string& item : items) {
+        to.push_back(assignment(option, item));
+        const std::string& drop = to.back().first;
+        const auto any = [&](const std::vector<std::string>& paths) {
+          return std::any_of(paths.begin(), paths.end(), [&](const std::string& p) { return names(drop, p); });
+        };
+        if (!any(a.drops) && !any(a.validate))
+          throw InputError(option + ": " + quoted(drop) + ": no such drop is given");
+      }
+    };
+    collect("--motion-of", a.motion_of, motions_);
+    collect("--height-of", a.height_of, heights_);
+    collect("--speed-of", a.speed_of, speeds_);
+  }
+
+  std::vector<LoggedDrop> read(const std::vector<std::string>& paths) const {
+    std::vector<LoggedDrop> out;
+    for (const std::string& path : paths) {
+      run_.input(path);
+      LoggedDrop d{.log = read_drop(path), .motion = {}, .thrown = scene_.drop};
+      if (const std::string* file = given(motions_, path)) {
+        d.motion = read_motion(*file);
+        run_.input(*file);
+      } else if (motion_) {
+        d.motion = *motion_;
+      } else {
+        throw InputError(quoted(path) + ": no motion: give --motion, or --motion-of for this drop");
+      }
+      if (const std::string* h = given(heights_, path)) {
+        d.thrown.height = to_number("--height-of", *h);
+        if (!(d.thrown.height >= 0)) throw InputError("--height-of: " + quoted(*h) + ": at least 0 m is needed");
+      }
+      if (const std::string* v = given(speeds_, path)) d.thrown.forward_speed = to_number("--speed-of", *v);
+      if (d.log.before_release > 0)
+        run_.warn(fmt::format("{}: {} rows before the release (t < 0) are left out", path, d.log.before_release));
+      out.push_back(std::move(d));
+    }
+    return out;
+  }
+
+ private:
+  using Assignments = std::vector<std::pair<std::string, std::string>>;
+  static bool names(const std::string& drop, const std::string& path) {
+    const std::filesystem::path p(path);
+    return drop == path || drop == p.filename().string() || drop == p.stem().string();
+  }
+  static const std::string* given(const Assignments& list, const std::string& path) {
+    for (const auto& [drop, value] : list)
+      if (names(drop, path)) return &value;
+    return nullptr;
+  }
+
+  const CalibrateArguments& arguments_;
+  const Scene& scene_;
+  Run& run_;
+  std::optional<Motion> motion_;
+  Assignments motions_, heights_, speeds_;
+};
+
+/// Value, standard error and unit; an angle in degrees too.
+std::string words(const identify::Estimate& e) {
+  std::string text = text_of(e) + " " + e.unit;
+  if (e.unit == "rad" && std::isfinite(e.value))
+    text += e.std ? fmt::format(" ({:.5g} ± {:.2g} deg)", e.value * kDegrees, *e.std * kDegrees)
+                  : fmt::format(" ({:.5g} deg)", e.value * kDegrees);
+  return text;
+}
+
+std::string samples_csv(const Run& run, const std::vector<LoggedDrop>& drops, const std::vector<DropResult>& results) {
+  CsvWriter csv = run.csv();
+  csv.comment(
+      "residual = simulated - measured; drop counts from 1; t as in the log; used 0: left out, an acceleration "
+      "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.");
+  csv.header({"drop", "t", "output", "measured", "simulated", "residual", "used"});
+  for (std::size_t m = 0; m < drops.size(); ++m)
+    for (std::size_t o = 0; o < kOutputs; ++o)
+      for (std::size_t i = 0; i < results[m].value[o].size(); ++i) {
+        const double measured = drops[m].log.output[o][i], simulated = results[m].value[o][i];
+        if (!std::isfinite(measured) || !std::isfinite(simulated)) continue;
+        csv.cell(long(m + 1)).cell(drops[m].log.t[i]).cell(kOutputNames[o]).cell(measured).cell(simulated);
+        csv.cell(simulated - measured).cell(int(results[m].used[o][i]));
+        csv.end_row();
+      }
+  return csv.text();
+}
+
+Json drops_json(const Calibration& c) {
+  Json out = Json::array();
+  for (const DropResult& d : c.drops) {
+    Json j{{"file", d.file}, {"simulated", d.simulated}};
+    for (std::size_t o = 0; o < kOutputs; ++o)
+      if (std::isfinite(c.noise[o])) j["rms"][kOutputNames[o]] = number(d.rms[o]);
+    j["peak_measured"] = number(d.peak_measured);
+    j["peak_simulated"] = number(d.peak_simulated);
+    j["peak_between_samples"] = number(d.peak_between);
+    out.push_back(j);
+  }
+  return out;
+}
+Json outputs_json(const Calibration& c) {
+  Json out;
+  for (std::size_t o = 0; o < kOutputs; ++o)
+    if (std::isfinite(c.noise[o]))
+      out[kOutputNames[o]] = {{"rms", number(c.rms[o])}, {"noise", number(c.noise[o])}, {"unit", kOutputUnits[o]}};
+  return out;
+}
+Json nuisance_json(const Calibration& c) {
+  Json out = Json::object();
+  for (const auto& e : c.nuisance) out[e.name].push_back(estimate_json(e));
+  return out;
+}
+
+void say_drops(const Run& run, const Calibration& c) {
+  for (const DropResult& d : c.drops) {
+    std::string text = d.file + ":";
+    for (std::size_t o = 0; o < kOutputs; ++o)
+      if (std::isfinite(d.rms[o]))
+        text +=
+            fmt::format(" {} rms {:.3g} {} (noise {:.3g});", kOutputNames[o], d.rms[o], kOutputUnits[o], c.noise[o]);
+    if (std::isfinite(d.peak_measured))
+      text += fmt::format(" peak {:.4g} measured, {:.4g} simulated m/s^2 at the samples, {:.4g} between them",
+                          d.peak_measured, d.peak_simulated, d.peak_between);
+    run.say(text);
+  }
+}
+
+void report_drops(Report& report, const std::vector<LoggedDrop>& drops, const Calibration& c) {
+  std::vector<std::vector<std::string>> rows;
+  for (const DropResult& d : c.drops) {
+    std::string rms;
+    for (std::size_t o = 0; o < kOutputs; ++o)
+      if (std::isfinite(d.rms[o]))
+        rms += fmt::format("{} {:.3g} / {:.3g} {}; ", kOutputNames[o], d.rms[o], c.noise[o], kOutputUnits[o]);
+    const auto peak = [](double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : std::string(); };
+    rows.push_back({d.file, rms, peak(d.peak_measured), peak(d.peak_simulated), peak(d.peak_between)});
+  }
+  report.table({"drop", "residual rms / the logs' noise", "peak measured [m/s²]", "simulated at the samples",
+                "and between them"},
+               rows);
+  for (std::size_t m = 0; m < drops.size() && m < 12; ++m)
+    for (std::size_t o = 0; o < kOutputs; ++o) {
+      if (c.drops[m].value[o].empty()) continue;
+      report.paragraph(drops[m].log.file + ": " + kOutputNames[o]);
+      report.plot(
+          "t [s]", fmt::format("{} [{}]", kOutputNames[o], kOutputUnits[o]),
+          {{"measured", drops[m].log.t, drops[m].log.output[o]}, {"simulated", drops[m].log.t, c.drops[m].value[o]}});
+    }
+}
+
+std::string scene_toml(const Run& run, const Calibration& c) {
+  std::string comments = run.provenance_text();
+  for (std::size_t k = 0; k < c.parameters.size(); ++k)
+    comments += fmt::format("{}: {}: {}\n", c.parameters[k].name, words(c.parameters[k]), name(c.verdicts[k]));
+  if (!c.converged) comments += "not converged: these constants are not a minimum\n";
+  return to_toml(c.scene, comments);
+}
+
+std::string report_html(const Run& run, const std::vector<LoggedDrop>& drops, const Calibration& c,
+                        const std::vector<LoggedDrop>& unseen, const Calibration* validation) {
+  Report report("Calibration");
+  report.paragraph(c.converged ? "Done." : "Not converged: " + c.message);
+  report.list(run.warnings());
+  report.heading("Constants");
+  std::vector<std::vector<std::string>> rows;
+  const auto interval = [](const identify::Estimate& e) {
+    return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : std::string();
+  };
+  for (std::size_t k = 0; k < c.parameters.size(); ++k) {
+    const auto& e = c.parameters[k];
+    rows.push_back({e.name, words(e), interval(e), name(c.verdicts[k])});
+  }
+  for (const auto& e : c.nuisance)
+    rows.push_back({fmt::format("{} (drop {})", e.name, e.trial + 1), words(e), interval(e), ""});
+  report.table({"constant", "value ± standard error", "95 % interval", "verdict"}, rows);
+  if (c.correlation.rows() > 1) {
+    report.heading("Correlations");
+    rows.clear();
+    std::vector<std::string> header = {""};
+    header.insert(header.end(), c.fitted.begin(), c.fitted.end());
+    for (long i = 0; i < c.correlation.rows(); ++i) {
+      rows.push_back({c.fitted[std::size_t(i)]});
+      for (long j = 0; j < c.correlation.cols(); ++j) rows.back().push_back(fmt::format("{:.3f}", c.correlation(i, j)));
+    }
+    report.table(header, rows);
+  }
+  if (validation) {
+    report.heading("Validation: drops that were not fitted");
+    report_drops(report, unseen, *validation);
+  }
+  report.heading("Fitted drops");
+  report_drops(report, drops, c);
+  return report.html(run.provenance());
+}
+
+int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
+  Run run("calibrate", common);
+  const CalibrationOptions options = calibration_options(a, common);
+  const Scene scene = read_scene(a.scene);
+  const Actuator actuator = read_actuator(a.actuator);
+  run.input(a.scene), run.input(a.actuator);
+  const Throws throws(a, scene, run);
+  const std::vector<LoggedDrop> drops = throws.read(a.drops), unseen = throws.read(a.validate);
+
+  run.info(fmt::format("fitting {} drops", drops.size()));
+  Calibration c = calibrate(scene, actuator.sea, drops, options);
+  c.scene.floor_source = "calibrated from drop logs by ukemi";
+  for (const std::string& w : c.warnings) run.warn(w);
+  if (!c.converged)
+    run.warn("not converged: " + c.message + "; try another start in the scene, --prior, or fewer --free constants");
+  std::optional<Calibration> validation;
+  if (!unseen.empty()) {
+    validation = validate(c.scene, actuator.sea, unseen, options);
+    for (const std::string& w : validation->warnings) run.warn("validation: " + w);
+    if (!validation->converged) run.warn("validation: " + validation->message);
+  }
+
+  Json summary;
+  for (std::size_t k = 0; k < c.parameters.size(); ++k) {
+    const auto& e = c.parameters[k];
+    Json j = estimate_json(e);
+    j["verdict"] = name(c.verdicts[k]);
+    summary["parameters"][e.name] = j;
+    run.say(fmt::format("{:18} {:50} {}", e.name, words(e), name(c.verdicts[k])));
+  }
+  for (const auto& e : c.nuisance)
+    run.say(fmt::format("{:18} {}", fmt::format("{}[{}]", e.name, e.trial + 1), words(e)));
+  summary["nuisance"] = nuisance_json(c);
+  summary["cost"] = number(c.cost);
+  summary["converged"] = c.converged;
+  summary["trusted"] = c.trusted();
+  summary["iterations"] = c.iterations;
+  summary["starts"] = c.starts;
+  summary["fitted"] = c.fitted;
+  summary["correlation"] = Json::array();
+  for (long i = 0; i < c.correlation.rows(); ++i) {
+    Json line = Json::array();
+    for (long j = 0; j < c.correlation.cols(); ++j) line.push_back(number(c.correlation(i, j)));
+    summary["correlation"].push_back(line);
+  }
+  summary["eigenvalues"] = std::vector<double>(c.eigenvalues.begin(), c.eigenvalues.end());
+  summary["outputs"] = outputs_json(c);
+  summary["drops"] = drops_json(c);
+  say_drops(run, c);
+  if (validation) {
+    summary["validation"] = {{"outputs", outputs_json(*validation)},
+                             {"nuisance", nuisance_json(*validation)},
+                             {"drops", drops_json(*validation)}};
+    run.say("not fitted:");
+    say_drops(run, *validation);
+    run.add("validation.csv", samples_csv(run, unseen, validation->drops));
+  }
+  run.add("scene.toml", scene_toml(run, c));
+  run.add("fit.csv", samples_csv(run, drops, c.drops));
+  run.add("report.html", report_html(run, drops, c, unseen, validation ? &*validation : nullptr));
+  const bool failed = !c.converged || (validation && !validation->converged);
+  return run.finish(summary,
+                    failed || (a.doubt == CalibrateArguments::Doubt::kFail && !c.trusted()) ? kNumbers : kDone);
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Action& chosen) {
+  auto args = std::make_shared<CalibrateArguments>();
+  auto common = std::make_shared<CommonOptions>();
+  CLI::App* verb = app.add_subcommand("calibrate", "fit the floor's constants and the pitch to logs of drops");
+  verb->add_option("DROP", args->drops,
+                   "drop logs (CSV: t [s] from release; any of acc, ax, ay [m/s^2], x_0, y_0 [m], phi_0 [rad] of the "
+                   "thigh's centre of mass; _ms, _g, _mm, _deg convert)")
+      ->required();
+  verb->add_option("--scene", args->scene, "scene file (TOML): the robot, the drop, the constants to start from")
+      ->required();
+  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option("--motion", args->motion, "motion file (TOML) that every drop played");
+  verb->add_option("--motion-of", args->motion_of, "DROP=MOTION.toml: another motion for one drop")
+      ->expected(1)
+      ->take_all();
+  verb->add_option("--height-of", args->height_of, "DROP=H: another height for one drop [m]")->expected(1)->take_all();
+  verb->add_option("--speed-of", args->speed_of, "DROP=V: another forward speed for one drop [m/s]")
+      ->expected(1)
+      ->take_all();
+  verb->add_option("--free", args->free,
+                   "constants that are fitted [stiffness,damping_normal,damping_tangential,pitch]");
+  verb->add_option("--nuisance", args->nuisance,
+                   "fitted along, each drop its own: time_shift, height_offset, speed_offset, pitch_offset");
+  verb->add_option("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand")
+      ->expected(1)
+      ->take_all();
+  verb->add_option("--lower", args->lower, "stiffness=1000,pitch_deg=-20,...: lower bounds [0; pitch: -180 deg]");
+  verb->add_option("--upper", args->upper, "upper bounds [none; pitch: 180 deg]");
+  verb->add_option("--validate", args->validate, "drop logs that are not fitted: measured against simulated");
+  verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
+  verb->add_flag_callback(
+      "--strict", [args] { args->doubt = CalibrateArguments::Doubt::kFail; },
+      "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
+  add_common(*verb, *common);
+  verb->footer(
+      "Example: ukemi calibrate drop_1.csv drop_2.csv --scene scene.toml --actuator actuator.toml --motion motion.toml "
+      "--height-of drop_2=0.25 --validate drop_3.csv -o out");
+  verb->callback([args, common, &chosen] { chosen = [args, common] { return run_calibrate(*args, *common); }; });
+}
+
+}  // namespace ukemi::tools
