@@ -52,7 +52,10 @@ class Roll {
         status = is_linear(stretch) ? flow(stretch) : integrate(stretch);
       if (status != RolloutStatus::kDone) break;
     }
-    if (options_.work) *options_.work = driver_.counters();
+    if (options_.work) {
+      *options_.work = driver_.counters();
+      options_.work->events += met_;
+    }
     return status;
   }
 
@@ -208,6 +211,7 @@ class Roll {
       if (met.guard >= 0) {
         driver_.restart(t, z + rest);
         system_.cross(met.guard);
+        ++met_;
         return RolloutStatus::kDone;
       }
       if (h < left) continue;
@@ -299,8 +303,8 @@ class Roll {
   std::optional<LinearFlow<double>> values_flow_;
   int looks_ = 1;  ///< at the guards in an interval
   Values quiet_ = Values::Zero();
-  std::size_t sample_ = 0;  ///< the next to be recorded
-  long steps_ = 0;
+  std::size_t sample_ = 0;    ///< the next to be recorded
+  long steps_ = 0, met_ = 0;  ///< integrated; limits met where the rig was linear
   double paced_ = 0;
 };
 

@@ -7,14 +7,20 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Chosen by the mean gap to the best known: seven scenes, five seeds, 0.03 to 1 s.
+/// Chosen by the mean gap to the best known: ten scenes, five to nine seeds, 0.03 to 1 s.
 struct Settings {
-  int smallest = 12;  ///< the first population; every restart has one more
+  int leads = 3;                    ///< that scouts follow at once
+  double lead_apart = 0.15;         ///< of the box
+  int first = 128;                  ///< scouts that go anywhere; of the later ones
+  double anywhere = 0.3;            ///< this share does, the others near a lead:
+  double near = 0.5, by = 3;        ///< normal, with sizes from 10^-near down to 10^-by
+  double scouting = 0.6;            ///< share of the budget that scouts may take once they were
+  long few = 2'500, many = 6'000;  ///< few motions; and how many they may be at most
+  int smallest = 12;                ///< the first population; every restart has one more
   int largest = 32;
   int race = 60;            ///< motions that race for a place in it
   double race_share = 0.2;  ///< of the budget that one race may take
   int screen = 300;         ///< the same for tolerant peaks, by the peak alone: one landing each
-  Differential step{.factor_low = 0.2, .factor_high = 0.8};
   double converged = 1e-4;  ///< side of a population that has found its basin
   double apart = 0.04;      ///< basins are further apart than this
   int trial_period = 12;    ///< generations that every population gets
@@ -33,12 +39,14 @@ AutoSearch::AutoSearch() {
   population_.reserve(std::size_t(2 * kSet.largest + kBatch));
   trials_.reserve(population_.capacity());
   basins_.reserve(kBasins);
+  leads_.reserve(std::size_t(kSet.leads));
 }
 
 void AutoSearch::run(Search& search) {
   search_ = &search;
   random_ = Random(search.seed);
   basins_.clear();
+  scout();
   bool last = false;
   for (int n = 1, next_refinement = kSet.refinement; !search.over(); ++n) {
     size_ = std::min(kSet.largest, kSet.smallest + n - 1);
@@ -51,6 +59,50 @@ void AutoSearch::run(Search& search) {
       refine();
     }
   }
+}
+
+/// The quickest way down from nothing, and all there is time for in a hundredth of a second: motions from anywhere and
+/// from near the leads, each followed only while it may better one.
+void AutoSearch::scout() {
+  leads_.clear();
+  int n = 0;
+  if (search_->objective().options().goal == Goal::kTolerant) {
+    size_ = kSet.smallest;
+    race();
+    for (const Point3& p : population_) lead(p);
+    n = kSet.first;
+  }
+  const auto enough = [&] {
+    const long done = search_->motions();
+    return done >= kSet.many || (done >= kSet.few && search_->share() >= kSet.scouting);
+  };
+  for (std::array<Point3, kBatch> scouts; !search_->over() && !enough(); n += kBatch) {
+    for (Point3& p : scouts) {
+      const bool full = int(leads_.size()) == kSet.leads;
+      if (n < kSet.first || leads_.empty() || random_.uniform() < kSet.anywhere) {
+        p = random_point(random_);
+        p.bound = full ? leads_.back().value : kNoMotion;
+      } else {  // the better a lead, the more follow it
+        const Point3& l = leads_[std::size_t(random_.uniform() * random_.uniform() * double(leads_.size()))];
+        p = beside(l, std::pow(10.0, -random_.uniform(kSet.near, kSet.by)), random_);
+        p.bound = l.value;
+      }
+    }
+    search_->evaluate(scouts);
+    for (const Point3& p : scouts)
+      if (p.value <= p.bound) lead(p);
+  }
+}
+
+/// Takes a motion for a lead: in place of the one it is near, else of the worst, if it is better.
+void AutoSearch::lead(const Point3& p) {
+  auto place =
+      std::find_if(leads_.begin(), leads_.end(), [&](const Point3& l) { return distance(l, p) < kSet.lead_apart; });
+  if (place == leads_.end() && int(leads_.size()) < kSet.leads)
+    leads_.push_back(p);
+  else if (place = place == leads_.end() ? place - 1 : place; p < *place)
+    *place = p;
+  std::sort(leads_.begin(), leads_.end());
 }
 
 bool AutoSearch::known(const Point3& p) const {
@@ -105,7 +157,7 @@ void AutoSearch::converge(double side, bool may_give_up) {
   if (int(population_.size()) < size_) return;
   trials_.resize(population_.size());
   for (int generation = 0; !search_->over() && spread(population_) > side; ++generation) {
-    evolve([this](std::span<Point3> p) { search_->evaluate(p); }, random_, population_, trials_, kSet.step);
+    evolve([this](std::span<Point3> p) { search_->evaluate(p); }, random_, population_, trials_, {});
     if (!may_give_up || generation < kSet.trial_period) continue;
     const double best = std::min_element(population_.begin(), population_.end())->value;
     const double grace = 1 + (kSet.behind - 1) * std::pow(0.9, generation - kSet.trial_period);

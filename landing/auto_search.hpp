@@ -28,6 +28,8 @@ class AutoSearch {
 
  private:
   bool known(const Point3& p) const;
+  void scout();
+  void lead(const Point3& p);
   void race();
   void fill(int entrants, Goal goal, int places);
   void enter(std::span<Point3> points, Goal goal, int places);
@@ -38,7 +40,7 @@ class AutoSearch {
   int size_ = 0;
   Search* search_ = nullptr;
   Random random_{0};
-  std::vector<Point3> population_, trials_, basins_;
+  std::vector<Point3> population_, trials_, basins_, leads_;
 };
 
 }  // namespace ukemi::landing

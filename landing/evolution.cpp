@@ -33,7 +33,8 @@ void differential_evolution(Search& search) {
   while (!search.over()) {
     std::vector<Point3> population = random_population(search, r, kPopulation);
     while (!search.over() && spread(population) > kConverged)
-      evolve([&](std::span<Point3> p) { search.evaluate(p); }, r, population, trials, {});
+      evolve([&](std::span<Point3> p) { search.evaluate(p); }, r, population, trials,
+             {.factor_low = 0.3, .factor_high = 0.9});
   }
 }
 

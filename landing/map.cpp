@@ -77,8 +77,7 @@ std::vector<Basin> basins(const Scene& scene, const SeaParameters<double>& sea, 
     search.evaluate(population);
     while (!search.over()) {
       while (!search.over() && spread(population) > kConverged)
-        evolve([&](std::span<Point3> p) { search.evaluate(p); }, random, population, trials,
-               {.factor_low = 0.2, .factor_high = 0.8});
+        evolve([&](std::span<Point3> p) { search.evaluate(p); }, random, population, trials, {});
       scatter(search.best(), random, population);  // once more, from close by
       search.evaluate(population);
     }

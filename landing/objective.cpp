@@ -9,7 +9,7 @@
 namespace ukemi::landing {
 
 Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
-    : scene_(scene), sea_(sea), options_(options), extended_(is_extended(sea)) {
+    : watch(options.time), scene_(scene), sea_(sea), options_(options), extended_(is_extended(sea)) {
   std::iota(order_.begin(), order_.end(), 0);
   // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
   // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.

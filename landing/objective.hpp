@@ -1,12 +1,14 @@
 // What a search minimises: the peak of a motion, or its tolerant peak, over the scene's box; many motions at once.
 #pragma once
 
-#include <chrono>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "landing/batch.hpp"
 #include "landing/robust.hpp"
+#include "landing/stopwatch.hpp"
 
 namespace ukemi::landing {
 
@@ -36,6 +38,7 @@ class Objective {
     double reference_rate =
         kNoMotion;    ///< of the reference, 15/8 |phi_F - phi_I| / t [rad/s]; no landing is spent above it
     int threads = 1;  ///< 0: all cores; without influence on the results
+    Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that deadlines are counted in
   };
 
   /// Both must outlive the objective; the scene's drop may change between calls.
@@ -45,8 +48,8 @@ class Objective {
   /// Values of many motions. On one thread it allocates nothing. Landings that would begin after the deadline are not
   /// followed: their motions come back with kNoMotion.
   void evaluate(std::span<Point3> points, Goal goal);
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point deadline = Clock::time_point::max();
+  double deadline = std::numeric_limits<double>::infinity();  ///< on `watch` [s]
+  Stopwatch watch;
   /// The value of one motion in the scalar path at a tight accuracy, limits included: what a result is judged by.
   double verified(const Motion& motion, double accuracy, double bound = kNoMotion) const;
 
@@ -58,7 +61,7 @@ class Objective {
   long motions() const { return motions_; }    ///< evaluated so far
   long landings() const { return landings_; }  ///< followed for them, abandoned ones included
 
-  bool late() const { return deadline != Clock::time_point::max() && Clock::now() >= deadline; }
+  bool late() const { return std::isfinite(deadline) && watch.seconds() >= deadline; }
 
  private:
   class Race;

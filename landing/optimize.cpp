@@ -12,28 +12,23 @@ namespace ukemi::landing {
 void OptimizeOptions::validate() const {
   if (evaluations && *evaluations < 1)
     throw InputError("evaluations: " + std::to_string(*evaluations) + ": at least 1 is needed");
-  if (deadline && !(*deadline > 0)) throw InputError("deadline: " + shortest(*deadline) + " s: above 0 is needed");
+  if (deadline) check_deadline(*deadline);
   if (!(tolerance >= 0 && tolerance < 1))
     throw InputError("tolerance: " + shortest(tolerance) + ": at least 0 and below 1 is needed");
   check_solver(solver);
 }
 
 Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const OptimizeOptions& options) {
-  using Clock = Objective::Clock;
-  const auto start = Clock::now();
   options.validate();
   Objective objective(scene, sea,
                       {.goal = options.goal,
                        .accuracy = options.search_accuracy,
                        .limits = options.limits,
                        .reference_rate = options.reference_rate,
-                       .threads = options.threads});
+                       .threads = options.threads,
+                       .time = options.time});
   Budget budget;
-  auto end = Clock::time_point::max();
-  if (options.deadline) {
-    budget.seconds = *options.deadline - verification_time(options.goal, *options.deadline);
-    end = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*options.deadline));
-  }
+  if (options.deadline) budget.seconds = *options.deadline - verification_time(options.goal, *options.deadline);
   if (options.evaluations || !options.deadline)
     budget.motions = options.evaluations.value_or(default_evaluations(options.goal));
   budget.tolerance = options.tolerance;
@@ -45,8 +40,8 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   search.tell = options.progress;
   run_solver(options.solver, search);
   out.evaluations = search.motions();
-  const Point3 best = search.settle(options.accuracy, end);
-  out.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const Point3 best = search.settle(options.accuracy, options.deadline.value_or(budget.seconds));
+  out.seconds = objective.watch.seconds();
   out.motion = objective.motion(best);
   out.value = best.value;
   out.landings = objective.landings();

@@ -18,11 +18,12 @@ struct OptimizeOptions {
   Goal goal = Goal::kPeak;          ///< what is minimised
   std::optional<long> evaluations;  ///< motions in all; absent: default_evaluations(goal), or no bound with a deadline
   std::optional<double> deadline;   ///< [s], > 0: the answer is there by then, whatever has been found
-  double tolerance = 0;             ///< see Budget::tolerance; 0: never
-  Limits limits;                    ///< what no landing may do
-  double reference_rate = kNoMotion;  ///< largest |dphi_ref| of a motion [rad/s]
-  double search_accuracy = 1e-6;      ///< of the landings that are searched
-  double accuracy = 1e-9;             ///< of the result
+  Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that the deadline is counted in; kProcessor: on one thread
+  double tolerance = 0;                           ///< see Budget::tolerance; 0: never
+  Limits limits;                                  ///< what no landing may do
+  double reference_rate = kNoMotion;              ///< largest |dphi_ref| of a motion [rad/s]
+  double search_accuracy = 1e-6;                  ///< of the landings that are searched
+  double accuracy = 1e-9;                         ///< of the result
   std::uint64_t seed = 1;
   int threads = 0;              ///< 0: all cores; with a number of evaluations the result does not depend on it
   int tolerance_samples = 200;  ///< random points inside the execution box of the result

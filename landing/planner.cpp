@@ -12,6 +12,10 @@ double verification_time(Goal goal, double budget) {
   return std::min(0.45 * budget, std::clamp(0.1 * budget, least, most));
 }
 
+void check_deadline(double deadline) {
+  if (!(deadline > 0)) throw InputError("deadline: " + shortest(deadline) + " s: above 0 is needed");
+}
+
 Planner::Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
     : scene_(scene),
       sea_(sea),
@@ -23,17 +27,14 @@ Planner::Planner(const Scene& scene, const SeaParameters<double>& sea, const Opt
                   .reference_rate = options.reference_rate}) {}
 
 Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
-  using Clock = Objective::Clock;
-  const auto start = Clock::now();
-  if (!(deadline > 0)) throw InputError("deadline: " + shortest(deadline) + " s: above 0 is needed");
+  objective_.watch.restart();
+  check_deadline(deadline);
   scene_.drop = drop;
-  const auto end =
-      start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(deadline, 1e6)));
   const long before = objective_.motions();
   Search search(objective_, {.seconds = deadline - verification_time(options_.goal, deadline)}, seed);
   search_.run(search);
   const long searched = objective_.motions() - before;
-  const Point3 best = search.settle(options_.verified, end);
+  const Point3 best = search.settle(options_.verified, deadline);
   return {objective_.motion(best), best.value, searched, best.value < kNoMotion};
 }
 

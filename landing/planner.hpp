@@ -44,5 +44,7 @@ class Planner {
 
 /// How much of a time budget is kept back to verify what was found [s].
 double verification_time(Goal goal, double budget);
+/// Throws InputError unless it is above 0 [s].
+void check_deadline(double deadline);
 
 }  // namespace ukemi::landing

@@ -36,20 +36,22 @@ inline double spread(std::span<const Point3> points) {
   return widest;
 }
 
+/// A point beside another, to be followed whatever comes: normal, `size` in parts of the box.
+inline Point3 beside(Point3 p, double size, Random& r) {
+  p.bound = kNoMotion;
+  for (double& u : p.u) u = std::clamp(u + size * r.normal(), 0.0, 1.0);
+  return p;
+}
+
 /// A population close by a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
 inline void scatter(const Point3& centre, Random& r, std::vector<Point3>& population) {
-  for (Point3& p : population) {
-    p = centre;
-    p.bound = kNoMotion;
-    if (&p == &population.front()) continue;
-    const double size = 0.02 * std::pow(10.0, -2 * r.uniform());
-    for (double& u : p.u) u = std::clamp(u + size * r.normal(), 0.0, 1.0);
-  }
+  for (Point3& p : population)
+    p = beside(centre, &p == &population.front() ? 0 : 0.02 * std::pow(10.0, -2 * r.uniform()), r);
 }
 
 /// Differential evolution's choices for one generation.
 struct Differential {
-  double factor_low = 0.3, factor_high = 0.9;  ///< F is drawn between them for every trial (dither)
+  double factor_low = 0.2, factor_high = 0.8;  ///< F is drawn between them for every trial (dither)
   double crossover = 0.9;                      ///< CR
   int leaders = 1;                             ///< the base is one of this many best
 };

@@ -10,16 +10,14 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
     : seed(seed_),
       objective_(objective),
       budget_(budget),
-      start_(Objective::Clock::now()),
+      start_(objective.watch.seconds()),
       first_motion_(objective.motions()),
       progress_(progress) {
-  objective.deadline = budget.seconds < 1e6 ? start_ + std::chrono::duration_cast<Objective::Clock::duration>(
-                                                           std::chrono::duration<double>(budget.seconds))
-                                            : Objective::Clock::time_point::max();
+  objective.deadline = start_ + budget.seconds;
 }
 
 double Search::share() const {
-  const double time = budget_.seconds < 1e6 ? seconds() / budget_.seconds : 0;
+  const double time = std::isfinite(budget_.seconds) ? seconds() / budget_.seconds : 0;
   return std::min(1.0, std::max(time, double(motions()) / double(budget_.motions)));
 }
 
@@ -29,10 +27,16 @@ void Search::evaluate(std::span<Point3> points, Goal goal) {
   const auto n = std::size_t(std::clamp<long>(budget_.motions - motions(), 0, long(points.size())));
   for (Point3& p : points.subspan(n)) p.value = kNoMotion;
   if (n == 0) return;
-  objective_.evaluate(points.first(n), goal);
+  if (goal == objective_.options().goal)
+    play(points.first(n));
+  else
+    objective_.evaluate(points.first(n), goal);
   if (tell) tell(motions(), budget_.motions);
-  if (goal != objective_.options().goal) return;
-  for (const Point3& p : points.first(n))
+}
+
+void Search::play(std::span<Point3> points) {
+  objective_.evaluate(points, objective_.options().goal);
+  for (const Point3& p : points)
     if (p.value <= p.bound && p.value < few_.back().value) keep(p);
 }
 
@@ -53,7 +57,7 @@ void Search::keep(const Point3& p) {
     progress_->push_back({motions(), objective_.landings(), seconds(), p});
 }
 
-Point3 Search::settle(double accuracy, Objective::Clock::time_point deadline) {
+Point3 Search::settle(double accuracy, double deadline) {
   constexpr double kFallen = 1e-3, kTight = 1e-9;
   if (few_[0].value >= kNoMotion) return few_[0];
   const double searched = objective_.accuracy();
@@ -62,11 +66,6 @@ Point3 Search::settle(double accuracy, Objective::Clock::time_point deadline) {
   objective_.deadline = deadline;
   objective_.set_accuracy(kTight);
   few_.fill({});
-  const auto play = [&](std::span<Point3> points) {
-    objective_.evaluate(points, goal);
-    for (const Point3& p : points)
-      if (p.value <= p.bound && p.value < few_.back().value) keep(p);
-  };
   Few again = found;
   for (Point3& p : again) p.bound = kNoMotion;
   play(std::span(again).first(goal == Goal::kPeak ? again.size() : 2));
@@ -77,15 +76,10 @@ Point3 Search::settle(double accuracy, Objective::Clock::time_point deadline) {
     constexpr double kConverged = 1e-8;
     Random random(seed, 0x5e77);
     std::array<Point3, 24> population, trials;
-    for (Point3& p : population) {
-      p = found[0];
-      p.bound = kNoMotion;
-      const double size = std::pow(10.0, random.uniform(-7, -2));
-      for (double& u : p.u) u = std::clamp(u + size * random.normal(), 0.0, 1.0);
-    }
+    for (Point3& p : population) p = beside(found[0], std::pow(10.0, random.uniform(-7, -2)), random);
     play(population);
     for (int n = 0; n < kGenerations && spread(population) > kConverged && !objective_.late(); ++n)
-      evolve(play, random, population, trials, {.factor_low = 0.2, .factor_high = 0.8});
+      evolve([this](std::span<Point3> p) { play(p); }, random, population, trials, {});
   }
   objective_.set_accuracy(searched);
   Point3 best;

@@ -29,7 +29,7 @@ class Search {
 
   /// True once nothing may be spent any more.
   bool over() const { return motions() >= budget_.motions || objective_.late() || stalled(); }
-  double seconds() const { return std::chrono::duration<double>(Objective::Clock::now() - start_).count(); }
+  double seconds() const { return objective_.watch.seconds() - start_; }
   long motions() const { return objective_.motions() - first_motion_; }
   const Budget& budget() const { return budget_; }
   /// How much is spent, 0..1: of the motions or of the time, whichever is more.
@@ -43,20 +43,22 @@ class Search {
 
   /// The best that stands at the scalar path's `accuracy`. Many a best stands on a cliff, where what the search's own
   /// accuracy took for a foothold may be beside it: the best few are evaluated anew at a tight accuracy, and where they
-  /// have fallen, the search steps back from the edge until `deadline`.
-  Point3 settle(double accuracy, Objective::Clock::time_point deadline = Objective::Clock::time_point::max());
+  /// have fallen, the search steps back from the edge until `deadline` on the objective's watch.
+  Point3 settle(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
   std::function<void(long done, long total)> tell;  ///< told of the motions spent, if set
   const Objective& objective() const { return objective_; }
 
  private:
+  /// Evaluates, and keeps what is good enough.
+  void play(std::span<Point3> points);
   void keep(const Point3& p);
   bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }
 
   Objective& objective_;
   Budget budget_;
-  Objective::Clock::time_point start_;
+  double start_;  ///< on the objective's watch [s]
   long first_motion_;
   long milestone_motions_ = 0;    ///< when the best last became better by more than the tolerance
   double milestone_ = kNoMotion;  ///< and what it was then

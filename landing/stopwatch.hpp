@@ -1,0 +1,29 @@
+// How long a search has been at work.
+#pragma once
+
+#include <ctime>
+
+namespace ukemi::landing {
+
+class Stopwatch {
+ public:
+  enum class Time {
+    kWall,       ///< what a robot waits
+    kProcessor,  ///< of the calling thread alone: comparisons on a machine that others use too
+  };
+  explicit Stopwatch(Time time) : clock_(time == Time::kWall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID) { restart(); }
+  void restart() { start_ = now(); }
+  /// Since the start [s].
+  double seconds() const { return now() - start_; }
+
+ private:
+  double now() const {
+    timespec t;
+    clock_gettime(clock_, &t);
+    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+  }
+  clockid_t clock_;
+  double start_;
+};
+
+}  // namespace ukemi::landing
