@@ -4,14 +4,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "common/parallel.hpp"
 #include "identify/least_squares.hpp"
 #include "identify/starts.hpp"
 #include "identify/trial_problem.hpp"
 
 namespace ukemi::identify {
+
+const char* name(NuisanceTerm t) {
+  constexpr std::array<const char*, kNuisanceTerms.size()> kNames = {"friction",      "stiffening",   "force_gain",
+                                                                     "initial_angle", "initial_rate", "encoder_offset",
+                                                                     "force_bias",    "time_shift"};
+  return kNames[std::size_t(t)];
+}
+const char* unit(NuisanceTerm t) {
+  constexpr std::array<const char*, kNuisanceTerms.size()> kUnits = {"Nm",    "Nm/rad^3", "1", "rad",
+                                                                     "rad/s", "rad",      "N", "s"};
+  return kUnits[std::size_t(t)];
+}
 
 void FitOptions::validate() const {
   for (int i = 0; i < kConstants; ++i) {
@@ -22,6 +36,16 @@ void FitOptions::validate() const {
       throw InputError(fmt::format("bounds of {}: {} to {}: lower < upper is needed", kConstantNames[k],
                                    shortest(lower[k]), shortest(upper[k])));
   }
+  for (int i = 0; i < kConstants; ++i)
+    if (const auto& p = prior[std::size_t(i)]) {
+      const char* constant = kConstantNames[std::size_t(i)];
+      if (!(p->std > 0 && std::isfinite(p->std)))
+        throw InputError(
+            fmt::format("prior of {}: standard deviation {}: must be above 0", constant, shortest(p->std)));
+      if (!free[std::size_t(i)]) throw InputError(fmt::format("prior of {}: it is not fitted", constant));
+    }
+  for (auto t = nuisance.begin(); t != nuisance.end(); ++t)
+    if (std::find(nuisance.begin(), t, *t) != t) throw InputError(fmt::format("nuisance: {}: given twice", name(*t)));
   if (!(huber >= 0)) throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
   if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
     throw InputError(
@@ -37,11 +61,11 @@ void set_error(Estimate& e, double variance, double half_width) {
 namespace {
 
 TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const SeaParameters<double>& sea,
-                   const InitialState<double>& initial, const RolloutOptions& options) {
+                   const Nuisance<double>& nuisance, const RolloutOptions& options) {
   const Trial& trial = *prepared.trial;
-  TrialResult out{.file = trial.file, .samples = trial.samples(), .phi = {}, .phi_m = {}, .initial = initial};
+  TrialResult out{.file = trial.file, .samples = trial.samples(), .phi = {}, .phi_m = {}, .nuisance = nuisance};
   out.noise = std::max(noise_level(trial.phi), noise_level(trial.phi_motor));
-  out.status = rollout(rig, sea, initial, prepared, options, out.phi, out.phi_m);
+  out.status = rollout(rig, sea, nuisance, prepared, options, out.phi, out.phi_m);
   if (out.status != RolloutStatus::kDone) {
     out.phi.clear(), out.phi_m.clear();
     out.rms = std::numeric_limits<double>::quiet_NaN();
@@ -122,9 +146,9 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
                       100 * out.half_width * *e.std / std::abs(e.value)));
     }
   }
-  if (layout.friction) {
-    out.fitted.push_back("friction");
-    out.nuisance.push_back(estimate(G - 1));
+  for (int g = int(layout.constants.size()); g < G; ++g) {
+    out.nuisance.push_back(estimate(g));
+    out.fitted.push_back(out.nuisance.back().name);
   }
   for (int i = 0; i < G; ++i)
     for (int j = 0; j < i; ++j)
@@ -148,7 +172,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   options.validate();
   if (trials.empty()) throw InputError("no trials: at least one is needed");
   const Layout layout(options);
-  if (layout.globals() == 0) throw InputError("nothing to fit: at least one free constant is needed");
+  if (layout.constants.empty()) throw InputError("nothing to fit: at least one free constant is needed");
   Fit out;
   warn_of_logs(trials, out.warnings);
   std::vector<PreparedTrial> prepared;
@@ -159,10 +183,33 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   const LeastSquaresOptions solver{.max_iterations = options.max_iterations, .huber = options.huber};
   const Suggestion suggestion = suggest(rig, trials);
 
-  const auto problem_from = [&](const SeaParameters<double>& p) {
-    return make_problem(rig, prepared, weights, p, suggestion, layout, options, rollout_options);
+  // The logs' own noise decides whether a minimum is believed.
+  double noise2 = 0, measured = 0;
+  for (const Trial& t : trials) {
+    const double a = noise_level(t.phi), b = noise_level(t.phi_motor);
+    noise2 += double(t.phi.size()) * a * a + double(t.phi_motor.size()) * b * b;
+    measured += double(t.measurements());
+  }
+  if (measured == 0) throw InputError("no measured angle in any trial: phi is needed");
+  const double noise = std::sqrt(noise2 / measured);
+  const auto believed = [&](const LeastSquaresSolution& s) {
+    return s.usable && s.converged && s.cost <= kFarAboveNoise * kFarAboveNoise * noise2;
   };
-  // Candidates, best first, judged on a coarse rollout of two trials. What is not free stays as given.
+
+  const auto problem_from = [&](const SeaParameters<double>& p) {
+    return make_problem(rig, prepared, weights, p, suggestion, layout, options, rollout_options, noise);
+  };
+  // A drawn start within the bounds; what is not free stays as given.
+  const auto admitted = [&](const SeaParameters<double>& drawn) {
+    auto u = ukemi::constants(drawn);
+    const auto given = ukemi::constants(start.value_or(base));
+    for (std::size_t k = 0; k < kConstants; ++k)
+      u[k] = options.free[k] ? std::clamp(u[k], options.lower[k], options.upper[k]) : given[k];
+    SeaParameters<double> p = base;
+    set_constants(p, u);
+    return p;
+  };
+  // Candidates, best first, judged on a coarse rollout of two trials.
   const auto candidates = [&](std::uint64_t seed) {
     const int draws = suggestion.spread_gains < 2 ? 60 : 240;  // few where the logs give the gains away
     std::vector<SeaParameters<double>> drawn = draw_starts(suggestion, draws, seed);
@@ -176,14 +223,9 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     const RolloutOptions coarse{.accuracy = 1e-4, .escape = options.escape, .max_steps = 5000};
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < drawn.size(); ++i) {
-      auto u = ukemi::constants(drawn[i]);
-      const auto given = ukemi::constants(start.value_or(base));
-      for (std::size_t k = 0; k < kConstants; ++k)
-        u[k] = options.free[k] ? std::clamp(u[k], options.lower[k], options.upper[k]) : given[k];
-      drawn[i] = base;
-      set_constants(drawn[i], u);
-      const LeastSquaresProblem p =
-          make_problem(rig, few, std::vector<double>(few.size(), 1.0), drawn[i], suggestion, layout, options, coarse);
+      drawn[i] = admitted(drawn[i]);
+      const LeastSquaresProblem p = make_problem(rig, few, std::vector<double>(few.size(), 1.0), drawn[i], suggestion,
+                                                 layout, options, coarse, noise);
       Eigen::VectorXd x(layout.globals());
       for (int g = 0; g < layout.globals(); ++g) x[g] = p.globals[std::size_t(g)].start;
       order.emplace_back(cost_at(p, solver, x), i);
@@ -205,32 +247,37 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     return chosen;
   };
 
-  // The logs' own noise decides whether a minimum is believed.
-  double noise2 = 0, measured = 0;
-  for (const Trial& t : trials) {
-    const double a = noise_level(t.phi), b = noise_level(t.phi_motor);
-    noise2 += double(t.phi.size()) * a * a + double(t.phi_motor.size()) * b * b;
-    measured += double(t.measurements());
-  }
-  if (measured == 0) throw InputError("no measured angle in any trial: phi is needed");
-  const auto believed = [&](const LeastSquaresSolution& s) {
-    return s.usable && s.converged && s.cost <= kFarAboveNoise * kFarAboveNoise * noise2;
-  };
-
   LeastSquaresSolution best;
   best.cost = FitOptions::kInfinity;
   SeaParameters<double> best_from = base;
   int times_found = 0;
-  const auto attempt = [&](const SeaParameters<double>& from) {
-    const LeastSquaresProblem problem = problem_from(from);
-    LeastSquaresSolution s = solve(problem, solver);
+  const auto take = [&](LeastSquaresSolution s, const SeaParameters<double>& from) {
+    constexpr double kLevel = 1e-6;  // costs this near are one minimum's
     ++out.starts;
-    if (s.usable && s.cost < best.cost * (1 - 1e-6)) times_found = 0;
-    if (s.usable && s.cost < best.cost * (1 + 1e-6)) ++times_found;
+    if (s.usable && s.converged) {
+      SeaParameters<double> sea = from;
+      Nuisance<double> nuisance;
+      const Eigen::VectorXd local = s.locals.row(0);
+      layout.apply<double>(s.globals.data(), local.data(), sea, nuisance, [](double v, int) { return v; });
+      const auto same = std::find_if(out.minima.begin(), out.minima.end(),
+                                     [&](const Minimum& m) { return std::abs(m.cost / s.cost - 1) < kLevel; });
+      if (same == out.minima.end())
+        out.minima.push_back({sea, s.cost, 1});
+      else
+        *same = {s.cost < same->cost ? sea : same->sea, std::min(s.cost, same->cost), same->found + 1};
+    }
+    if (s.usable && s.cost < best.cost * (1 - kLevel)) times_found = 0;
+    if (s.usable && s.cost < best.cost * (1 + kLevel)) ++times_found;
     if (s.usable && (s.cost < best.cost || !best.usable))
       best = std::move(s), best_from = from;
     else if (best.message.empty())
       best.message = s.message;
+  };
+  const auto attempt = [&](std::span<const SeaParameters<double>> from) {
+    std::vector<LeastSquaresSolution> solutions(from.size());
+    parallel_for(int(from.size()), options.threads,
+                 [&](int i) { solutions[std::size_t(i)] = solve(problem_from(from[std::size_t(i)]), solver); });
+    for (std::size_t i = 0; i < from.size(); ++i) take(std::move(solutions[i]), from[i]);
   };
   if (start) {
     for (int c = 0; c < kConstants; ++c)
@@ -238,14 +285,22 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
         out.warnings.push_back(fmt::format("{} started at 0: moved off it", kConstantNames[std::size_t(c)]));
     SeaParameters<double> from = base;
     set_constants(from, ukemi::constants(*start));
-    attempt(from);
+    attempt({&from, 1});
   }
-  if (!believed(best)) {
+  if (options.explore > 0) {
+    auto list = draw_starts(start ? Suggestion{.centre = *start, .spread_gains = 10, .spread_rest = 10} : suggestion,
+                            options.explore, options.seed);
+    for (SeaParameters<double>& p : list) p = admitted(p);
+    attempt(list);
+  } else if (!believed(best)) {
     const auto list = candidates(options.seed);
-    constexpr int kSame = 5;  // the best minimum found so often is taken for the global one
-    for (int i = 0; i < options.restarts && i < int(list.size()) && !believed(best) && times_found < kSame; ++i)
-      attempt(list[std::size_t(i)]);
+    constexpr int kSame = 5;    // the best minimum found so often is taken for the global one
+    constexpr int kAtOnce = 2;  // whatever the number of threads
+    for (int i = 0; i < options.restarts && i < int(list.size()) && !believed(best) && times_found < kSame;
+         i += kAtOnce)
+      attempt(std::span(list).subspan(std::size_t(i), std::min<std::size_t>(kAtOnce, list.size() - std::size_t(i))));
   }
+  std::sort(out.minima.begin(), out.minima.end(), [](const Minimum& a, const Minimum& b) { return a.cost < b.cost; });
   if (!best.usable) {
     out.sea = start.value_or(base);
     out.message = "no start could be followed through the trials: " +
@@ -259,10 +314,10 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     out.sea = best_from;
     out.trials.clear();
     for (std::size_t m = 0; m < prepared.size(); ++m) {
-      InitialState<double> initial;
+      Nuisance<double> nuisance;
       const Eigen::VectorXd local = best.locals.row(long(m));
-      layout.apply<double>(best.globals.data(), local.data(), out.sea, initial, [](double v, int) { return v; });
-      out.trials.push_back(replay(rig, prepared[m], out.sea, initial, rollout_options));
+      layout.apply<double>(best.globals.data(), local.data(), out.sea, nuisance, [](double v, int) { return v; });
+      out.trials.push_back(replay(rig, prepared[m], out.sea, nuisance, rollout_options));
     }
   };
   unpack();
@@ -270,7 +325,8 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     const double all = pooled(out.trials, trials, &TrialResult::rms);
     for (std::size_t m = 0; m < trials.size(); ++m) weights[m] = out.trials[m].rms > 0 ? all / out.trials[m].rms : 1;
     best.cost = FitOptions::kInfinity;
-    attempt(out.sea);
+    out.minima.clear();
+    attempt({&out.sea, 1});
     unpack();
   }
   out.cost = best.cost;
@@ -279,7 +335,6 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   out.iterations = best.iterations;
   if (!best.converged) out.message = best.message;
   report(best, problem_from(best_from), layout, options, out);
-  const double noise = std::sqrt(noise2 / measured);
   if (noise > 0 && out.rms > kFarAboveNoise * noise)
     out.warnings.push_back(
         fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad after {} starts: the model "

@@ -5,6 +5,7 @@
 // with standard errors from the Fisher information scaled by the residual variance.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -16,29 +17,48 @@
 
 namespace ukemi::identify {
 
-/// Terms that may be fitted along with the constants.
-struct NuisanceTerms {
-  enum class Term { kAbsent, kFitted };
-  Term friction = Term::kAbsent;       ///< Coulomb torque on the motor, one for all trials [Nm], >= 0
-  Term initial_angle = Term::kAbsent;  ///< a trial each [rad]
-  Term initial_rate = Term::kAbsent;   ///< a trial each [rad/s]
+/// Terms that may be fitted along with the constants: see SeaParameters and Nuisance.
+enum class NuisanceTerm {
+  kFriction,       ///< Coulomb torque on the motor, one for all trials [Nm], >= 0
+  kStiffening,     ///< K_3 of the spring, one for all trials [Nm/rad^3], >= 0
+  kForceGain,      ///< one for all trials
+  kInitialAngle,   ///< a trial each [rad]
+  kInitialRate,    ///< a trial each [rad/s]
+  kEncoderOffset,  ///< a trial each [rad]
+  kForceBias,      ///< a trial each [N]
+  kTimeShift,      ///< a trial each [s], within 0.1 s either way
+};
+inline constexpr std::array kNuisanceTerms = {
+    NuisanceTerm::kFriction,    NuisanceTerm::kStiffening,    NuisanceTerm::kForceGain, NuisanceTerm::kInitialAngle,
+    NuisanceTerm::kInitialRate, NuisanceTerm::kEncoderOffset, NuisanceTerm::kForceBias, NuisanceTerm::kTimeShift};
+const char* name(NuisanceTerm t);
+const char* unit(NuisanceTerm t);
+/// Whether all trials share it.
+constexpr bool is_shared(NuisanceTerm t) { return t <= NuisanceTerm::kForceGain; }
+
+/// What is known of a constant beforehand.
+struct Prior {
+  double value, std;  ///< in the constant's unit; std > 0
 };
 
 struct FitOptions {
   std::array<bool, kConstants> free{true, true, true, true, true};  ///< the others stay at the start
   std::array<double, kConstants> lower{};                           ///< >= 0
   std::array<double, kConstants> upper{kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
-  NuisanceTerms nuisance;
-  double huber = 0;  ///< Huber's delta on each sample's residual [rad]; 0: squares
+  std::vector<NuisanceTerm> nuisance;                  ///< each at most once
+  std::array<std::optional<Prior>, kConstants> prior;  ///< counted like one more measurement
+  double huber = 0;                                    ///< Huber's delta on each sample's residual [rad]; 0: squares
   enum class Weights { kEqual, kTrial } weights = Weights::kEqual;  ///< kTrial: 1 / each trial's own residual variance
   double accuracy = 1e-9;                                           ///< relative tolerance of the rollout
   std::optional<Method> method;                 ///< of the rollout, for comparison; see RolloutOptions
   double max_step = RolloutOptions{}.max_step;  ///< of the rollout [s]
   double escape = kEscape;                      ///< [rad]; infinite for multi-turn trials
   int restarts = 10;                            ///< further starts where the residual stays far above the noise
-  std::uint64_t seed = 1;                       ///< of the drawn starts
-  int max_iterations = 200;                     ///< of the solver, each start
-  void validate() const;                        ///< throws InputError
+  int explore = 0;         ///< starts in all, whatever the residual, to see which minima there are; 0: as few as needed
+  int threads = 0;         ///< 0: all cores; without influence on the results
+  std::uint64_t seed = 1;  ///< of the drawn starts
+  int max_iterations = 200;  ///< of the solver, each start
+  void validate() const;     ///< throws InputError
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
@@ -58,6 +78,13 @@ struct Estimate {
 /// Standard error and 95 % interval from a variance; none where it is not a number.
 void set_error(Estimate& e, double variance, double half_width);
 
+/// A minimum that starts ended at.
+struct Minimum {
+  SeaParameters<double> sea;
+  double cost;  ///< like Fit::cost
+  int found;    ///< by so many starts
+};
+
 struct TrialResult {
   std::string file;
   std::size_t samples = 0;
@@ -65,7 +92,7 @@ struct TrialResult {
   double noise = 0;                ///< the log's own noise [rad]
   std::vector<double> phi, phi_m;  ///< predicted; empty where the rollout failed
   RolloutStatus status = RolloutStatus::kDone;
-  InitialState<double> initial;
+  Nuisance<double> nuisance;
 };
 
 struct Fit {
@@ -80,8 +107,9 @@ struct Fit {
   double rms = 0;               ///< unweighted, over every measured output [rad]
   double cost = 0;              ///< E(U) [rad^2]; weighted or robust where asked for
   bool converged = false, identifiable = false;
-  int iterations = 0;  ///< of the start that won
-  int starts = 0;      ///< how many were run
+  int iterations = 0;           ///< of the start that won
+  int starts = 0;               ///< how many were run
+  std::vector<Minimum> minima;  ///< that they ended at, the lowest first
   std::vector<std::string> warnings;
   std::vector<TrialResult> trials;
   std::string message;  ///< why it did not converge

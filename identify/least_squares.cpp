@@ -61,6 +61,29 @@ class BlockCost final : public ceres::CostFunction {
   double huber_;
 };
 
+/// A prior in scaled parameters.
+class PullCost final : public ceres::CostFunction {
+ public:
+  PullCost(const LeastSquaresProblem& problem, const Pull& pull)
+      : pull_(pull), scale_(problem.globals[std::size_t(pull.global)].scale), globals_(int(problem.globals.size())) {
+    set_num_residuals(1);
+    mutable_parameter_block_sizes()->push_back(globals_);
+  }
+  bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
+    *residual = (x[0][pull_.global] * scale_ - pull_.value) * pull_.weight;
+    if (jacobians && jacobians[0]) {
+      std::fill_n(jacobians[0], globals_, 0.0);
+      jacobians[0][pull_.global] = scale_ * pull_.weight;
+    }
+    return true;
+  }
+
+ private:
+  Pull pull_;
+  double scale_;
+  int globals_;
+};
+
 std::vector<double> scaled_start(const std::vector<Parameter>& list) {
   std::vector<double> x;
   for (const Parameter& p : list) x.push_back(std::clamp(p.start, p.lower, p.upper) / p.scale);
@@ -97,6 +120,10 @@ void covariances(const LeastSquaresProblem& problem, const LeastSquaresOptions& 
     inverse.push_back(c.completeOrthogonalDecomposition().pseudoInverse());
     cross.push_back(x_cross);
     information -= x_cross * inverse.back() * x_cross.transpose();
+  }
+  for (const Pull& p : problem.priors) {
+    const double w = p.weight * problem.globals[std::size_t(p.global)].scale;
+    information(p.global, p.global) += w * w;
   }
   std::vector<int> free;
   for (int i = 0; i < G; ++i)
@@ -170,6 +197,10 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
     ceres_problem.AddResidualBlock(new BlockCost(problem, problem.blocks[b], options.huber), nullptr, blocks);
     out.residuals += problem.blocks[b].size;
   }
+  for (const Pull& p : problem.priors) {
+    ceres_problem.AddResidualBlock(new PullCost(problem, p), nullptr, x.data());
+    ++out.residuals;
+  }
   set_bounds(ceres_problem, x.data(), problem.globals);
   if (!problem.locals.empty())
     for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
@@ -221,6 +252,7 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
     if (options.huber > 0) robustify(options.huber, block.size, r.data(), nullptr, 0, nullptr, 0);
     for (const double v : r) sum += v * v;
   }
+  for (const Pull& p : problem.priors) sum += std::pow((globals[p.global] - p.value) * p.weight, 2);
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 

@@ -27,10 +27,17 @@ struct ResidualBlock {
       evaluate;
 };
 
+/// Pulls a global towards a value: the residual (global - value) * weight.
+struct Pull {
+  int global;
+  double value, weight;
+};
+
 struct LeastSquaresProblem {
   std::vector<Parameter> globals;
   std::vector<Parameter> locals;  ///< each block has its own copy
   std::vector<ResidualBlock> blocks;
+  std::vector<Pull> priors;
 };
 
 struct LeastSquaresOptions {

@@ -8,11 +8,18 @@
 namespace ukemi::identify {
 
 /// Force and reference on one stretch of a trial, linear in time from `t`.
+template <class T>
 struct Excitation {
   double t = 0;                            ///< start [s]
-  double force = 0, force_rate = 0;        ///< F_e [N], [N/s]
+  bool pushed = false;                     ///< there is a force, or a derivative by one of its terms
+  T force{0}, force_rate{0};               ///< F_e [N], [N/s]
   double phi_ref = 0, phi_ref_rate = 0;    ///< [rad], [rad/s]
   double dphi_ref = 0, dphi_ref_rate = 0;  ///< what Eq. 3 sees as the reference's rate [rad/s], [rad/s^2]
+
+  template <class U>
+  Excitation<U> with_force(bool is_pushed, const U& f, const U& rate) const {
+    return {t, is_pushed, f, rate, phi_ref, phi_ref_rate, dphi_ref, dphi_ref_rate};
+  }
 };
 
 /// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t), Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
@@ -30,7 +37,7 @@ class OneLinkSystem {
   }
 
   SeaParameters<T> sea;
-  Excitation input;
+  Excitation<T> input;
   int saturation = 0;
 
   static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
@@ -45,9 +52,9 @@ class OneLinkSystem {
     dy[kPhi] = y[kOmega];
     dy[kPhiM] = y[kOmegaM];
     dy[kOmega] = tau * T(inverse_inertia_);
-    if (input.force != 0 || input.force_rate != 0) {
+    if (input.pushed) {
       using std::cos;
-      dy[kOmega] += (length_ * inverse_inertia_ * (input.force + input.force_rate * u)) * cos(y[kPhi]);
+      dy[kOmega] += T(length_ * inverse_inertia_) * (input.force + input.force_rate * u) * cos(y[kPhi]);
     }
     dy[kOmegaM] = motor_acceleration<kTerms>(sea, s, ref, tau);
   }
@@ -57,7 +64,8 @@ class OneLinkSystem {
   void linearize(double t, const State& y, Matrix& jacobian, State& rate) const {
     using Dual = ceres::Jet<double, kStates + 1>;
     OneLinkSystem<kTerms, Dual> dual(sea.template cast<Dual>(), length_, 1 / inverse_inertia_);
-    dual.input = input, dual.saturation = saturation;
+    dual.input = input.with_force(input.pushed, Dual(input.force), Dual(input.force_rate));
+    dual.saturation = saturation;
     Eigen::Matrix<Dual, kStates, 1> x, dx;
     for (int i = 0; i < kStates; ++i) x[i] = Dual(y[i], i);
     dual.derivative(Dual(t, kStates), x, dx);

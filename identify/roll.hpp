@@ -21,17 +21,19 @@ class Roll {
   using Status = integrate::Status;
 
  public:
-  Roll(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial, const PreparedTrial& trial,
+  Roll(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance, const PreparedTrial& trial,
        const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m)
       : system_(sea, rig.length, rig.inertia),
         plain_(values(sea), rig.length, rig.inertia),
+        nuisance_(nuisance),
         trial_(trial),
+        shifted_(shift() == 0 ? std::vector<Stretch>() : trial.cut(shift())),
         t_(trial.trial->t),
         options_(options),
         motor_(kDerivatives<T> == 0 || !trial.trial->phi_motor.empty()),
         phi_(phi),
         phi_m_(phi_m),
-        driver_(system_, t_[0], start(initial),
+        driver_(system_, t_[0], start(),
                 {.accuracy = options.accuracy,
                  .first_step = std::min(1e-3, options.max_step),
                  .max_step = options.max_step}) {
@@ -44,12 +46,13 @@ class Roll {
     record(0, driver_.state());
     paced_ = t_[0];
     RolloutStatus status = RolloutStatus::kDone;
-    for (const Stretch& stretch : trial_.stretches) {
-      system_.input = stretch.input;
+    sample_ = 1;
+    for (const Stretch& stretch : shift() == 0 ? trial_.stretches : shifted_) {
+      system_.input = driven(stretch.input);
       if (stretch.jumps) driver_.refresh();
-      sample_ = stretch.first + 1;
-      while (sample_ <= stretch.last && status == RolloutStatus::kDone)
-        status = is_linear(stretch) ? flow(stretch) : integrate(stretch);
+      arrived_ = false;
+      while (!arrived_ && status == RolloutStatus::kDone)
+        status = is_linear() ? flow(stretch.t_end) : integrate(stretch.t_end);
       if (status != RolloutStatus::kDone) break;
     }
     if (options_.work) {
@@ -60,18 +63,25 @@ class Roll {
   }
 
  private:
-  bool is_linear(const Stretch& s) const {
-    return flow_ && system_.saturation == 0 && s.input.force == 0 && s.input.force_rate == 0;
-  }
+  bool is_linear() const { return flow_ && system_.saturation == 0 && !system_.input.pushed; }
+  double shift() const { return value_of(nuisance_.time_shift); }
 
-  State start(const InitialState<T>& initial) const {
-    const T angle = T(trial_.phi_start) + initial.angle;
+  State start() const {
+    const T angle = T(trial_.phi_start) + nuisance_.angle;
     State y;
-    y << angle, angle, initial.rate, T(0);
+    y << angle, angle, nuisance_.rate, T(0);
     return y;
   }
+  /// The input as it drives the rig. The cuts stand where the shift's value puts them; the force is continuous there,
+  /// so its derivative by the shift is all there is.
+  Excitation<T> driven(const Excitation<double>& e) const {
+    const T later = nuisance_.time_shift - T(shift());
+    const T force = nuisance_.force_gain * (T(e.force) - T(e.force_rate) * later) + nuisance_.force_bias,
+            rate = nuisance_.force_gain * T(e.force_rate);
+    return e.with_force(present(force) || present(rate), force, rate);
+  }
   void record(std::size_t sample, const State& y) {
-    phi_[sample] = y[System::kPhi];
+    phi_[sample] = y[System::kPhi] + nuisance_.encoder_offset;
     if (motor_) phi_m_[sample] = y[System::kPhiM];
   }
   /// kDone while the link is within its bounds.
@@ -83,9 +93,9 @@ class Roll {
   // --- integrated ---
 
   /// To the end of the stretch, or to where the rig becomes linear.
-  RolloutStatus integrate(const Stretch& stretch) {
+  RolloutStatus integrate(double t_end) {
     for (;;) {
-      const integrate::Outcome outcome = driver_.step(stretch.t_end);
+      const integrate::Outcome outcome = driver_.step(t_end);
       if (outcome.status > Status::kEvent || ++steps_ > options_.max_steps) return RolloutStatus::kDiverged;
       const double end = driver_.time();
       // Constants too stiff for an explicit method show early: at the pace of the last steps the rest would take too
@@ -97,13 +107,13 @@ class Roll {
         paced_ = end;
       }
       const bool reached = outcome.status == Status::kReached;
-      for (; sample_ <= stretch.last && (t_[sample_] < end || reached); ++sample_) {
-        if (sample_ == stretch.last && reached) {
+      for (; sample_ < t_.size() && (reached ? t_[sample_] <= t_end : t_[sample_] < end); ++sample_) {
+        if (t_[sample_] == t_end) {
           record(sample_, driver_.state());
         } else {
           const auto& step = driver_.dense();
           const double s = (t_[sample_] - step.t) / step.h;
-          phi_[sample_] = step.component_at(System::kPhi, s);
+          phi_[sample_] = step.component_at(System::kPhi, s) + nuisance_.encoder_offset;
           if (motor_) phi_m_[sample_] = step.component_at(System::kPhiM, s);
         }
       }
@@ -112,9 +122,12 @@ class Roll {
       if (outcome.event >= 0) {
         system_.cross(outcome.event);
         driver_.refresh();
-        if (is_linear(stretch)) return RolloutStatus::kDone;
+        if (is_linear()) return RolloutStatus::kDone;
       }
-      if (reached) return RolloutStatus::kDone;
+      if (reached) {
+        arrived_ = true;
+        return RolloutStatus::kDone;
+      }
     }
   }
 
@@ -153,7 +166,8 @@ class Roll {
     State b0, b1;
     bool held;
   };
-  Frame frame(const Excitation& in, double t) {
+  Frame frame(double t) {
+    const Excitation<T>& in = system_.input;
     Frame f{T(in.phi_ref), State::Zero(), State::Zero(),
             in.phi_ref_rate == 0 && in.dphi_ref == 0 && in.dphi_ref_rate == 0};
     if (f.held) return f;
@@ -183,17 +197,18 @@ class Roll {
   }
 
   /// To the end of the stretch, or to where the torque limit is met.
-  [[gnu::flatten]] RolloutStatus flow(const Stretch& stretch) {
+  [[gnu::flatten]] RolloutStatus flow(double t_end) {
     double t = driver_.time();
-    const Frame f = frame(stretch.input, t);
-    plain_.input = f.held ? Excitation{} : stretch.input;
+    const Frame f = frame(t);
+    plain_.input = f.held ? Excitation<double>{} : system_.input.with_force(false, 0.0, 0.0);
     const State rest{f.rest, f.rest, T(0), T(0)};
     State z = driver_.state() - rest;
     const double from = t;
-    while (sample_ <= stretch.last) {
-      if (const int n = f.held ? clear_intervals(z, on_grid(t, stretch.last)) : 0; n > 0) {
+    while (t < t_end) {
+      if (const int n = f.held ? clear_intervals(z, on_grid(t, t_end)) : 0; n > 0) {
+        const T offset = f.rest + nuisance_.encoder_offset;
         for (int j = 0; j < n; ++j, ++sample_) {
-          phi_[sample_] = f.rest + flow_->angle(0, j, z);
+          phi_[sample_] = offset + flow_->angle(0, j, z);
           if (motor_) phi_m_[sample_] = f.rest + flow_->angle(1, j, z);
           const RolloutStatus status = bounds(value_of(phi_[sample_]));
           if (status != RolloutStatus::kDone) return status;
@@ -203,31 +218,33 @@ class Roll {
         continue;
       }
       // A part of an interval, or one that meets the limit.
-      const double left = t_[sample_] - t, d = std::min(left, trial_.spacing);
+      const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
+      const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
       const Meeting met = meeting(values(z), t, d);
       const double h = met.guard < 0 ? d : met.s * d;
       z = f.held ? flow_->advance(z, h) : flow_->advance(z, f.b0 + f.b1 * T(t - from), f.b1, h);
-      t = h == left ? t_[sample_] : t + h;
+      t = h == left ? next : t + h;
       if (met.guard >= 0) {
         driver_.restart(t, z + rest);
         system_.cross(met.guard);
         ++met_;
         return RolloutStatus::kDone;
       }
-      if (h < left) continue;
+      if (h < left || !to_sample) continue;
       record(sample_++, z + rest);
       const RolloutStatus status = bounds(value_of(z[0] + f.rest));
       if (status != RolloutStatus::kDone) return status;
     }
     driver_.restart(t, z + rest);
+    arrived_ = true;
     return RolloutStatus::kDone;
   }
 
   /// How many of the next samples are one interval apart from `t` on; at most a block.
-  int on_grid(double t, std::size_t last) const {
+  int on_grid(double t, double t_end) const {
     constexpr double kOff = 1e-9;  // of an interval
     int n = 0;
-    while (n < LinearFlow<T>::kBlock && sample_ + std::size_t(n) <= last &&
+    while (n < LinearFlow<T>::kBlock && sample_ + std::size_t(n) < t_.size() && t_[sample_ + std::size_t(n)] <= t_end &&
            std::abs(t_[sample_ + std::size_t(n)] - t - (n + 1) * trial_.spacing) <= kOff * trial_.spacing)
       ++n;
     return n;
@@ -293,7 +310,9 @@ class Roll {
 
   System system_;
   Plain plain_;  ///< of the frame, in values, with the limit not reached
+  const Nuisance<T>& nuisance_;
   const PreparedTrial& trial_;
+  const std::vector<Stretch> shifted_;  ///< the cuts, where the force is shifted
   const std::vector<double>& t_;
   const RolloutOptions& options_;
   const bool motor_;  ///< phi_m is asked for
@@ -303,6 +322,7 @@ class Roll {
   std::optional<LinearFlow<double>> values_flow_;
   int looks_ = 1;  ///< at the guards in an interval
   Values quiet_ = Values::Zero();
+  bool arrived_ = false;      ///< at the end of the stretch
   std::size_t sample_ = 0;    ///< the next to be recorded
   long steps_ = 0, met_ = 0;  ///< integrated; limits met where the rig was linear
   double paced_ = 0;

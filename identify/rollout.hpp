@@ -22,22 +22,29 @@ struct PreparedTrial {
   explicit PreparedTrial(const Trial& trial);
 
   struct Stretch {
-    Excitation input;
-    double t_end;             ///< [s]
-    std::size_t first, last;  ///< samples first < i <= last lie in it
-    bool jumps;               ///< the reference jumps where it starts
+    Excitation<double> input;
+    double t_end;  ///< [s]
+    bool jumps;    ///< force or reference jumps where it starts
   };
+  /// The cuts with the force moved later by `shift` [s]; it is 0 outside its log.
+  std::vector<Stretch> cut(double shift) const;
+
   const Trial* trial;
-  std::vector<Stretch> stretches;
-  double phi_start;  ///< phi_ref at the first sample, else 0 [rad]
-  double spacing;    ///< median interval between samples [s]
+  std::vector<Stretch> stretches;  ///< of shift 0
+  double phi_start;                ///< phi_ref at the first sample, else 0 [rad]
+  double spacing;                  ///< median interval between samples [s]
 };
 
-/// How a rollout starts: at rest at the reference, but for these (a nuisance of the fit each).
+/// What may differ from trial to trial besides the hit; each may be a nuisance of the fit. A trial starts at rest at
+/// its reference, and is measured as it is, but for these.
 template <class T>
-struct InitialState {
-  T angle{0};  ///< moves phi_1 and phi_m together: the spring starts relaxed [rad]
-  T rate{0};   ///< dphi_1 [rad/s]
+struct Nuisance {
+  T angle{0};           ///< at the start; moves phi_1 and phi_m together: the spring starts relaxed [rad]
+  T rate{0};            ///< dphi_1 at the start [rad/s]
+  T force_gain{1};      ///< F_e = force_gain F_log(t - time_shift) + force_bias
+  T force_bias{0};      ///< [N]
+  T time_shift{0};      ///< of the force's log, positive: the hit came later than logged [s]
+  T encoder_offset{0};  ///< phi as measured minus phi_1 [rad]
 };
 
 /// Beyond this |phi_1| from the start the trial has escaped (turns past any useful angle) [rad].
@@ -63,18 +70,18 @@ struct RolloutOptions {
 /// pass through its events without a jump); a Jet's phi_m stays empty where the trial did not log phi_motor. Exact
 /// where the rig is linear. On kEscaped or kDiverged the outputs are not complete.
 template <class T>
-[[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
+[[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                                     const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                                     std::vector<T>& phi_m);
 
 /// `rollout` with the method that the options name, on one kernel for every trial. double or a Jet of kSmallJet.
 template <class T>
-[[nodiscard]] RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea,
-                                             const InitialState<T>& initial, const PreparedTrial& trial,
-                                             const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m);
+[[nodiscard]] RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
+                                             const PreparedTrial& trial, const RolloutOptions& options,
+                                             std::vector<T>& phi, std::vector<T>& phi_m);
 
 /// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole
 /// registers.
-inline constexpr int kSmallJet = 6, kLargeJet = 8;
+inline constexpr int kSmallJet = 6, kLargeJet = 14;
 
 }  // namespace ukemi::identify

@@ -6,14 +6,14 @@
 namespace ukemi::identify {
 
 template <class T>
-RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, const InitialState<T>& initial,
+RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                                const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                                std::vector<T>& phi_m) {
   using integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
   constexpr SeaTerms kAll{true, true};
   RolloutOptions o = options;
   if (options.method != Method::kAuto) o.linear = RolloutOptions::Linear::kIntegrated;
-  const auto with = [&]<class M>() { return Roll<M, kAll, T>(rig, sea, initial, trial, o, phi, phi_m).run(); };
+  const auto with = [&]<class M>() { return Roll<M, kAll, T>(rig, sea, nuisance, trial, o, phi, phi_m).run(); };
   if constexpr (std::is_same_v<T, double>) {  // the implicit ones have no derivatives
     if (options.method == Method::kRodas5P) return with.template operator()<Rodas5P>();
     if (options.method == Method::kAuto)
@@ -25,11 +25,11 @@ RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, cons
   return with.template operator()<DormandPrince853>();
 }
 
-template RolloutStatus roll_with_method(const Rig&, const SeaParameters<double>&, const InitialState<double>&,
+template RolloutStatus roll_with_method(const Rig&, const SeaParameters<double>&, const Nuisance<double>&,
                                         const PreparedTrial&, const RolloutOptions&, std::vector<double>&,
                                         std::vector<double>&);
 using Small = ceres::Jet<double, kSmallJet>;
-template RolloutStatus roll_with_method(const Rig&, const SeaParameters<Small>&, const InitialState<Small>&,
+template RolloutStatus roll_with_method(const Rig&, const SeaParameters<Small>&, const Nuisance<Small>&,
                                         const PreparedTrial&, const RolloutOptions&, std::vector<Small>&,
                                         std::vector<Small>&);
 

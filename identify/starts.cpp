@@ -1,8 +1,11 @@
 #include "identify/starts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
+#include "common/actuator.hpp"
 #include "common/random.hpp"
 
 namespace ukemi::identify {
@@ -68,16 +71,20 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
 }
 
 std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int count, std::uint64_t seed) {
-  std::vector<SeaParameters<double>> out;
-  for (int i = 0; i < count; ++i) {
-    Random random(seed, std::uint64_t(i));
-    SeaParameters<double> p = about.centre;
-    p.k_p *= random.factor(about.spread_gains);
-    p.k_d *= random.factor(about.spread_gains * 1.5);
-    p.k_sea *= random.factor(about.spread_rest);
-    p.c_sea *= random.factor(about.spread_rest);
-    p.i_motor *= random.factor(about.spread_rest);
-    out.push_back(p);
+  const std::array<double, kConstants> spread = {about.spread_gains, about.spread_gains * 1.5, about.spread_rest,
+                                                 about.spread_rest, about.spread_rest};
+  std::vector<SeaParameters<double>> out(std::size_t(std::max(count, 0)), about.centre);
+  std::vector<int> layer(out.size());
+  for (std::size_t k = 0; k < kConstants; ++k) {
+    Random random(seed, k);
+    std::iota(layer.begin(), layer.end(), 0);
+    for (std::size_t i = layer.size(); i > 1; --i)
+      std::swap(layer[i - 1], layer[std::size_t(random.uniform() * double(i))]);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      auto u = constants(out[i]);
+      u[k] *= std::pow(spread[k], 2 * (layer[i] + random.uniform()) / count - 1);
+      set_constants(out[i], u);
+    }
   }
   return out;
 }

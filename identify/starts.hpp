@@ -22,7 +22,7 @@ struct Suggestion {
 };
 Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials);
 
-/// `count` sets of constants, log-uniform within the factors about the centre; draw i belongs to (seed, i).
+/// `count` sets of constants within the factors about the centre: a Latin hypercube in their logarithms.
 std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int count, std::uint64_t seed);
 
 }  // namespace ukemi::identify

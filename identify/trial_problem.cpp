@@ -14,14 +14,14 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
               const RolloutOptions& options, double weight, const std::vector<double>& scale, const double* global,
               const double* local, double* r, double* jg, double* jl) {
   auto sea = base.cast<T>();
-  InitialState<T> initial;
-  layout.apply<T>(global, local, sea, initial, [&](double v, [[maybe_unused]] int slot) {
+  Nuisance<T> nuisance;
+  layout.apply<T>(global, local, sea, nuisance, [&](double v, [[maybe_unused]] int slot) {
     T x(v);
     if constexpr (kDerivatives < T >> 0) x.v[slot] = scale[std::size_t(slot)];
     return x;
   });
   thread_local std::vector<T> phi, phi_m;
-  if (rollout(rig, sea, initial, prepared, options, phi, phi_m) != RolloutStatus::kDone) return false;
+  if (rollout(rig, sea, nuisance, prepared, options, phi, phi_m) != RolloutStatus::kDone) return false;
   const int G = layout.globals(), L = layout.locals();
   int row = 0;
   const auto compare = [&](const std::vector<double>& measured, const std::vector<T>& predicted) {
@@ -38,6 +38,32 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
   return true;
 }
 
+/// A term as a parameter: where it starts, its bounds and its typical size.
+Parameter parameter(NuisanceTerm t, const SeaParameters<double>& start) {
+  constexpr double kInf = FitOptions::kInfinity;
+  const auto signless = [&](double at, double size) {
+    return Parameter{name(t), unit(t), at > 0 ? at : size, 0, kInf, size};
+  };
+  switch (t) {
+    case NuisanceTerm::kFriction:
+      return signless(start.friction, start.k_p > 0 ? 0.01 * start.k_p : 0.1);
+    case NuisanceTerm::kStiffening:  // as much torque as the linear part at a deflection of 1 rad
+      return signless(start.k_sea_cubic, start.k_sea > 0 ? start.k_sea : 10);
+    case NuisanceTerm::kForceGain:
+      return {name(t), unit(t), 1, 0.01, 100, 1};
+    case NuisanceTerm::kInitialAngle:
+    case NuisanceTerm::kEncoderOffset:
+      return {name(t), unit(t), 0, -kInf, kInf, 0.01};
+    case NuisanceTerm::kInitialRate:
+      return {name(t), unit(t), 0, -kInf, kInf, 0.1};
+    case NuisanceTerm::kForceBias:
+      return {name(t), unit(t), 0, -kInf, kInf, 1};
+    case NuisanceTerm::kTimeShift:
+      return {name(t), unit(t), 0, -0.1, 0.1, 1e-3};
+  }
+  return {};
+}
+
 /// Size of a constant for scaling, where the start is 0.
 double typical(int constant, const Suggestion& s) { return ukemi::constants(s.centre)[std::size_t(constant)]; }
 
@@ -46,7 +72,7 @@ double typical(int constant, const Suggestion& s) { return ukemi::constants(s.ce
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
                                  const std::vector<double>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
-                                 const RolloutOptions& rollout_options) {
+                                 const RolloutOptions& rollout_options, double noise) {
   LeastSquaresProblem problem;
   const auto u = ukemi::constants(start);
   for (const int c : layout.constants) {
@@ -57,14 +83,11 @@ LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial
     problem.globals.push_back(
         {kConstantNames[k], kConstantUnits[k], std::max(u[k], 0.1 * size), lower, options.upper[k], size});
   }
-  if (layout.friction) {
-    const double size = 0.01 * start.k_p > 0 ? 0.01 * start.k_p : 0.1;
-    problem.globals.push_back(
-        {"friction", "Nm", start.friction > 0 ? start.friction : size, 0, FitOptions::kInfinity, size});
-  }
-  const double inf = FitOptions::kInfinity;
-  if (layout.initial_angle) problem.locals.push_back({"initial_angle", "rad", 0, -inf, inf, 0.01});
-  if (layout.initial_rate) problem.locals.push_back({"initial_rate", "rad/s", 0, -inf, inf, 0.1});
+  for (const NuisanceTerm t : layout.shared) problem.globals.push_back(parameter(t, start));
+  for (const NuisanceTerm t : layout.of_trial) problem.locals.push_back(parameter(t, start));
+  for (std::size_t g = 0; g < layout.constants.size(); ++g)
+    if (const auto& prior = options.prior[std::size_t(layout.constants[g])])
+      problem.priors.push_back({int(g), prior->value, noise / prior->std});
   std::vector<double> scale;
   for (const auto& list : {problem.globals, problem.locals})
     for (const Parameter& p : list) scale.push_back(p.scale);

@@ -9,42 +9,64 @@
 
 namespace ukemi::identify {
 
-inline bool fitted(NuisanceTerms::Term t) { return t == NuisanceTerms::Term::kFitted; }
-
-/// Which parameter of the problem is which.
+/// Which parameter of the problem is which. First the free constants, then the terms that all trials share, then those
+/// that each trial has of its own.
 struct Layout {
-  std::vector<int> constants;  ///< global g is constant constants[g]; friction comes after them
-  bool friction, initial_angle, initial_rate;
+  std::vector<int> constants;          ///< global g is constant constants[g]
+  std::vector<NuisanceTerm> shared;    ///< the globals behind them
+  std::vector<NuisanceTerm> of_trial;  ///< the locals
 
-  explicit Layout(const FitOptions& o)
-      : friction(fitted(o.nuisance.friction)),
-        initial_angle(fitted(o.nuisance.initial_angle)),
-        initial_rate(fitted(o.nuisance.initial_rate)) {
+  explicit Layout(const FitOptions& o) {
     for (int i = 0; i < kConstants; ++i)
       if (o.free[std::size_t(i)]) constants.push_back(i);
+    for (const NuisanceTerm t : o.nuisance) (is_shared(t) ? shared : of_trial).push_back(t);
   }
-  int globals() const { return int(constants.size()) + friction; }
-  int locals() const { return int(initial_angle) + int(initial_rate); }
+  int globals() const { return int(constants.size() + shared.size()); }
+  int locals() const { return int(of_trial.size()); }
 
   /// Puts a point of the problem into the model; `lift(value, slot)` makes the scalar of derivative slot `slot`.
   template <class T, class Lift>
-  void apply(const double* global, const double* local, SeaParameters<T>& sea, InitialState<T>& initial,
+  void apply(const double* global, const double* local, SeaParameters<T>& sea, Nuisance<T>& nuisance,
              Lift&& lift) const {
     auto u = ukemi::constants(sea);
     int slot = 0;
     for (const int c : constants) u[std::size_t(c)] = lift(global[slot], slot), ++slot;
     set_constants(sea, u);
-    if (friction) sea.friction = lift(global[slot], slot), ++slot;
-    if (initial_angle) initial.angle = lift(local[0], slot), ++slot;
-    if (initial_rate) initial.rate = lift(local[initial_angle], slot);
+    for (const NuisanceTerm t : shared) place(t, sea, nuisance) = lift(global[slot], slot), ++slot;
+    for (std::size_t i = 0; i < of_trial.size(); ++i, ++slot) place(of_trial[i], sea, nuisance) = lift(local[i], slot);
+  }
+
+ private:
+  template <class T>
+  static T& place(NuisanceTerm t, SeaParameters<T>& sea, Nuisance<T>& n) {
+    switch (t) {
+      case NuisanceTerm::kFriction:
+        return sea.friction;
+      case NuisanceTerm::kStiffening:
+        return sea.k_sea_cubic;
+      case NuisanceTerm::kForceGain:
+        return n.force_gain;
+      case NuisanceTerm::kInitialAngle:
+        return n.angle;
+      case NuisanceTerm::kInitialRate:
+        return n.rate;
+      case NuisanceTerm::kForceBias:
+        return n.force_bias;
+      case NuisanceTerm::kTimeShift:
+        return n.time_shift;
+      case NuisanceTerm::kEncoderOffset:
+        break;
+    }
+    return n.encoder_offset;
   }
 };
 
 /// Residuals predicted minus measured, phi then phi_motor, times the trial's weight; parameters start at `start` (at a
-/// tenth of a typical size where it is 0) and are scaled by it. `prepared` and `rig` must outlive the problem.
+/// tenth of a typical size where it is 0) and are scaled by it. `noise` [rad] is what a prior's standard deviation
+/// weighs as. `prepared` and `rig` must outlive the problem.
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
                                  const std::vector<double>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
-                                 const RolloutOptions& rollout_options);
+                                 const RolloutOptions& rollout_options, double noise);
 
 }  // namespace ukemi::identify

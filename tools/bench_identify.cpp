@@ -38,7 +38,7 @@ std::vector<Dual> sensitivities(const Rig& rig, const SeaParameters<double>& sea
                                 const std::vector<PreparedTrial>& trials, const RolloutOptions& options) {
   std::vector<Dual> all, phi, phi_m;
   for (const PreparedTrial& t : trials) {
-    const InitialState<Dual> at_rest{Dual(0), Dual(0)};
+    const Nuisance<Dual> at_rest{Dual(0), Dual(0)};
     if (rollout(rig, seeded(sea), at_rest, t, options, phi, phi_m) != RolloutStatus::kDone) return {};
     all.insert(all.end(), phi.begin(), phi.end());
   }

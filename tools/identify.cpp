@@ -1,5 +1,6 @@
 // ukemi identify, ukemi predict.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <memory>
@@ -40,6 +41,17 @@ Json estimate_json(const identify::Estimate& e) {
   return j;
 }
 
+Json minima_json(const identify::Fit& fit) {
+  Json list = Json::array();
+  for (const identify::Minimum& m : fit.minima) {
+    Json one{{"cost", number(m.cost)}, {"found", m.found}};
+    const auto u = constants(m.sea);
+    for (std::size_t k = 0; k < kConstants; ++k) one[kConstantNames[k]] = number(u[k]);
+    list.push_back(one);
+  }
+  return list;
+}
+
 std::string text_of(const identify::Estimate& e) {
   if (!e.free) return fmt::format("{:.6g} (fixed)", e.value);
   if (e.at_bound) return fmt::format("{:.6g} (at bound)", e.value);
@@ -65,6 +77,16 @@ void parse_bounds(const std::string& option, const std::string& list, std::array
   }
 }
 
+identify::NuisanceTerm nuisance_term(const std::string& wanted) {
+  std::vector<std::string> known;
+  for (const identify::NuisanceTerm t : identify::kNuisanceTerms) {
+    if (name(t) == wanted) return t;
+    known.push_back(name(t));
+  }
+  throw InputError(fmt::format("--nuisance: {}: one of {} is needed{}", quoted(wanted), fmt::join(known, ", "),
+                               hint(wanted, known)));
+}
+
 identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions& common) {
   identify::FitOptions o;
   o.seed = common.seed;
@@ -74,21 +96,17 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
     o.free.fill(false);
     for (const std::string& name : split(a.free)) o.free[constant_index("--free", name)] = true;
   }
-  const std::vector<std::string> later = {"encoder_offset", "force_gain", "force_bias", "time_shift", "stiffening"};
-  for (const std::string& name : split(a.nuisance)) {
-    using Term = identify::NuisanceTerms::Term;
-    if (name == "friction")
-      o.nuisance.friction = Term::kFitted;
-    else if (name == "initial_angle")
-      o.nuisance.initial_angle = Term::kFitted;
-    else if (name == "initial_rate")
-      o.nuisance.initial_rate = Term::kFitted;
-    else if (std::find(later.begin(), later.end(), name) != later.end())
-      throw InputError("--nuisance: " + quoted(name) + ": this term is not in this version");
-    else
-      throw InputError("--nuisance: " + quoted(name) + ": one of initial_angle, initial_rate, friction is needed" +
-                       hint(name, {"initial_angle", "initial_rate", "friction"}));
+  for (const std::string& name : split(a.nuisance)) o.nuisance.push_back(nuisance_term(name));
+  for (const std::string& item : split(a.prior)) {
+    const std::size_t equals = item.find('='), colon = item.find(':');
+    if (equals == std::string::npos || colon == std::string::npos || colon < equals)
+      throw InputError("--prior: " + quoted(item) + ": NAME=VALUE:STD is needed");
+    o.prior[constant_index("--prior", item.substr(0, equals))] =
+        identify::Prior{to_number("--prior", item.substr(equals + 1, colon - equals - 1)),
+                        to_number("--prior", item.substr(colon + 1))};
   }
+  o.explore = a.starts;
+  o.threads = common.threads;
   parse_bounds("--lower", a.lower, o.lower);
   parse_bounds("--upper", a.upper, o.upper);
   if (a.loss.rfind("huber:", 0) == 0) {
@@ -198,9 +216,10 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
         throw InputError("--free: " + std::string(kConstantNames[std::size_t(i)]) +
                          " is not free and needs a value: give --start");
   // From rest, a trial without excitation says nothing; one that is let go from elsewhere does.
-  using Term = identify::NuisanceTerms::Term;
-  const bool from_rest =
-      options.nuisance.initial_angle == Term::kAbsent && options.nuisance.initial_rate == Term::kAbsent;
+  const auto fits = [&](identify::NuisanceTerm t) {
+    return std::find(options.nuisance.begin(), options.nuisance.end(), t) != options.nuisance.end();
+  };
+  const bool from_rest = !fits(identify::NuisanceTerm::kInitialAngle) && !fits(identify::NuisanceTerm::kInitialRate);
   TrialNeeds needs;
   if (predict) needs.phi = TrialNeeds::Angle::kOptional;
   if (!predict && from_rest) needs.excitation = TrialNeeds::Excitation::kRequired;
@@ -246,8 +265,14 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   for (const auto& t : fit.trials)
     rows.push_back({{"file", t.file}, {"samples", t.samples}, {"rms", number(t.rms)}, {"noise", number(t.noise)}});
   run.say(assumed);
-  if (options.nuisance.friction == identify::NuisanceTerms::Term::kFitted || base.friction > 0)
+  if (fits(identify::NuisanceTerm::kFriction) || base.friction > 0)
     run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
+  if (options.explore > 0)
+    for (const identify::Minimum& m : fit.minima)
+      run.say(fmt::format(
+          "minimum of cost {:.9g} rad^2, found by {} of {} starts: k_p {:.5g} k_d {:.5g} k_sea {:.5g} c_sea "
+          "{:.5g} i_motor {:.5g}",
+          m.cost, m.found, fit.starts, m.sea.k_p, m.sea.k_d, m.sea.k_sea, m.sea.c_sea, m.sea.i_motor));
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, trials.size()));
 
   Json summary = std::move(inputs.summary);
@@ -259,6 +284,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   summary["iterations"] = fit.iterations;
   summary["identifiable"] = fit.identifiable;
   summary["starts"] = fit.starts;
+  summary["minima"] = minima_json(fit);
   summary["assumed"] = assumed;
   summary["friction_speed"] = kFrictionSpeed;
   Json correlation = Json::array();
@@ -310,8 +336,16 @@ void add_identify(CLI::App& app, Action& chosen) {
     if (!predict) {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
       verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
-      verb->add_option("--nuisance", args->nuisance,
-                       "fitted along: initial_angle, initial_rate (a trial each), friction");
+      verb->add_option(
+          "--nuisance", args->nuisance,
+          "fitted along: friction, stiffening, force_gain (one for all trials); initial_angle, initial_rate, "
+          "encoder_offset, force_bias, time_shift (a trial each)");
+      verb->add_option("--prior", args->prior,
+                       "k_sea=65:5,...: what is known beforehand, VALUE:STD, counted like a measurement");
+      verb->add_option(
+              "--starts", args->starts,
+              "explore: so many starts within 10x of --start or of what the logs suggest, and every minimum found")
+          ->check(CLI::Range(1, 100'000));
       verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
       verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
       verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");

@@ -33,9 +33,10 @@ void add_bench(CLI::App& app, Action& chosen);  // integrators, identify, optimi
 struct IdentifyArguments {
   std::vector<std::string> trials;
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
-  std::string free, nuisance, lower, upper, loss = "none", weights = "equal";
+  std::string free, nuisance, prior, lower, upper, loss = "none", weights = "equal";
   TrialArguments reading;
   double accuracy = 1e-9;
+  int starts = 0;  ///< explored; 0: as few as needed
 };
 /// Fits (or, with `actuator` set, predicts) and writes the verb's files. `fitted` receives the result.
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common, Actuator* fitted = nullptr);

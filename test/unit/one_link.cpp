@@ -73,7 +73,7 @@ TEST_CASE("one_link: without force and limit the rollout is the matrix exponenti
   p.tau_max = std::numeric_limits<double>::infinity();
   p.feedback = GENERATE(Feedback::kOutput, Feedback::kMotor);
   const double reference = GENERATE(0.0, 0.3);  // constant: deviations from it obey the same equation
-  const InitialState<double> initial{.angle = 0.2, .rate = 3};
+  const Nuisance<double> initial{.angle = 0.2, .rate = 3};
   Trial trial;
   for (int i = 0; i <= 400; ++i)
     trial.t.push_back(0.0025 * i + (i % 2 == 0 ? 0 : 0.0004)), trial.phi_ref.push_back(reference);
@@ -135,13 +135,15 @@ TEST_CASE("one_link: Jet derivatives of a rollout are its central differences, t
   Trial trial = pulse(0.12, peak, 0.012);
   trial.phi_motor.resize(trial.t.size());  // so that its derivatives are asked for
   const PreparedTrial prepared(trial);
-  constexpr std::array<const char*, kLargeJet> kNames{"k_p",     "k_d",   "k_sea", "c_sea",
-                                                      "i_motor", "angle", "rate",  "tau_max"};
-  const std::array<double, kLargeJet> at{50, 1, 65, 1.6, 0.085, 0.02, 0.3, 20};
+  constexpr std::array<const char*, kLargeJet> kNames{
+      "k_p",     "k_d",      "k_sea",       "c_sea",      "i_motor",    "angle",      "rate",
+      "tau_max", "friction", "k_sea_cubic", "force gain", "force bias", "time shift", "encoder offset"};
+  const std::array<double, kLargeJet> at{50, 1, 65, 1.6, 0.085, 0.02, 0.3, 20, 0.1, 50, 1.1, 0.5, 2e-4, 0.01};
   const auto run = [&]<class T>(const std::array<T, kLargeJet>& x) {
-    SeaParameters<T> p{x[0], x[1], x[2], x[3], x[4], x[7]};
+    const SeaParameters<T> p{x[0], x[1], x[2], x[3], x[4], x[7], x[8], x[9]};
+    const Nuisance<T> nuisance{x[5], x[6], x[10], x[11], x[12], x[13]};
     std::vector<T> phi, phi_m;
-    REQUIRE(rollout(kRig, p, InitialState<T>{x[5], x[6]}, prepared, kTight, phi, phi_m) == RolloutStatus::kDone);
+    REQUIRE(rollout(kRig, p, nuisance, prepared, kTight, phi, phi_m) == RolloutStatus::kDone);
     phi.insert(phi.end(), phi_m.begin(), phi_m.end());
     return phi;
   };
@@ -151,7 +153,7 @@ TEST_CASE("one_link: Jet derivatives of a rollout are its central differences, t
   const std::vector<double> values = run(at);
   for (std::size_t k = 0; k < kLargeJet; ++k) {
     INFO("peak " << peak << " N, derivative by " << kNames[k]);
-    const double h = 1e-5 * at[k];
+    const double h = (k == 6 || k == 8 ? 1e-3 : 1e-5) * at[k];  // the friction makes small differences of these noisy
     std::array<double, kLargeJet> up = at, down = at;
     up[k] += h, down[k] -= h;
     const std::vector<double> high = run(up), low = run(down);
@@ -214,7 +216,7 @@ TEST_CASE("one_link: where the rig is linear the exact path is the integrated on
     trial = pulse(0.4, 0, 0.012);
     Trial cut;
     for (std::size_t i = 0; i < trial.t.size(); i += 25)
-      cut.t.push_back(trial.t[i]), cut.phi_ref.push_back(i == 0 ? 0 : 0.9);
+      cut.t.push_back(trial.t[i]), cut.phi_ref.push_back(i == 0 ? 0 : 0.5);
     trial = cut;
     p.tau_max = 4;  // reached between two samples
   } else if (kind.rfind("a reference", 0) == 0) {
