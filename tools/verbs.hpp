@@ -13,6 +13,7 @@
 #include "landing/optimize.hpp"
 #include "tools/output.hpp"
 #include "tools/trials.hpp"
+#include "tools/trust.hpp"
 
 namespace ukemi::tools {
 
@@ -36,6 +37,7 @@ struct IdentifyArguments {
   std::string free, nuisance, lower, upper, loss = "none", weights = "equal";
   TrialArguments reading;
   double accuracy = 1e-9;
+  TrustArguments trust;  ///< identify
 };
 /// Fits (or, with `actuator` set, predicts) and writes the verb's files. `fitted` receives the result.
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common, Actuator* fitted = nullptr);
@@ -76,6 +78,8 @@ std::vector<std::string> split(const std::string& list);  ///< at commas
 double to_number(const std::string& option, const std::string& text);
 Json estimate_json(const identify::Estimate& estimate);
 std::string text_of(const identify::Estimate& estimate);
+/// Throws InputError where `name` is none of the five.
+std::size_t constant_index(const std::string& option, const std::string& name);
 
 inline constexpr double kDegrees = 57.29577951308232;
 
