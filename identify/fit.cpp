@@ -52,12 +52,6 @@ void FitOptions::validate() const {
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
 }
 
-void set_error(Estimate& e, double variance, double half_width) {
-  if (!(variance >= 0 && std::isfinite(variance))) return;
-  e.std = std::sqrt(variance);
-  e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
-}
-
 namespace {
 
 TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const SeaParameters<double>& sea,
@@ -101,68 +95,54 @@ std::vector<Estimate> as_given(const SeaParameters<double>& sea, const std::arra
   std::vector<Estimate> out;
   const auto u = ukemi::constants(sea);
   for (std::size_t k = 0; k < kConstants; ++k)
-    out.push_back({.name = kConstantNames[k], .unit = kConstantUnits[k], .value = u[k], .std = {}, .free = free[k]});
+    out.push_back({.name = kConstantNames[k],
+                   .unit = kConstantUnits[k],
+                   .value = u[k],
+                   .std = {},
+                   .free = free[k],
+                   .verdict = free[k] ? Verdict::kNotIdentifiable : Verdict::kFixed});
   return out;
 }
 
 /// The parameters, their errors and what can be said of them.
 void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, const Layout& layout,
             const FitOptions& options, Fit& out) {
-  const long dof = s.residuals - s.free_parameters;
-  const double variance = dof > 0 ? s.cost / double(dof) : std::numeric_limits<double>::quiet_NaN();
-  out.half_width = t_quantile_975(std::max(dof, 1l));
-  const int G = layout.globals();
-  out.covariance = s.global_covariance * variance;
-  out.correlation = correlation_of(out.covariance);
-  out.eigenvalues = s.eigenvalues;
-  const auto estimate = [&](int g) {
-    const Parameter& p = problem.globals[std::size_t(g)];
-    Estimate e{
-        .name = p.name, .unit = p.unit, .value = s.globals[g], .std = {}, .at_bound = s.at_bound[std::size_t(g)]};
-    set_error(e, out.covariance(g, g), out.half_width);
-    return e;
-  };
-  const auto u = ukemi::constants(out.sea);
+  std::vector<double> sizes;
+  for (std::size_t g = 0; g < layout.constants.size(); ++g) sizes.push_back(std::abs(s.globals[long(g)]));
+  Uncertainty u = uncertainty_of(s, problem, sizes);
+  out.covariance = std::move(u.covariance);
+  out.correlation = std::move(u.correlation);
+  out.eigenvalues = std::move(u.eigenvalues);
+  out.half_width = u.half_width;
+  out.weakest = std::move(u.weakest);
+  out.parameters = as_given(out.sea, options.free);
+  for (std::size_t g = 0; g < problem.globals.size(); ++g) {
+    out.fitted.push_back(u.globals[g].name);
+    if (g < layout.constants.size())
+      out.parameters[std::size_t(layout.constants[g])] = u.globals[g];
+    else
+      out.nuisance.push_back(u.globals[g]);
+  }
+  out.nuisance.insert(out.nuisance.end(), u.locals.begin(), u.locals.end());
   out.identifiable = true;
-  for (int c = 0, g = 0; c < kConstants; ++c) {
-    const auto k = std::size_t(c);
-    if (!options.free[k]) {
-      out.parameters.push_back(
-          {.name = kConstantNames[k], .unit = kConstantUnits[k], .value = u[k], .std = {}, .free = false});
-      continue;
-    }
-    out.fitted.push_back(kConstantNames[k]);
-    out.parameters.push_back(estimate(g++));
-    const Estimate& e = out.parameters.back();
-    if (e.at_bound) {
+  for (const Estimate& e : out.parameters) {
+    if (e.verdict == Verdict::kAtBound)
       out.warnings.push_back(fmt::format("{} ended at its bound {}: no standard error", e.name, shortest(e.value)));
-    } else if (!e.std) {
-      out.identifiable = false;
-      out.warnings.push_back(e.name + " is not determined by these trials");
-    } else if (out.half_width * *e.std > 0.5 * std::abs(e.value)) {
-      out.identifiable = false;
-      out.warnings.push_back(
-          fmt::format("{} is not identifiable: the 95 % interval is {:.0f} % of its value either way", e.name,
-                      100 * out.half_width * *e.std / std::abs(e.value)));
-    }
+    if (e.verdict != Verdict::kNotIdentifiable) continue;
+    out.identifiable = false;
+    out.warnings.push_back(
+        e.std ? fmt::format("{} is not identifiable: the 95 % interval is {:.0f} % of its value either way", e.name,
+                            100 * e.half_width() / std::abs(e.value))
+              : e.name + " is not determined by these trials");
   }
-  for (int g = int(layout.constants.size()); g < G; ++g) {
-    out.nuisance.push_back(estimate(g));
-    out.fitted.push_back(out.nuisance.back().name);
-  }
-  for (int i = 0; i < G; ++i)
-    for (int j = 0; j < i; ++j)
+  for (long i = 0; i < out.correlation.rows(); ++i)
+    for (long j = 0; j < i; ++j)
       if (std::abs(out.correlation(i, j)) > 0.95)
         out.warnings.push_back(fmt::format("{} and {} correlate by {:.3f}: these trials hardly tell them apart",
                                            out.fitted[std::size_t(j)], out.fitted[std::size_t(i)],
                                            out.correlation(i, j)));
-  for (int l = 0; l < layout.locals(); ++l)
-    for (int m = 0; m < int(problem.blocks.size()); ++m) {
-      const Parameter& p = problem.locals[std::size_t(l)];
-      Estimate e{.name = p.name, .unit = p.unit, .value = s.locals(m, l), .std = {}, .trial = m};
-      set_error(e, s.local_variance(m, l) * variance, out.half_width);
-      out.nuisance.push_back(e);
-    }
+  if (out.weakest && !all_trusted(out.parameters))
+    out.warnings.push_back(in_words(*out.weakest, "trials", "the angles", "rad"));
 }
 
 }  // namespace
@@ -184,20 +164,17 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   const Suggestion suggestion = suggest(rig, trials);
 
   // The logs' own noise decides whether a minimum is believed.
-  double noise2 = 0, measured = 0;
-  for (const Trial& t : trials) {
-    const double a = noise_level(t.phi), b = noise_level(t.phi_motor);
-    noise2 += double(t.phi.size()) * a * a + double(t.phi_motor.size()) * b * b;
-    measured += double(t.measurements());
-  }
+  double measured = 0;
+  std::vector<const Trial*> logs;
+  for (const Trial& t : trials) measured += double(t.measurements()), logs.push_back(&t);
   if (measured == 0) throw InputError("no measured angle in any trial: phi is needed");
-  const double noise = std::sqrt(noise2 / measured);
+  const double noise = noise_level(logs);
   const auto believed = [&](const LeastSquaresSolution& s) {
-    return s.usable && s.converged && s.cost <= kFarAboveNoise * kFarAboveNoise * noise2;
+    return s.usable && s.converged && s.cost <= kFarAboveNoise * kFarAboveNoise * noise * noise * measured;
   };
 
   const auto problem_from = [&](const SeaParameters<double>& p) {
-    return make_problem(rig, prepared, weights, p, suggestion, layout, options, rollout_options, noise);
+    return make_problem(rig, prepared, weights, p, suggestion, layout, options, rollout_options);
   };
   // A drawn start within the bounds; what is not free stays as given.
   const auto admitted = [&](const SeaParameters<double>& drawn) {
@@ -224,8 +201,8 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       drawn[i] = admitted(drawn[i]);
-      const LeastSquaresProblem p = make_problem(rig, few, std::vector<double>(few.size(), 1.0), drawn[i], suggestion,
-                                                 layout, options, coarse, noise);
+      const LeastSquaresProblem p =
+          make_problem(rig, few, std::vector<double>(few.size(), 1.0), drawn[i], suggestion, layout, options, coarse);
       Eigen::VectorXd x(layout.globals());
       for (int g = 0; g < layout.globals(); ++g) x[g] = p.globals[std::size_t(g)].start;
       order.emplace_back(cost_at(p, solver, x), i);
@@ -292,7 +269,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
                             options.explore, options.seed);
     for (SeaParameters<double>& p : list) p = admitted(p);
     attempt(list);
-  } else if (!believed(best)) {
+  } else if (options.restarts > 0 && !believed(best)) {
     const auto list = candidates(options.seed);
     constexpr int kSame = 5;    // the best minimum found so often is taken for the global one
     constexpr int kAtOnce = 2;  // whatever the number of threads
@@ -335,11 +312,14 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   out.iterations = best.iterations;
   if (!best.converged) out.message = best.message;
   report(best, problem_from(best_from), layout, options, out);
-  if (noise > 0 && out.rms > kFarAboveNoise * noise)
+  out.far_above_noise = noise > 0 && out.rms > kFarAboveNoise * noise;
+  if (out.far_above_noise) {
+    distrust(out.parameters);
     out.warnings.push_back(
         fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad after {} starts: the model "
-                    "lacks something, or no start found the minimum",
+                    "lacks something, or no start found the minimum; no constant is trusted",
                     out.rms, out.rms / noise, noise, out.starts));
+  }
   return out;
 }
 

@@ -5,6 +5,7 @@
 // with standard errors from the Fisher information scaled by the residual variance.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -14,6 +15,7 @@
 
 #include "common/actuator.hpp"
 #include "identify/rollout.hpp"
+#include "identify/uncertainty.hpp"
 
 namespace ukemi::identify {
 
@@ -58,25 +60,11 @@ struct FitOptions {
   int threads = 0;         ///< 0: all cores; without influence on the results
   std::uint64_t seed = 1;  ///< of the drawn starts
   int max_iterations = 200;  ///< of the solver, each start
-  void validate() const;     ///< throws InputError
+  bool fits(NuisanceTerm t) const { return std::find(nuisance.begin(), nuisance.end(), t) != nuisance.end(); }
+  void validate() const;  ///< throws InputError
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
-
-/// A residual this many times the logs' own noise is far above it: the minimum may be a bad one, or the model wrong.
-inline constexpr double kFarAboveNoise = 1.5;
-
-struct Estimate {
-  std::string name, unit;
-  double value = 0;
-  std::optional<double> std;  ///< standard error; absent where it cannot be estimated (fixed, at a bound, undetermined)
-  double ci_low = 0, ci_high = 0;  ///< 95 %, with `std`
-  bool at_bound = false, free = true;
-  int trial = -1;  ///< of a nuisance term that each trial has; -1: one for all
-};
-
-/// Standard error and 95 % interval from a variance; none where it is not a number.
-void set_error(Estimate& e, double variance, double half_width);
 
 /// A minimum that starts ended at.
 struct Minimum {
@@ -102,17 +90,22 @@ struct Fit {
   std::vector<std::string> fitted;  ///< order of `covariance`: free constants, then friction
   Eigen::MatrixXd covariance;       ///< NaN where not determined
   Eigen::MatrixXd correlation;
-  Eigen::VectorXd eigenvalues;  ///< of the scaled information, ascending, largest 1
-  double half_width = 1.96;     ///< 95 % interval in standard errors (Student's t)
-  double rms = 0;               ///< unweighted, over every measured output [rad]
-  double cost = 0;              ///< E(U) [rad^2]; weighted or robust where asked for
+  Eigen::VectorXd eigenvalues;     ///< of the scaled information, ascending, largest 1
+  double half_width = 1.96;        ///< 95 % interval in standard errors (Student's t)
+  std::optional<Weakest> weakest;  ///< the combination of constants that the trials know least
+  double rms = 0;                  ///< unweighted, over every measured output [rad]
+  double cost = 0;                 ///< E(U) [rad^2]; weighted or robust where asked for
   bool converged = false, identifiable = false;
-  int iterations = 0;           ///< of the start that won
-  int starts = 0;               ///< how many were run
-  std::vector<Minimum> minima;  ///< that they ended at, the lowest first
+  bool far_above_noise = false;  ///< the residual, beyond kFarAboveNoise: no constant is trusted
+  int iterations = 0;            ///< of the start that won
+  int starts = 0;                ///< how many were run
+  std::vector<Minimum> minima;   ///< that they ended at, the lowest first
   std::vector<std::string> warnings;
   std::vector<TrialResult> trials;
   std::string message;  ///< why it did not converge
+
+  /// Whether it converged and every fitted constant is trusted.
+  bool trusted() const { return converged && all_trusted(parameters); }
 };
 
 /// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max,

@@ -125,6 +125,9 @@ void covariances(const LeastSquaresProblem& problem, const LeastSquaresOptions& 
     const double w = p.weight * problem.globals[std::size_t(p.global)].scale;
     information(p.global, p.global) += w * w;
   }
+  Eigen::VectorXd unit(G);
+  for (int i = 0; i < G; ++i) unit[i] = 1 / problem.globals[std::size_t(i)].scale;
+  out.information = unit.asDiagonal() * information * unit.asDiagonal();
   std::vector<int> free;
   for (int i = 0; i < G; ++i)
     if (!out.at_bound[std::size_t(i)]) free.push_back(i);
@@ -201,7 +204,11 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
     ceres_problem.AddResidualBlock(new PullCost(problem, p), nullptr, x.data());
     ++out.residuals;
   }
-  set_bounds(ceres_problem, x.data(), problem.globals);
+  const bool held = options.globals == LeastSquaresOptions::Globals::kHeld;
+  if (held)
+    ceres_problem.SetParameterBlockConstant(x.data());
+  else
+    set_bounds(ceres_problem, x.data(), problem.globals);
   if (!problem.locals.empty())
     for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
 
@@ -237,7 +244,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   for (std::size_t b = 0; b < locals.size(); ++b)
     for (std::size_t l = 0; l < problem.locals.size(); ++l)
       out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
-  if (out.usable) covariances(problem, options, x, locals, out);
+  if (out.usable && !held) covariances(problem, options, x, locals, out);
   return out;
 }
 

@@ -43,6 +43,7 @@ struct LeastSquaresProblem {
 struct LeastSquaresOptions {
   int max_iterations = 200;
   double huber = 0;  ///< Huber's delta on each residual; 0: plain squares
+  enum class Globals { kFitted, kHeld } globals = Globals::kFitted;  ///< kHeld: locals alone, at the globals' start
 };
 
 struct LeastSquaresSolution {
@@ -52,9 +53,10 @@ struct LeastSquaresSolution {
   bool usable = false;      ///< the start could be evaluated and no iterate was lost
   bool converged = false;
   int iterations = 0;
-  std::string message;         ///< the solver's reason
-  std::vector<bool> at_bound;  ///< of the globals
-  long residuals = 0;          ///< n
+  std::string message;          ///< the solver's reason
+  std::vector<bool> at_bound;   ///< of the globals
+  long residuals = 0;           ///< n
+  Eigen::MatrixXd information;  ///< of the globals, locals eliminated, for unit residual variance; empty where unknown
   /// Inverse of the Fisher information for unit residual variance, over the globals; rows and columns at a bound, and
   /// of what the data do not determine, are NaN. Multiply by the residual variance.
   Eigen::MatrixXd global_covariance;

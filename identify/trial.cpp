@@ -141,4 +141,14 @@ double noise_level(const std::vector<double>& x) {
   return 2 * still > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
 }
 
+double noise_level(const std::vector<const Trial*>& trials) {
+  double sum = 0, n = 0;
+  for (const Trial* t : trials)
+    for (const std::vector<double>* column : {&t->phi, &t->phi_motor}) {
+      const double noise = noise_level(*column);
+      sum += double(column->size()) * noise * noise, n += double(column->size());
+    }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+
 }  // namespace ukemi::identify

@@ -56,5 +56,7 @@ int shortest_pulse(const Trial& trial);
 /// signal must be slow against the sampling. A log that mostly stands still is taken as quantised: its smallest step /
 /// sqrt(12).
 double noise_level(const std::vector<double>& column);
+/// The same over every measured angle of several trials, root mean square [rad]; 0 where nothing is measured.
+double noise_level(const std::vector<const Trial*>& trials);
 
 }  // namespace ukemi::identify

@@ -72,7 +72,7 @@ double typical(int constant, const Suggestion& s) { return ukemi::constants(s.ce
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
                                  const std::vector<double>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
-                                 const RolloutOptions& rollout_options, double noise) {
+                                 const RolloutOptions& rollout_options) {
   LeastSquaresProblem problem;
   const auto u = ukemi::constants(start);
   for (const int c : layout.constants) {
@@ -86,8 +86,11 @@ LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial
   for (const NuisanceTerm t : layout.shared) problem.globals.push_back(parameter(t, start));
   for (const NuisanceTerm t : layout.of_trial) problem.locals.push_back(parameter(t, start));
   for (std::size_t g = 0; g < layout.constants.size(); ++g)
-    if (const auto& prior = options.prior[std::size_t(layout.constants[g])])
-      problem.priors.push_back({int(g), prior->value, noise / prior->std});
+    if (const auto& prior = options.prior[std::size_t(layout.constants[g])]) {
+      std::vector<const Trial*> logs;
+      for (const PreparedTrial& p : prepared) logs.push_back(p.trial);
+      problem.priors.push_back({int(g), prior->value, noise_level(logs) / prior->std});
+    }
   std::vector<double> scale;
   for (const auto& list : {problem.globals, problem.locals})
     for (const Parameter& p : list) scale.push_back(p.scale);

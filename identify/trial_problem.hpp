@@ -67,6 +67,6 @@ struct Layout {
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
                                  const std::vector<double>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
-                                 const RolloutOptions& rollout_options, double noise);
+                                 const RolloutOptions& rollout_options);
 
 }  // namespace ukemi::identify

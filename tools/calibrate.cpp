@@ -252,7 +252,8 @@ void report_drops(Report& report, const std::vector<LoggedDrop>& drops, const Ca
 std::string scene_toml(const Run& run, const Calibration& c) {
   std::string comments = run.provenance_text();
   for (std::size_t k = 0; k < c.parameters.size(); ++k)
-    comments += fmt::format("{}: {}: {}\n", c.parameters[k].name, words(c.parameters[k]), name(c.verdicts[k]));
+    comments += fmt::format("{}: {}: {}\n", c.parameters[k].name, words(c.parameters[k]),
+                            identify::name(c.parameters[k].verdict));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
   return to_toml(c.scene, comments);
 }
@@ -269,7 +270,7 @@ std::string report_html(const Run& run, const std::vector<LoggedDrop>& drops, co
   };
   for (std::size_t k = 0; k < c.parameters.size(); ++k) {
     const auto& e = c.parameters[k];
-    rows.push_back({e.name, words(e), interval(e), name(c.verdicts[k])});
+    rows.push_back({e.name, words(e), interval(e), identify::name(c.parameters[k].verdict)});
   }
   for (const auto& e : c.nuisance)
     rows.push_back({fmt::format("{} (drop {})", e.name, e.trial + 1), words(e), interval(e), ""});
@@ -320,9 +321,9 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   for (std::size_t k = 0; k < c.parameters.size(); ++k) {
     const auto& e = c.parameters[k];
     Json j = estimate_json(e);
-    j["verdict"] = name(c.verdicts[k]);
+    j["verdict"] = identify::name(c.parameters[k].verdict);
     summary["parameters"][e.name] = j;
-    run.say(fmt::format("{:18} {:50} {}", e.name, words(e), name(c.verdicts[k])));
+    run.say(fmt::format("{:18} {:50} {}", e.name, words(e), identify::name(c.parameters[k].verdict)));
   }
   for (const auto& e : c.nuisance)
     run.say(fmt::format("{:18} {}", fmt::format("{}[{}]", e.name, e.trial + 1), words(e)));

@@ -352,13 +352,9 @@ struct Problem {
   }
 };
 
-Verdict judged(const Estimate& e, Term t, double half_width) {
-  if (!e.free) return Verdict::kFixed;
-  if (e.at_bound) return Verdict::kAtBound;
-  if (!e.std) return Verdict::kNotIdentifiable;
-  const double size = t == Term::kPitch ? std::max(std::abs(e.value), kPitchSize) : std::abs(e.value);
-  const double width = half_width * *e.std;
-  return width <= 0.1 * size ? Verdict::kTrusted : width <= 0.5 * size ? Verdict::kWeak : Verdict::kNotIdentifiable;
+/// What an interval of a constant is measured against.
+double size_of(const Estimate& e, Term t) {
+  return t == Term::kPitch ? std::max(std::abs(e.value), kPitchSize) : std::abs(e.value);
 }
 
 /// The constants, their errors and what can be said of them.
@@ -380,8 +376,8 @@ void report(const LeastSquaresSolution& s, const Layout& layout, const LeastSqua
       e.free = true, e.at_bound = s.at_bound[std::size_t(g)];
       identify::set_error(e, out.covariance(g, g), out.half_width);
     }
-    const Verdict v = judged(e, t, out.half_width);
-    out.parameters.push_back(e), out.verdicts.push_back(v);
+    const Verdict v = e.verdict = identify::judge(e, size_of(e, t));
+    out.parameters.push_back(e);
     if (v == Verdict::kAtBound)
       out.warnings.push_back(fmt::format("{} ended at its bound {}: no standard error", e.name, shortest(e.value)));
     if (v == Verdict::kNotIdentifiable && !e.std) out.warnings.push_back(e.name + " is not determined by these drops");
@@ -392,7 +388,7 @@ void report(const LeastSquaresSolution& s, const Layout& layout, const LeastSqua
   const auto relied_on = [&](const std::string& fitted) {
     const auto e =
         std::find_if(out.parameters.begin(), out.parameters.end(), [&](const Estimate& x) { return x.name == fitted; });
-    return out.verdicts[std::size_t(e - out.parameters.begin())] == Verdict::kTrusted;
+    return e->verdict == Verdict::kTrusted;
   };
   for (std::size_t i = 0; i < out.fitted.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -416,7 +412,7 @@ void report(const LeastSquaresSolution& s, const Layout& layout, const LeastSqua
 void compare_with_noise(Calibration& out) {
   for (std::size_t o = 0; o < kOutputs; ++o)
     if (std::isfinite(out.noise[o]) && out.rms[o] > identify::kFarAboveNoise * out.noise[o]) {
-      std::replace(out.verdicts.begin(), out.verdicts.end(), Verdict::kTrusted, Verdict::kWeak);
+      identify::distrust(out.parameters);
       out.warnings.push_back(
           fmt::format("{}: the residual {:.3g} {} is {:.1f} times the logs' noise: the model lacks "
                       "something, or no start found the minimum",
@@ -425,22 +421,6 @@ void compare_with_noise(Calibration& out) {
 }
 
 }  // namespace
-
-const char* name(Verdict v) {
-  switch (v) {
-    case Verdict::kTrusted:
-      return "trusted";
-    case Verdict::kWeak:
-      return "weak";
-    case Verdict::kNotIdentifiable:
-      return "not identifiable";
-    case Verdict::kAtBound:
-      return "at its bound";
-    case Verdict::kFixed:
-      return "fixed";
-  }
-  return "?";
-}
 
 void CalibrationOptions::validate() const {
   for (std::size_t k = 0; k < kCalibrated; ++k) {
@@ -462,10 +442,7 @@ void CalibrationOptions::validate() const {
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
 }
 
-bool Calibration::trusted() const {
-  return converged && std::all_of(verdicts.begin(), verdicts.end(),
-                                  [](Verdict v) { return v == Verdict::kTrusted || v == Verdict::kFixed; });
-}
+bool Calibration::trusted() const { return converged && identify::all_trusted(parameters); }
 
 Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, const std::vector<LoggedDrop>& drops,
                       const CalibrationOptions& options) {
@@ -514,7 +491,7 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
                                 .value = number_of(out.scene, Term{k}),
                                 .std = {},
                                 .free = holds(options.free, Term{k})});
-      out.verdicts.push_back(out.parameters.back().free ? Verdict::kNotIdentifiable : Verdict::kFixed);
+      out.parameters.back().verdict = out.parameters.back().free ? Verdict::kNotIdentifiable : Verdict::kFixed;
     }
     for (const LoggedDrop& d : drops) out.drops.push_back({.file = d.log.file});
     return out;

@@ -22,6 +22,8 @@
 
 namespace ukemi::tools {
 
+using identify::Verdict;
+
 /// What a calibration may fit: constants, one for all drops, and nuisance terms, each drop its own.
 enum class Term {
   kStiffness,          ///< K_f [N/m], > 0
@@ -69,15 +71,6 @@ struct CalibrationOptions {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
 
-/// How far a constant may be relied on.
-enum class Verdict {
-  kTrusted,          ///< the 95 % interval is at most 10 % of the value either way
-  kWeak,             ///< at most 50 %, or the residual stays far above the logs' noise
-  kNotIdentifiable,  ///< wider, or not determined at all
-  kAtBound,
-  kFixed,  ///< not fitted
-};
-const char* name(Verdict v);
 /// A pitch is judged against at least this: its zero is a convention [rad].
 inline constexpr double kPitchSize = 0.17453292519943295;
 
@@ -95,7 +88,6 @@ struct DropResult {
 struct Calibration {
   landing::Scene scene;                           ///< the given one with the fitted constants
   std::vector<identify::Estimate> parameters;     ///< the four constants
-  std::vector<Verdict> verdicts;                  ///< of each
   std::vector<identify::Estimate> nuisance;       ///< drop by drop
   std::vector<std::string> fitted;                ///< order of `covariance`
   Eigen::MatrixXd covariance, correlation;        ///< NaN where not determined

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include "common/error.hpp"
 #include "identify/rig.hpp"
 #include "tools/report.hpp"
+#include "tools/trust.hpp"
 #include "tools/verbs.hpp"
 
 namespace ukemi::tools {
@@ -59,8 +61,6 @@ std::string text_of(const identify::Estimate& e) {
   return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
 }
 
-namespace {
-
 std::size_t constant_index(const std::string& option, const std::string& name) {
   const std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
   for (std::size_t i = 0; i < known.size(); ++i)
@@ -68,6 +68,8 @@ std::size_t constant_index(const std::string& option, const std::string& name) {
   throw InputError(option + ": " + quoted(name) + ": one of k_p, k_d, k_sea, c_sea, i_motor is needed" +
                    hint(name, known));
 }
+
+namespace {
 
 void parse_bounds(const std::string& option, const std::string& list, std::array<double, kConstants>& bounds) {
   for (const std::string& item : split(list)) {
@@ -150,7 +152,7 @@ std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, 
 }
 
 std::string report_html(const Run& run, const std::string& title, const std::vector<identify::Trial>& trials,
-                        const identify::Fit& fit) {
+                        const identify::Fit& fit, const std::optional<Trust>& trust) {
   Report report(title);
   report.paragraph(fit.converged ? "Done." : "Not converged: " + fit.message);
   report.list(run.warnings());
@@ -159,9 +161,10 @@ std::string report_html(const Run& run, const std::string& title, const std::vec
   const auto row = [&](const identify::Estimate& e, const std::string& name) {
     rows.push_back({name, text_of(e), e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "", e.unit});
   };
-  for (const auto& e : fit.parameters) row(e, e.name);
+  for (const auto& e : fit.parameters) row(e, e.name), rows.back().push_back(identify::name(e.verdict));
   for (const auto& e : fit.nuisance) row(e, e.trial < 0 ? e.name : fmt::format("{} (trial {})", e.name, e.trial + 1));
-  report.table({"constant", "value ± standard error", "95 % interval", "unit"}, rows);
+  for (auto& r : rows) r.resize(5);
+  report.table({"constant", "value ± standard error", "95 % interval", "unit", "verdict"}, rows);
   if (fit.correlation.rows() > 1) {
     report.heading("Correlations");
     rows.clear();
@@ -177,6 +180,7 @@ std::string report_html(const Run& run, const std::string& title, const std::vec
     for (const double e : fit.eigenvalues) eigenvalues += fmt::format(" {:.3g}", e);
     report.paragraph(eigenvalues);
   }
+  if (trust) add_section(report, *trust, fit);
   report.heading("Trials");
   rows.clear();
   for (std::size_t m = 0; m < trials.size(); ++m)
@@ -210,16 +214,20 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
     run.input(given);
   }
   const identify::FitOptions options = fit_options(a, common);
+  for (const std::string& name : split(a.trust.profile)) {
+    if (!options.free[constant_index("--profile", name)])
+      throw InputError("--profile: " + name + ": it is not among the --free constants");
+    if (std::count(options.free.begin(), options.free.end(), true) == 1)
+      throw InputError("--profile: " + name + ": no other constant is free to follow it");
+  }
   if (!predict && !start)
     for (int i = 0; i < kConstants; ++i)
       if (!options.free[std::size_t(i)])
         throw InputError("--free: " + std::string(kConstantNames[std::size_t(i)]) +
                          " is not free and needs a value: give --start");
   // From rest, a trial without excitation says nothing; one that is let go from elsewhere does.
-  const auto fits = [&](identify::NuisanceTerm t) {
-    return std::find(options.nuisance.begin(), options.nuisance.end(), t) != options.nuisance.end();
-  };
-  const bool from_rest = !fits(identify::NuisanceTerm::kInitialAngle) && !fits(identify::NuisanceTerm::kInitialRate);
+  const bool from_rest =
+      !options.fits(identify::NuisanceTerm::kInitialAngle) && !options.fits(identify::NuisanceTerm::kInitialRate);
   TrialNeeds needs;
   if (predict) needs.phi = TrialNeeds::Angle::kOptional;
   if (!predict && from_rest) needs.excitation = TrialNeeds::Excitation::kRequired;
@@ -248,11 +256,14 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   if (!fit.converged && predict) run.warn(fit.message);
   if (!fit.converged && !predict)
     run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
+  std::optional<Trust> trust;
+  if (!predict && !fit.fitted.empty()) trust = examine({rig, trials, options}, fit, a.trust, run);
 
   Json parameters, nuisance = Json::object(), rows = Json::array();
   for (const auto& e : fit.parameters) {
     parameters[e.name] = estimate_json(e);
-    run.say(fmt::format("{:8} {:28} {}", e.name, text_of(e), e.unit));
+    if (!predict) parameters[e.name]["verdict"] = identify::name(e.verdict);
+    run.say(fmt::format("{:8} {:28} {:12} {}", e.name, text_of(e), e.unit, predict ? "" : identify::name(e.verdict)));
   }
   for (const auto& e : fit.nuisance) {
     if (e.trial < 0)
@@ -265,7 +276,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   for (const auto& t : fit.trials)
     rows.push_back({{"file", t.file}, {"samples", t.samples}, {"rms", number(t.rms)}, {"noise", number(t.noise)}});
   run.say(assumed);
-  if (fits(identify::NuisanceTerm::kFriction) || base.friction > 0)
+  if (options.fits(identify::NuisanceTerm::kFriction) || base.friction > 0)
     run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
   if (options.explore > 0)
     for (const identify::Minimum& m : fit.minima)
@@ -274,6 +285,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
           "{:.5g} i_motor {:.5g}",
           m.cost, m.found, fit.starts, m.sea.k_p, m.sea.k_d, m.sea.k_sea, m.sea.c_sea, m.sea.i_motor));
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, trials.size()));
+  if (trust) say(*trust, fit, run);
 
   Json summary = std::move(inputs.summary);
   summary["parameters"] = parameters;
@@ -283,6 +295,8 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   summary["converged"] = fit.converged;
   summary["iterations"] = fit.iterations;
   summary["identifiable"] = fit.identifiable;
+  if (!predict) summary["trusted"] = fit.trusted();
+  if (trust) summary["weakest"] = weakest_json(fit), summary["diagnostics"] = diagnostics_json(*trust, fit);
   summary["starts"] = fit.starts;
   summary["minima"] = minima_json(fit);
   summary["assumed"] = assumed;
@@ -314,9 +328,11 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
     run.add("actuator.toml", to_toml(out, fit.half_width));
   }
   run.add("fit.csv", fit_csv(run, trials, fit));
-  run.add("report.html", report_html(run, predict ? "Prediction" : "Identification", trials, fit));
+  run.add("report.html", report_html(run, predict ? "Prediction" : "Identification", trials, fit, trust));
+  if (trust && !trust->profiles.empty()) run.add("profile.csv", profile_csv(*trust, run));
   if (fitted) *fitted = out;
-  return run.finish(summary, fit.converged ? kDone : kNumbers);
+  const bool doubted = !predict && a.trust.doubt == TrustArguments::Doubt::kFail && !fit.trusted();
+  return run.finish(summary, fit.converged && !doubted ? kDone : kNumbers);
 }
 
 void add_identify(CLI::App& app, Action& chosen) {
@@ -350,8 +366,7 @@ void add_identify(CLI::App& app, Action& chosen) {
       verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
       verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
       verb->add_option("--weights", args->weights, "equal, or trial: 1 / each trial's own residual variance [equal]");
-      verb->add_flag_callback(
-          "--strict", [] { throw InputError("--strict: not in this version"); }, "not in this version");
+      add_trust_options(*verb, args->trust);
     }
     add_common(*verb, *common);
     verb->footer(predict ? "Example: ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"

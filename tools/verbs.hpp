@@ -13,6 +13,7 @@
 #include "landing/optimize.hpp"
 #include "tools/output.hpp"
 #include "tools/trials.hpp"
+#include "tools/trust.hpp"
 
 namespace ukemi::tools {
 
@@ -37,6 +38,7 @@ struct IdentifyArguments {
   TrialArguments reading;
   double accuracy = 1e-9;
   int starts = 0;  ///< explored; 0: as few as needed
+  TrustArguments trust;  ///< identify
 };
 /// Fits (or, with `actuator` set, predicts) and writes the verb's files. `fitted` receives the result.
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common, Actuator* fitted = nullptr);
@@ -77,6 +79,8 @@ std::vector<std::string> split(const std::string& list);  ///< at commas
 double to_number(const std::string& option, const std::string& text);
 Json estimate_json(const identify::Estimate& estimate);
 std::string text_of(const identify::Estimate& estimate);
+/// Throws InputError where `name` is none of the five.
+std::size_t constant_index(const std::string& option, const std::string& name);
 
 inline constexpr double kDegrees = 57.29577951308232;
 

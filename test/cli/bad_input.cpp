@@ -301,7 +301,6 @@ TEST_CASE("what a later version brings says so") {
   check_refused(f, {"bench", "-o", "out"}, {"subcommand"});
   check_refused(f, {"bench", "optimizers", "--solvers", "none", "-o", "out"}, {"solver: 'none'"});
   check_refused(f, {"bench", "scenes", "--only", "nonsense", "-o", "out"}, {"--only", "no such omission"});
-  check_identify({"--strict"}, {"--strict", later});
 }
 
 TEST_CASE("an error is on stderr with --json and --quiet too") {

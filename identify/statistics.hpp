@@ -1,0 +1,29 @@
+// Tests of residuals, each with a probability under the hypothesis that nothing is wrong.
+#pragma once
+
+#include <vector>
+
+namespace ukemi::identify {
+
+/// P(X > x) of the chi-squared distribution with `degrees` > 0 degrees of freedom; 1 for x <= 0.
+double chi_squared_tail(double x, double degrees);
+
+/// P(X > ratio) of twice the logarithm of a likelihood ratio for `terms` further terms whose truth, if they are absent,
+/// is the bound 0: the mixture of chi-squared distributions with binomial weights (Self, Liang 1987; for one term
+/// 50:50), the terms taken as uncorrelated.
+double at_bound_tail(double ratio, int terms);
+
+/// Ljung and Box's Q over the lags 1 .. lags of one series of mean 0: chi-squared with as many degrees of freedom where
+/// the series is white. Not demeaned: an offset is no white noise. 0 for a series that is 0 or too short for the lags.
+double ljung_box(const std::vector<double>& series, int lags);
+
+struct Moments {
+  double count = 0, skewness = 0, kurtosis = 0;  ///< kurtosis of the normal distribution: 0
+};
+/// About the series' mean; 0 for a series that is constant.
+Moments moments(const std::vector<double>& series);
+
+/// Jarque and Bera's statistic, chi-squared with 2 degrees of freedom where the samples are normal.
+double jarque_bera(const Moments& m);
+
+}  // namespace ukemi::identify
