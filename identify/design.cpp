@@ -273,36 +273,44 @@ std::optional<MatrixXd> information_of(const Rig& rig, const SeaParameters<doubl
   return out;
 }
 
-Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const std::vector<Trial>& trials,
-                       double noise) {
-  Knowledge k{.sea = sea, .constants = {}, .information = {}};
-  const auto u = ukemi::constants(sea);
+std::vector<int> uncertain_constants(const Actuator& actuator) {
+  const auto u = ukemi::constants(actuator.sea);
+  const std::vector<std::string>& named = actuator.uncertain;
+  std::vector<int> out;
   for (int c = 0; c < kConstants; ++c)
-    if (u[slot(c)] > 0) k.constants.push_back(c);
-  k.information.setZero(long(k.constants.size()), long(k.constants.size()));
+    if (u[slot(c)] > 0 &&
+        (named.empty() || std::find(named.begin(), named.end(), kConstantNames[slot(c)]) != named.end()))
+      out.push_back(c);
+  return out;
+}
+
+Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
+                       const std::vector<Trial>& trials, double noise) {
+  const long n = long(constants.size());
+  Knowledge k{.sea = sea, .constants = constants, .information = MatrixXd::Zero(n, n)};
   for (const Trial& t : trials) {
-    const auto tells = information_of(rig, sea, k.constants, t, noise);
-    if (!tells) throw InputError(t.file + ": the estimate cannot be followed through this trial: fit it first");
+    const auto tells = information_of(rig, sea, constants, t, noise);
+    if (!tells) throw InputError({t.file}, "the estimate cannot be followed through this trial: fit it first");
     k.information += *tells;
     k.measurements += long(t.measurements());
   }
   return k;
 }
 
-Knowledge knowledge_of(const Actuator& actuator) {
-  Knowledge k{.sea = actuator.sea, .constants = {}, .information = {}};
+std::optional<Knowledge> knowledge_of(const Actuator& actuator) {
+  Knowledge k{.sea = actuator.sea, .constants = uncertain_constants(actuator), .information = {}};
+  if (actuator.uncertain.empty() || k.constants.empty()) return std::nullopt;
   const auto u = ukemi::constants(actuator.sea);
   std::vector<long> rows;
-  for (int c = 0; c < kConstants; ++c)
-    for (std::size_t i = 0; i < actuator.uncertain.size(); ++i)
-      if (actuator.uncertain[i] == kConstantNames[slot(c)] && u[slot(c)] > 0)
-        k.constants.push_back(c), rows.push_back(long(i));
-  if (rows.empty()) throw InputError(actuator.name + ": no covariance of the constants: give the trials in hand");
-  const MatrixXd covariance = actuator.covariance(rows, rows);
-  VectorXd inverse(long(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) inverse[long(i)] = 1 / u[slot(k.constants[i])];
-  const auto information = covariance_of(inverse.asDiagonal() * covariance * inverse.asDiagonal());
-  if (!information) throw InputError(actuator.name + ": the covariance is singular: give the trials in hand");
+  VectorXd inverse(long(k.constants.size()));
+  for (const int c : k.constants) {
+    const auto at = std::find(actuator.uncertain.begin(), actuator.uncertain.end(), kConstantNames[slot(c)]);
+    inverse[long(rows.size())] = 1 / u[slot(c)];
+    rows.push_back(at - actuator.uncertain.begin());
+  }
+  const auto information =
+      covariance_of(inverse.asDiagonal() * MatrixXd(actuator.covariance(rows, rows)) * inverse.asDiagonal());
+  if (!information) return std::nullopt;
   k.information = *information;
   return k;
 }

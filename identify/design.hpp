@@ -53,15 +53,16 @@ struct Knowledge {
   long measurements = 0;        ///< angles that it rests on; 0: not known, then the intervals are the normal's
 };
 
-/// I of one trial, see above; none where the rollout fails. `trial` must outlive nothing: it is read at once.
+/// I of one trial, see above, of the angles that its log holds; none where the rollout fails.
 std::optional<Eigen::MatrixXd> information_of(const Rig& rig, const SeaParameters<double>& sea,
                                               const std::vector<int>& constants, const Trial& trial, double noise);
+/// The constants above 0 that the file calls uncertain; all that are above 0 where it calls none.
+std::vector<int> uncertain_constants(const Actuator& actuator);
 /// What trials in hand tell at an estimate. Throws InputError where a rollout fails: the estimate is not theirs.
-Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const std::vector<Trial>& trials,
-                       double noise);
-/// What an actuator file tells: the inverse of its covariance. Throws InputError where it holds none, or a singular
-/// one.
-Knowledge knowledge_of(const Actuator& actuator);
+Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
+                       const std::vector<Trial>& trials, double noise);
+/// What an actuator file tells: the inverse of its covariance; none where it holds none, or a singular one.
+std::optional<Knowledge> knowledge_of(const Actuator& actuator);
 
 /// I^-1; none where the information leaves a direction open.
 std::optional<Eigen::MatrixXd> covariance_of(const Eigen::MatrixXd& information);
