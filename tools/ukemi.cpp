@@ -26,7 +26,7 @@ namespace {
 
 /// Verbs that later versions bring: named, so that a script learns why.
 void add_later(CLI::App& app, Action& chosen) {
-  for (const char* name : {"risk", "atlas", "design"}) {
+  for (const char* name : {"risk", "atlas"}) {
     CLI::App* verb = app.add_subcommand(name, "not in this version");
     verb->allow_extras();
     verb->callback([name, &chosen] {
@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
   add_optimize(app, chosen);
   add_calibrate(app, chosen);
   add_compare(app, chosen);
+  add_design(app, chosen);
   add_demo(app, chosen);
   add_map(app, chosen);
   add_bench(app, chosen);

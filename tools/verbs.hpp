@@ -27,6 +27,7 @@ void add_simulate(CLI::App& app, Action& chosen);
 void add_optimize(CLI::App& app, Action& chosen);
 void add_calibrate(CLI::App& app, Action& chosen);
 void add_compare(CLI::App& app, Action& chosen);
+void add_design(CLI::App& app, Action& chosen);
 void add_demo(CLI::App& app, Action& chosen);
 void add_map(CLI::App& app, Action& chosen);
 void add_bench(CLI::App& app, Action& chosen);  // integrators, identify, optimizers, stability, scenes

@@ -297,7 +297,7 @@ TEST_CASE("a bad number in an option is refused with its rule") {
 TEST_CASE("what a later version brings says so") {
   const Folder f;
   const std::string later = "not in this version";
-  for (const char* verb : {"risk", "atlas", "design"}) check_refused(f, {verb}, {verb, later});
+  for (const char* verb : {"risk", "atlas"}) check_refused(f, {verb}, {verb, later});
   check_refused(f, {"bench", "-o", "out"}, {"subcommand"});
   check_refused(f, {"bench", "optimizers", "--solvers", "none", "-o", "out"}, {"solver: 'none'"});
   check_refused(f, {"bench", "scenes", "--only", "nonsense", "-o", "out"}, {"--only", "no such omission"});
