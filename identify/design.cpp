@@ -47,7 +47,7 @@ SeaParameters<double> scaled(const Knowledge& k, const VectorXd& relative) {
   return sea;
 }
 
-/// One safe candidate or more of these make a set.
+/// A hit that was looked over; `information` only where it is safe.
 struct Candidate {
   Hit hit;
   HitSafety safety;

@@ -4,7 +4,8 @@
 //     I_ij = sum_n (u_i dphi_n/du_i) (u_j dphi_n/du_j) / sigma^2,
 //
 // trials add up, and I^-1 is the covariance to come (Fisher information; exact derivatives, one rollout a hit). The
-// model is odd in the force: a hit and its mirror tell the same.
+// model is odd in the force: a hit and its mirror tell the same. Tests: test/unit/design.cpp,
+// test/regression/design.cpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,17 +30,17 @@ struct HitBudget {
   double peak = 300;                            ///< largest |peak| [N], > 0
   double min_width = 0.010, max_width = 0.020;  ///< [s], 0 < min <= max
   double angle = 0.6;                           ///< largest |phi_1| [rad], in (0, pi)
-  enum class Directions { kAlternate, kPositive } directions = Directions::kAlternate;
+  enum class Directions { kAlternate, kPositive } directions = Directions::kAlternate;  ///< of a set's hits, in turn
 };
 
-/// How the next trials will be logged, and the fewest samples in a pulse (see model.md: fewer bias the fit).
+/// How the next trials will be logged.
 struct HitLog {
   double rate = 1000;   ///< samples a second [Hz], > 0
   double duration = 1;  ///< [s]
   double start = 0.05;  ///< of the hit [s]
   double noise = 0;     ///< standard deviation of an angle [rad], > 0
   enum class Outputs { kLink, kLinkAndMotor } outputs = Outputs::kLink;
-  static constexpr int kFewest = 8;
+  static constexpr int kFewest = 8;  ///< samples in a pulse: with fewer the log biases the fit
 };
 
 /// The log that a hit will leave, force as sampled; angles, not measured yet, are 0.

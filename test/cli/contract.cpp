@@ -735,7 +735,7 @@ TEST_CASE("every output carries its provenance: version, command, seed, time, a 
 TEST_CASE("each verb's help shows its options and an example; so does the program its exit codes") {
   const Folder f;
   CHECK_THAT(done(f, {"--help"}).out, Contains("Exit codes") && Contains("identify") && Contains("simulate"));
-  for (const char* verb : {"identify", "predict", "simulate", "optimize", "compare", "demo"}) {
+  for (const char* verb : {"identify", "predict", "simulate", "optimize", "compare", "design", "demo"}) {
     INFO(verb);
     const Result r = done(f, {verb, "--help"});
     CHECK_THAT(r.out, Contains(std::string("Example: ukemi ") + verb) && Contains("--json") && Contains("--threads"));
