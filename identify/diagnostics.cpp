@@ -103,6 +103,13 @@ Lack score(const LeastSquaresProblem& problem, const Fit& fit, const std::vector
     square += all.transpose() * all;
     sum += weights[m] * weights[m] * r.squaredNorm(), count += n;
   }
+  for (const Pull& p : problem.priors)
+    if (const auto f = std::find(free.begin(), free.end(), p.global); f != free.end()) {
+      const long i = f - free.begin();
+      const double pull = p.weight * p.weight * (global[std::size_t(p.global)] - p.value);
+      square(i, i) += p.weight * p.weight;
+      square(i, F + 1) += pull, square(F + 1, i) += pull;
+    }
   const Eigen::MatrixXd own = square.topLeftCorner(F, F), cross = square.topRightCorner(F, 2);
   const Eigen::MatrixXd rest =
       square.bottomRightCorner(2, 2) - cross.transpose() * own.completeOrthogonalDecomposition().solve(cross);
@@ -151,9 +158,9 @@ Normality normality(const Fit& fit, const std::vector<Trial>& trials) {
 }
 
 const Lack* Lacks::missed() const {
-  const auto least =
-      std::min_element(terms.begin(), terms.end(), [](const Lack& a, const Lack& b) { return a.p < b.p; });
-  return least != terms.end() && least->p * double(terms.size()) < kTestLevel ? &*least : nullptr;
+  const auto most =
+      std::max_element(terms.begin(), terms.end(), [](const Lack& a, const Lack& b) { return a.z < b.z; });
+  return most != terms.end() && most->p * double(terms.size()) < kTestLevel ? &*most : nullptr;
 }
 
 Lacks lacks(const Experiment& experiment, const Fit& fit) {
@@ -166,10 +173,10 @@ Lacks lacks(const Experiment& experiment, const Fit& fit) {
     weights.push_back(experiment.options.weights == FitOptions::Weights::kTrial && r.rms > 0 ? fit.rms / r.rms : 1);
   for (const LadderTerm& term : kLadderTerms) {
     FitOptions options = experiment.options;
-    if (fit.sea.*term.value != 0 || options.fits(term.asked)) continue;
-    options.nuisance.push_back(term.asked);
+    if (fit.sea.*term.value != 0 || options.fits(term.term)) continue;
+    options.nuisance.push_back(term.term);  // the last of the globals
     Lack lack = score(problem_of(experiment.rig, experiment.trials, prepared, fit.sea, options), fit, weights);
-    lack.term = term.name, lack.unit = term.unit;
+    lack.term = name(term.term), lack.unit = unit(term.term);
     lack.p = 0.5 * std::erfc(lack.z / std::sqrt(2.0));
     out.terms.push_back(lack);
   }
@@ -177,7 +184,7 @@ Lacks lacks(const Experiment& experiment, const Fit& fit) {
 }
 
 Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from, FitOptions options) {
-  options.restarts = 0;
+  options.restarts = options.explore = 0;
   return fit(rig, trials, from, from, options);
 }
 
@@ -196,6 +203,7 @@ double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const Fi
   const std::vector<Trial> one{trial};
   const std::vector<PreparedTrial> prepared{PreparedTrial(one.front())};
   LeastSquaresProblem problem = problem_of(rig, one, prepared, fit.sea, options);
+  problem.priors.clear();  // they pull what is held
   const auto fitted = globals_of(fit);
   Eigen::VectorXd globals(long(fitted.size()));
   for (std::size_t g = 0; g < fitted.size(); ++g) problem.globals[g].start = globals[long(g)] = fitted[g]->value;

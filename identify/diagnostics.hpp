@@ -44,13 +44,11 @@ struct Normality {
 
 /// An optional term of the model; 0, its bound, is its absence.
 struct LadderTerm {
-  const char *name, *unit;
-  NuisanceTerm asked;  ///< how a fit is asked for it
+  NuisanceTerm term;
   double SeaParameters<double>::*value;
 };
-inline constexpr LadderTerm kLadderTerms[] = {
-    {"friction", "Nm", NuisanceTerm::kFriction, &SeaParameters<double>::friction},
-    {"stiffening", "Nm/rad^3", NuisanceTerm::kStiffening, &SeaParameters<double>::k_sea_cubic}};
+inline constexpr LadderTerm kLadderTerms[] = {{NuisanceTerm::kFriction, &SeaParameters<double>::friction},
+                                              {NuisanceTerm::kStiffening, &SeaParameters<double>::k_sea_cubic}};
 
 /// A term that the model lacks, by the score test: the slope of the cost at 0 of the term, the fitted ones following,
 /// in its own standard deviation; one-sided, for the term is not below 0. Needs no fit.

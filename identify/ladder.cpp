@@ -27,16 +27,7 @@ double held_out_error(const Experiment& experiment, const Rung& rung) {
   return std::sqrt(sum / n);
 }
 
-/// The fit of a rung from where another ended and, where terms that it adds leave the residual far above the noise,
-/// from the starts that the trials suggest; the better of both.
-Fit climb(const Experiment& experiment, const SeaParameters<double>& from, const FitOptions& options) {
-  Fit near = refit(experiment.rig, experiment.trials, from, options);
-  if (near.converged && !near.far_above_noise) return near;
-  const bool some_held = std::count(options.free.begin(), options.free.end(), false) > 0;
-  Fit far = fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from, options);
-  if (far.converged != near.converged) return far.converged ? far : near;
-  return far.cost < near.cost ? far : near;
-}
+bool better(const Fit& a, const Fit& b) { return a.converged != b.converged ? a.converged : a.cost < b.cost; }
 
 }  // namespace
 
@@ -46,26 +37,44 @@ Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, in
   for (const Trial& t : experiment.trials) samples += double(t.measurements());
   Ladder out;
   out.rungs.resize(kRungs);
-  parallel_for(int(kRungs), threads, [&](int i) {
-    Rung& r = out.rungs[std::size_t(i)];
+  for (unsigned i = 0; i < kRungs; ++i) {
+    Rung& r = out.rungs[i];
     r.options = experiment.options;
-    SeaParameters<double> from = fit.sea;
     for (unsigned t = 0; t < kTerms; ++t) {
-      const LadderTerm& term = kLadderTerms[t];
-      const bool has = unsigned(i) >> t & 1;
-      std::erase(r.options.nuisance, term.asked);
-      if (has) r.options.nuisance.push_back(term.asked);
-      if (!has) from.*term.value = 0;
-      if (has) r.name += (r.terms++ ? " and " : "") + std::string(term.name);
+      std::erase(r.options.nuisance, kLadderTerms[t].term);
+      if (!(i >> t & 1)) continue;
+      r.options.nuisance.push_back(kLadderTerms[t].term);
+      r.name += (r.terms++ ? " and " : "") + std::string(name(kLadderTerms[t].term));
     }
     if (r.name.empty()) r.name = "plain";
-    r.fit =
-        r.terms > 0 ? climb(experiment, from, r.options) : refit(experiment.rig, experiment.trials, from, r.options);
+  }
+  const auto start_of = [&](int i) {
+    SeaParameters<double> from = fit.sea;
+    for (unsigned t = 0; t < kTerms; ++t)
+      if (!(unsigned(i) >> t & 1)) from.*kLadderTerms[t].value = 0;
+    return from;
+  };
+  parallel_for(int(kRungs), threads, [&](int i) {
+    Rung& r = out.rungs[std::size_t(i)];
+    r.fit = refit(experiment.rig, experiment.trials, start_of(i), r.options);
+  });
+  if (const Fit& full = out.rungs.back().fit; !full.converged || full.far_above_noise) {
+    const auto& free = experiment.options.free;
+    const bool some_held = std::find(free.begin(), free.end(), false) != free.end();
+    parallel_for(int(kRungs) - 1, threads, [&](int i) {
+      Rung& r = out.rungs[std::size_t(i + 1)];
+      const SeaParameters<double> from = start_of(i + 1);
+      Fit fresh = identify::fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from,
+                                r.options);
+      if (better(fresh, r.fit)) r.fit = std::move(fresh);
+    });
+  }
+  parallel_for(int(kRungs), threads, [&](int i) {
+    Rung& r = out.rungs[std::size_t(i)];
+    const auto of_trial =
+        std::count_if(r.fit.nuisance.begin(), r.fit.nuisance.end(), [](const Estimate& e) { return e.trial >= 0; });
     r.deviance = deviance(r.fit, experiment.trials, r.options);
-    r.bic = r.deviance +
-            double(r.fit.fitted.size() + std::size_t(std::count_if(r.fit.nuisance.begin(), r.fit.nuisance.end(),
-                                                                   [](const Estimate& e) { return e.trial >= 0; }))) *
-                std::log(samples);
+    r.bic = r.deviance + double(long(r.fit.fitted.size()) + of_trial) * std::log(samples);
     r.held_out = std::numeric_limits<double>::quiet_NaN();
     if (held_out == HeldOut::kCompute && r.fit.converged) r.held_out = held_out_error(experiment, r);
   });

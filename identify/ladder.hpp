@@ -28,9 +28,8 @@ struct Ladder {
 
 enum class HeldOut { kSkip, kCompute };
 
-/// Fits every rung of kLadderTerms from where `fit` ended, with terms also afresh where that leaves the residual far
-/// above the noise. What the options fit beside the terms of the ladder stays.
-/// On `threads` threads (0: all).
+/// Fits every rung of kLadderTerms from where `fit` ended and, where even all terms leave the residual far above the
+/// noise, again from fresh starts. What the options fit beside these terms stays. On `threads` threads (0: all).
 [[nodiscard]] Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads = 1);
 
 }  // namespace ukemi::identify

@@ -129,7 +129,7 @@ Json diagnostics_json(const Trust& t, const identify::Fit& fit) {
     for (const identify::Rung& r : t.ladder->rungs) {
       Json terms = Json::object();
       for (const identify::LadderTerm& term : identify::kLadderTerms)
-        if (r.fit.sea.*term.value != 0) terms[term.name] = number(r.fit.sea.*term.value);
+        if (r.fit.sea.*term.value != 0) terms[identify::name(term.term)] = number(r.fit.sea.*term.value);
       rungs.push_back({{"name", r.name},
                        {"converged", r.fit.converged},
                        {"terms", terms},
