@@ -9,14 +9,14 @@ namespace {
 
 /// Chosen by the mean gap to the best known: ten scenes, five to nine seeds, 0.03 to 1 s.
 struct Settings {
-  int leads = 3;                    ///< that scouts follow at once
-  double lead_apart = 0.15;         ///< of the box
-  int first = 128;                  ///< scouts that go anywhere; of the later ones
-  double anywhere = 0.3;            ///< this share does, the others near a lead:
-  double near = 0.5, by = 3;        ///< normal, with sizes from 10^-near down to 10^-by
-  double scouting = 0.6;            ///< share of the budget that scouts may take once they were
+  int leads = 3;                   ///< that scouts follow at once
+  double lead_apart = 0.15;        ///< of the box
+  int first = 128;                 ///< scouts that go anywhere; of the later ones
+  double anywhere = 0.3;           ///< this share does, the others near a lead:
+  double near = 0.5, by = 3;       ///< normal, with sizes from 10^-near down to 10^-by
+  double scouting = 0.6;           ///< share of the budget that scouts may take once they were
   long few = 2'500, many = 6'000;  ///< few motions; and how many they may be at most
-  int smallest = 12;                ///< the first population; every restart has one more
+  int smallest = 12;               ///< the first population; every restart has one more
   int largest = 32;
   int race = 60;            ///< motions that race for a place in it
   double race_share = 0.2;  ///< of the budget that one race may take

@@ -93,7 +93,8 @@ Result usual(const Rig& rig, const std::vector<Trial>& trials, const std::array<
   ceres::Covariance covariance({});
   Eigen::Matrix<double, kConstants, kConstants, Eigen::RowMajor> c;
   c.setConstant(NAN);
-  if (covariance.Compute({{x.data(), x.data()}}, &problem)) covariance.GetCovarianceBlock(x.data(), x.data(), c.data());
+  const std::vector<std::pair<const double*, const double*>> blocks{{x.data(), x.data()}};
+  if (covariance.Compute(blocks, &problem)) covariance.GetCovarianceBlock(x.data(), x.data(), c.data());
   Result r{2 * summary.final_cost, {}, {}};
   for (int k = 0; k < kConstants; ++k) {
     const auto i = std::size_t(k);
