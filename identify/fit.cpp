@@ -287,6 +287,8 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     return out;
   }
 
+  RolloutOptions replayed = rollout_options;  // as `predict` does
+  if (!replayed.method) replayed.method = Method::kAuto;
   const auto unpack = [&] {
     out.sea = best_from;
     out.trials.clear();
@@ -294,7 +296,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
       Nuisance<double> nuisance;
       const Eigen::VectorXd local = best.locals.row(long(m));
       layout.apply<double>(best.globals.data(), local.data(), out.sea, nuisance, [](double v, int) { return v; });
-      out.trials.push_back(replay(rig, prepared[m], out.sea, nuisance, rollout_options));
+      out.trials.push_back(replay(rig, prepared[m], out.sea, nuisance, replayed));
     }
   };
   unpack();
