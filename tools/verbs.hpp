@@ -38,7 +38,7 @@ struct IdentifyArguments {
   std::string free, nuisance, prior, lower, upper, loss = "none", weights = "equal";
   TrialArguments reading;
   double accuracy = 1e-9;
-  int starts = 0;  ///< explored; 0: as few as needed
+  int starts = 0;        ///< explored; 0: as few as needed
   TrustArguments trust;  ///< identify
 };
 /// Fits (or, with `actuator` set, predicts) and writes the verb's files. `fitted` receives the result.
