@@ -10,9 +10,10 @@
 
 namespace ukemi::identify {
 
-/// One trial with `Method` and the kernel of `kTerms`, see `rollout`.
-template <class Method, SeaTerms kTerms, class T>
+/// One trial with `Method` and the kernel of `kTerms`, see `rollout`. With kIntegrated nothing else is compiled.
+template <class Method, SeaTerms kTerms, class T, RolloutOptions::Linear kLinear = RolloutOptions::Linear::kExact>
 class Roll {
+  static constexpr bool kExact = kLinear == RolloutOptions::Linear::kExact;
   using System = OneLinkSystem<kTerms, T>;
   using Plain = OneLinkSystem<kTerms, double>;
   using State = typename System::State;
@@ -37,8 +38,10 @@ class Roll {
                 {.accuracy = options.accuracy,
                  .first_step = std::min(1e-3, options.max_step),
                  .max_step = options.max_step}) {
-    const bool nonlinear = kTerms.extended && (present(sea.friction) || present(sea.k_sea_cubic));
-    if (options.linear == RolloutOptions::Linear::kExact && !nonlinear) prepare_flow();
+    if constexpr (kExact) {
+      const bool nonlinear = kTerms.extended && (present(sea.friction) || present(sea.k_sea_cubic));
+      if (options.linear == RolloutOptions::Linear::kExact && !nonlinear) prepare_flow();
+    }
   }
 
   RolloutStatus run() {
@@ -51,8 +54,7 @@ class Roll {
       system_.input = driven(stretch.input);
       if (stretch.jumps) driver_.refresh();
       arrived_ = false;
-      while (!arrived_ && status == RolloutStatus::kDone)
-        status = is_linear() ? flow(stretch.t_end) : integrate(stretch.t_end);
+      while (!arrived_ && status == RolloutStatus::kDone) status = follow(stretch.t_end);
       if (status != RolloutStatus::kDone) break;
     }
     if (options_.work) {
@@ -63,6 +65,11 @@ class Roll {
   }
 
  private:
+  RolloutStatus follow(double t_end) {
+    if constexpr (kExact)
+      if (is_linear()) return flow(t_end);
+    return integrate(t_end);
+  }
   bool is_linear() const { return flow_ && system_.saturation == 0 && !system_.input.pushed; }
   double shift() const { return value_of(nuisance_.time_shift); }
 

@@ -11,13 +11,16 @@ RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, cons
                                std::vector<T>& phi_m) {
   using integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
   constexpr SeaTerms kAll{true, true};
-  RolloutOptions o = options;
-  if (options.method != Method::kAuto) o.linear = RolloutOptions::Linear::kIntegrated;
-  const auto with = [&]<class M>() { return Roll<M, kAll, T>(rig, sea, nuisance, trial, o, phi, phi_m).run(); };
+  constexpr auto kIntegrated = RolloutOptions::Linear::kIntegrated;
+  const auto with = [&]<class M>() {
+    return Roll<M, kAll, T, kIntegrated>(rig, sea, nuisance, trial, options, phi, phi_m).run();
+  };
   if constexpr (std::is_same_v<T, double>) {  // the implicit ones have no derivatives
     if (options.method == Method::kRodas5P) return with.template operator()<Rodas5P>();
     if (options.method == Method::kAuto)
-      return with.template operator()<integrate::Automatic<DormandPrince853, Rodas5P>>();
+      return Roll<integrate::Automatic<DormandPrince853, Rodas5P>, kAll, T>(rig, sea, nuisance, trial, options, phi,
+                                                                            phi_m)
+          .run();
   }
   if (options.method == Method::kSemiImplicitEuler) return with.template operator()<integrate::SemiImplicitEuler>();
   if (options.method == Method::kRungeKutta4) return with.template operator()<integrate::RungeKutta4>();
