@@ -9,5 +9,5 @@ export PATH="$build_dir:$PATH"
 sed -n '/^```sh$/,/^```$/p' "$source_dir/README.md" | sed '/^```/d' > commands.sh
 [ "$(grep -c '^ukemi ' commands.sh)" -ge 7 ]
 bash -euo pipefail commands.sh > log.txt
-for d in demo/compare identify predict optimize simulate hold compare; do [ -s "out/$d/summary.json" ]; done
+for d in demo/compare identify predict optimize hold_it map simulate hold compare design calibrate; do [ -s "out/$d/summary.json" ]; done
 tail -n 30 log.txt
