@@ -71,8 +71,6 @@ LeastSquaresProblem problem_of(const Rig& rig, const std::vector<Trial>& trials,
       {.accuracy = options.accuracy, .max_step = options.max_step, .method = options.method, .escape = options.escape});
 }
 
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 /// The score of the last global of `problem`, absent from the fit: how steeply the cost falls as it rises from 0.
 Lack score(const LeastSquaresProblem& problem, const Fit& fit, const std::vector<double>& weights) {
   const auto fitted = globals_of(fit);
@@ -92,12 +90,12 @@ Lack score(const LeastSquaresProblem& problem, const Fit& fit, const std::vector
       if (e.trial == int(m)) local.push_back(e.value);
     const int n = problem.blocks[m].size;
     Eigen::VectorXd r(n);
-    RowMajor jg(n, G), jl(n, L);
-    if (!problem.blocks[m].evaluate(global.data(), local.data(), r.data(), jg.data(), L ? jl.data() : nullptr))
-      return {};
+    Eigen::MatrixXd jacobian(n, G + L);
+    if (!problem.blocks[m].evaluate(global.data(), local.data(), r.data(), jacobian.data())) return {};
     Eigen::MatrixXd all(n, F + 2);
-    for (int f = 0; f < F; ++f) all.col(f) = jg.col(free[std::size_t(f)]);
-    all.col(F) = jg.col(G - 1), all.col(F + 1) = r;
+    const auto jl = jacobian.rightCols(L);
+    for (int f = 0; f < F; ++f) all.col(f) = jacobian.col(free[std::size_t(f)]);
+    all.col(F) = jacobian.col(G - 1), all.col(F + 1) = r;
     all *= weights[m];
     if (L) all -= jl * jl.completeOrthogonalDecomposition().solve(all);
     square += all.transpose() * all;

@@ -6,9 +6,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <mutex>
+#include <optional>
 
 namespace ukemi::identify {
 
@@ -17,48 +20,127 @@ namespace {
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// r -> sign(r) sqrt(rho(r^2)) with Huber's rho, so that the sum of squares is the robust cost; scales the Jacobian's
-/// row.
-void robustify(double delta, int n, double* r, double* j_global, int globals, double* j_local, int locals) {
-  for (int i = 0; i < n; ++i) {
+/// rows, if any.
+void robustify(double delta, Eigen::VectorXd& r, Eigen::MatrixXd& jacobian) {
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
     const double a = std::abs(r[i]);
     if (a <= delta) continue;
     const double robust = std::sqrt(2 * delta * a - delta * delta), slope = delta / robust;  // d robust / d a
     r[i] = std::copysign(robust, r[i]);
-    for (int c = 0; j_global && c < globals; ++c) j_global[i * globals + c] *= slope;
-    for (int c = 0; j_local && c < locals; ++c) j_local[i * locals + c] *= slope;
+    if (jacobian.size() > 0) jacobian.row(i) *= slope;
   }
 }
 
-/// A block in scaled parameters.
+/// R of [J r] = Q R from [J r]' [J r]; a zero row where a column depends on those before it.
+Eigen::MatrixXd triangle_of(Eigen::MatrixXd square) {
+  const Eigen::Index n = square.rows();
+  const Eigen::VectorXd whole = square.diagonal();
+  constexpr double kRounding = 1e-15;
+  Eigen::MatrixXd r = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!(square(i, i) > kRounding * whole[i])) continue;
+    r.row(i).tail(n - i) = square.row(i).tail(n - i) / std::sqrt(square(i, i));
+    square.noalias() -= r.row(i).transpose() * r.row(i);
+  }
+  return r;
+}
+
+/// A block in scaled parameters, as the solver sees it. All that least squares asks of n residuals by p parameters is
+/// R of [J r] = Q R: p + 1 rows in place of n, at the same cost.
 class BlockCost final : public ceres::CostFunction {
  public:
   BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, double huber)
-      : problem_(problem), block_(block), huber_(huber) {
-    set_num_residuals(block.size);
-    mutable_parameter_block_sizes()->push_back(int(problem.globals.size()));
-    if (!problem.locals.empty()) mutable_parameter_block_sizes()->push_back(int(problem.locals.size()));
+      : block_(block), huber_(huber), globals_(int(problem.globals.size())), locals_(int(problem.locals.size())) {
+    scale_.resize(globals_ + locals_);
+    for (int i = 0; i < globals_; ++i) scale_[i] = problem.globals[std::size_t(i)].scale;
+    for (int i = 0; i < locals_; ++i) scale_[globals_ + i] = problem.locals[std::size_t(i)].scale;
+    set_num_residuals(globals_ + locals_ + 1);
+    mutable_parameter_block_sizes()->push_back(globals_);
+    if (locals_ > 0) mutable_parameter_block_sizes()->push_back(locals_);
   }
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const int globals = int(problem_.globals.size()), locals = int(problem_.locals.size());
-    std::vector<double> g(problem_.globals.size()), l(problem_.locals.size());
-    for (int i = 0; i < globals; ++i) g[std::size_t(i)] = x[0][i] * problem_.globals[std::size_t(i)].scale;
-    for (int i = 0; i < locals; ++i) l[std::size_t(i)] = x[1][i] * problem_.locals[std::size_t(i)].scale;
-    double *j_global = jacobians ? jacobians[0] : nullptr, *j_local = jacobians && locals ? jacobians[1] : nullptr;
-    if (!block_.evaluate(g.data(), l.data(), residuals, j_global, j_local)) return false;
-    for (int r = 0; r < block_.size; ++r) {
-      if (!std::isfinite(residuals[r])) return false;
-      for (int c = 0; j_global && c < globals; ++c) j_global[r * globals + c] *= problem_.globals[std::size_t(c)].scale;
-      for (int c = 0; j_local && c < locals; ++c) j_local[r * locals + c] *= problem_.locals[std::size_t(c)].scale;
+    const int p = globals_ + locals_;
+    Eigen::Map<Eigen::VectorXd> r(residuals, p + 1);
+    if (!jacobians) {
+      const std::optional<double> square = cost(x);
+      if (!square) return false;
+      r.setZero(), r[p] = std::sqrt(*square);
+      return true;
     }
-    if (huber_ > 0) robustify(huber_, block_.size, residuals, j_global, globals, j_local, locals);
+    const Eigen::MatrixXd* square = square_form(x);
+    if (!square) return false;
+    const Eigen::MatrixXd triangle = triangle_of(*square);
+    r = triangle.col(p);
+    if (jacobians[0]) Eigen::Map<RowMajor>(jacobians[0], p + 1, globals_) = triangle.leftCols(globals_);
+    if (locals_ > 0 && jacobians[1])
+      Eigen::Map<RowMajor>(jacobians[1], p + 1, locals_) = triangle.middleCols(globals_, locals_);
     return true;
   }
 
+  /// [J r]' [J r]: globals, locals, residual; null where the block cannot be evaluated. Those of the last two points
+  /// are kept: the solver asks for cost and derivatives of one point in turn, and the covariance for the one before.
+  const Eigen::MatrixXd* square_form(double const* const* x) const {
+    const Eigen::VectorXd at = point(x);
+    if (const Eigen::MatrixXd* known = recall(at)) return known;
+    const int p = globals_ + locals_;
+    thread_local Eigen::MatrixXd jacobian;
+    jacobian.resize(block_.size, p);
+    const Eigen::VectorXd* r = rows(at, jacobian);
+    if (!r) return nullptr;
+    std::swap(known_[0], known_[1]);
+    known_[0].at = at;
+    Eigen::MatrixXd& square = known_[0].square;
+    square.resize(p + 1, p + 1);
+    const auto column = [&](int i) {
+      return Eigen::Map<const Eigen::VectorXd>(i < p ? jacobian.col(i).data() : r->data(), block_.size);
+    };
+    for (int i = 0; i <= p; ++i)  // so few columns: their own products beat the general one
+      for (int j = 0; j <= i; ++j)
+        square(i, j) = square(j, i) = (i < p ? scale_[i] : 1) * (j < p ? scale_[j] : 1) * column(i).dot(column(j));
+    return &square;
+  }
+
  private:
-  const LeastSquaresProblem& problem_;
+  struct Known {
+    Eigen::VectorXd at;
+    Eigen::MatrixXd square;
+  };
+  const Eigen::MatrixXd* recall(const Eigen::VectorXd& at) const {
+    for (const Known& k : known_)
+      if (k.at.size() == at.size() && k.at == at) return &k.square;
+    return nullptr;
+  }
+  std::optional<double> cost(double const* const* x) const {
+    const Eigen::VectorXd at = point(x);
+    if (const Eigen::MatrixXd* known = recall(at)) return (*known)(globals_ + locals_, globals_ + locals_);
+    Eigen::MatrixXd none;
+    const Eigen::VectorXd* r = rows(at, none);
+    return r ? std::optional(r->squaredNorm()) : std::nullopt;
+  }
+  /// The parameters in their own units, globals, then locals.
+  Eigen::VectorXd point(double const* const* x) const {
+    Eigen::VectorXd out(globals_ + locals_);
+    out.head(globals_) = Eigen::Map<const Eigen::VectorXd>(x[0], globals_);
+    if (locals_ > 0) out.tail(locals_) = Eigen::Map<const Eigen::VectorXd>(x[1], locals_);
+    return out.cwiseProduct(scale_);
+  }
+  /// The block's residuals and, unless it is empty, the Jacobian; null where it cannot be evaluated.
+  const Eigen::VectorXd* rows(const Eigen::VectorXd& at, Eigen::MatrixXd& jacobian) const {
+    thread_local Eigen::VectorXd r;
+    r.resize(block_.size);
+    if (!block_.evaluate(at.data(), at.data() + globals_, r.data(), jacobian.size() > 0 ? jacobian.data() : nullptr))
+      return nullptr;
+    if (!r.allFinite()) return nullptr;
+    if (huber_ > 0) robustify(huber_, r, jacobian);
+    return &r;
+  }
+
   const ResidualBlock& block_;
   double huber_;
+  int globals_, locals_;
+  Eigen::VectorXd scale_;
+  mutable std::array<Known, 2> known_;  ///< the last first
 };
 
 /// A prior in scaled parameters.
@@ -100,26 +182,21 @@ void set_bounds(ceres::Problem& problem, double* x, const std::vector<Parameter>
 
 /// Information of the globals with the locals eliminated block by block (Schur complement), and from it the
 /// covariances.
-void covariances(const LeastSquaresProblem& problem, const LeastSquaresOptions& options, const std::vector<double>& x,
-                 std::vector<std::vector<double>>& locals, LeastSquaresSolution& out) {
+void covariances(const LeastSquaresProblem& problem, const std::deque<BlockCost>& costs, const std::vector<double>& x,
+                 const std::vector<std::vector<double>>& locals, LeastSquaresSolution& out) {
   const int G = int(problem.globals.size()), L = int(problem.locals.size()), B = int(problem.blocks.size());
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(G, G);
   std::vector<Eigen::MatrixXd> cross, inverse;
-  for (int b = 0; b < B; ++b) {
-    const ResidualBlock& block = problem.blocks[std::size_t(b)];
-    RowMajor jg(block.size, G), jl(block.size, L);
-    std::vector<double> r(std::size_t(block.size));
-    const BlockCost cost(problem, block, options.huber);
-    const double* parameters[2] = {x.data(), L ? locals[std::size_t(b)].data() : nullptr};
-    double* jacobians[2] = {jg.data(), jl.data()};
-    if (!cost.Evaluate(parameters, r.data(), jacobians)) return;
-    information += jg.transpose() * jg;
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const double* at[2] = {x.data(), locals[b].data()};
+    const Eigen::MatrixXd* square = costs[b].square_form(at);
+    if (!square) return;
+    information += square->topLeftCorner(G, G);
     if (L == 0) continue;
-    const Eigen::MatrixXd c = jl.transpose() * jl, x_cross = jg.transpose() * jl;
-    inverse.push_back(c.completeOrthogonalDecomposition().pseudoInverse());
-    cross.push_back(x_cross);
-    information -= x_cross * inverse.back() * x_cross.transpose();
+    cross.push_back(square->block(0, G, G, L));
+    inverse.push_back(square->block(G, G, L, L).completeOrthogonalDecomposition().pseudoInverse());
+    information -= cross.back() * inverse.back() * cross.back().transpose();
   }
   for (const Pull& p : problem.priors) {
     const double w = p.weight * problem.globals[std::size_t(p.global)].scale;
@@ -193,15 +270,21 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   std::vector<double> x = scaled_start(problem.globals);
   std::vector<std::vector<double>> locals(problem.blocks.size(), scaled_start(problem.locals));
 
-  ceres::Problem ceres_problem;
+  std::deque<BlockCost> costs;
+  ceres::Problem::Options ours;
+  ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem ceres_problem(ours);
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
     std::vector<double*> blocks{x.data()};
     if (!problem.locals.empty()) blocks.push_back(locals[b].data());
-    ceres_problem.AddResidualBlock(new BlockCost(problem, problem.blocks[b], options.huber), nullptr, blocks);
+    costs.emplace_back(problem, problem.blocks[b], options.huber);
+    ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
     out.residuals += problem.blocks[b].size;
   }
+  std::deque<PullCost> pulls;
   for (const Pull& p : problem.priors) {
-    ceres_problem.AddResidualBlock(new PullCost(problem, p), nullptr, x.data());
+    pulls.emplace_back(problem, p);
+    ceres_problem.AddResidualBlock(&pulls.back(), nullptr, x.data());
     ++out.residuals;
   }
   const bool held = options.globals == LeastSquaresOptions::Globals::kHeld;
@@ -215,7 +298,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   ceres::Solver::Options o;
   o.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;  // thousands of residuals for each parameter
   o.max_num_iterations = options.max_iterations;
-  o.function_tolerance = 1e-14;
+  o.function_tolerance = 1e-11;  // leaves 3e-6 sqrt(residuals) standard errors at most
   o.parameter_tolerance = 1e-11;
   o.gradient_tolerance = 1e-15;
   o.max_num_consecutive_invalid_steps = 30;
@@ -244,7 +327,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   for (std::size_t b = 0; b < locals.size(); ++b)
     for (std::size_t l = 0; l < problem.locals.size(); ++l)
       out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
-  if (out.usable && !held) covariances(problem, options, x, locals, out);
+  if (out.usable && !held) covariances(problem, costs, x, locals, out);
   return out;
 }
 
@@ -252,12 +335,14 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
   std::vector<double> local(problem.locals.size());
   for (std::size_t i = 0; i < local.size(); ++i) local[i] = problem.locals[i].start;
   double sum = 0;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd none;
   for (const ResidualBlock& block : problem.blocks) {
-    std::vector<double> r(std::size_t(block.size));
-    if (!block.evaluate(globals.data(), local.data(), r.data(), nullptr, nullptr))
+    r.resize(block.size);
+    if (!block.evaluate(globals.data(), local.data(), r.data(), nullptr))
       return std::numeric_limits<double>::infinity();
-    if (options.huber > 0) robustify(options.huber, block.size, r.data(), nullptr, 0, nullptr, 0);
-    for (const double v : r) sum += v * v;
+    if (options.huber > 0) robustify(options.huber, r, none);
+    sum += r.squaredNorm();
   }
   for (const Pull& p : problem.priors) sum += std::pow((globals[p.global] - p.value) * p.weight, 2);
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();

@@ -19,12 +19,11 @@ struct Parameter {
   double scale;         ///< typical size, > 0: the solver sees value / scale
 };
 
-/// One block of residuals. `evaluate` fills residuals [size] and, where the pointers are set, the row-major Jacobians
-/// [size x globals] and [size x locals]; it returns false where the model cannot be evaluated (a rejected step).
+/// One block of residuals. `evaluate` fills residuals [size] and, where the pointer is set, the Jacobian [size x
+/// (globals + locals)], column by column; it returns false where the model cannot be evaluated (a rejected step).
 struct ResidualBlock {
   int size = 0;
-  std::function<bool(const double* global, const double* local, double* residuals, double* j_global, double* j_local)>
-      evaluate;
+  std::function<bool(const double* global, const double* local, double* residuals, double* jacobian)> evaluate;
 };
 
 /// Pulls a global towards a value: the residual (global - value) * weight.

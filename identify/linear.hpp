@@ -42,8 +42,18 @@ class LinearFlow {
     for (int i = 0; i < n; ++i) z = product(step_, z);
     return z;
   }
-  /// Angle i (0: phi_1, 1: phi_m) j + 1 intervals after z, for b = 0; j < kBlock.
-  T angle(int i, int j, const State& z) const { return dot(rows_[i][j], z); }
+  /// `rest` and angle i (0: phi_1, 1: phi_m) j + 1 intervals after z, for b = 0; j < kBlock.
+  void angle(T& out, const T& rest, int i, int j, const State& z) const {
+    const State& row = rows_[i][j];
+    if constexpr (kDerivatives < T >> 0) {  // in registers: the innermost loop of a fit
+      auto v = rest.v;
+      double a = rest.a;
+      for (int k = 0; k < kStates; ++k) a += row[k].a * z[k].a, v += row[k].a * z[k].v + z[k].a * row[k].v;
+      out.a = a, out.v = v;
+    } else {
+      out = rest + row.dot(z);
+    }
+  }
   /// An upper bound of the size of A's eigenvalues [1/s].
   double rate() const { return rate_; }
 

@@ -215,8 +215,8 @@ class Roll {
       if (const int n = f.held ? clear_intervals(z, on_grid(t, t_end)) : 0; n > 0) {
         const T offset = f.rest + nuisance_.encoder_offset;
         for (int j = 0; j < n; ++j, ++sample_) {
-          phi_[sample_] = offset + flow_->angle(0, j, z);
-          if (motor_) phi_m_[sample_] = f.rest + flow_->angle(1, j, z);
+          flow_->angle(phi_[sample_], offset, 0, j, z);
+          if (motor_) flow_->angle(phi_m_[sample_], f.rest, 1, j, z);
           const RolloutStatus status = bounds(value_of(phi_[sample_]));
           if (status != RolloutStatus::kDone) return status;
         }

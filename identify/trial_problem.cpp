@@ -12,7 +12,7 @@ namespace {
 template <class T>
 bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& layout, const PreparedTrial& prepared,
               const RolloutOptions& options, double weight, const std::vector<double>& scale, const double* global,
-              const double* local, double* r, double* jg, double* jl) {
+              const double* local, double* r, double* jacobian) {
   auto sea = base.cast<T>();
   Nuisance<T> nuisance;
   layout.apply<T>(global, local, sea, nuisance, [&](double v, [[maybe_unused]] int slot) {
@@ -22,15 +22,16 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
   });
   thread_local std::vector<T> phi, phi_m;
   if (rollout(rig, sea, nuisance, prepared, options, phi, phi_m) != RolloutStatus::kDone) return false;
-  const int G = layout.globals(), L = layout.locals();
-  int row = 0;
+  const std::size_t size = std::size_t(prepared.trial->measurements());
   const auto compare = [&](const std::vector<double>& measured, const std::vector<T>& predicted) {
-    for (std::size_t i = 0; i < measured.size(); ++i, ++row) {
-      r[row] = weight * (value_of(predicted[i]) - measured[i]);
-      if constexpr (kDerivatives < T >> 0) {
-        for (int g = 0; jg && g < G; ++g) jg[row * G + g] = weight * predicted[i].v[g] / scale[std::size_t(g)];
-        for (int l = 0; jl && l < L; ++l) jl[row * L + l] = weight * predicted[i].v[G + l] / scale[std::size_t(G + l)];
+    for (std::size_t i = 0; i < measured.size(); ++i) r[i] = weight * (value_of(predicted[i]) - measured[i]);
+    r += measured.size();
+    if constexpr (kDerivatives < T >> 0) {
+      for (std::size_t k = 0; k < scale.size(); ++k) {
+        const double factor = weight / scale[k];
+        for (std::size_t i = 0; i < measured.size(); ++i) jacobian[k * size + i] = factor * predicted[i].v[long(k)];
       }
+      jacobian += measured.size();
     }
   };
   compare(prepared.trial->phi, phi);
@@ -98,17 +99,16 @@ LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial
   for (std::size_t m = 0; m < prepared.size(); ++m) {
     const PreparedTrial* trial = &prepared[m];
     const double weight = weights[m];
-    problem.blocks.push_back({int(trial->trial->measurements()),
-                              [=, &rig](const double* g, const double* l, double* r, double* jg, double* jl) {
-                                if (!jg && !jl)
-                                  return evaluate<double>(rig, start, layout, *trial, rollout_options, weight, scale, g,
-                                                          l, r, jg, jl);
-                                if (small)
-                                  return evaluate<ceres::Jet<double, kSmallJet>>(
-                                      rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
-                                return evaluate<ceres::Jet<double, kLargeJet>>(
-                                    rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jg, jl);
-                              }});
+    problem.blocks.push_back(
+        {int(trial->trial->measurements()), [=, &rig](const double* g, const double* l, double* r, double* jacobian) {
+           if (!jacobian)
+             return evaluate<double>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jacobian);
+           if (small)
+             return evaluate<ceres::Jet<double, kSmallJet>>(rig, start, layout, *trial, rollout_options, weight, scale,
+                                                            g, l, r, jacobian);
+           return evaluate<ceres::Jet<double, kLargeJet>>(rig, start, layout, *trial, rollout_options, weight, scale, g,
+                                                          l, r, jacobian);
+         }});
   }
   return problem;
 }

@@ -101,28 +101,28 @@ class DropModel {
         if (std::isfinite(drop_.log.output[std::size_t(o)][i])) rows.push_back({o, i});
     const auto memory = std::make_shared<Memory>();
     return {int(rows.size() + priors.size()),
-            [=, this](const double* shared, const double* own, double* r, double* j_shared, double* j_own) {
+            [=, this](const double* shared, const double* own, double* r, double* jacobian) {
               const Rolled* rolled = recall(*memory, shared, own, end);
               if (!rolled) return false;
-              const auto fill = [&](std::size_t row, const auto& of_term) {
-                for (std::size_t k = 0; j_shared && k < layout_.shared.size(); ++k)
-                  j_shared[row * layout_.shared.size() + k] = of_term(layout_.shared[k]);
-                for (std::size_t k = 0; j_own && k < layout_.own.size(); ++k)
-                  j_own[row * layout_.own.size() + k] = of_term(layout_.own[k]);
-              };
+              const std::size_t size = rows.size() + priors.size();
               std::size_t row = 0;
+              const auto fill = [&](double residual, const auto& of_term) {
+                double* to = jacobian ? jacobian + row : nullptr;
+                for (const auto* list : {&layout_.shared, &layout_.own})
+                  for (const Term term : *list)
+                    if (to) *to = of_term(term), to += size;
+                r[row++] = residual;
+              };
               for (const Row& x : rows) {
                 const DropSample& s = rolled->rollout.samples[x.sample - first_];
                 const double inverse = 1 / sigma[std::size_t(x.output)],
                              difference =
                                  s.value[std::size_t(x.output)] - drop_.log.output[std::size_t(x.output)][x.sample];
                 if (left_out(*rolled, DropOutput(x.output), x.sample)) {
-                  r[row] = 0;
-                  fill(row++, [](Term) { return 0.0; });
+                  fill(0, [](Term) { return 0.0; });
                   continue;
                 }
-                r[row] = difference * inverse;
-                fill(row++, [&](Term term) {
+                fill(difference * inverse, [&](Term term) {
                   const int slot = slot_of(term);
                   return inverse * (slot < 0 ? s.rate[std::size_t(x.output)] : s.slope[std::size_t(x.output)][slot]);
                 });
@@ -133,8 +133,7 @@ class DropModel {
                   if (layout_.shared[k] == p.term) value = shared[k];
                 for (std::size_t k = 0; k < layout_.own.size(); ++k)
                   if (layout_.own[k] == p.term) value = own[k];
-                r[row] = (value - p.value) / p.std;
-                fill(row++, [&](Term term) { return term == p.term ? 1 / p.std : 0; });
+                fill((value - p.value) / p.std, [&](Term term) { return term == p.term ? 1 / p.std : 0; });
               }
               return true;
             }};

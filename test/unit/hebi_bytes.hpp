@@ -24,7 +24,7 @@ inline std::string little(std::uint64_t value, int bytes) {
 }
 inline std::string varint(std::uint64_t value) {
   std::string out;
-  for (; value >= 128; value >>= 7) out += char(value & 127 | 128);
+  for (; value >= 128; value >>= 7) out += char((value & 127) | 128);
   return out += char(value);
 }
 inline std::string number(int field, std::uint64_t value) { return varint(std::uint64_t(field) << 3) + varint(value); }
