@@ -63,12 +63,72 @@ double parse_number(std::string_view cell, const Location& where, const std::str
   return value;
 }
 
+/// Goes through the lines that are neither blank nor a comment.
+struct Lines {
+  std::string_view text;
+  std::size_t begin = 0;  ///< of the next one; beyond size() once a line without a line break was met
+  long number = 0;
+
+  bool next(std::string_view& line) {
+    while (begin < text.size()) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      line = text.substr(begin, end - begin);
+      begin = end + 1;
+      if (++number == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
+      if (!trim(line).empty() && trim(line).front() != '#') return true;
+    }
+    return false;
+  }
+};
+
+/// Fills the names in; returns the separator.
+char read_header(std::string_view line, long number, CsvTable& table) {
+  const char separator = separator_of(line);
+  table.header_line = number;
+  for_cells(line, separator, [&](std::string_view cell, long column) {
+    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+    const std::string name(cell);
+    if (table.find(name) >= 0)
+      throw InputError({table.file, number, column}, "column " + quoted(name) + ": the header names it twice");
+    table.header.push_back(name);
+    table.header_column.push_back(column);
+  });
+  return separator;
+}
+
 }  // namespace
 
 int CsvTable::find(const std::string& name) const {
   for (std::size_t i = 0; i < header.size(); ++i)
     if (header[i] == name) return int(i);
   return -1;
+}
+
+void CsvTable::require_full(int column) const {
+  const auto c = std::size_t(column);
+  for (std::size_t i = 0; i < rows(); ++i)
+    if (std::isnan(columns[c][i]))
+      throw InputError(at(column, i), "column '" + header[c] + "': empty: a number is needed");
+}
+
+void CsvTable::require_increasing(int column, const std::vector<double>& t) const {
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if (!(t[i] > t[i - 1]))
+      throw InputError(at(column, i), fmt::format("column 't': {}: time must increase; {} stands before it",
+                                                  shortest(t[i]), shortest(t[i - 1])));
+}
+
+std::vector<std::string> csv_header(const std::string& path) {
+  CsvTable table;
+  table.file = path;
+  for (std::size_t at_most = 1 << 12;; at_most *= 8) {
+    const std::string text = read_text_file(path, kLongestLine, at_most);
+    const bool whole = text.size() < at_most;
+    Lines lines{text};
+    std::string_view line;
+    if (lines.next(line) && (whole || lines.begin <= text.size())) read_header(line, lines.number, table);
+    if (whole || !table.header.empty()) return table.header;
+  }
 }
 
 CsvTable read_csv(const std::string& path) {
@@ -80,32 +140,16 @@ CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::str
   const std::string text = read_text_file(path, kLongestLine);
   CsvTable table;
   table.file = path;
-  char separator = ',';
+  Lines lines{text};
+  std::string_view line;
+  if (!lines.next(line)) throw InputError({path}, "the file is empty: a header line with column names is needed");
+  const char separator = read_header(line, lines.number, table);
   std::vector<bool> use;
-  long number = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string_view line(text.data() + begin, end - begin);
-    begin = end + 1;
-    ++number;
-    if (number == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
-    if (trim(line).empty() || trim(line).front() == '#') continue;
-    if (table.header.empty()) {
-      separator = separator_of(line);
-      table.header_line = number;
-      for_cells(line, separator, [&](std::string_view cell, long column) {
-        if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
-        const std::string name(cell);
-        if (table.find(name) >= 0)
-          throw InputError({path, number, column}, "column " + quoted(name) + ": the header names it twice");
-        table.header.push_back(name);
-        table.header_column.push_back(column);
-        use.push_back(wanted(name, context));
-      });
-      table.columns.resize(table.header.size());
-      table.column_of.resize(table.header.size());
-      continue;
-    }
+  for (const std::string& name : table.header) use.push_back(wanted(name, context));
+  table.columns.resize(table.header.size());
+  table.column_of.resize(table.header.size());
+  while (lines.next(line)) {
+    const long number = lines.number;
     std::size_t c = 0;
     for_cells(line, separator, [&](std::string_view cell, long column) {
       if (c >= table.header.size())
@@ -123,7 +167,6 @@ CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::str
       throw InputError({path, number, 1}, fmt::format("{} cells: the header has {} columns", c, table.header.size()));
     table.line.push_back(number);
   }
-  if (table.header.empty()) throw InputError({path}, "the file is empty: a header line with column names is needed");
   if (table.line.empty()) throw InputError({path, table.header_line}, "no rows: at least one row of numbers is needed");
   return table;
 }

@@ -24,6 +24,10 @@ struct CsvTable {
   /// Index of a column, or -1.
   int find(const std::string& name) const;
   Location at(int column, std::size_t row) const { return {file, line[row], column_of[column][row]}; }
+  /// Throws InputError where a cell of the column is empty.
+  void require_full(int column) const;
+  /// Throws InputError where `t`, which stands in the column, does not increase.
+  void require_increasing(int column, const std::vector<double>& t) const;
 };
 
 /// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, told from the
@@ -35,6 +39,8 @@ enum class NanCells { kRefused, kAsEmpty };
 template <class Wanted>
 CsvTable read_csv(const std::string& path, Wanted&& wanted, NanCells nan = NanCells::kRefused);
 CsvTable read_csv(const std::string& path);
+/// The names in the header, of which no more is read than it takes; none in a file without one. Throws as read_csv.
+std::vector<std::string> csv_header(const std::string& path);
 CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context,
                           NanCells nan);
 

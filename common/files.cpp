@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "common/error.hpp"
 
@@ -28,19 +29,24 @@ void make_folder(const fs::path& folder) {
 
 }  // namespace
 
-std::string read_binary_file(const std::string& path) {
+std::string read_binary_file(const std::string& path, std::size_t at_most) {
   std::error_code ec;
   if (!fs::exists(path, ec)) throw InputError({path}, "no such file");
   if (fs::is_directory(path, ec)) throw InputError({path}, "is a folder: a file is needed");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError({path}, std::string("cannot be read: ") + std::strerror(errno));
-  std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::string text;
+  std::array<char, 1 << 16> block;
+  while (in && text.size() < at_most) {
+    in.read(block.data(), std::streamsize(std::min(block.size(), at_most - text.size())));
+    text.append(block.data(), std::size_t(in.gcount()));
+  }
   if (in.bad()) throw InputError({path}, "cannot be read to its end");
   return text;
 }
 
-std::string read_text_file(const std::string& path, std::size_t longest_line) {
-  std::string text = read_binary_file(path);
+std::string read_text_file(const std::string& path, std::size_t longest_line, std::size_t at_most) {
+  std::string text = read_binary_file(path, at_most);
   long line = 1;
   std::size_t start = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -82,21 +82,14 @@ ForceLog read_force_log(const std::string& path, const std::string& columns) {
     const int c = map.find(table, name, s);
     if (c < 0)
       throw InputError({path, table.header_line}, fmt::format("no column '{}'", name) + hint(name, table.header));
-    const auto& column = table.columns[std::size_t(c)];
-    for (std::size_t i = 0; i < column.size(); ++i) {
-      if (std::isnan(column[i]))
-        throw InputError(table.at(c, i), "column '" + s.column + "': empty: a number is needed");
-      out.push_back(column[i] * s.scale);
-    }
+    table.require_full(c);
+    for (const double x : table.columns[std::size_t(c)]) out.push_back(x * s.scale);
     return c;
   };
   const int time = load("t", log.t);
   load("force", log.force);
   if (log.t.size() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
-  for (std::size_t i = 1; i < log.t.size(); ++i)
-    if (!(log.t[i] > log.t[i - 1]))
-      throw InputError(table.at(time, i), fmt::format("column 't': {}: time must increase; {} stands before it",
-                                                      shortest(log.t[i]), shortest(log.t[i - 1])));
+  table.require_increasing(time, log.t);
   return log;
 }
 

@@ -56,13 +56,12 @@ Field parse_name(const std::string& name) {
 
 bool is_hebi_csv(const std::string& path) {
   bool time = false, position = false, t = false;
-  read_csv(path, [&](const std::string& name) {
+  for (const std::string& name : csv_header(path)) {
     const Field f = parse_name(name);
     time = time || f.values == &HebiModule::t;
     position = position || f.values == &HebiModule::position;
     t = t || name == "t" || name == "t_ms";
-    return false;
-  });
+  }
   return time && position && !t;
 }
 

@@ -174,8 +174,8 @@ void check_magic(const Bytes& all, std::size_t at) {
 
 bool is_hebilog(const std::string& path) {
   if (ends_as_hebilog(path)) return true;
-  const std::string text = read_binary_file(path);
-  return text.size() >= 2 && text[0] == char(kMagic >> 8) && text[1] == char(kMagic & 0xFF);
+  const std::string text = read_binary_file(path, 2);
+  return text.size() == 2 && text[0] == char(kMagic >> 8) && text[1] == char(kMagic & 0xFF);
 }
 
 HebiLog read_hebilog(const std::string& path) {

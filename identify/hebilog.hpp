@@ -48,7 +48,7 @@ bool is_hebilog(const std::string& path);
 HebiLog read_hebilog(const std::string& path);
 
 /// Whether a CSV file is the vendor's export: its header has `time` and a `position`, with or without a module's index,
-/// and no `t`. Throws InputError like read_csv.
+/// and no `t`. Throws InputError like csv_header.
 bool is_hebi_csv(const std::string& path);
 
 /// Reads the vendor's CSV export. Columns by the names of the fields (time, position, velocity, effort, deflection,

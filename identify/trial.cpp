@@ -40,10 +40,9 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
     const bool one_turn = which.quantity == Quantity::kAngle && options.angles == TrialOptions::Angles::kOneTurn;
     const double gear = which.name == "phi_motor" ? options.gear_ratio : 1;
     const auto& column = table.columns[std::size_t(c)];
+    table.require_full(c);
     out.resize(column.size());
     for (std::size_t i = 0; i < column.size(); ++i) {
-      if (std::isnan(column[i]))
-        throw InputError(table.at(c, i), "column '" + s.column + "': empty: a number is needed");
       out[i] = column[i] * s.scale / gear;
       if (one_turn && std::abs(out[i]) > 2 * std::numbers::pi)
         throw InputError(table.at(c, i),
@@ -67,10 +66,7 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
                      "no column 'force' or 'phi_ref': at least one excitation is needed" + hint("force", table.header));
   if (!trial.dphi_ref.empty() && trial.phi_ref.empty()) missing("phi_ref");
   if (trial.samples() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
-  for (std::size_t i = 1; i < trial.t.size(); ++i)
-    if (!(trial.t[i] > trial.t[i - 1]))
-      throw InputError(table.at(time_column, i), fmt::format("column 't': {}: time must increase; {} stands before it",
-                                                             shortest(trial.t[i]), shortest(trial.t[i - 1])));
+  table.require_increasing(time_column, trial.t);
   return trial;
 }
 

@@ -69,12 +69,10 @@ DropLog read_drop(const std::string& path) {
         "no measured output: at least one of acc, ax, ay, x_0, y_0, phi_0 is needed" + hint("acc", table.header));
 
   const std::vector<double>& t = table.columns[std::size_t(time)];
+  table.require_full(time);
+  table.require_increasing(time, t);
   const double seconds = find(table.header[std::size_t(time)])->unit;
   for (std::size_t i = 0; i < t.size(); ++i) {
-    if (std::isnan(t[i])) throw InputError(table.at(time, i), "column 't': an empty cell: a number is needed");
-    if (i > 0 && !(t[i] > t[i - 1]))
-      throw InputError(table.at(time, i), fmt::format("column 't': {}: time must increase; {} stands before it",
-                                                      shortest(t[i]), shortest(t[i - 1])));
     if (t[i] < 0) {
       ++log.before_release;
       continue;

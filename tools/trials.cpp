@@ -27,13 +27,12 @@ Json module_json(const std::string& file, const identify::HebiModule& m) {
           {"effort_gains", gains_json(m.effort_gains)}};
 }
 
-bool is_trial_csv(const std::string& path, const TrialArguments& a) {
-  return !identify::is_hebilog(path) && (!a.columns.empty() || !identify::is_hebi_csv(path));
-}
-
-identify::Trial read_hebi(const std::string& path, const TrialArguments& a, const identify::Rig& rig, Json& modules) {
-  const identify::HebiLog log =
-      identify::is_hebilog(path) ? identify::read_hebilog(path) : identify::read_hebi_csv(path);
+/// A trial of any kind; what a HEBI log says of its module goes to `modules`.
+identify::Trial read_any(const std::string& path, const TrialArguments& a, const identify::TrialOptions& csv,
+                         const identify::Rig& rig, Json& modules) {
+  const bool binary = identify::is_hebilog(path);
+  if (!binary && (!a.columns.empty() || !identify::is_hebi_csv(path))) return identify::read_trial(path, csv);
+  const identify::HebiLog log = binary ? identify::read_hebilog(path) : identify::read_hebi_csv(path);
   identify::Trial trial =
       identify::hebi_trial(log, {.module = a.module, .angles = a.angles, .gear_ratio = rig.gear_ratio});
   modules.push_back(module_json(path, identify::choose_module(log, a.module)));
@@ -86,7 +85,7 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   Json modules = Json::array(), forces = Json::array();
   for (const std::string& path : paths) {
     run.input(path);
-    out.trials.push_back(is_trial_csv(path, a) ? identify::read_trial(path, csv) : read_hebi(path, a, rig, modules));
+    out.trials.push_back(read_any(path, a, csv, rig, modules));
   }
   if (!a.module.empty() && modules.empty())
     throw InputError("--module: " + quoted(a.module) + ": no trial is a HEBI log");
