@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "common/median.hpp"
 #include "identify/columns.hpp"
 
 namespace ukemi::identify {
@@ -14,10 +15,7 @@ namespace {
 
 /// Value of a signal at rest: the median of its first 2 % (5 samples or more).
 double rest_of(const std::vector<double>& x) {
-  std::vector<double> head(x.begin(), x.begin() + long(std::min(x.size(), std::max<std::size_t>(5, x.size() / 50))));
-  const auto middle = head.begin() + long(head.size() / 2);
-  std::nth_element(head.begin(), middle, head.end());
-  return *middle;
+  return median({x.begin(), x.begin() + long(std::min(x.size(), std::max<std::size_t>(5, x.size() / 50)))});
 }
 
 double largest_deviation(const std::vector<double>& x, double rest) {

@@ -10,6 +10,7 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "common/median.hpp"
 
 namespace ukemi::identify {
 
@@ -18,12 +19,6 @@ namespace {
 constexpr double kDuplicate = 0.1;  ///< of the nominal interval: closer stamps are one sample
 constexpr double kGap = 3;          ///< nominal intervals
 constexpr double kDisorder = 1;     ///< how far stamps may go back [s]
-
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + long(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
 
 std::string plural(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);

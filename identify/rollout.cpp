@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/median.hpp"
 #include "identify/roll.hpp"
 
 namespace ukemi::identify {
@@ -24,9 +25,7 @@ PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cu
   phi_start = source.phi_ref.empty() ? 0 : source.phi_ref[0];
   std::vector<double> intervals;
   for (std::size_t i = 0; i + 1 < t.size(); ++i) intervals.push_back(t[i + 1] - t[i]);
-  const auto middle = intervals.begin() + long(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  spacing = intervals.empty() ? 0 : *middle;
+  spacing = intervals.empty() ? 0 : median(std::move(intervals));
 }
 
 std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {

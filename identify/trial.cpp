@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/csv.hpp"
+#include "common/median.hpp"
 #include "identify/columns.hpp"
 
 namespace ukemi::identify {
@@ -121,9 +122,8 @@ double noise_level(const std::vector<double>& x) {
   std::vector<double> d(x.size() - 4);
   for (std::size_t i = 0; i + 4 < x.size(); ++i)
     d[i] = std::abs(x[i] - 4 * x[i + 1] + 6 * x[i + 2] - 4 * x[i + 3] + x[i + 4]);
-  std::nth_element(d.begin(), d.begin() + long(d.size() / 2), d.end());
   const double white =
-      d[d.size() / 2] / (0.6744897501960817 * std::sqrt(70.0));  // median of |normal|; 1 + 16 + 36 + 16 + 1 = 70
+      median(std::move(d)) / (0.6744897501960817 * std::sqrt(70.0));  // that of |normal|; 1 + 16 + 36 + 16 + 1 = 70
   // A coarsely quantised log stands still most of the time: then its step, spread evenly, is the noise.
   double step = 0;
   std::size_t still = 0;

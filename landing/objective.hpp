@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "common/stopwatch.hpp"
 #include "landing/batch.hpp"
 #include "landing/robust.hpp"
-#include "landing/stopwatch.hpp"
 
 namespace ukemi::landing {
 

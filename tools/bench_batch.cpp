@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
+#include "common/stopwatch.hpp"
 #include "landing/batch.hpp"
 #include "landing/planner.hpp"
 #include "landing/scene_file.hpp"
@@ -54,7 +56,7 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
   }
   std::vector<LandingPeak> peaks(cases.size());
   const auto play = [&](const Row& row, const std::vector<BatchCase>& which) {
-    const double start = thread_seconds();
+    const Stopwatch watch(Stopwatch::Time::kProcessor);
     if (row.path == "scalar")
       for (std::size_t i = 0; i < which.size(); ++i)
         peaks[i] = peak_acceleration(scene, sea, which[i].motion,
@@ -63,7 +65,7 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
       for (int s = 0; s < 3; ++s)
         if (row.path == kInstructionSetNames[std::size_t(s)])
           batch_peaks(which, peaks, {.accuracy = row.accuracy}, 1, InstructionSet(s));
-    return thread_seconds() - start;
+    return watch.seconds();
   };
   const int passes = std::max(3, arguments.repetitions / 6);
   for (int pass = 0; pass < passes; ++pass)
@@ -117,9 +119,9 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
         Drop drop = scene.drop;
         drop.height += r.uniform(-0.1, 0.1), drop.pitch += r.uniform(-0.1, 0.1);
         drop.forward_speed += r.uniform(-0.2, 0.2);
-        const auto start = std::chrono::steady_clock::now();
+        const Stopwatch watch(Stopwatch::Time::kWall);
         found += planner.plan(drop, deadline, std::uint64_t(i)).found;
-        over.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - deadline);
+        over.push_back(watch.seconds() - deadline);
         run.progress("planner", i, arguments.calls);
       }
       std::sort(over.begin(), over.end());

@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "common/actuator.hpp"
+#include "common/median.hpp"
 #include "common/random.hpp"
+#include "common/stopwatch.hpp"
 #include "identify/fit.hpp"
 #include "tools/bench.hpp"
 #include "tools/report.hpp"
@@ -116,9 +118,9 @@ int bench_identify(const BenchArguments& a, const CommonOptions& common) {
           FitOptions fit_options;
           fit_options.restarts = 0, fit_options.method = rung.method;
           fit_options.accuracy = options.accuracy, fit_options.max_step = options.max_step;
-          const double start = cpu_seconds();
+          const Stopwatch watch(Stopwatch::Time::kProcess);
           const Fit fit = identify::fit(rig, noisy, truth, {.tau_max = truth.tau_max}, fit_options);
-          seconds.push_back(cpu_seconds() - start);
+          seconds.push_back(watch.seconds());
           converged += fit.converged;
           const Values v{fit.sea.k_p, fit.sea.k_d, fit.sea.k_sea, fit.sea.c_sea, fit.sea.i_motor};
           sum += v / u - 1, squares += (v / u - 1).square();
@@ -127,8 +129,7 @@ int bench_identify(const BenchArguments& a, const CommonOptions& common) {
         }
         const Values bias = (sum / a.draws).abs(),
                      scatter = (squares / a.draws - (sum / a.draws).square()).max(0.0).sqrt();
-        std::nth_element(seconds.begin(), seconds.begin() + long(seconds.size() / 2), seconds.end());
-        const double ms = seconds[seconds.size() / 2] * 1e3, z = (bias / error).maxCoeff();
+        const double ms = median(seconds) * 1e3, z = (bias / error).maxCoeff();
         csv.cell(name(rung.method)).cell(setting).cell(count).cell(bias.maxCoeff()).cell(scatter.maxCoeff()).cell(z);
         csv.cell(derivative_error).cell(ms).cell(converged);
         csv.end_row();

@@ -9,6 +9,8 @@
 #include <memory>
 
 #include "common/actuator.hpp"
+#include "common/median.hpp"
+#include "common/stopwatch.hpp"
 #include "identify/rollout.hpp"
 #include "landing/reference.hpp"
 #include "landing/scene_file.hpp"
@@ -203,17 +205,13 @@ std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
     for (std::size_t k = 0; k < entries.size(); ++k) {
       const Entry& e = entries[k];
       integrate::Counters work;
-      const double start = cpu_seconds();
+      const Stopwatch watch(Stopwatch::Time::kProcess);
       for (int i = 0; i < b.cases; ++i) (void)b.run(i, e.method, e.setting, work, nullptr);
-      seconds[k].push_back((cpu_seconds() - start) / b.cases);
+      seconds[k].push_back(watch.seconds() / b.cases);
     }
     run.progress(b.name, r + 1, repetitions);
   }
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    auto& s = seconds[k];
-    std::nth_element(s.begin(), s.begin() + repetitions / 2, s.end());
-    entries[k].seconds = s[std::size_t(repetitions / 2)];
-  }
+  for (std::size_t k = 0; k < entries.size(); ++k) entries[k].seconds = median(std::move(seconds[k]));
   return entries;
 }
 

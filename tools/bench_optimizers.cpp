@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <mutex>
 
 #include "common/actuator.hpp"
 #include "common/error.hpp"
+#include "common/median.hpp"
 #include "common/parallel.hpp"
 #include "landing/optimize.hpp"
 #include "landing/scene_file.hpp"
@@ -29,11 +31,6 @@ constexpr std::array<const char*, 2> kGoals = {"peak", "tolerant"};
 constexpr std::array<long, 5> kMarks = {100, 300, 1'000, 5'000, 20'000};
 constexpr double kNothing = 1e3;  ///< the gap of a search that found nothing
 constexpr double kLevel = 0.002;  ///< two gaps this near are level
-
-double median(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 /// One search by one solver on one core.
 struct Trial {

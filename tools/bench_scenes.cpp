@@ -11,6 +11,8 @@
 
 #include "common/actuator.hpp"
 #include "common/error.hpp"
+#include "common/median.hpp"
+#include "common/stopwatch.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/simulate.hpp"
 #include "tools/bench.hpp"
@@ -146,15 +148,11 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
     std::vector<double> with(std::size_t(a.repetitions)), without = with;
     for (std::size_t r = 0; r < with.size(); ++r)
       for (auto [side, seconds] : {std::pair{&o.with, &with[r]}, {&o.without, &without[r]}}) {
-        const double start = cpu_seconds();
+        const Stopwatch watch(Stopwatch::Time::kProcess);
         (void)ukemi_bench_side(*side);
-        *seconds = (cpu_seconds() - start) / kLandings;
+        *seconds = watch.seconds() / kLandings;
       }
-    const auto median = [](std::vector<double> v) {
-      std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-      return v[v.size() / 2] * 1e6;
-    };
-    const double us_with = median(with), us_without = median(without);
+    const double us_with = 1e6 * median(with), us_without = 1e6 * median(without);
     const auto i_with = instructions(o.name + "/with"), i_without = instructions(o.name + "/without");
     const auto saved = [](double x, double y) { return fmt::format("{:.1f} %", 100 * (1 - y / x)); };
     const std::string count_with = i_with ? fmt::format("{:.0f}", *i_with) : "-",

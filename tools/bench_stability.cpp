@@ -8,6 +8,7 @@
 #include "common/actuator.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
+#include "common/stopwatch.hpp"
 #include "identify/fit.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/stability.hpp"
@@ -46,9 +47,9 @@ Json landings(const BenchArguments& a, Run& run, Report& report) {
     results[std::size_t(i)] = judge(grid[std::size_t(i)]);
     SimulateOptions once;
     once.max_steps = StabilityLimits{}.max_steps;
-    const double start = thread_seconds();
+    const Stopwatch watch(Stopwatch::Time::kProcessor);
     (void)peak_acceleration(grid[std::size_t(i)].scene, grid[std::size_t(i)].sea, grid[std::size_t(i)].motion, once);
-    seconds[std::size_t(i)] = thread_seconds() - start;
+    seconds[std::size_t(i)] = watch.seconds();
     const std::lock_guard lock(mutex);
     run.progress("stability", ++done, long(grid.size()));
   });
@@ -178,9 +179,9 @@ Json fits(Run& run, Report& report) {
     std::vector<identify::Trial> trials;
     for (std::size_t i = 0; i < c.peaks.size(); ++i)
       trials.push_back(simulated(rig, c, c.peaks[i], run.options().seed, i));
-    const double start = cpu_seconds();
+    const Stopwatch watch(Stopwatch::Time::kProcess);
     const identify::Fit fit = identify::fit(rig, trials, std::nullopt, {.tau_max = c.truth.tau_max}, {});
-    const double seconds = cpu_seconds() - start;
+    const double seconds = watch.seconds();
     const double truth[] = {c.truth.k_p, c.truth.k_d, c.truth.k_sea, c.truth.c_sea, c.truth.i_motor};
     double z = 0;
     for (std::size_t i = 0; i < fit.parameters.size(); ++i)

@@ -6,24 +6,19 @@
 // Each repetition times both in turn. Then a thousand trials (the eight with fresh noise) by ours alone.
 #include <ceres/ceres.h>
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstdlib>
 
+#include "common/median.hpp"
 #include "common/random.hpp"
+#include "common/stopwatch.hpp"
 #include "identify/fit.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
 
 namespace {
-
-double cpu() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 /// Residuals of one trial in units of the start.
 struct UsualResidual {
@@ -114,11 +109,6 @@ Result ours(const Rig& rig, const std::vector<Trial>& trials, const std::array<d
   return r;
 }
 
-double median(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -134,9 +124,9 @@ int main(int argc, char** argv) {
     double spent[2];
     for (int k = 0; k < 2; ++k) {
       const int who = (n + k) % 2;
-      const double before = cpu();
+      const Stopwatch watch(Stopwatch::Time::kProcessor);
       r[who] = who == 0 ? ours(rig, trials, start) : usual(rig, trials, start);
-      times[who].push_back(spent[who] = cpu() - before);
+      times[who].push_back(spent[who] = watch.seconds());
     }
     ratios.push_back(spent[1] / spent[0]);
   }
@@ -153,7 +143,8 @@ int main(int argc, char** argv) {
     Random noise(1, std::uint64_t(m));
     for (double& x : many.back().phi) x += 5e-4 * noise.normal();
   }
-  const double before = cpu();
+  const Stopwatch watch(Stopwatch::Time::kProcessor);
   const Result all = ours(rig, many, start);
-  fmt::print("a thousand trials: {:.2f} s of one core, k_sea {:.6f} +- {:.2g}\n", cpu() - before, all.u[2], all.std[2]);
+  fmt::print("a thousand trials: {:.2f} s of one core, k_sea {:.6f} +- {:.2g}\n", watch.seconds(), all.u[2],
+             all.std[2]);
 }

@@ -5,12 +5,12 @@
 // csv: a file, or "-" for standard output. Each repetition times every method at every tolerance in turn, the methods
 // in rotating order, so that a slow moment of the machine meets all of them.
 #include <fmt/format.h>
-#include <time.h>
 
 #include <cstdio>
 #include <fstream>
 #include <functional>
 
+#include "common/stopwatch.hpp"
 #include "landing/simulate.hpp"
 #include "test/bench/cvode_landing.hpp"
 #include "test/bench/odeint_landing.hpp"
@@ -67,12 +67,6 @@ double median(std::vector<double> v) {
 }
 double largest(const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); }
 double smallest(const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); }
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 Entry measure_errors(int method, const Method& m, double accuracy, const std::vector<Case>& cases,
                      const std::vector<Place>& ends) {
@@ -169,9 +163,9 @@ int main(int argc, char** argv) {
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const std::size_t turn = (m + n + rung) % methods.size();
         Entry& e = entries[turn * rungs + rung];
-        const double start = cpu_seconds();
+        const Stopwatch watch(Stopwatch::Time::kProcess);
         for (const Case& c : cases) sink += methods[turn].timed(c, e.accuracy);
-        e.times.push_back(1e6 * (cpu_seconds() - start) / double(cases.size()));
+        e.times.push_back(1e6 * watch.seconds() / double(cases.size()));
       }
   if (sink == 0) fmt::print("no landing has a peak\n");  // keeps the timed work from being left out
 

@@ -1,17 +1,23 @@
-// How long a search has been at work.
+// How long something has been at work.
 #pragma once
 
 #include <ctime>
 
-namespace ukemi::landing {
+namespace ukemi {
 
 class Stopwatch {
  public:
   enum class Time {
     kWall,       ///< what a robot waits
     kProcessor,  ///< of the calling thread alone: comparisons on a machine that others use too
+    kProcess,    ///< of all threads of the program
   };
-  explicit Stopwatch(Time time) : clock_(time == Time::kWall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID) { restart(); }
+  explicit Stopwatch(Time time)
+      : clock_(time == Time::kWall        ? CLOCK_MONOTONIC
+               : time == Time::kProcessor ? CLOCK_THREAD_CPUTIME_ID
+                                          : CLOCK_PROCESS_CPUTIME_ID) {
+    restart();
+  }
   void restart() { start_ = now(); }
   /// Since the start [s].
   double seconds() const { return now() - start_; }
@@ -26,4 +32,4 @@ class Stopwatch {
   double start_;
 };
 
-}  // namespace ukemi::landing
+}  // namespace ukemi
