@@ -165,10 +165,9 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
 
   // The logs' own noise decides whether a minimum is believed.
   double measured = 0;
-  std::vector<const Trial*> logs;
-  for (const Trial& t : trials) measured += double(t.measurements()), logs.push_back(&t);
+  for (const Trial& t : trials) measured += double(t.measurements());
   if (measured == 0) throw InputError("no measured angle in any trial: phi is needed");
-  const double noise = noise_level(logs);
+  const double noise = noise_level(trials);
   const auto believed = [&](const LeastSquaresSolution& s) {
     return s.usable && s.converged && s.cost <= kFarAboveNoise * kFarAboveNoise * noise * noise * measured;
   };

@@ -40,8 +40,8 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
     if (c < 0) return;
     const bool one_turn = which.quantity == Quantity::kAngle && options.angles == TrialOptions::Angles::kOneTurn;
     const double gear = which.name == "phi_motor" ? options.gear_ratio : 1;
-    const auto& column = table.columns[std::size_t(c)];
     table.require_full(c);
+    const auto& column = table.columns[std::size_t(c)];
     out.resize(column.size());
     for (std::size_t i = 0; i < column.size(); ++i) {
       out[i] = column[i] * s.scale / gear;
@@ -145,6 +145,11 @@ double noise_level(const std::vector<const Trial*>& trials) {
       sum += double(column->size()) * noise * noise, n += double(column->size());
     }
   return n > 0 ? std::sqrt(sum / n) : 0;
+}
+double noise_level(const std::vector<Trial>& trials) {
+  std::vector<const Trial*> all;
+  for (const Trial& t : trials) all.push_back(&t);
+  return noise_level(all);
 }
 
 }  // namespace ukemi::identify

@@ -58,5 +58,6 @@ int shortest_pulse(const Trial& trial);
 double noise_level(const std::vector<double>& column);
 /// The same over every measured angle of several trials, root mean square [rad]; 0 where nothing is measured.
 double noise_level(const std::vector<const Trial*>& trials);
+double noise_level(const std::vector<Trial>& trials);
 
 }  // namespace ukemi::identify

@@ -31,20 +31,8 @@ identify::Criterion criterion_of(const std::string& text) {
   throw InputError("--criterion: " + quoted(text) + ": worst, d or e is needed" + hint(text, {"worst", "d", "e"}));
 }
 identify::HitBudget::Directions directions_of(const std::string& text) {
-  if (text == "both") return identify::HitBudget::Directions::kAlternate;
-  if (text == "positive") return identify::HitBudget::Directions::kPositive;
-  throw InputError("--directions: " + quoted(text) + ": both or positive is needed" + hint(text, {"both", "positive"}));
-}
-
-/// Of all angles of all logs [rad].
-double noise_of(const std::vector<identify::Trial>& trials) {
-  double sum = 0, n = 0;
-  for (const identify::Trial& t : trials)
-    for (const auto* column : {&t.phi, &t.phi_motor}) {
-      const double sigma = identify::noise_level(*column);
-      sum += double(column->size()) * sigma * sigma, n += double(column->size());
-    }
-  return n > 0 ? std::sqrt(sum / n) : 0;
+  using enum identify::HitBudget::Directions;
+  return choice<identify::HitBudget::Directions>("--directions", text, {{"both", kAlternate}, {"positive", kPositive}});
 }
 
 std::string percent(double relative) {
@@ -162,7 +150,7 @@ int run_design(const DesignArguments& a, const CommonOptions& common) {
     inputs = read_trials(a.trials, a.reading, rig, {.excitation = TrialNeeds::Excitation::kRequired}, run);
   const std::vector<identify::Trial>& trials = inputs.trials;
   if (trials.empty() && !a.noise) throw InputError("--noise: without trials the noise of the angle [rad] is needed");
-  o.log.noise = a.noise ? *a.noise : noise_of(trials);
+  o.log.noise = a.noise ? *a.noise : identify::noise_level(trials);
   if (!(o.log.noise > 0) && !a.noise)
     throw InputError("--noise: the trials show none: the noise of the angle [rad] is needed");
   for (const identify::Trial& t : trials)
