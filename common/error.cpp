@@ -1,5 +1,8 @@
 #include "common/error.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -44,6 +47,10 @@ std::string nearest(const std::string& given, const std::vector<std::string>& kn
 std::string hint(const std::string& given, const std::vector<std::string>& known) {
   const std::string best = nearest(given, known);
   return best.empty() ? "" : " (did you mean \"" + best + "\"?)";
+}
+
+std::string one_of(const std::string& given, const std::vector<std::string>& known) {
+  return fmt::format("{}: one of {} is needed{}", quoted(given), fmt::join(known, ", "), hint(given, known));
 }
 
 std::string quoted(const std::string& value) {

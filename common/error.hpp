@@ -28,6 +28,9 @@ std::string nearest(const std::string& given, const std::vector<std::string>& kn
 /// ` (did you mean "x"?)` for the nearest key, or an empty text.
 std::string hint(const std::string& given, const std::vector<std::string>& known);
 
+/// `'given': one of a, b, c is needed (did you mean "a"?)`.
+std::string one_of(const std::string& given, const std::vector<std::string>& known);
+
 /// A value from a file for an error message: control characters shown as '?', cut after 40 bytes.
 std::string quoted(const std::string& value);
 

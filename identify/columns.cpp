@@ -66,9 +66,8 @@ ColumnMap::ColumnMap(const std::string& option, const std::string& map, std::vec
     const auto it = std::find_if(known_.begin(), known_.end(), [&](const Column& c) { return c.name == name; });
     if (it == known_.end()) {
       std::vector<std::string> names;
-      std::string list;
-      for (const Column& c : known_) names.push_back(c.name), list += (list.empty() ? "" : ", ") + c.name;
-      throw InputError(option + ": " + quoted(name) + ": one of " + list + " is needed" + hint(name, names));
+      for (const Column& c : known_) names.push_back(c.name);
+      throw InputError(option + ": " + one_of(name, names));
     }
     Source s = parse_source(option, item.substr(equals + 1));
     s.scale *= unit_of(s.column, it->quantity);

@@ -27,8 +27,7 @@ Scene read_scene(const std::string& path) {
     const std::vector<std::string> known(kPointNames.begin(), kPointNames.end());
     for (const std::string& p : *points) {
       const auto it = std::find(known.begin(), known.end(), p);
-      if (it == known.end())
-        robot.fail("contacts", quoted(p) + ": one of \"hip\", \"knee\", \"foot\" is needed" + hint(p, known));
+      if (it == known.end()) robot.fail("contacts", one_of(p, known));
       scene.contacts[std::size_t(it - known.begin())] = true;
     }
   }

@@ -21,10 +21,7 @@ const std::vector<std::string>& solver_names() {
 
 void check_solver(const std::string& name) {
   const auto& names = solver_names();
-  if (std::find(names.begin(), names.end(), name) != names.end()) return;
-  std::string all;
-  for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
-  throw InputError("solver: " + quoted(name) + ": one of " + all + " is needed" + hint(name, names));
+  if (std::find(names.begin(), names.end(), name) == names.end()) throw InputError("solver: " + one_of(name, names));
 }
 
 void run_solver(const std::string& name, Search& search) {

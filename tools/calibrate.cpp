@@ -8,6 +8,7 @@
 
 #include "common/error.hpp"
 #include "landing/scene_file.hpp"
+#include "tools/arguments.hpp"
 #include "tools/calibration.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
@@ -25,29 +26,18 @@ struct CalibrateArguments {
   enum class Doubt { kReport, kFail } doubt = Doubt::kReport;
 };
 
-/// NAME=VALUE.
-std::pair<std::string, std::string> assignment(const std::string& option, const std::string& item) {
-  const std::size_t equals = item.rfind('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == item.size())
-    throw InputError(option + ": " + quoted(item) + ": NAME=VALUE is needed");
-  return {item.substr(0, equals), item.substr(equals + 1)};
-}
-
 /// A term among [first, last), and the unit that its name asks for: a pitch may be given as pitch_deg.
 struct Named {
   Term term;
   double unit = 1;
 };
 Named named(const std::string& option, const std::string& text, int first, int last) {
-  std::vector<std::string> known(kTermNames.begin() + first, kTermNames.begin() + last);
   const bool degrees = text.size() > 4 && text.compare(text.size() - 4, 4, "_deg") == 0;
   const std::string name = degrees ? text.substr(0, text.size() - 4) : text;
   for (int k = first; k < last; ++k)
     if (name == kTermNames[std::size_t(k)] && (!degrees || std::string(kTermUnits[std::size_t(k)]) == "rad"))
       return {Term{k}, degrees ? 1 / kDegrees : 1};
-  std::string list;
-  for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-  throw InputError(option + ": " + quoted(text) + ": one of " + list + " is needed" + hint(text, known));
+  throw InputError(option + ": " + one_of(text, {kTermNames.begin() + first, kTermNames.begin() + last}));
 }
 
 CalibrationOptions calibration_options(const CalibrateArguments& a, const CommonOptions& common) {
@@ -76,15 +66,12 @@ CalibrationOptions calibration_options(const CalibrateArguments& a, const Common
   bounds("--lower", a.lower, o.lower);
   bounds("--upper", a.upper, o.upper);
   for (const std::string& item : a.priors) {
-    const auto [name, rule] = assignment("--prior", item);
-    const std::size_t colon = rule.find(':');
-    if (colon == std::string::npos) throw InputError("--prior: " + quoted(item) + ": NAME=VALUE:STD is needed");
-    const Named n = named("--prior", name, 0, kTerms);
+    const NamedPrior known = named_prior("--prior", item);
+    const Named n = named("--prior", known.name, 0, kTerms);
     if (std::find(o.free.begin(), o.free.end(), n.term) == o.free.end() &&
         std::find(o.nuisance.begin(), o.nuisance.end(), n.term) == o.nuisance.end())
-      throw InputError("--prior: " + quoted(name) + ": it is not fitted, see --free and --nuisance");
-    o.priors.push_back({n.term, to_number("--prior", rule.substr(0, colon)) * n.unit,
-                        to_number("--prior", rule.substr(colon + 1)) * n.unit});
+      throw InputError("--prior: " + quoted(known.name) + ": it is not fitted, see --free and --nuisance");
+    o.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});
   }
   o.validate();
   return o;
@@ -99,10 +86,10 @@ class Throws {
       run.input(a.motion);
     }
     const auto collect = [&](const std::string& option, const std::vector<std::string>& items,
-                             std::vector<std::pair<std::string, std::string>>& to) {
+                             std::vector<Assignment>& to) {
       for (const std::string& item : items) {
         to.push_back(assignment(option, item));
-        const std::string& drop = to.back().first;
+        const std::string& drop = to.back().name;
         const auto any = [&](const std::vector<std::string>& paths) {
           return std::any_of(paths.begin(), paths.end(), [&](const std::string& p) { return names(drop, p); });
         };
@@ -141,14 +128,13 @@ class Throws {
   }
 
  private:
-  using Assignments = std::vector<std::pair<std::string, std::string>>;
   static bool names(const std::string& drop, const std::string& path) {
     const std::filesystem::path p(path);
     return drop == path || drop == p.filename().string() || drop == p.stem().string();
   }
-  static const std::string* given(const Assignments& list, const std::string& path) {
-    for (const auto& [drop, value] : list)
-      if (names(drop, path)) return &value;
+  static const std::string* given(const std::vector<Assignment>& list, const std::string& path) {
+    for (const Assignment& a : list)
+      if (names(a.name, path)) return &a.value;
     return nullptr;
   }
 
@@ -156,7 +142,7 @@ class Throws {
   const Scene& scene_;
   Run& run_;
   std::optional<Motion> motion_;
-  Assignments motions_, heights_, speeds_;
+  std::vector<Assignment> motions_, heights_, speeds_;
 };
 
 /// Value, standard error and unit; an angle in degrees too.

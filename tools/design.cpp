@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "tools/arguments.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
 
@@ -26,9 +27,8 @@ struct DesignArguments {
 };
 
 identify::Criterion criterion_of(const std::string& text) {
-  for (const auto c : {identify::Criterion::kWorst, identify::Criterion::kD, identify::Criterion::kE})
-    if (text == name(c)) return c;
-  throw InputError("--criterion: " + quoted(text) + ": worst, d or e is needed" + hint(text, {"worst", "d", "e"}));
+  using enum identify::Criterion;
+  return choice<identify::Criterion>("--criterion", text, {{"worst", kWorst}, {"d", kD}, {"e", kE}});
 }
 identify::HitBudget::Directions directions_of(const std::string& text) {
   using enum identify::HitBudget::Directions;

@@ -1,36 +1,18 @@
 // ukemi identify, ukemi predict.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <sstream>
 
 #include "common/error.hpp"
 #include "identify/rig.hpp"
+#include "tools/arguments.hpp"
 #include "tools/report.hpp"
 #include "tools/trust.hpp"
 #include "tools/verbs.hpp"
 
 namespace ukemi::tools {
-
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> out;
-  std::stringstream s(list);
-  for (std::string item; std::getline(s, item, ',');) out.push_back(item);
-  return out;
-}
-
-double to_number(const std::string& option, const std::string& text) {
-  try {
-    std::size_t end = 0;
-    const double v = std::stod(text, &end);
-    if (end == text.size() && std::isfinite(v)) return v;
-  } catch (const std::exception&) {
-  }
-  throw InputError(option + ": " + quoted(text) + ": a finite number is needed");
-}
 
 Json estimate_json(const identify::Estimate& e) {
   Json j;
@@ -61,21 +43,12 @@ std::string text_of(const identify::Estimate& e) {
   return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
 }
 
-std::size_t constant_index(const std::string& option, const std::string& name) {
-  const std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
-  for (std::size_t i = 0; i < known.size(); ++i)
-    if (known[i] == name) return i;
-  throw InputError(option + ": " + quoted(name) + ": one of k_p, k_d, k_sea, c_sea, i_motor is needed" +
-                   hint(name, known));
-}
-
 namespace {
 
 void parse_bounds(const std::string& option, const std::string& list, std::array<double, kConstants>& bounds) {
   for (const std::string& item : split(list)) {
-    const std::size_t equals = item.find('=');
-    if (equals == std::string::npos) throw InputError(option + ": " + quoted(item) + ": NAME=VALUE is needed");
-    bounds[constant_index(option, item.substr(0, equals))] = to_number(option, item.substr(equals + 1));
+    const Assignment bound = assignment(option, item);
+    bounds[constant_index(option, bound.name)] = to_number(option, bound.value);
   }
 }
 
@@ -85,8 +58,7 @@ identify::NuisanceTerm nuisance_term(const std::string& wanted) {
     if (name(t) == wanted) return t;
     known.push_back(name(t));
   }
-  throw InputError(fmt::format("--nuisance: {}: one of {} is needed{}", quoted(wanted), fmt::join(known, ", "),
-                               hint(wanted, known)));
+  throw InputError("--nuisance: " + one_of(wanted, known));
 }
 
 identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions& common) {
@@ -100,12 +72,8 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   }
   for (const std::string& name : split(a.nuisance)) o.nuisance.push_back(nuisance_term(name));
   for (const std::string& item : split(a.prior)) {
-    const std::size_t equals = item.find('='), colon = item.find(':');
-    if (equals == std::string::npos || colon == std::string::npos || colon < equals)
-      throw InputError("--prior: " + quoted(item) + ": NAME=VALUE:STD is needed");
-    o.prior[constant_index("--prior", item.substr(0, equals))] =
-        identify::Prior{to_number("--prior", item.substr(equals + 1, colon - equals - 1)),
-                        to_number("--prior", item.substr(colon + 1))};
+    const NamedPrior known = named_prior("--prior", item);
+    o.prior[constant_index("--prior", known.name)] = identify::Prior{known.value, known.std};
   }
   o.explore = a.starts;
   o.threads = common.threads;
@@ -117,10 +85,8 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   } else if (a.loss != "none") {
     throw InputError("--loss: " + quoted(a.loss) + ": none or huber:DELTA is needed");
   }
-  if (a.weights == "trial")
-    o.weights = identify::FitOptions::Weights::kTrial;
-  else if (a.weights != "equal")
-    throw InputError("--weights: " + quoted(a.weights) + ": equal or trial is needed");
+  using enum identify::FitOptions::Weights;
+  o.weights = choice<identify::FitOptions::Weights>("--weights", a.weights, {{"equal", kEqual}, {"trial", kTrial}});
   o.validate();
   return o;
 }

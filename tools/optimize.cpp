@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/solvers.hpp"
+#include "tools/arguments.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
 
@@ -46,13 +47,8 @@ OptimizeOptions options_of(const OptimizeArguments& a, const CommonOptions& comm
   o.tolerance = a.tolerance;
   o.seed = common.seed;
   o.threads = common.threads;
-  for (const std::string& point : a.forbid) {
-    const auto at = std::find(kPointNames.begin(), kPointNames.end(), point);
-    if (at == kPointNames.end())
-      throw InputError("--forbid: " + quoted(point) + ": hip, knee or foot is needed" +
-                       hint(point, {kPointNames.begin(), kPointNames.end()}));
-    o.limits.forbidden[std::size_t(at - kPointNames.begin())] = true;
-  }
+  for (const std::string& point : a.forbid)
+    o.limits.forbidden[choice_index("--forbid", point, {kPointNames.begin(), kPointNames.end()})] = true;
   if (a.ratings == OptimizeArguments::Ratings::kRespect) {
     if (!actuator.speed_max && !std::isfinite(actuator.sea.tau_max))
       throw InputError("--respect-ratings: " + a.actuator + " gives neither speed_max nor tau_max");
@@ -224,10 +220,7 @@ void add_optimize(CLI::App& app, Action& chosen) {
   verb->add_option_function<std::string>(
       "--objective",
       [args](const std::string& s) {
-        if (s != "peak" && s != "tolerant")
-          throw InputError("--objective: " + quoted(s) + ": peak or tolerant is needed" +
-                           hint(s, {"peak", "tolerant"}));
-        args->goal = s == "peak" ? Goal::kPeak : Goal::kTolerant;
+        args->goal = choice<Goal>("--objective", s, {{"peak", Goal::kPeak}, {"tolerant", Goal::kTolerant}});
       },
       "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
   verb->add_option("--evaluations", args->evaluations,

@@ -4,6 +4,7 @@
 
 #include "common/error.hpp"
 #include "identify/hebi_trial.hpp"
+#include "tools/arguments.hpp"
 
 namespace ukemi::tools {
 
@@ -55,10 +56,9 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
   verb.add_option_function<std::string>(
       "--force-clock",
       [&a](const std::string& name) {
-        if (name != "own" && name != "shared")
-          throw InputError("--force-clock: " + quoted(name) + ": own or shared is needed" +
-                           hint(name, {"own", "shared"}));
-        a.force_clock = name == "own" ? identify::ForceClock::kOwn : identify::ForceClock::kShared;
+        using identify::ForceClock;
+        a.force_clock =
+            choice<ForceClock>("--force-clock", name, {{"own", ForceClock::kOwn}, {"shared", ForceClock::kShared}});
       },
       "own: the force log is shifted so that its onset meets the motion's; shared: it is not [own]");
   verb.add_option("--gains", a.gains, "HEBI gains (XML), listed in summary.json for the record");

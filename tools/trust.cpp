@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "tools/arguments.hpp"
 #include "tools/verbs.hpp"
 
 namespace ukemi::tools {

@@ -75,13 +75,9 @@ Json contacts_json(const landing::Landing& landing);
 Json peaks_json(const landing::Landing& landing);
 std::string order_of(const landing::Landing& landing);  ///< "foot, knee, hip"; chatter left out
 
-/// What the verbs that fit share: lists and numbers of their options, and estimates in words and JSON.
-std::vector<std::string> split(const std::string& list);  ///< at commas
-double to_number(const std::string& option, const std::string& text);
+/// What the verbs that fit share: estimates in words and JSON.
 Json estimate_json(const identify::Estimate& estimate);
 std::string text_of(const identify::Estimate& estimate);
-/// Throws InputError where `name` is none of the five.
-std::size_t constant_index(const std::string& option, const std::string& name);
 
 inline constexpr double kDegrees = 57.29577951308232;
 

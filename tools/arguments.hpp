@@ -1,0 +1,38 @@
+// What the text of an option holds: lists, numbers, names, NAME=VALUE. Each throws InputError "OPTION: 'text': rule".
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ukemi::tools {
+
+std::vector<std::string> split(const std::string& list);  ///< at commas
+double to_number(const std::string& option, const std::string& text);
+
+/// NAME=VALUE, at the last '='.
+struct Assignment {
+  std::string name, value;
+};
+Assignment assignment(const std::string& option, const std::string& item);
+
+/// NAME=VALUE:STD.
+struct NamedPrior {
+  std::string name;
+  double value, std;
+};
+NamedPrior named_prior(const std::string& option, const std::string& item);
+
+/// Index of `text` in `choices`, of which there are few; the error names them all, and the nearest.
+std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices);
+/// What stands behind the choice.
+template <class T>
+T choice(const std::string& option, const std::string& text, const std::vector<std::pair<std::string, T>>& choices) {
+  std::vector<std::string> names;
+  for (const auto& c : choices) names.push_back(c.first);
+  return choices[choice_index(option, text, names)].second;
+}
+/// Index of one of the actuator's five constants.
+std::size_t constant_index(const std::string& option, const std::string& name);
+
+}  // namespace ukemi::tools
