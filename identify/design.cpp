@@ -2,50 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
-#include "common/random.hpp"
-#include "identify/least_squares.hpp"
 
 namespace ukemi::identify {
 
 namespace {
 
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
-using Jet = ceres::Jet<double, kSmallJet>;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-std::size_t slot(int constant) { return std::size_t(constant); }
-
-/// The rig's angles with derivatives by each constant relative to its value.
-RolloutStatus differentiate(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
-                            const PreparedTrial& trial, std::vector<Jet>& phi, std::vector<Jet>& phi_m) {
-  auto p = sea.cast<Jet>();
-  auto u = ukemi::constants(p);
-  for (std::size_t i = 0; i < constants.size(); ++i) u[slot(constants[i])].v[long(i)] = u[slot(constants[i])].a;
-  set_constants(p, u);
-  return rollout(rig, p, {}, trial, {}, phi, phi_m);
-}
-
-SeaParameters<double> scaled(const Knowledge& k, const VectorXd& relative) {
-  constexpr double kLeast = 1e-6;  // of a constant: none is below 0
-  SeaParameters<double> sea = k.sea;
-  auto u = ukemi::constants(sea);
-  for (std::size_t i = 0; i < k.constants.size(); ++i)
-    u[slot(k.constants[i])] *= std::max(1 + relative[long(i)], kLeast);
-  set_constants(sea, u);
-  return sea;
-}
 
 /// A hit that was looked over; `information` only where it is safe.
 struct Candidate {
@@ -204,21 +174,6 @@ std::vector<RunnerUp> runners_up(const MatrixXd& in_hand, const Set& set, const 
 
 }  // namespace
 
-const char* name(Criterion criterion) {
-  return criterion == Criterion::kWorst ? "worst" : criterion == Criterion::kD ? "d" : "e";
-}
-const char* name(HitSafety::Verdict verdict) {
-  switch (verdict) {
-    case HitSafety::Verdict::kSafe:
-      return "safe";
-    case HitSafety::Verdict::kTooFar:
-      return "beyond the largest angle";
-    case HitSafety::Verdict::kEscapes:
-      return "the link escapes";
-  }
-  return "?";
-}
-
 void DesignOptions::validate() const {
   const auto require = [](bool holds, const char* what, double value, const std::string& rule) {
     if (!holds) throw InputError(fmt::format("{}: {}: {}", what, shortest(value), rule));
@@ -243,168 +198,6 @@ void DesignOptions::validate() const {
   require(log.rate * log.duration <= kMost, "rate", log.rate, "at most a million samples a log");
   require(hits >= 1 && hits <= 20, "hits", hits, "must lie between 1 and 20");
   require(peaks >= 1 && widths >= 2 && draws >= 0, "grid", peaks, "at least one peak, two widths, no draws below 0");
-}
-
-Trial blank_log(const Hit& hit, const HitLog& log) {
-  Trial trial;
-  const int last = int(std::lround(log.duration * log.rate));
-  for (int i = 0; i <= last; ++i) {
-    const double t = i / log.rate, s = (t - log.start) / hit.width;
-    trial.t.push_back(t);
-    trial.force.push_back(s > 0 && s < 1 ? hit.peak * std::sin(std::numbers::pi * s) : 0);
-  }
-  trial.phi.assign(trial.t.size(), 0);
-  if (log.outputs == HitLog::Outputs::kLinkAndMotor) trial.phi_motor = trial.phi;
-  return trial;
-}
-
-std::optional<MatrixXd> information_of(const Rig& rig, const SeaParameters<double>& sea,
-                                       const std::vector<int>& constants, const Trial& trial, double noise) {
-  thread_local std::vector<Jet> phi, phi_m;
-  const PreparedTrial prepared(trial);
-  if (differentiate(rig, sea, constants, prepared, phi, phi_m) != RolloutStatus::kDone) return std::nullopt;
-  using Square = Eigen::Matrix<double, kSmallJet, kSmallJet>;
-  Square sum = Square::Zero();
-  for (std::size_t i = 0; i < trial.phi.size(); ++i) sum.noalias() += phi[i].v * phi[i].v.transpose();
-  for (std::size_t i = 0; i < trial.phi_motor.size(); ++i) sum.noalias() += phi_m[i].v * phi_m[i].v.transpose();
-  const long n = long(constants.size());
-  const MatrixXd out = sum.topLeftCorner(n, n) / (noise * noise);
-  if (!out.allFinite()) return std::nullopt;
-  return out;
-}
-
-std::vector<int> uncertain_constants(const Actuator& actuator) {
-  const auto u = ukemi::constants(actuator.sea);
-  const std::vector<std::string>& named = actuator.uncertain;
-  std::vector<int> out;
-  for (int c = 0; c < kConstants; ++c)
-    if (u[slot(c)] > 0 &&
-        (named.empty() || std::find(named.begin(), named.end(), kConstantNames[slot(c)]) != named.end()))
-      out.push_back(c);
-  return out;
-}
-
-Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
-                       const std::vector<Trial>& trials, double noise) {
-  const long n = long(constants.size());
-  Knowledge k{.sea = sea, .constants = constants, .information = MatrixXd::Zero(n, n)};
-  for (const Trial& t : trials) {
-    const auto tells = information_of(rig, sea, constants, t, noise);
-    if (!tells) throw InputError({t.file}, "the estimate cannot be followed through this trial: fit it first");
-    k.information += *tells;
-    k.measurements += long(t.measurements());
-  }
-  return k;
-}
-
-std::optional<Knowledge> knowledge_of(const Actuator& actuator) {
-  Knowledge k{.sea = actuator.sea, .constants = uncertain_constants(actuator), .information = {}};
-  if (actuator.uncertain.empty() || k.constants.empty()) return std::nullopt;
-  const auto u = ukemi::constants(actuator.sea);
-  std::vector<long> rows;
-  VectorXd inverse(long(k.constants.size()));
-  for (const int c : k.constants) {
-    const auto at = std::find(actuator.uncertain.begin(), actuator.uncertain.end(), kConstantNames[slot(c)]);
-    inverse[long(rows.size())] = 1 / u[slot(c)];
-    rows.push_back(at - actuator.uncertain.begin());
-  }
-  const auto information =
-      covariance_of(inverse.asDiagonal() * MatrixXd(actuator.covariance(rows, rows)) * inverse.asDiagonal());
-  if (!information) return std::nullopt;
-  k.information = *information;
-  return k;
-}
-
-std::optional<MatrixXd> covariance_of(const MatrixXd& information) {
-  // Unit diagonal first: what counts as singular then does not depend on scales.
-  if (!(information.diagonal().array() > 0).all()) return std::nullopt;
-  const VectorXd d = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(d.asDiagonal() * information * d.asDiagonal());
-  constexpr double kSingular = 1e-13;
-  const VectorXd& values = eigen.eigenvalues();
-  if (!(values[0] > kSingular * values[values.size() - 1])) return std::nullopt;
-  return MatrixXd(d.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                  eigen.eigenvectors().transpose() * d.asDiagonal());
-}
-
-VectorXd half_widths(const MatrixXd& information, long measurements) {
-  const auto covariance = covariance_of(information);
-  if (!covariance) return VectorXd::Constant(information.rows(), kInfinite);
-  constexpr long kMany = 1'000'000'000;
-  return t_quantile_975(measurements > 0 ? std::max(measurements - information.rows(), 1l) : kMany) *
-         covariance->diagonal().cwiseSqrt();
-}
-
-double size_of(Criterion criterion, const MatrixXd& information) {
-  const auto covariance = covariance_of(information);
-  if (!covariance) return kInfinite;
-  if (criterion == Criterion::kWorst) return std::sqrt(covariance->diagonal().maxCoeff());
-  const VectorXd axes = Eigen::SelfAdjointEigenSolver<MatrixXd>(*covariance, Eigen::EigenvaluesOnly)
-                            .eigenvalues()
-                            .cwiseMax(0)
-                            .cwiseSqrt();
-  if (criterion == Criterion::kE) return axes.maxCoeff();
-  return std::exp(axes.array().log().mean());
-}
-
-HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
-  // Watched more closely and longer than it will be logged: the hit itself, not its samples, moves the link.
-  constexpr double kSamplesInPulse = 40, kLongEnough = 1;
-  HitLog close = o.log;
-  close.rate = std::max(o.log.rate, kSamplesInPulse / hit.width);
-  close.duration = std::max(o.log.duration, o.log.start + hit.width + kLongEnough);
-  const Trial trial = blank_log(hit, close);
-  const PreparedTrial prepared(trial);
-  HitSafety out;
-  thread_local std::vector<double> phi, phi_m;
-  const auto stays = [&](const SeaParameters<double>& sea) {
-    if (rollout(rig, sea, {}, prepared, {}, phi, phi_m) != RolloutStatus::kDone) {
-      out.verdict = HitSafety::Verdict::kEscapes;
-      return false;
-    }
-    for (const double a : phi) out.worst_angle = std::max(out.worst_angle, std::abs(a));
-    if (out.worst_angle > o.budget.angle) out.verdict = HitSafety::Verdict::kTooFar;
-    return out.safe();
-  };
-  if (!stays(k.sea)) {
-    out.angle = out.worst_angle;
-    return out;
-  }
-  out.angle = out.worst_angle;
-  for (std::size_t i = 1; i + 1 < phi.size(); ++i) {
-    const double d = phi_m[i] - phi[i],
-                 rate = (phi_m[i + 1] - phi[i + 1] - phi_m[i - 1] + phi[i - 1]) * 0.5 * close.rate;
-    const double tau = std::abs((k.sea.k_sea + k.sea.k_sea_cubic * d * d) * d + k.sea.c_sea * rate);
-    out.torque = std::max(out.torque, tau);
-    if (tau >= k.sea.tau_max) out.limited += 1 / close.rate;
-  }
-
-  constexpr double kChiSquare95[kConstants] = {3.841, 5.991, 7.815, 9.488, 11.070};
-  const auto covariance = covariance_of(k.information);
-  assert(covariance);
-  const long n = covariance->rows();
-  const double radius = std::sqrt(kChiSquare95[n - 1]);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(*covariance);
-  const MatrixXd axes = radius * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-
-  // Where the largest angle grows fastest: C g / sqrt(g' C g).
-  thread_local std::vector<Jet> dphi, dphi_m;
-  if (differentiate(rig, k.sea, k.constants, prepared, dphi, dphi_m) == RolloutStatus::kDone) {
-    const Jet& farthest = *std::max_element(dphi.begin(), dphi.end(),
-                                            [](const Jet& a, const Jet& b) { return std::abs(a.a) < std::abs(b.a); });
-    const VectorXd g = axes.transpose() * farthest.v.head(n) * (farthest.a < 0 ? -1 : 1);
-    if (g.norm() > 0 && !stays(scaled(k, axes * g.normalized()))) return out;
-  }
-  for (long a = 0; a < n; ++a)
-    for (const double sign : {1.0, -1.0})
-      if (!stays(scaled(k, sign * axes.col(a)))) return out;
-  for (int draw = 0; draw < o.draws; ++draw) {
-    Random random(o.seed, std::uint64_t(draw));
-    VectorXd z(n);
-    for (double& x : z) x = random.normal();
-    if (!stays(scaled(k, axes * z.normalized()))) return out;
-  }
-  return out;
 }
 
 Design design(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
