@@ -1,33 +1,13 @@
 #include "identify/statistics.hpp"
 
 #include <cmath>
+#include <unsupported/Eigen/SpecialFunctions>
 
 namespace ukemi::identify {
 
 double chi_squared_tail(double x, double degrees) {
   if (!(x > 0)) return 1;
-  // The regularised incomplete gamma function Q(a, z): by its series below a + 1, by Lentz' continued fraction above.
-  const double a = degrees / 2, z = x / 2;
-  constexpr double kPrecision = 1e-15;
-  const double front = std::exp(a * std::log(z) - z - std::lgamma(a));
-  if (z < a + 1) {
-    double term = 1 / a, sum = term;
-    for (double n = a + 1; term > kPrecision * sum; ++n) sum += term *= z / n;
-    return 1 - front * sum;
-  }
-  constexpr double kTiny = 1e-300;
-  double b = z + 1 - a, c = 1 / kTiny, d = 1 / b, f = d;
-  for (int n = 1; n < 10'000; ++n) {
-    const double numerator = -n * (n - a);
-    b += 2;
-    d = numerator * d + b, c = b + numerator / c;
-    if (std::abs(d) < kTiny) d = kTiny;
-    if (std::abs(c) < kTiny) c = kTiny;
-    d = 1 / d;
-    f *= c * d;
-    if (std::abs(c * d - 1) < kPrecision) break;
-  }
-  return front * f;
+  return Eigen::numext::igammac(degrees / 2, x / 2);
 }
 
 double at_bound_tail(double ratio, int terms) {
