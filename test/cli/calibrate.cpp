@@ -37,16 +37,6 @@ const Arguments kAll = {"calibrate",
                         "--validate",
                         kFolder + "validation.csv"};
 
-void check_refused(const Folder& folder, const Arguments& arguments, const std::vector<std::string>& texts) {
-  const auto before = folder.content();
-  const Result r = run(arguments, folder.at(""));
-  INFO("stderr: " << r.err);
-  CHECK(r.code == 2);
-  CHECK(r.out == "");
-  for (const std::string& t : texts) CHECK_THAT(r.err, Contains(t));
-  const bool nothing_written = folder.content() == before;
-  CHECK(nothing_written);
-}
 void check_log(const std::string& bytes, const std::vector<std::string>& texts) {
   const Folder f;
   f.write("drop.csv", bytes);
@@ -66,7 +56,7 @@ TEST_CASE("calibrate writes its files and keys, and every verb reads the scene t
   REQUIRE(r.code == 0);
   for (const char* name : {"scene.toml", "fit.csv", "validation.csv", "summary.json", "report.html"})
     CHECK(fs::exists(f.at(std::string("out/") + name)));
-  const Json s = Json::parse(read(f.at("out/summary.json")));
+  const Json s = summary(f);
   const std::vector<std::pair<std::string, double>> truth = {
       {"stiffness", 6000}, {"damping_normal", 110}, {"damping_tangential", 40}, {"pitch", -8 * 0.017453292519943295}};
   for (const auto& [name, value] : truth) {
@@ -132,13 +122,13 @@ TEST_CASE("calibrate --strict: exit 1 where a constant is not trusted, with ever
   const Arguments command = {"calibrate", "short.csv", "--scene", kGuess, "--actuator", kTable2, "--motion", kHold};
   const Arguments lenient = {"--free", "stiffness", "-o", "lenient"};
   CHECK(run(command + lenient, f.at("")).code == 0);
-  const Json s = Json::parse(read(f.at("lenient/summary.json")));
+  const Json s = summary(f, "lenient");
   CHECK(s["parameters"]["stiffness"]["free"] == true);
   CHECK(s["parameters"]["damping_normal"]["verdict"] == "fixed");
   const Result r = run(command + Arguments{"--strict", "-o", "strict"}, f.at(""));
   CHECK(r.code == 1);
   CHECK_THAT(r.err, Contains("warning"));
-  CHECK(Json::parse(read(f.at("strict/summary.json")))["trusted"] == false);
+  CHECK(summary(f, "strict")["trusted"] == false);
 }
 
 TEST_CASE("calibrate refuses malformed logs with file, line and column") {

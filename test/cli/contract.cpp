@@ -30,10 +30,6 @@ const Arguments kIdentify = Arguments{"identify"} + impact_trials() + Arguments{
 const Arguments kSimulate = {"simulate", kPaper, "--actuator", kTable2, "--hold", "-45"};
 const Arguments kOptimize = {"optimize", kPaper, "--actuator", kTable2, "--evaluations", "600"};
 
-Json summary(const Folder& f, const std::string& folder = "out") {
-  return Json::parse(read(f.at(folder + "/summary.json")));
-}
-
 std::set<std::string> files(const Folder& f, const std::string& folder = "out") {
   std::set<std::string> out;
   for (const auto& [name, bytes] : f.content(folder)) out.insert(name);

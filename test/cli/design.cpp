@@ -29,7 +29,7 @@ TEST_CASE("design writes the hits, the bars before and after, the margins and th
   REQUIRE(r.code == 0);
   for (const char* name : {"hits.csv", "hit_1.csv", "hit_2.csv", "summary.json", "report.html"})
     CHECK(fs::exists(f.at(std::string("out/") + name)));
-  const Json s = Json::parse(read(f.at("out/summary.json")));
+  const Json s = summary(f);
   for (const char* name : {"k_p", "k_d", "k_sea", "c_sea", "i_motor"}) {
     INFO(name);
     const Json& c = s["constants"][name];
@@ -98,7 +98,7 @@ TEST_CASE("design: exit 1 with the reason where no hit is safe") {
   const Result r = run(kTwo + kOut + Arguments{"--angle", "0.001"}, f.at(""));
   CHECK(r.code == 1);
   CHECK_THAT(r.err, Contains("no hit of this budget is safe"));
-  const Json s = Json::parse(read(f.at("out/summary.json")));
+  const Json s = summary(f);
   CHECK(s["hits"].empty());
   CHECK(s["check"].is_null());
   CHECK(s["constants"]["k_p"]["half_width_after"].is_null());

@@ -19,7 +19,6 @@ Result done(const Folder& folder, const Arguments& arguments) {
   REQUIRE(r.code == 0);
   return r;
 }
-Json summary(const Folder& f) { return Json::parse(read(f.at("out/summary.json"))); }
 bool warned(const Json& summary, const std::string& text) {
   for (const Json& w : summary["warnings"])
     if (w.get<std::string>().find(text) != std::string::npos) return true;
@@ -281,15 +280,11 @@ TEST_CASE("a trial without excitation is refused by identify, two with the same 
 }
 
 TEST_CASE("a real HEBI log is read by predict") {
-  const char* lab = std::getenv("UKEMI_LAB_DATA");
-  const std::string path = std::string(lab ? lab : "") + "/hebi/exampleLog.hebilog";
-  if (!lab || !fs::exists(path)) {
-    WARN("skipped: UKEMI_LAB_DATA does not name a folder with hebi/exampleLog.hebilog");
-    return;
-  }
+  const auto path = lab_file("hebi/exampleLog.hebilog");
+  if (!path) return;
   const Folder f;
   f.write("rig.toml", read(kRig) + "gear_ratio = 272.222\n");
-  const Result r = run({"predict", path, "--rig", "rig.toml", "--actuator", kTable2, "-o", "out"}, f.at(""));
+  const Result r = run({"predict", *path, "--rig", "rig.toml", "--actuator", kTable2, "-o", "out"}, f.at(""));
   INFO(r.err);
   CHECK(r.code == 0);
   const Json s = summary(f);

@@ -21,8 +21,6 @@ std::string cut_short(const Folder& f) {
   return f.write("short.csv", text);
 }
 
-Json summary(const Folder& f) { return Json::parse(read(f.at("out/summary.json"))); }
-
 }  // namespace
 
 TEST_CASE("identify --strict: exit 0 where every constant is trusted") {

@@ -7,10 +7,11 @@
 
 #include "common/parallel.hpp"
 #include "common/random.hpp"
-#include "identify/fit.hpp"
+#include "test/impact.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
+using namespace test;
 
 namespace {
 
@@ -36,15 +37,13 @@ std::vector<Hit> hits_of(const Design& d) {
 TEST_CASE(
     "two designed hits shrink the largest 95 % half-width at least twice as far as two drawn ones, in prediction and "
     "in 50 simulated experiments") {
-  const Rig rig = read_rig(UKEMI_DATASETS "/rigs/paper.toml");
-  SeaParameters<double> base{};
-  base.tau_max = *rig.tau_max;
-  constexpr double kNoise = 5e-4;  // of the shipped trials
+  const Rig rig = test::rig();
+  const SeaParameters<double> base = limited();
 
   // The four weakest: those that alone leave the worst-known constant known worst.
   std::vector<std::pair<double, Trial>> all;
   for (int i = 1; i <= 8; ++i) {
-    Trial t = read_trial(UKEMI_DATASETS "/impact/trial_" + std::to_string(i) + ".csv");
+    Trial t = shipped(i);
     const Fit f = fit(rig, {t}, std::nullopt, base);
     REQUIRE(f.converged);
     const Knowledge k = knowledge_of(rig, f.sea, kAll, {t}, kNoise);
@@ -114,13 +113,11 @@ TEST_CASE(
 }
 
 TEST_CASE("the predicted bars come true from a covariance alone, and a wrong prediction is found out") {
-  const Rig rig = read_rig(UKEMI_DATASETS "/rigs/paper.toml");
+  const Rig rig = test::rig();
   const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
-  std::vector<Trial> two;
-  for (const char* name : {"3", "5"})
-    two.push_back(read_trial(UKEMI_DATASETS "/impact/trial_" + std::string(name) + ".csv"));
+  const std::vector<Trial> two = {shipped(3), shipped(5)};
   DesignOptions o;
-  o.log.noise = 5e-4;
+  o.log.noise = kNoise;
   o.threads = 0;
   const std::vector<Hit> hits = {{200, 0.018}, {-250, 0.012}};
   Knowledge k = knowledge_of(rig, sea, kAll, two, o.log.noise);

@@ -1,32 +1,15 @@
 // The shipped simulated trials (truth: Table 2) and, where UKEMI_LAB_DATA is set, a measured arm.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 
-#include "common/random.hpp"
-#include "identify/fit.hpp"
+#include "test/impact.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
+using namespace test;
 
 namespace {
-
-constexpr std::array<double, kConstants> kTruth = {50, 1, 65, 1.6, 0.085};  // Table 2
-
-std::vector<Trial> trials(const std::string& folder) {
-  std::vector<Trial> out;
-  for (int i = 1; i <= 8; ++i)
-    out.push_back(read_trial(UKEMI_DATASETS "/" + folder + "/trial_" + std::to_string(i) + ".csv"));
-  return out;
-}
-Rig rig() { return read_rig(UKEMI_DATASETS "/rigs/paper.toml"); }
-SeaParameters<double> limited() {
-  SeaParameters<double> base{};
-  base.tau_max = *rig().tau_max;
-  return base;
-}
 
 void check_truth(const Fit& f, double standard_errors) {
   REQUIRE(f.converged);
@@ -44,7 +27,7 @@ void check_truth(const Fit& f, double standard_errors) {
 }  // namespace
 
 TEST_CASE("eight trials: every constant within 3 standard errors of the truth, residual at the noise") {
-  const Fit f = fit(rig(), trials("impact"), std::nullopt, limited());
+  const Fit f = fit(rig(), shipped(), std::nullopt, limited());
   check_truth(f, 3);
   for (const Estimate& e : f.parameters) CHECK(*e.std < 1e-3 * e.value);  // 0.01 to 0.1 %
   CHECK(f.rms == Approx(5e-4).epsilon(0.03));
@@ -59,19 +42,17 @@ TEST_CASE("eight trials: every constant within 3 standard errors of the truth, r
 
 TEST_CASE(
     "eight trials driven by the continuous half-sine: the sampled force is not the true one, the fit still holds") {
-  check_truth(fit(rig(), trials("impact_continuous"), std::nullopt, limited()), 4);
+  check_truth(fit(rig(), shipped("impact_continuous"), std::nullopt, limited()), 4);
 }
 
 TEST_CASE("twenty random starts up to 3x off in each constant end at one minimum") {
-  const auto logs = trials("impact");
+  const auto logs = shipped();
   const double cost = fit(rig(), logs, std::nullopt, limited()).cost;
   for (std::uint64_t i = 0; i < 20; ++i) {
     Random random(77, i);
-    SeaParameters<double> start = limited();
     std::array<double, kConstants> u = kTruth;
     for (double& x : u) x *= random.factor(3);
-    set_constants(start, u);
-    const Fit f = fit(rig(), logs, start, limited());
+    const Fit f = fit(rig(), logs, limited(u), limited());
     INFO("start " << i << " after " << f.starts << " starts");
     CHECK(f.converged);
     CHECK(std::abs(f.cost - cost) <= 1e-8 * cost);
@@ -79,7 +60,7 @@ TEST_CASE("twenty random starts up to 3x off in each constant end at one minimum
 }
 
 TEST_CASE("a start at 0 is moved off it") {
-  const Fit f = fit(rig(), trials("impact"), limited(), limited());
+  const Fit f = fit(rig(), shipped(), limited(), limited());
   check_truth(f, 3);
   CHECK(f.warnings.size() == 5);
 }
@@ -87,16 +68,11 @@ TEST_CASE("a start at 0 is moved off it") {
 TEST_CASE("a bound at 0 is reached and reported: a rig without proportional gain") {
   // Simulated here: the rollout itself with k_p = 0, and noise that pulls the estimate below 0 in about half of the
   // draws.
-  SeaParameters<double> truth = limited();
-  set_constants(truth, std::array<double, kConstants>{0, 3, 65, 1.6, 0.085});
-  Trial log = trials("impact")[3];
-  const Fit exact = predict(rig(), {log}, truth);
-  REQUIRE(exact.trials[0].status == RolloutStatus::kDone);
+  const SeaParameters<double> sluggish = limited({0, 3, 65, 1.6, 0.085});
+  const std::vector<Trial> exact = simulated({shipped(4)}, sluggish);
   int at_bound = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    Random noise(seed);
-    for (std::size_t i = 0; i < log.samples(); ++i) log.phi[i] = exact.trials[0].phi[i] + 5e-4 * noise.normal();
-    const Fit f = fit(rig(), {log}, truth, limited());
+    const Fit f = fit(rig(), noisy(exact, seed), sluggish, limited());
     REQUIRE(f.converged);
     const Estimate& k_p = f.parameters[0];
     INFO("seed " << seed << " k_p " << k_p.value);
@@ -114,9 +90,8 @@ TEST_CASE("constants that are not free stay, bounds hold") {
   FitOptions o;
   o.free = {true, false, true, false, true};
   o.lower[2] = 70;
-  SeaParameters<double> start = limited();
-  set_constants(start, kTruth);
-  const Fit f = fit(rig(), trials("impact"), start, limited(), o);
+  const SeaParameters<double> start = truth();
+  const Fit f = fit(rig(), shipped(), start, limited(), o);
   CHECK(f.sea.k_d == 1);
   CHECK(f.sea.c_sea == 1.6);
   CHECK(f.sea.k_sea == 70);
@@ -125,51 +100,46 @@ TEST_CASE("constants that are not free stay, bounds hold") {
 }
 
 TEST_CASE("a pulse of fewer than 8 samples is warned of") {
-  Trial log = trials("impact")[7], coarse;  // 10 ms, logged at 1 kHz
+  Trial log = shipped(8), coarse;  // 10 ms, logged at 1 kHz
   CHECK(shortest_pulse(log) >= 8);
   coarse.file = "coarse";
   for (std::size_t i = 0; i < log.samples(); i += 2) {
     coarse.t.push_back(log.t[i]), coarse.force.push_back(log.force[i]), coarse.phi.push_back(log.phi[i]);
   }
-  SeaParameters<double> start = limited();
-  set_constants(start, kTruth);
+  const SeaParameters<double> start = truth();
   const Fit f = fit(rig(), {coarse}, start, limited());
   REQUIRE_FALSE(f.warnings.empty());
   CHECK(f.warnings.front().find("coarse: a pulse of") == 0);
 }
 
 TEST_CASE("no hit at all: nothing is determined, and the fit says so") {
-  Trial log = trials("impact")[0];
+  Trial log = shipped(1);
   std::fill(log.force.begin(), log.force.end(), 0.0);
   Random noise(5);
   for (double& x : log.phi) x = 5e-4 * noise.normal();
-  SeaParameters<double> start = limited();
-  set_constants(start, kTruth);
+  const SeaParameters<double> start = truth();
   const Fit f = fit(rig(), {log}, start, limited());
   CHECK_FALSE(f.identifiable);
   for (const Estimate& e : f.parameters) CHECK_FALSE(e.std.has_value());
 }
 
 TEST_CASE("a hit that makes the rig escape is a rejected rollout with a reason") {
-  Trial log = trials("impact")[7];
+  Trial log = shipped(8);
   for (double& x : log.force) x *= 10;
-  SeaParameters<double> sea = limited();
-  set_constants(sea, kTruth);
-  const Fit f = predict(rig(), {log}, sea);
+  const Fit f = predict(rig(), {log}, truth());
   CHECK_FALSE(f.converged);
   CHECK(f.trials[0].status == RolloutStatus::kEscaped);
   CHECK(f.message.find("the link escapes") != std::string::npos);
 }
 
 TEST_CASE("outliers: Huber's loss keeps the constants, weights by trial keep a noisy trial from ruling") {
-  auto logs = trials("impact");
+  auto logs = shipped();
   Random random(3);
   for (std::size_t i = 0; i < logs[2].samples(); i += 25) logs[2].phi[i] += random.uniform(-0.05, 0.05);
   FitOptions robust;
   robust.huber = 1e-3;
   robust.restarts = 0;
-  SeaParameters<double> start = limited();
-  set_constants(start, std::array<double, kConstants>{60, 1.2, 80, 1.2, 0.1});
+  const SeaParameters<double> start = limited({60, 1.2, 80, 1.2, 0.1});
   const Fit plain = fit(rig(), logs, start, limited(), FitOptions{.restarts = 0}),
             huber = fit(rig(), logs, start, limited(), robust);
   REQUIRE(huber.converged);
@@ -189,23 +159,13 @@ TEST_CASE("outliers: Huber's loss keeps the constants, weights by trial keep a n
 
 TEST_CASE("nuisance terms: an offset start and dry friction are found") {
   // Simulated here from the rollout itself: friction 0.2 Nm, the link 0.02 rad off its reference and moving.
-  SeaParameters<double> truth = limited();
-  set_constants(truth, kTruth);
-  truth.friction = 0.2;
-  std::vector<Trial> logs = trials("impact");
-  for (std::size_t m = 0; m < logs.size(); ++m) {
-    const PreparedTrial prepared(logs[m]);
-    std::vector<double> phi, phi_m;
-    REQUIRE(rollout<double>(rig(), truth, {.angle = 0.02, .rate = -0.1}, prepared, {}, phi, phi_m) ==
-            RolloutStatus::kDone);
-    Random noise(11, m);
-    for (std::size_t i = 0; i < phi.size(); ++i) logs[m].phi[i] = phi[i] + 5e-4 * noise.normal();
-  }
+  SeaParameters<double> sea = truth();
+  sea.friction = 0.2;
+  const std::vector<Trial> logs = noisy(simulated(shipped(), sea, {.angle = 0.02, .rate = -0.1}), 11);
   FitOptions o;
   o.restarts = 0;
   o.nuisance = {NuisanceTerm::kFriction, NuisanceTerm::kInitialAngle, NuisanceTerm::kInitialRate};
-  SeaParameters<double> start = limited();
-  set_constants(start, std::array<double, kConstants>{55, 1.2, 70, 1.4, 0.09});
+  const SeaParameters<double> start = limited({55, 1.2, 70, 1.4, 0.09});
   const Fit f = fit(rig(), logs, start, limited(), o);
   check_truth(f, 3.5);
   CHECK(f.sea.friction == Approx(0.2).epsilon(0.02));
@@ -221,9 +181,7 @@ TEST_CASE("nuisance terms: an offset start and dry friction are found") {
 TEST_CASE(
     "nuisance terms: sensor gains, offsets and a shifted force log are found, a trial each where they are a trial's") {
   // Simulated here from the rollout itself. The force stands in a log of its own, at 2.5 kHz, and comes late.
-  SeaParameters<double> truth = limited();
-  set_constants(truth, kTruth);
-  std::vector<Trial> logs = trials("impact");
+  std::vector<Trial> logs = shipped();
   std::map<std::string, std::vector<double>> expected;
   expected["force_gain"] = {1.03};
   for (std::size_t m = 0; m < logs.size(); ++m) {
@@ -243,16 +201,14 @@ TEST_CASE(
     expected["force_bias"].push_back(nuisance.force_bias);
     expected["time_shift"].push_back(nuisance.time_shift);
     expected["encoder_offset"].push_back(nuisance.encoder_offset);
-    std::vector<double> phi, phi_m;
-    REQUIRE(rollout<double>(rig(), truth, nuisance, PreparedTrial(log), {}, phi, phi_m) == RolloutStatus::kDone);
-    for (std::size_t i = 0; i < phi.size(); ++i) log.phi[i] = phi[i] + 5e-4 * draw.normal();
+    log.phi = simulated({log}, truth(), nuisance)[0].phi;
+    for (double& x : log.phi) x += kNoise * draw.normal();
   }
   FitOptions o;
   o.restarts = 0;
   o.nuisance = {NuisanceTerm::kForceGain, NuisanceTerm::kForceBias, NuisanceTerm::kTimeShift,
                 NuisanceTerm::kEncoderOffset};
-  SeaParameters<double> start = limited();
-  set_constants(start, std::array<double, kConstants>{55, 1.2, 70, 1.4, 0.09});
+  const SeaParameters<double> start = limited({55, 1.2, 70, 1.4, 0.09});
   const Fit f = fit(rig(), logs, start, limited(), o);
   check_truth(f, 3.5);
   REQUIRE(f.nuisance.size() == 25);
@@ -266,18 +222,10 @@ TEST_CASE(
 }
 
 TEST_CASE("nuisance terms: a spring that stiffens is told from one that does not") {
-  SeaParameters<double> truth = limited();
-  set_constants(truth, kTruth);
-  truth.k_sea_cubic = 400;
-  std::vector<Trial> logs = trials("impact");
-  for (std::size_t m = 0; m < logs.size(); ++m) {
-    std::vector<double> phi, phi_m;
-    REQUIRE(rollout<double>(rig(), truth, {}, PreparedTrial(logs[m]), {}, phi, phi_m) == RolloutStatus::kDone);
-    Random noise(13, m);
-    for (std::size_t i = 0; i < phi.size(); ++i) logs[m].phi[i] = phi[i] + 5e-4 * noise.normal();
-  }
-  SeaParameters<double> start = limited();
-  set_constants(start, kTruth);
+  SeaParameters<double> sea = truth();
+  sea.k_sea_cubic = 400;
+  const std::vector<Trial> logs = noisy(simulated(shipped(), sea), 13);
+  const SeaParameters<double> start = truth();
   FitOptions o;
   o.restarts = 0;
   CHECK(fit(rig(), logs, start, limited(), o).rms > 6e-4);
@@ -290,11 +238,10 @@ TEST_CASE("nuisance terms: a spring that stiffens is told from one that does not
 }
 
 TEST_CASE("a prior counts like a measurement: it holds a constant that the trials do not tell, and only that") {
-  const std::vector<Trial> logs{trials("impact")[0]};
+  const std::vector<Trial> logs{shipped(1)};
   FitOptions o;
   o.restarts = 0;
-  SeaParameters<double> start = limited();
-  set_constants(start, kTruth);
+  const SeaParameters<double> start = truth();
   const Fit free = fit(rig(), logs, start, limited(), o);
   o.prior[2] = Prior{66, 1e-3};
   const Fit held = fit(rig(), logs, start, limited(), o);
@@ -306,7 +253,7 @@ TEST_CASE("a prior counts like a measurement: it holds a constant that the trial
 }
 
 TEST_CASE("exploring starts lists every minimum, the same whatever the threads") {
-  const std::vector<Trial> all = trials("impact");
+  const std::vector<Trial> all = shipped();
   const std::vector<Trial> logs(all.begin(), all.begin() + 3);
   FitOptions o;
   o.explore = 12;
@@ -331,17 +278,11 @@ TEST_CASE("exploring starts lists every minimum, the same whatever the threads")
 }
 
 TEST_CASE("a measured arm: K_SEA within 15 % of its nominal 1.813 Nm/rad") {
-  const char* lab = std::getenv("UKEMI_LAB_DATA");
-  if (!lab || !std::filesystem::exists(std::string(lab) + "/rotary_arm/step_up.csv")) {
-    WARN("skipped: UKEMI_LAB_DATA does not name a folder with rotary_arm/step_up.csv");
-    return;
-  }
-  const Rig arm{.length = 0.45, .inertia = 0.01418, .tau_max = {}, .gear_ratio = {}, .feedback = Feedback::kMotor};
-  SeaParameters<double> base{};
-  base.feedback = Feedback::kMotor;
+  const auto arm = measured_arm();
+  if (!arm) return;
   FitOptions o;
   o.nuisance = {NuisanceTerm::kFriction, NuisanceTerm::kInitialAngle};
-  const Fit f = fit(arm, {read_trial(std::string(lab) + "/rotary_arm/step_up.csv")}, std::nullopt, base, o);
+  const Fit f = fit(arm->rig, arm->log, std::nullopt, arm->base, o);
   INFO("k_sea " << f.sea.k_sea << " rms " << f.rms);
   CHECK(f.converged);
   CHECK(f.sea.k_sea == Approx(1.813).epsilon(0.15));

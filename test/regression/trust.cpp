@@ -3,51 +3,23 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 
-#include "common/random.hpp"
 #include "identify/ladder.hpp"
 #include "identify/profile.hpp"
 #include "identify/statistics.hpp"
+#include "test/impact.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
+using namespace test;
 
 namespace {
 
-constexpr std::array<double, kConstants> kTruth = {50, 1, 65, 1.6, 0.085};  // Table 2
-constexpr double kNoise = 5e-4;
-
-Rig rig() { return read_rig(UKEMI_DATASETS "/rigs/paper.toml"); }
-
-SeaParameters<double> truth(double friction = 0) {
-  SeaParameters<double> sea{};
-  set_constants(sea, kTruth);
-  sea.tau_max = *rig().tau_max;
+/// The truth, with dry friction [Nm].
+SeaParameters<double> rubbing(double friction) {
+  SeaParameters<double> sea = truth();
   sea.friction = friction;
   return sea;
-}
-
-std::vector<Trial> shipped() {
-  std::vector<Trial> out;
-  for (int i = 1; i <= 8; ++i) out.push_back(read_trial(UKEMI_DATASETS "/impact/trial_" + std::to_string(i) + ".csv"));
-  return out;
-}
-
-/// Trials whose angles are the rig's own, without noise.
-std::vector<Trial> simulated(std::vector<Trial> trials, const SeaParameters<double>& sea) {
-  const Fit exact = predict(rig(), trials, sea);
-  REQUIRE(exact.converged);
-  for (std::size_t m = 0; m < trials.size(); ++m) trials[m].phi = exact.trials[m].phi;
-  return trials;
-}
-
-std::vector<Trial> noisy(std::vector<Trial> trials, std::uint64_t seed) {
-  for (std::size_t m = 0; m < trials.size(); ++m) {
-    Random random(seed, m);
-    for (double& x : trials[m].phi) x += kNoise * random.normal();
-  }
-  return trials;
 }
 
 /// A half-sine hit from 0.05 s on, sampled at 1 kHz for 0.5 s.
@@ -134,7 +106,7 @@ TEST_CASE("200 draws of the eight trials: each 95 % interval covers the truth in
 TEST_CASE("dry friction of 0.2 Nm that the model lacks is named in 95 % of draws, and in 4 % where there is none") {
   const int n = draws(20), ladder_each = n > 20 ? 1 : 10;
   for (const double friction : {0.2, 0.0}) {
-    const auto exact = simulated(shipped(), truth(friction));
+    const auto exact = simulated(shipped(), rubbing(friction));
     int by_score = 0, by_ladder = 0, ladders = 0, coloured = 0;
     for (int d = 0; d < n; ++d) {
       const auto trials = noisy(exact, 5000 + std::uint64_t(d));
@@ -296,23 +268,16 @@ TEST_CASE("profile likelihood: the linear interval where the trials are good, it
 }
 
 TEST_CASE("a measured arm: the ladder prefers dry friction and rejects the model without") {
-  const char* lab = std::getenv("UKEMI_LAB_DATA");
-  if (!lab || !std::filesystem::exists(std::string(lab) + "/rotary_arm/step_up.csv")) {
-    WARN("skipped: UKEMI_LAB_DATA does not name a folder with rotary_arm/step_up.csv");
-    return;
-  }
-  const Rig arm{.length = 0.45, .inertia = 0.01418, .tau_max = {}, .gear_ratio = {}, .feedback = Feedback::kMotor};
-  SeaParameters<double> base{};
-  base.feedback = Feedback::kMotor;
+  const auto arm = measured_arm();
+  if (!arm) return;
   FitOptions o;
   o.nuisance = {NuisanceTerm::kInitialAngle};
-  const std::vector<Trial> log{read_trial(std::string(lab) + "/rotary_arm/step_up.csv")};
-  const Fit plain = fit(arm, log, std::nullopt, base, o);
-  const Ladder l = ladder({arm, log, o}, plain, HeldOut::kCompute);
+  const Fit plain = fit(arm->rig, arm->log, std::nullopt, arm->base, o);
+  const Ladder l = ladder({arm->rig, arm->log, o}, plain, HeldOut::kCompute);
   CHECK(l.rungs[l.preferred].name.find("friction") == 0);
   INFO(l.rungs[l.preferred].name << " rms " << l.rungs[l.preferred].fit.rms);
   CHECK(l.rungs[l.preferred].fit.sea.friction == Approx(0.07).epsilon(0.3));
   CHECK(l.plain_rejected());
   CHECK(std::isnan(l.rungs[0].held_out));  // one trial: nothing to hold out
-  CHECK(leave_one_out({arm, log, o}, plain).empty());
+  CHECK(leave_one_out({arm->rig, arm->log, o}, plain).empty());
 }

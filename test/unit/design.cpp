@@ -6,23 +6,20 @@
 #include <cmath>
 
 #include "common/error.hpp"
-#include "common/random.hpp"
-#include "identify/fit.hpp"
+#include "test/impact.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
+using namespace test;
 
 namespace {
 
-constexpr double kNoise = 5e-4;
-
-Rig rig() { return read_rig(UKEMI_DATASETS "/rigs/paper.toml"); }
 SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 const std::vector<int> kAll = {0, 1, 2, 3, 4};
 
 std::vector<Trial> trials(std::initializer_list<int> which) {
   std::vector<Trial> out;
-  for (const int i : which) out.push_back(read_trial(UKEMI_DATASETS "/impact/trial_" + std::to_string(i) + ".csv"));
+  for (const int i : which) out.push_back(shipped(i));
   return out;
 }
 Knowledge weak() { return knowledge_of(rig(), table2(), kAll, trials({1, 2}), kNoise); }
@@ -64,9 +61,7 @@ void check_refused(const DesignOptions& o, const std::string& text) {
 
 TEST_CASE("the information of the trials in hand is the inverse of the fit's covariance") {
   const auto logs = trials({1, 2, 3, 4});
-  SeaParameters<double> base{};
-  base.tau_max = *rig().tau_max;
-  const Fit f = fit(rig(), logs, table2(), base);
+  const Fit f = fit(rig(), logs, table2(), limited());
   REQUIRE(f.converged);
   long n = 0;
   for (const Trial& t : logs) n += long(t.measurements());

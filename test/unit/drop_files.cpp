@@ -1,41 +1,19 @@
 // Drop logs in, scenes out and in again.
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
 
-#include "common/error.hpp"
 #include "common/files.hpp"
 #include "landing/drop_log.hpp"
 #include "landing/scene_file.hpp"
+#include "test/folder.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
-
-namespace {
-
-/// A file that goes when the test does.
-struct File {
-  std::string path;
-  explicit File(const std::string& bytes) {
-    std::string name = (std::filesystem::temp_directory_path() / "ukemi-drop-XXXXXX").string();
-    const int handle = ::mkstemp(name.data());
-    REQUIRE(handle >= 0);
-    ::close(handle);
-    path = name;
-    write_file(path, bytes);
-  }
-  ~File() {
-    std::error_code ec;
-    std::filesystem::remove(path, ec);
-  }
-};
-
-}  // namespace
+using namespace test;
 
 TEST_CASE("drop log: columns in any order and unit, gaps, rows before the release") {
-  const File f("# made up\nphi_0_deg; note; t_ms; acc_g; y_0_mm\n9;x;-1;0;0\n10;a;0;1;700\n;b;1;;699\n-20;c;2.5;2;\n");
+  const File f("drop.csv",
+               "# made up\nphi_0_deg; note; t_ms; acc_g; y_0_mm\n9;x;-1;0;0\n10;a;0;1;700\n;b;1;;699\n-20;c;2.5;2;\n");
   const DropLog log = read_drop(f.path);
   CHECK(log.file == f.path);
   CHECK(log.before_release == 1);
@@ -65,7 +43,7 @@ TEST_CASE("a scene that is written reads back") {
   for (const char* name : {"paper", "fast", "straight", "paper_soft"}) {
     Scene s = read_scene(std::string(UKEMI_DATASETS "/scenes/") + name + ".toml");
     s.t_end = 1.25, s.drop.pitch_rate = -0.5, s.floor_source = "a \"quoted\" \\ source";
-    const File f(to_toml(s, "two\nlines"));
+    const File f("scene.toml", to_toml(s, "two\nlines"));
     const Scene r = read_scene(f.path);
     CHECK(r.robot.gravity == s.robot.gravity);
     CHECK(r.robot.link_length == s.robot.link_length);
@@ -88,7 +66,7 @@ TEST_CASE("a scene that is written reads back") {
     CHECK(r.t_end == s.t_end);
     Scene bare = s;
     bare.floor.reset(), bare.contacts = {}, bare.t_end.reset();
-    const Scene b = read_scene(File(to_toml(bare, "")).path);
+    const Scene b = read_scene(File("scene.toml", to_toml(bare, "")).path);
     CHECK_FALSE(b.floor.has_value());
     CHECK_FALSE(b.touches());
     CHECK_FALSE(b.t_end.has_value());

@@ -1,6 +1,4 @@
 // What the readers promise: every malformed input is located and told its rule; what is written reads back exactly.
-#include <unistd.h>
-
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -20,9 +18,10 @@
 #include "identify/rig.hpp"
 #include "identify/trial.hpp"
 #include "landing/scene_file.hpp"
+#include "test/folder.hpp"
 
-namespace fs = std::filesystem;
 using namespace ukemi;
+using namespace test;
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 
@@ -30,60 +29,16 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// A fresh folder that goes when the test does.
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "ukemi-unit-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ec;
-    fs::remove_all(path_, ec);
-  }
-  std::string at(const std::string& name) const { return (path_ / name).string(); }
-  std::string write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(at(name), std::ios::binary) << bytes;
-    return at(name);
-  }
-  std::set<std::string> names() const {
-    std::set<std::string> out;
-    for (const auto& e : fs::recursive_directory_iterator(path_)) out.insert(fs::relative(e.path(), path_).string());
-    return out;
-  }
-
- private:
-  fs::path path_;
-};
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// The message of the InputError that `f` throws, without the folder's name; "no error" where it throws none.
-template <class F>
-std::string error_of(const Folder& folder, F&& f) {
-  try {
-    f();
-  } catch (const InputError& e) {
-    std::string s = e.what();
-    const std::string prefix = folder.at("");
-    for (std::size_t i; (i = s.find(prefix)) != std::string::npos;) s.erase(i, prefix.size());
-    return s;
-  }
-  return "no error";
+/// Files and folders below a folder.
+std::set<std::string> names(const Folder& f) {
+  std::set<std::string> out;
+  for (const auto& [name, bytes] : f.content()) out.insert(name);
+  return out;
 }
 
 std::string csv_error(const std::string& text) {
   const Folder f;
   return error_of(f, [&] { read_csv(f.write("a.csv", text)); });
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t i = text.find(from);
-  if (i == std::string::npos) throw std::logic_error("the test replaces what is not there: " + from);
-  return text.replace(i, from.size(), to);
 }
 
 }  // namespace
@@ -128,6 +83,21 @@ TEST_CASE("a CSV file is read whatever its separator, line ends, comments and by
   SECTION("byte order mark") { check("\xEF\xBB\xBFt,phi\n0,-1.25\n0.5,2e-3\n"); }
   SECTION("quoted names") { check("\"t\",\"phi\"\n0,-1.25\n0.5,2e-3\n"); }
   SECTION("no line end at the end") { check("t,phi\n0,-1.25\n0.5,2e-3"); }
+}
+
+TEST_CASE("a CSV file's header is found behind comments of any length, and no more is read than that takes") {
+  const Folder f;
+  using Names = std::vector<std::string>;
+  for (const int length : {0, 4000, 4094, 4095, 5000, 100'000}) {
+    std::string comment = "# " + std::string(std::size_t(length), 'x') + "\n";
+    if (length == 100'000) comment += comment + comment;
+    CHECK(csv_header(f.write("a.csv", comment + "\"t\"; phi\n0;1\n")) == Names{"t", "phi"});
+    CHECK(csv_header(f.write("a.csv", comment + "t,phi")) == Names{"t", "phi"});
+    CHECK(csv_header(f.write("a.csv", comment)).empty());
+  }
+  CHECK(csv_header(f.write("a.csv", "t,phi\n" + std::string(5000, '0') + '\0')) == Names{"t", "phi"});
+  CHECK(error_of(f, [&] { csv_header(f.write("a.csv", "t,t\n")); }) ==
+        "a.csv:1:3: column 't': the header names it twice");
 }
 
 TEST_CASE("a CSV cell knows where it stands in its file") {
@@ -225,19 +195,19 @@ TEST_CASE("a file is written whole or not at all") {
   SECTION("it makes the folder, replaces what was there and leaves no temporary name") {
     write_file(f.at("a/b/c.txt"), "first, and longer\n");
     write_file(f.at("a/b/c.txt"), "second\n");
-    CHECK(bytes_of(f.at("a/b/c.txt")) == "second\n");
-    CHECK(f.names() == std::set<std::string>{"a", "a/b", "a/b/c.txt"});
+    CHECK(read(f.at("a/b/c.txt")) == "second\n");
+    CHECK(names(f) == std::set<std::string>{"a", "a/b", "a/b/c.txt"});
   }
   SECTION("below a regular file nothing can be written") {
     f.write("file", "kept");
     CHECK_THAT(error_of(f, [&] { write_file(f.at("file/out.txt"), "x"); }), StartsWith("file"));
-    CHECK(bytes_of(f.at("file")) == "kept");
-    CHECK(f.names() == std::set<std::string>{"file"});
+    CHECK(read(f.at("file")) == "kept");
+    CHECK(names(f) == std::set<std::string>{"file"});
   }
   SECTION("a folder of that name stays, and no temporary name beside it") {
     fs::create_directories(f.at("out/inside"));
     CHECK_THAT(error_of(f, [&] { write_file(f.at("out"), "x"); }), StartsWith("out: cannot be written: "));
-    CHECK(f.names() == std::set<std::string>{"out", "out/inside"});
+    CHECK(names(f) == std::set<std::string>{"out", "out/inside"});
   }
 }
 
@@ -247,7 +217,7 @@ TEST_CASE("asking whether a folder can be written leaves nothing behind") {
   CHECK_NOTHROW(require_writable_folder(f.at("a/b")));
   CHECK_THAT(error_of(f, [&] { require_writable_folder(f.at("file/out")); }),
              StartsWith("file/out: ") && Contains("not a folder"));
-  CHECK(f.names() == std::set<std::string>{"file"});
+  CHECK(names(f) == std::set<std::string>{"file"});
 }
 
 TEST_CASE("a file that is no text is refused with its place") {

@@ -1,71 +1,30 @@
 // Logs as laboratories have them: HEBI's binary and its CSV export, forces in files of their own, units by suffix.
-#include <unistd.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <random>
 
-#include "common/error.hpp"
 #include "identify/force_log.hpp"
 #include "identify/hebi_trial.hpp"
+#include "test/folder.hpp"
 #include "test/unit/hebi_bytes.hpp"
 
-namespace fs = std::filesystem;
 using namespace ukemi;
 using namespace ukemi::identify;
+using namespace test;
 using Catch::Matchers::Contains;
 using Catch::Matchers::EndsWith;
 using Catch::Matchers::StartsWith;
 
 namespace {
 
-/// A file that goes when the test does.
-class File {
- public:
-  explicit File(const std::string& bytes, const std::string& name = "a.hebilog") {
-    std::string folder = (fs::temp_directory_path() / "ukemi-logs-XXXXXX").string();
-    folder_ = ::mkdtemp(folder.data());
-    path_ = (folder_ / name).string();
-    write(bytes);
-  }
-  ~File() {
-    std::error_code ec;
-    fs::remove_all(folder_, ec);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  void write(const std::string& bytes) const { std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes; }
-  const std::string& path() const { return path_; }
-
- private:
-  fs::path folder_;
-  std::string path_;
-};
-
-/// The message of the InputError that `act` throws, the file's folder left out.
-template <class Act>
-std::string error_of(const File& file, Act&& act) {
-  try {
-    act();
-  } catch (const InputError& e) {
-    std::string text = e.what();
-    const std::string folder = fs::path(file.path()).parent_path().string() + "/";
-    for (std::size_t i; (i = text.find(folder)) != std::string::npos;) text.erase(i, folder.size());
-    return text;
-  }
-  return "no error";
-}
 std::string hebilog_error(const std::string& bytes) {
-  const File f(bytes);
-  return error_of(f, [&] { read_hebilog(f.path()); });
+  const File f("a.hebilog", bytes);
+  return error_of(f.folder, [&] { read_hebilog(f.path); });
 }
-HebiLog hebilog(const std::string& bytes) { return read_hebilog(File(bytes).path()); }
-HebiLog hebi_csv(const std::string& text) { return read_hebi_csv(File(text, "a.csv").path()); }
+HebiLog hebilog(const std::string& bytes) { return read_hebilog(File("a.hebilog", bytes).path); }
+HebiLog hebi_csv(const std::string& text) { return read_hebi_csv(File("a.csv", text).path); }
 
 constexpr double kGear = 100;
 
@@ -163,7 +122,7 @@ TEST_CASE("hebilog: a file that ends inside its last record keeps the whole ones
 
 TEST_CASE("hebilog: thousands of flipped bits and cuts are refused with their byte, or read") {
   const std::string good = two_modules(20);
-  const File file(good);
+  const Folder folder;
   std::mt19937_64 random(20261121);
   int refused = 0, read = 0;
   std::string complaint;
@@ -171,10 +130,10 @@ TEST_CASE("hebilog: thousands of flipped bits and cuts are refused with their by
     std::string bytes = good;
     for (int flips = round % 4; flips > 0; --flips) bytes[random() % bytes.size()] ^= char(1 << random() % 8);
     if (round % 4 == 0 || round % 8 == 1) bytes.resize(random() % bytes.size());
-    file.write(bytes);
+    const std::string path = folder.write("a.hebilog", bytes);
     HebiLog log;
     try {
-      log = read_hebilog(file.path());
+      log = read_hebilog(path);
     } catch (const InputError& e) {
       ++refused;
       if (std::string(e.what()).find(": byte ") == std::string::npos) complaint = e.what();
@@ -317,28 +276,25 @@ TEST_CASE("hebi: the vendor's CSV export, whatever its case and index") {
   CHECK(one.modules[0].deflection[0] == 4);
   CHECK(one.modules[0].motor_position[0] == 5);
 
-  const File twice("time,position,Position\n0,1,2\n", "a.csv"), text("time,position\n0,x\n", "a.csv");
-  CHECK(error_of(twice, [&] { read_hebi_csv(twice.path()); }) ==
+  const File twice("a.csv", "time,position,Position\n0,1,2\n"), text("a.csv", "time,position\n0,x\n");
+  CHECK(error_of(twice.folder, [&] { read_hebi_csv(twice.path); }) ==
         "a.csv:1:15: column 'Position': this field is given twice");
-  CHECK(error_of(text, [&] { read_hebi_csv(text.path()); }) == "a.csv:2:3: column 'position': 'x': a number is needed");
+  CHECK(error_of(text.folder, [&] { read_hebi_csv(text.path); }) ==
+        "a.csv:2:3: column 'position': 'x': a number is needed");
 
-  CHECK(is_hebi_csv(File("time,position_1\n0,1\n", "a.csv").path()));
-  CHECK_FALSE(is_hebi_csv(File("t,phi,force\n0,1,2\n", "a.csv").path()));
-  CHECK_FALSE(is_hebi_csv(File("t,time,position,phi\n0,1,2,3\n", "a.csv").path()));
-  CHECK_FALSE(is_hebi_csv(File("time,phi,force\n0,1,2\n", "a.csv").path()));
-  CHECK(is_hebilog(File("").path()));
-  CHECK(is_hebilog(File(two_modules(1), "log.bin").path()));
-  CHECK_FALSE(is_hebilog(File("t,phi,force\n0,1,2\n", "a.csv").path()));
+  CHECK(is_hebi_csv(File("a.csv", "time,position_1\n0,1\n").path));
+  CHECK_FALSE(is_hebi_csv(File("a.csv", "t,phi,force\n0,1,2\n").path));
+  CHECK_FALSE(is_hebi_csv(File("a.csv", "t,time,position,phi\n0,1,2,3\n").path));
+  CHECK_FALSE(is_hebi_csv(File("a.csv", "time,phi,force\n0,1,2\n").path));
+  CHECK(is_hebilog(File("a.hebilog", "").path));
+  CHECK(is_hebilog(File("log.bin", two_modules(1)).path));
+  CHECK_FALSE(is_hebilog(File("a.csv", "t,phi,force\n0,1,2\n").path));
 }
 
 TEST_CASE("hebi: a real log, read in place") {
-  const char* lab = std::getenv("UKEMI_LAB_DATA");
-  const std::string path = std::string(lab ? lab : "") + "/hebi/exampleLog.hebilog";
-  if (!lab || !fs::exists(path)) {
-    WARN("skipped: UKEMI_LAB_DATA does not name a folder with hebi/exampleLog.hebilog");
-    return;
-  }
-  const HebiLog log = read_hebilog(path);
+  const auto path = lab_file("hebi/exampleLog.hebilog");
+  if (!path) return;
+  const HebiLog log = read_hebilog(*path);
   REQUIRE(log.modules.size() == 1);
   CHECK(log.notes.empty());
   const HebiModule& m = log.modules[0];
@@ -366,7 +322,7 @@ TEST_CASE("hebi: a real log, read in place") {
 
 TEST_CASE("a column's unit is in its suffix, or in a scale of the map") {
   const auto trial = [](const std::string& text, const std::string& columns = {}) {
-    return read_trial(File(text, "a.csv").path(), {.columns = columns});
+    return read_trial(File("a.csv", text).path, {.columns = columns});
   };
   const Trial a = trial("t_ms,phi_mrad,force_kN\n0,500,1\n10,-250,2\n");
   CHECK(a.t[1] == Approx(0.01));
@@ -496,7 +452,7 @@ TEST_CASE("force log: without an onset there is no alignment") {
 
 TEST_CASE("force log: columns, units and faults as in a trial") {
   const auto read = [](const std::string& text, const std::string& columns = {}) {
-    return read_force_log(File(text, "f.csv").path(), columns);
+    return read_force_log(File("f.csv", text).path, columns);
   };
   const ForceLog log = read("Time_ms;Fy;Fz\n0;1;x\n0.5;-2;x\n", "t=Time_ms,force=-2*Fy");
   CHECK(log.t == std::vector<double>{0, 0.0005});
