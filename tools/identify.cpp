@@ -8,40 +8,11 @@
 #include "common/error.hpp"
 #include "identify/rig.hpp"
 #include "tools/arguments.hpp"
-#include "tools/report.hpp"
+#include "tools/identify_report.hpp"
 #include "tools/trust.hpp"
 #include "tools/verbs.hpp"
 
 namespace ukemi::tools {
-
-Json estimate_json(const identify::Estimate& e) {
-  Json j;
-  j["value"] = number(e.value);
-  j["std"] = number(e.std);
-  j["ci95"] = e.std ? Json{e.ci_low, e.ci_high} : Json(nullptr);
-  j["unit"] = e.unit;
-  j["at_bound"] = e.at_bound;
-  j["free"] = e.free;
-  return j;
-}
-
-Json minima_json(const identify::Fit& fit) {
-  Json list = Json::array();
-  for (const identify::Minimum& m : fit.minima) {
-    Json one{{"cost", number(m.cost)}, {"found", m.found}};
-    const auto u = constants(m.sea);
-    for (std::size_t k = 0; k < kConstants; ++k) one[kConstantNames[k]] = number(u[k]);
-    list.push_back(one);
-  }
-  return list;
-}
-
-std::string text_of(const identify::Estimate& e) {
-  if (!e.free) return fmt::format("{:.6g} (fixed)", e.value);
-  if (e.at_bound) return fmt::format("{:.6g} (at bound)", e.value);
-  if (!e.std) return fmt::format("{:.6g} (not determined)", e.value);
-  return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
-}
 
 namespace {
 
@@ -89,81 +60,6 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   o.weights = choice<identify::FitOptions::Weights>("--weights", a.weights, {{"equal", kEqual}, {"trial", kTrial}});
   o.validate();
   return o;
-}
-
-std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, const identify::Fit& fit) {
-  CsvWriter csv = run.csv();
-  bool motor = false;
-  for (const auto& t : trials) motor = motor || !t.phi_motor.empty();
-  csv.comment("residual = phi_sim - phi; trial counts from 1. Units: s, rad.");
-  std::vector<std::string> header = {"trial", "t", "phi", "phi_sim", "residual"};
-  if (motor) header.insert(header.end(), {"phi_motor", "phi_motor_sim", "residual_motor"});
-  csv.header(header);
-  const double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t m = 0; m < trials.size(); ++m) {
-    const identify::Trial& t = trials[m];
-    const identify::TrialResult& r = fit.trials[m];
-    for (std::size_t i = 0; i < t.samples(); ++i) {
-      const double phi = t.phi.empty() ? kNone : t.phi[i], sim = r.phi.empty() ? kNone : r.phi[i];
-      csv.cell(long(m + 1)).cell(t.t[i]).cell(phi).cell(sim).cell(sim - phi);
-      if (motor) {
-        const double measured = t.phi_motor.empty() ? kNone : t.phi_motor[i],
-                     sim_m = r.phi_m.empty() ? kNone : r.phi_m[i];
-        csv.cell(measured).cell(sim_m).cell(sim_m - measured);
-      }
-      csv.end_row();
-    }
-  }
-  return csv.text();
-}
-
-std::string report_html(const Run& run, const std::string& title, const std::vector<identify::Trial>& trials,
-                        const identify::Fit& fit, const std::optional<Trust>& trust) {
-  Report report(title);
-  report.paragraph(fit.converged ? "Done." : "Not converged: " + fit.message);
-  report.list(run.warnings());
-  report.heading("Constants");
-  std::vector<std::vector<std::string>> rows;
-  const auto row = [&](const identify::Estimate& e, const std::string& name) {
-    rows.push_back({name, text_of(e), e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "", e.unit});
-  };
-  for (const auto& e : fit.parameters) row(e, e.name), rows.back().push_back(identify::name(e.verdict));
-  for (const auto& e : fit.nuisance) row(e, e.trial < 0 ? e.name : fmt::format("{} (trial {})", e.name, e.trial + 1));
-  for (auto& r : rows) r.resize(5);
-  report.table({"constant", "value ± standard error", "95 % interval", "unit", "verdict"}, rows);
-  if (fit.correlation.rows() > 1) {
-    report.heading("Correlations");
-    rows.clear();
-    for (long i = 0; i < fit.correlation.rows(); ++i) {
-      rows.push_back({fit.fitted[std::size_t(i)]});
-      for (long j = 0; j < fit.correlation.cols(); ++j)
-        rows.back().push_back(fmt::format("{:.3f}", fit.correlation(i, j)));
-    }
-    std::vector<std::string> header = {""};
-    header.insert(header.end(), fit.fitted.begin(), fit.fitted.end());
-    report.table(header, rows);
-    std::string eigenvalues = "Eigenvalues of the scaled Fisher information, largest 1:";
-    for (const double e : fit.eigenvalues) eigenvalues += fmt::format(" {:.3g}", e);
-    report.paragraph(eigenvalues);
-  }
-  if (trust) add_section(report, *trust, fit);
-  report.heading("Trials");
-  rows.clear();
-  for (std::size_t m = 0; m < trials.size(); ++m)
-    rows.push_back({trials[m].file, std::to_string(trials[m].samples()), fmt::format("{:.4g}", fit.trials[m].rms),
-                    fmt::format("{:.4g}", fit.trials[m].noise), identify::name(fit.trials[m].status)});
-  report.table({"file", "samples", "residual rms [rad]", "log's own noise [rad]", "rollout"}, rows);
-  for (std::size_t m = 0; m < trials.size() && m < 12; ++m) {
-    report.heading(trials[m].file);
-    std::vector<Series> series;
-    if (!trials[m].phi.empty()) series.push_back({"measured", trials[m].t, trials[m].phi});
-    if (!fit.trials[m].phi.empty()) series.push_back({"predicted", trials[m].t, fit.trials[m].phi});
-    if (!trials[m].phi_motor.empty()) series.push_back({"motor, measured", trials[m].t, trials[m].phi_motor});
-    if (!trials[m].phi_motor.empty() && !fit.trials[m].phi_m.empty())
-      series.push_back({"motor, predicted", trials[m].t, fit.trials[m].phi_m});
-    report.plot("t [s]", "phi_1 [rad]", series);
-  }
-  return report.html(run.provenance());
 }
 
 }  // namespace
@@ -267,14 +163,8 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   summary["minima"] = minima_json(fit);
   summary["assumed"] = assumed;
   summary["friction_speed"] = kFrictionSpeed;
-  Json correlation = Json::array();
-  for (long i = 0; i < fit.correlation.rows(); ++i) {
-    Json line = Json::array();
-    for (long j = 0; j < fit.correlation.cols(); ++j) line.push_back(number(fit.correlation(i, j)));
-    correlation.push_back(line);
-  }
   summary["fitted"] = fit.fitted;
-  summary["correlation"] = correlation;
+  summary["correlation"] = matrix_json(fit.correlation);
   summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
   summary["trials"] = rows;
 
@@ -294,7 +184,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
     run.add("actuator.toml", to_toml(out, fit.half_width));
   }
   run.add("fit.csv", fit_csv(run, trials, fit));
-  run.add("report.html", report_html(run, predict ? "Prediction" : "Identification", trials, fit, trust));
+  run.add("report.html", identification_html(run, predict ? "Prediction" : "Identification", trials, fit, trust));
   if (trust && !trust->profiles.empty()) run.add("profile.csv", profile_csv(*trust, run));
   if (fitted) *fitted = out;
   const bool doubted = !predict && a.trust.doubt == TrustArguments::Doubt::kFail && !fit.trusted();

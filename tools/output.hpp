@@ -26,6 +26,8 @@ struct CommonOptions {
   enum class Messages { kShow, kQuiet } messages = Messages::kShow;
 };
 
+inline constexpr double kDegrees = 57.29577951308232;  ///< in a radian
+
 /// The command line as given, for provenance.
 void set_command_line(int argc, char** argv);
 

@@ -75,10 +75,4 @@ Json contacts_json(const landing::Landing& landing);
 Json peaks_json(const landing::Landing& landing);
 std::string order_of(const landing::Landing& landing);  ///< "foot, knee, hip"; chatter left out
 
-/// What the verbs that fit share: estimates in words and JSON.
-Json estimate_json(const identify::Estimate& estimate);
-std::string text_of(const identify::Estimate& estimate);
-
-inline constexpr double kDegrees = 57.29577951308232;
-
 }  // namespace ukemi::tools
