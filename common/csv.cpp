@@ -135,8 +135,7 @@ CsvTable read_csv(const std::string& path) {
   return read_csv(path, [](const std::string&) { return true; });
 }
 
-CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context,
-                          NanCells nan) {
+CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted, NanCells nan) {
   const std::string text = read_text_file(path, kLongestLine);
   CsvTable table;
   table.file = path;
@@ -145,7 +144,7 @@ CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::str
   if (!lines.next(line)) throw InputError({path}, "the file is empty: a header line with column names is needed");
   const char separator = read_header(line, lines.number, table);
   std::vector<bool> use;
-  for (const std::string& name : table.header) use.push_back(wanted(name, context));
+  for (const std::string& name : table.header) use.push_back(wanted(name));
   table.columns.resize(table.header.size());
   table.column_of.resize(table.header.size());
   while (lines.next(line)) {

@@ -1,7 +1,7 @@
 // Tables of numbers: read with every malformed cell located, written with provenance in `#` lines.
 #pragma once
 
-#include <map>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,26 +30,18 @@ struct CsvTable {
   void require_increasing(int column, const std::vector<double>& t) const;
 };
 
+/// kAsEmpty takes "nan" for an empty cell: some programs export it for "no value".
+enum class NanCells { kRefused, kAsEmpty };
+
 /// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, told from the
 /// header. Throws InputError, with file:line:column, on: a missing, unreadable or empty file; NUL or control bytes
 /// ("not a text file"); a line beyond 1 MiB; a repeated column name; a row with another number of cells; text, NaN or
 /// infinity where a number is needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text.
-/// kAsEmpty takes "nan" for an empty cell: some programs export it for "no value".
-enum class NanCells { kRefused, kAsEmpty };
-template <class Wanted>
-CsvTable read_csv(const std::string& path, Wanted&& wanted, NanCells nan = NanCells::kRefused);
-CsvTable read_csv(const std::string& path);
+CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted,
+                  NanCells nan = NanCells::kRefused);
+CsvTable read_csv(const std::string& path);  ///< every column
 /// The names in the header, of which no more is read than it takes; none in a file without one. Throws as read_csv.
 std::vector<std::string> csv_header(const std::string& path);
-CsvTable read_csv_columns(const std::string& path, bool (*wanted)(const std::string&, const void*), const void* context,
-                          NanCells nan);
-
-template <class Wanted>
-CsvTable read_csv(const std::string& path, Wanted&& wanted, NanCells nan) {
-  return read_csv_columns(
-      path, [](const std::string& name, const void* w) { return bool((*static_cast<const Wanted*>(w))(name)); },
-      &wanted, nan);
-}
 
 /// Builds a CSV text: comment lines, header, rows. Numbers are the shortest that read back exactly; NaN is an empty
 /// cell.

@@ -167,12 +167,11 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   }
 
   Json summary;
-  for (std::size_t k = 0; k < c.parameters.size(); ++k) {
-    const auto& e = c.parameters[k];
+  for (const auto& e : c.parameters) {
     Json j = estimate_json(e);
-    j["verdict"] = identify::name(c.parameters[k].verdict);
+    j["verdict"] = identify::name(e.verdict);
     summary["parameters"][e.name] = j;
-    run.say(fmt::format("{:18} {:50} {}", e.name, words(e), identify::name(c.parameters[k].verdict)));
+    run.say(fmt::format("{:18} {:50} {}", e.name, words(e), identify::name(e.verdict)));
   }
   for (const auto& e : c.nuisance)
     run.say(fmt::format("{:18} {}", fmt::format("{}[{}]", e.name, e.trial + 1), words(e)));

@@ -103,9 +103,8 @@ void report_drops(Report& report, const std::vector<LoggedDrop>& drops, const Ca
 
 std::string scene_toml(const Run& run, const Calibration& c) {
   std::string comments = run.provenance_text();
-  for (std::size_t k = 0; k < c.parameters.size(); ++k)
-    comments += fmt::format("{}: {}: {}\n", c.parameters[k].name, words(c.parameters[k]),
-                            identify::name(c.parameters[k].verdict));
+  for (const auto& e : c.parameters)
+    comments += fmt::format("{}: {}: {}\n", e.name, words(e), identify::name(e.verdict));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
   return to_toml(c.scene, comments);
 }
@@ -120,10 +119,7 @@ std::string calibration_html(const Run& run, const std::vector<LoggedDrop>& drop
   const auto interval = [](const identify::Estimate& e) {
     return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : std::string();
   };
-  for (std::size_t k = 0; k < c.parameters.size(); ++k) {
-    const auto& e = c.parameters[k];
-    rows.push_back({e.name, words(e), interval(e), identify::name(c.parameters[k].verdict)});
-  }
+  for (const auto& e : c.parameters) rows.push_back({e.name, words(e), interval(e), identify::name(e.verdict)});
   for (const auto& e : c.nuisance)
     rows.push_back({fmt::format("{} (drop {})", e.name, e.trial + 1), words(e), interval(e), ""});
   report.table({"constant", "value ± standard error", "95 % interval", "verdict"}, rows);
