@@ -7,10 +7,6 @@ using namespace cli;
 
 namespace {
 
-const std::string kRig = dataset("rigs/paper.toml"), kTable2 = dataset("actuators/table2.toml"),
-                  kNominal = dataset("actuators/x8-9_nominal.toml"), kPaper = dataset("scenes/paper.toml"),
-                  kTrial1 = dataset("impact/trial_1.csv");
-
 /// `identify` of one shipped trial, with these options.
 void check_identify(const Arguments& options, const std::vector<std::string>& texts) {
   check_refused(Folder(), Arguments{"identify", kTrial1, "--rig", kRig} + kOut + options, texts);

@@ -14,17 +14,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 const Arguments kConstants = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
-const std::string kRig = dataset("rigs/paper.toml"), kTable2 = dataset("actuators/table2.toml"),
-                  kNominal = dataset("actuators/x8-9_nominal.toml"), kPaper = dataset("scenes/paper.toml"),
-                  kTrial1 = dataset("impact/trial_1.csv"), kTrial9 = dataset("impact_validation/trial_9.csv");
-
-/// Runs the program in `folder`; it must succeed.
-Result done(const Folder& folder, const Arguments& arguments) {
-  const Result r = run(arguments, folder.at(""));
-  INFO(r.err);
-  REQUIRE(r.code == 0);
-  return r;
-}
+const std::string kTrial9 = dataset("impact_validation/trial_9.csv");
 
 const Arguments kIdentify = Arguments{"identify"} + impact_trials() + Arguments{"--rig", kRig};
 const Arguments kSimulate = {"simulate", kPaper, "--actuator", kTable2, "--hold", "-45"};

@@ -10,8 +10,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const std::string kRig = dataset("rigs/paper.toml"), kTable2 = dataset("actuators/table2.toml"),
-                  kTrial1 = dataset("impact/trial_1.csv"), kTrial2 = dataset("impact/trial_2.csv");
 const Arguments kTwo = {"design", kTrial1, kTrial2, "--rig", kRig, "--actuator", kTable2};
 const Arguments kNone = {"design", "--rig", kRig, "--noise", "5e-4"};
 const Arguments kSmall = {"--hits", "1", "--check", "4", "--width", "0.02"};
@@ -24,9 +22,7 @@ void check_options(const Arguments& options, const std::vector<std::string>& tex
 
 TEST_CASE("design writes the hits, the bars before and after, the margins and the check") {
   const Folder f;
-  const Result r = run(kTwo + kOut, f.at(""));
-  INFO(r.err);
-  REQUIRE(r.code == 0);
+  const Result r = done(f, kTwo + kOut);
   for (const char* name : {"hits.csv", "hit_1.csv", "hit_2.csv", "summary.json", "report.html"})
     CHECK(fs::exists(f.at(std::string("out/") + name)));
   const Json s = summary(f);

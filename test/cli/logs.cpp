@@ -11,14 +11,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const std::string kRig = dataset("rigs/paper.toml"), kTable2 = dataset("actuators/table2.toml");
-
-Result done(const Folder& folder, const Arguments& arguments) {
-  const Result r = run(arguments, folder.at(""));
-  INFO(r.err);
-  REQUIRE(r.code == 0);
-  return r;
-}
 bool warned(const Json& summary, const std::string& text) {
   for (const Json& w : summary["warnings"])
     if (w.get<std::string>().find(text) != std::string::npos) return true;
@@ -128,8 +120,8 @@ TEST_CASE("force logs on clocks of their own are moved onto the trials' to a mil
 
 TEST_CASE("compare reads the logs that identify reads") {
   const Laboratory lab(0);
-  done(lab.folder, Arguments{"compare", "--nominal", dataset("actuators/x8-9_nominal.toml"), "--identified", kTable2,
-                             "--rig", kRig, "--module", "Knee", "--trials"} +
+  done(lab.folder, Arguments{"compare", "--nominal", kNominal, "--identified", kTable2, "--rig", kRig, "--module",
+                             "Knee", "--trials"} +
                        lab.logs + lab.forces + kForceColumns + Arguments{"--force-clock", "shared", "-o", "out"});
   const Json s = summary(lab.folder);
   CHECK(s["force_logs"].size() == 8);
@@ -142,7 +134,7 @@ TEST_CASE("compare reads the logs that identify reads") {
 
 TEST_CASE("the motor's angle of a HEBI log is divided by the rig's gear_ratio") {
   const Folder f;
-  f.write("hit.hebilog", as_hebilog(rows_of(dataset("impact/trial_2.csv"))));
+  f.write("hit.hebilog", as_hebilog(rows_of(kTrial2)));
   f.write("rig.toml", read(kRig) + "gear_ratio = 500\n");
   done(f, {"predict", "hit.hebilog", "--module", "Leg/Knee", "--rig", "rig.toml", "--actuator", kTable2, "-o", "out"});
   CHECK_THAT(read(f.at("out/fit.csv")), Contains("phi_motor_sim"));
@@ -195,20 +187,20 @@ TEST_CASE("a HEBI log that is empty, cut or damaged is refused with its byte") {
 
 TEST_CASE("a module that is missing or not named is refused with those there are") {
   const Folder f;
-  f.write("two.hebilog", as_hebilog(rows_of(dataset("impact/trial_1.csv"))));
+  f.write("two.hebilog", as_hebilog(rows_of(kTrial1)));
   const Arguments identify = Arguments{"identify", "two.hebilog", "--rig", kRig} + kOut;
   const std::string list = "1 'Hip' of 'Leg' (10.0.0.1:100); 2 'Knee' of 'Leg' (10.0.0.1:101)";
   check_refused(f, identify, {"two.hebilog: 2 modules: --module NAME or number is needed", list});
   check_refused(f, identify + Arguments{"--module", "Ankle"}, {"--module: 'Ankle': no such module", list});
   check_refused(f, identify + Arguments{"--module", "Hip"},
                 {"two.hebilog: no excitation: no force and a reference that stays"});
-  check_refused(f, Arguments{"identify", dataset("impact/trial_1.csv"), "--rig", kRig, "--module", "Knee"} + kOut,
+  check_refused(f, Arguments{"identify", kTrial1, "--rig", kRig, "--module", "Knee"} + kOut,
                 {"--module: 'Knee': no trial is a HEBI log"});
 }
 
 TEST_CASE("a force log that does not fit its trial is refused") {
   const Folder f;
-  const std::vector<Row> rows = rows_of(dataset("impact/trial_1.csv"));
+  const std::vector<Row> rows = rows_of(kTrial1);
   std::string text = "t,phi\n";
   for (const Row& r : rows) text += std::to_string(r.t) + "," + std::to_string(r.phi) + "\n";
   f.write("angle.csv", text);
@@ -230,11 +222,9 @@ TEST_CASE("a force log that does not fit its trial is refused") {
   check_refused(f, identify + Arguments{"--force-columns", "t=Time"}, {"--force-columns: --force-log is needed"});
   check_refused(f, identify + Arguments{"--force-log", "zero.csv", "--force-clock", "shred"},
                 {"--force-clock: 'shred': own or shared is needed", "did you mean \"shared\"?"});
-  check_refused(f,
-                Arguments{"identify", dataset("impact/trial_1.csv"), "--rig", kRig, "--force-log", "zero.csv",
-                          "--force-clock", "shared"} +
-                    kOut,
-                {"trial_1.csv: a force in the trial beside the force log zero.csv"});
+  check_refused(
+      f, Arguments{"identify", kTrial1, "--rig", kRig, "--force-log", "zero.csv", "--force-clock", "shared"} + kOut,
+      {"trial_1.csv: a force in the trial beside the force log zero.csv"});
 }
 
 TEST_CASE("HEBI gains are listed, with a warning that kp is not K_p") {
@@ -268,7 +258,7 @@ TEST_CASE("HEBI gains are listed, with a warning that kp is not K_p") {
 TEST_CASE("a trial without excitation is refused by identify, two with the same content are warned of") {
   const Folder f;
   f.write("still.csv", "t,phi,force,phi_ref\n0,0,0,0.1\n0.001,0,0,0.1\n0.002,0,0,0.1\n");
-  check_refused(f, Arguments{"identify", dataset("impact/trial_1.csv"), "still.csv", "--rig", kRig} + kOut,
+  check_refused(f, Arguments{"identify", kTrial1, "still.csv", "--rig", kRig} + kOut,
                 {"still.csv: no excitation: a force of 0 throughout and a reference that stays: a force or a moving "
                  "reference is needed"});
   const std::string trial = read(dataset("impact_validation/trial_9.csv"));

@@ -19,6 +19,10 @@ using Arguments = std::vector<std::string>;
 /// A shipped file.
 inline std::string dataset(const std::string& name) { return std::string(UKEMI_DATASETS) + "/" + name; }
 
+inline const std::string kRig = dataset("rigs/paper.toml"), kTable2 = dataset("actuators/table2.toml"),
+                         kNominal = dataset("actuators/x8-9_nominal.toml"), kPaper = dataset("scenes/paper.toml"),
+                         kTrial1 = dataset("impact/trial_1.csv"), kTrial2 = dataset("impact/trial_2.csv");
+
 /// The eight impact trials.
 inline Arguments impact_trials() {
   Arguments out;
@@ -50,6 +54,14 @@ inline Result run(const Arguments& arguments, const std::string& directory) {
   command += " >" + capture.at("out") + " 2>" + capture.at("err") + " </dev/null";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(capture.at("out")), read(capture.at("err"))};
+}
+
+/// Runs the program in `folder`; it must succeed.
+inline Result done(const Folder& folder, const Arguments& arguments) {
+  const Result r = run(arguments, folder.at(""));
+  INFO(r.err);
+  REQUIRE(r.code == 0);
+  return r;
 }
 
 /// What the last run left in a folder for scripts to read.

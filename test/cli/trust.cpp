@@ -10,12 +10,11 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const std::string kRig = dataset("rigs/paper.toml");
 const Arguments kAll = Arguments{"identify"} + impact_trials() + Arguments{"--rig", kRig};
 
 /// The first of the shipped trials, its angle cut short 20 ms after the hit began: too little for five constants.
 std::string cut_short(const Folder& f) {
-  std::istringstream in(read(dataset("impact/trial_1.csv")));
+  std::istringstream in(read(kTrial1));
   std::string text, line;
   for (int row = 0; row < 76 && std::getline(in, line); ++row) text += line + "\n";
   return f.write("short.csv", text);
@@ -25,9 +24,7 @@ std::string cut_short(const Folder& f) {
 
 TEST_CASE("identify --strict: exit 0 where every constant is trusted") {
   const Folder f;
-  const Result r = run(kAll + kOut + Arguments{"--strict"}, f.at(""));
-  INFO(r.err);
-  REQUIRE(r.code == 0);
+  const Result r = done(f, kAll + kOut + Arguments{"--strict"});
   const Json s = summary(f);
   CHECK(s["trusted"] == true);
   for (const char* k : {"k_p", "k_d", "k_sea", "c_sea", "i_motor"}) CHECK(s["parameters"][k]["verdict"] == "trusted");
@@ -50,7 +47,7 @@ TEST_CASE("identify --strict: exit 0 where every constant is trusted") {
 
 TEST_CASE("identify --strict: exit 1 where a constant is not trusted, with every file written") {
   const Folder f;
-  const Arguments command = {"identify", cut_short(f), "--rig", kRig, "--start", dataset("actuators/table2.toml")};
+  const Arguments command = {"identify", cut_short(f), "--rig", kRig, "--start", kTable2};
   REQUIRE(run(command + kOut, f.at("")).code == 0);
   const Json s = summary(f);
   CHECK(s["trusted"] == false);
@@ -66,9 +63,7 @@ TEST_CASE("identify --diagnose: the ladder and each trial left out") {
   const Folder f;
   const Arguments command =
       Arguments{"identify", dataset("impact/trial_4.csv"), dataset("impact/trial_8.csv"), "--rig", kRig, "--diagnose"};
-  const Result r = run(command + kOut, f.at(""));
-  INFO(r.err);
-  REQUIRE(r.code == 0);
+  const Result r = done(f, command + kOut);
   const Json d = summary(f)["diagnostics"];
   CHECK(d["ladder"]["preferred"] == "plain");
   CHECK(d["ladder"]["plain_rejected"] == false);
@@ -108,7 +103,7 @@ TEST_CASE("identify --profile: a file, an interval, a plot") {
 TEST_CASE("identify: bad constants to profile") {
   const Folder f;
   check_refused(f, kAll + kOut + Arguments{"--profile", "k_see"}, {"--profile: 'k_see': ", "k_sea"});
-  const Arguments start = {"--start", dataset("actuators/table2.toml")};
+  const Arguments start = {"--start", kTable2};
   check_refused(f, kAll + kOut + start + Arguments{"--free", "k_p,k_d", "--profile", "k_sea"},
                 {"--profile: k_sea: it is not among the --free constants"});
   check_refused(f, kAll + kOut + start + Arguments{"--free", "k_p", "--profile", "k_p"},
