@@ -153,6 +153,8 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   const Throws throws(a, scene, run);
   const std::vector<LoggedDrop> drops = throws.read(a.drops), unseen = throws.read(a.validate);
 
+  check_drops(scene, drops);
+  if (!unseen.empty()) check_drops(scene, unseen);
   run.info(fmt::format("fitting {} drops", drops.size()));
   Calibration c = calibrate(scene, actuator.sea, drops, options);
   c.scene.floor_source = "calibrated from drop logs by ukemi";

@@ -22,23 +22,6 @@ namespace {
 /// Size of a nuisance term, for scaling.
 constexpr std::array<double, kTerms> kTypical = {0, 0, 0, 0, 1e-3, 0.01, 0.05, 0.02};
 
-void check(const Scene& scene, const std::vector<LoggedDrop>& drops) {
-  if (drops.empty()) throw InputError("no drops: at least one log is needed");
-  if (!scene.touches())
-    throw InputError("the scene has no [floor] or no contacts: both are needed, the floor's constants as a start");
-  for (const LoggedDrop& d : drops) {
-    long measured = 0;
-    for (int o = 0; o < kOutputs; ++o) measured += d.log.count(DropOutput(o));
-    if (measured == 0) throw InputError({d.log.file}, "no measured value of acc, ax, ay, x_0, y_0 or phi_0");
-    Scene thrown = scene;
-    thrown.drop = d.thrown;
-    if (is_ballistic(thrown) && d.log.t.back() <= fall_time(thrown))
-      throw InputError({d.log.file}, fmt::format("the log ends at {:.4g} s, before the first touchdown at {:.4g} s: is "
-                                                 "the drop's height right, is t = 0 the release?",
-                                                 d.log.t.back(), fall_time(thrown)));
-  }
-}
-
 /// The parameters of the problem, from the constants of `start` on.
 LeastSquaresProblem parameters(const Scene& start, const Layout& layout, const CalibrationOptions& options) {
   LeastSquaresProblem p;
@@ -200,10 +183,27 @@ void CalibrationOptions::validate() const {
 
 bool Calibration::trusted() const { return converged && identify::all_trusted(parameters); }
 
+void check_drops(const Scene& scene, const std::vector<LoggedDrop>& drops) {
+  if (drops.empty()) throw InputError("no drops: at least one log is needed");
+  if (!scene.touches())
+    throw InputError("the scene has no [floor] or no contacts: both are needed, the floor's constants as a start");
+  for (const LoggedDrop& d : drops) {
+    long measured = 0;
+    for (int o = 0; o < kOutputs; ++o) measured += d.log.count(DropOutput(o));
+    if (measured == 0) throw InputError({d.log.file}, "no measured value of acc, ax, ay, x_0, y_0 or phi_0");
+    Scene thrown = scene;
+    thrown.drop = d.thrown;
+    if (is_ballistic(thrown) && d.log.t.back() <= fall_time(thrown))
+      throw InputError({d.log.file}, fmt::format("the log ends at {:.4g} s, before the first touchdown at {:.4g} s: is "
+                                                 "the drop's height right, is t = 0 the release?",
+                                                 d.log.t.back(), fall_time(thrown)));
+  }
+}
+
 Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, const std::vector<LoggedDrop>& drops,
                       const CalibrationOptions& options) {
   options.validate();
-  check(scene, drops);
+  check_drops(scene, drops);
   const Problem problem(scene, sea, drops, {options.free, options.nuisance}, options);
   Calibration out{.scene = scene};
   out.noise = noise_of(drops);
@@ -263,7 +263,7 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
 
 Calibration validate(const Scene& scene, const SeaParameters<double>& sea, const std::vector<LoggedDrop>& drops,
                      const CalibrationOptions& options) {
-  check(scene, drops);
+  check_drops(scene, drops);
   Calibration out{.scene = scene};
   out.noise = noise_of(drops);
   out.converged = true;

@@ -105,8 +105,12 @@ struct Calibration {
   bool trusted() const;  ///< every fitted constant is
 };
 
-/// Fits the constants of `scene`, which must have a floor and contacts, to the drops. Throws InputError where
-/// that or a measured output is missing; never throws on numbers: see Calibration::converged.
+/// Throws InputError where the scene lacks a floor or contacts, where there is no drop, and where one has no measured
+/// value or ends before its first touchdown.
+void check_drops(const landing::Scene& scene, const std::vector<LoggedDrop>& drops);
+
+/// Fits the constants of `scene` to the drops. Throws InputError as check_drops; never throws on numbers: see
+/// Calibration::converged.
 [[nodiscard]] Calibration calibrate(const landing::Scene& scene, const SeaParameters<double>& sea,
                                     const std::vector<LoggedDrop>& drops, const CalibrationOptions& options = {});
 
