@@ -60,6 +60,12 @@ inline std::vector<Trial> noisy(std::vector<Trial> trials, std::uint64_t seed) {
   return trials;
 }
 
+/// How many draws a statistical test takes; the full run: UKEMI_DRAWS=200.
+inline int draws(int normally) {
+  const char* asked = std::getenv("UKEMI_DRAWS");
+  return asked ? std::atoi(asked) : normally;
+}
+
 /// A measured arm at a step of its reference, with Eq. 3 on its motor.
 struct Arm {
   Rig rig{.length = 0.45, .inertia = 0.01418, .tau_max = {}, .gear_ratio = {}, .feedback = Feedback::kMotor};

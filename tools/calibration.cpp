@@ -123,14 +123,10 @@ void report(const LeastSquaresSolution& s, const Layout& layout, const LeastSqua
                                                  e.name, e.half_width(), e.unit)
                                    : e.name + " is not determined by these drops");
   }
-  const auto relied_on = [&](const std::string& fitted) {
-    const auto e =
-        std::find_if(out.parameters.begin(), out.parameters.end(), [&](const Estimate& x) { return x.name == fitted; });
-    return e->verdict == Verdict::kTrusted;
-  };
+  const auto trusted = [&](std::size_t g) { return u.globals[g].verdict == Verdict::kTrusted; };
   for (std::size_t i = 0; i < out.fitted.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (std::abs(out.correlation(long(i), long(j))) > 0.95 && !(relied_on(out.fitted[i]) && relied_on(out.fitted[j])))
+      if (std::abs(out.correlation(long(i), long(j))) > 0.95 && !(trusted(i) && trusted(j)))
         out.warnings.push_back(fmt::format("{} and {} correlate by {:.3f}: these drops hardly tell them apart",
                                            out.fitted[j], out.fitted[i], out.correlation(long(i), long(j))));
   out.nuisance = std::move(u.locals);

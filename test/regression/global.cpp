@@ -2,15 +2,14 @@
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdlib>
 
 #include "common/actuator.hpp"
-#include "common/random.hpp"
-#include "identify/fit.hpp"
 #include "identify/one_link.hpp"
+#include "test/impact.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
+using namespace test;
 
 namespace {
 
@@ -33,7 +32,7 @@ Trial simulated(Trial trial, const SeaParameters<double>& sea, const Rig& rig, R
     double largest = 0;
     for (const double x : exact.trials[0].phi) largest = std::max(largest, std::abs(x));
     if (exact.converged && largest <= 0.6) {
-      for (std::size_t i = 0; i < trial.samples(); ++i) trial.phi[i] = exact.trials[0].phi[i] + 5e-4 * noise.normal();
+      for (std::size_t i = 0; i < trial.samples(); ++i) trial.phi[i] = exact.trials[0].phi[i] + kNoise * noise.normal();
       return trial;
     }
     for (double& f : trial.force) f *= 0.8;
@@ -43,13 +42,9 @@ Trial simulated(Trial trial, const SeaParameters<double>& sea, const Rig& rig, R
 }  // namespace
 
 TEST_CASE("random actuators: the global minimum, from Table 2 and from starts up to 10x off") {
-  const char* asked = std::getenv("UKEMI_DRAWS");
-  const int wanted = asked ? std::atoi(asked) : 20;
-  const Rig rig = read_rig(UKEMI_DATASETS "/rigs/paper.toml");
+  const int wanted = draws(20);
+  const Rig rig = test::rig();
   const SeaParameters<double> table2 = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
-  std::vector<Trial> shipped;
-  for (int i = 1; i <= 8; ++i)
-    shipped.push_back(read_trial(UKEMI_DATASETS "/impact/trial_" + std::to_string(i) + ".csv"));
   for (const bool far : {false, true}) {
     int found = 0, tried = 0;
     for (std::uint64_t draw = 0; tried < wanted; ++draw) {
@@ -65,7 +60,7 @@ TEST_CASE("random actuators: the global minimum, from Table 2 and from starts up
         set_constants(start, u);
       }
       std::vector<Trial> trials;
-      for (const Trial& t : shipped) trials.push_back(simulated(t, truth, rig, random));
+      for (const Trial& t : shipped()) trials.push_back(simulated(t, truth, rig, random));
       const Fit best = fit(rig, trials, truth, {.tau_max = truth.tau_max}),
                 f = fit(rig, trials, start, {.tau_max = truth.tau_max}, {.seed = draw + 1});
       INFO((far ? "far" : "Table 2") << ", draw " << draw << ": cost " << f.cost << " beside " << best.cost);

@@ -2,7 +2,6 @@
 // datasets/impact, the rollout itself with Table 2, and 0.5 mrad of normal noise, seeded.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdlib>
 
 #include "identify/ladder.hpp"
 #include "identify/profile.hpp"
@@ -32,11 +31,6 @@ Trial hit(double newton, double seconds) {
     out.force.push_back(s > 0 && s < 1 ? newton * std::sin(3.14159265358979 * s) : 0);
   }
   return out;
-}
-
-int draws(int normally) {  // the full run: UKEMI_DRAWS=200
-  const char* asked = std::getenv("UKEMI_DRAWS");
-  return asked ? std::atoi(asked) : normally;
 }
 
 }  // namespace
