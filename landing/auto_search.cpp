@@ -12,14 +12,15 @@ struct Settings {
   int leads = 3;                   ///< that scouts follow at once
   double lead_apart = 0.15;        ///< of the box
   int first = 128;                 ///< scouts that go anywhere; of the later ones
-  double anywhere = 0.3;           ///< this share does, the others near a lead:
+  double anywhere = 0.15;          ///< this share does, the others near a lead:
   double near = 0.5, by = 3;       ///< normal, with sizes from 10^-near down to 10^-by
   double scouting = 0.6;           ///< share of the budget that scouts may take once they were
   long few = 2'500, many = 6'000;  ///< few motions; and how many they may be at most
   int smallest = 12;               ///< the first population; every restart has one more
   int largest = 32;
   int race = 60;            ///< motions that race for a place in it
-  double race_share = 0.2;  ///< of the budget that one race may take
+  double race_share = 0.2;  ///< of the budget that one race may take; the scouts' first:
+  double first_share = 0.5;
   int screen = 300;         ///< the same for tolerant peaks, by the peak alone: one landing each
   double converged = 1e-4;  ///< side of a population that has found its basin
   double apart = 0.04;      ///< basins are further apart than this
@@ -50,7 +51,7 @@ void AutoSearch::run(Search& search) {
   bool last = false;
   for (int n = 1, next_refinement = kSet.refinement; !search.over(); ++n) {
     size_ = std::min(kSet.largest, kSet.smallest + n - 1);
-    race();
+    race(kSet.race_share);
     converge(kSet.converged, !basins_.empty());
     remember();
     if (!search.over() && (n == next_refinement || (!last && search.share() > kSet.late))) {
@@ -67,8 +68,8 @@ void AutoSearch::scout() {
   leads_.clear();
   int n = 0;
   if (search_->objective().options().goal == Goal::kTolerant) {
-    size_ = kSet.smallest;
-    race();
+    size_ = kSet.leads;
+    race(kSet.first_share);
     for (const Point3& p : population_) lead(p);
     n = kSet.first;
   }
@@ -109,17 +110,17 @@ bool AutoSearch::known(const Point3& p) const {
   return std::any_of(basins_.begin(), basins_.end(), [&](const Point3& b) { return distance(b, p) < kSet.apart; });
 }
 
-/// The best of many random motions, each followed only while it may be one of them.
-void AutoSearch::race() {
+/// The best of many random motions, each followed only while it may be one of them; at most that share of the budget.
+void AutoSearch::race(double share) {
   const Goal goal = search_->objective().options().goal;
   const long left = search_->budget().motions - search_->motions();
   population_.clear();
   if (goal == Goal::kPeak || left < 4 * size_ * kSet.screen) {
-    fill(size_ * kSet.race, goal, size_);
+    fill(size_ * kSet.race, goal, size_, share);
     return;
   }
   // Tolerant peaks: by the peak alone first; then those that it lets through, in its order.
-  fill(size_ * kSet.screen, Goal::kPeak, 2 * size_);
+  fill(size_ * kSet.screen, Goal::kPeak, 2 * size_, share);
   std::swap(population_, trials_);
   population_.clear();
   for (std::size_t i = 0; i < trials_.size() && !search_->over(); i += kBatch) {
@@ -129,8 +130,8 @@ void AutoSearch::race() {
 }
 
 /// Random motions, away from the known basins, for `places` places.
-void AutoSearch::fill(int entrants, Goal goal, int places) {
-  const double enough = search_->share() + kSet.race_share;
+void AutoSearch::fill(int entrants, Goal goal, int places, double share) {
+  const double enough = search_->share() + share;
   for (int n = 0; n < entrants && !search_->over(); n += kBatch) {
     if (search_->share() > enough && int(population_.size()) >= places) return;
     std::array<Point3, kBatch> fresh;

@@ -30,8 +30,8 @@ class AutoSearch {
   bool known(const Point3& p) const;
   void scout();
   void lead(const Point3& p);
-  void race();
-  void fill(int entrants, Goal goal, int places);
+  void race(double share);
+  void fill(int entrants, Goal goal, int places, double share);
   void enter(std::span<Point3> points, Goal goal, int places);
   void converge(double side, bool may_give_up);
   void remember();
