@@ -42,7 +42,7 @@ class LinearFlow {
     for (int i = 0; i < n; ++i) z = product(step_, z);
     return z;
   }
-  /// `rest` and angle i (0: phi_1, 1: phi_m) j + 1 intervals after z, for b = 0; j < kBlock.
+  /// out = rest + angle i (0: phi_1, 1: phi_m) j + 1 intervals after z, for b = 0; j < kBlock.
   void angle(T& out, const T& rest, int i, int j, const State& z) const {
     const State& row = rows_[i][j];
     if constexpr (kDerivatives < T >> 0) {  // in registers: the innermost loop of a fit

@@ -72,13 +72,6 @@ template <class T>
 RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                       const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                       std::vector<T>& phi_m) {
-  // Value and derivative both count: a constant at 0 that is being fitted needs its term.
-  const auto present = [](const T& x) {
-    if constexpr (std::is_same_v<T, double>)
-      return x != 0;
-    else
-      return x.a != 0 || !x.v.isZero(0);
-  };
   const bool extended = present(sea.friction) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
     if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m);

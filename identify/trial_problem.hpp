@@ -62,8 +62,8 @@ struct Layout {
 };
 
 /// Residuals predicted minus measured, phi then phi_motor, times the trial's weight; parameters start at `start` (at a
-/// tenth of a typical size where it is 0) and are scaled by it. `noise` [rad] is what a prior's standard deviation
-/// weighs as. `prepared` and `rig` must outlive the problem.
+/// tenth of a typical size where it is 0) and are scaled by it. A prior's standard deviation weighs as much as the
+/// logs' own noise. `prepared` and `rig` must outlive the problem.
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
                                  const std::vector<double>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
