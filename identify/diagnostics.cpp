@@ -47,12 +47,6 @@ double root_mean_square(const std::vector<double>& x) {
   return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / double(x.size()));
 }
 
-double measurements(const std::vector<Trial>& trials) {
-  double n = 0;
-  for (const Trial& t : trials) n += double(t.measurements());
-  return n;
-}
-
 /// The fitted globals, in the problem's order.
 std::vector<const Estimate*> globals_of(const Fit& fit) {
   std::vector<const Estimate*> out;
@@ -66,24 +60,25 @@ std::vector<const Estimate*> globals_of(const Fit& fit) {
 LeastSquaresProblem problem_of(const Rig& rig, const std::vector<Trial>& trials,
                                const std::vector<PreparedTrial>& prepared, const SeaParameters<double>& sea,
                                const FitOptions& options) {
-  return make_problem(
-      rig, prepared, std::vector<double>(trials.size(), 1.0), sea, suggest(rig, trials), Layout(options), options,
-      {.accuracy = options.accuracy, .max_step = options.max_step, .method = options.method, .escape = options.escape});
+  return make_problem(rig, prepared, std::vector<double>(trials.size(), 1.0), sea, suggest(rig, trials),
+                      Layout(options), options, options.rollout());
 }
 
-/// The score of the last global of `problem`, absent from the fit: how steeply the cost falls as it rises from 0.
-Lack score(const LeastSquaresProblem& problem, const Fit& fit, const std::vector<double>& weights) {
+/// The scores of the last globals of `problem`, absent from the fit: how steeply the cost falls as each rises from 0
+/// while the others stay away.
+std::vector<Lack> scores(const LeastSquaresProblem& problem, const Fit& fit, const std::vector<double>& weights) {
   const auto fitted = globals_of(fit);
-  const int G = int(problem.globals.size()), L = int(problem.locals.size());
-  std::vector<double> global(fitted.size() + 1, 0.0);
+  const int G = int(problem.globals.size()), L = int(problem.locals.size()), A = G - int(fitted.size());
+  std::vector<double> global(std::size_t(G), 0.0);
   std::vector<int> free;  // one at its bound does not follow
   for (std::size_t g = 0; g < fitted.size(); ++g) {
     global[g] = fitted[g]->value;
     if (!fitted[g]->at_bound) free.push_back(int(g));
   }
   const int F = int(free.size());
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(F + 2, F + 2);  // of [J, term, residual], locals eliminated
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(F + A + 1, F + A + 1);  // of [J, terms, residual], locals eliminated
   double sum = 0, count = 0;
+  std::vector<Lack> out(static_cast<std::size_t>(A));
   for (std::size_t m = 0; m < problem.blocks.size(); ++m) {
     std::vector<double> local;
     for (const Estimate& e : fit.nuisance)
@@ -91,11 +86,11 @@ Lack score(const LeastSquaresProblem& problem, const Fit& fit, const std::vector
     const int n = problem.blocks[m].size;
     Eigen::VectorXd r(n);
     Eigen::MatrixXd jacobian(n, G + L);
-    if (!problem.blocks[m].evaluate(global.data(), local.data(), r.data(), jacobian.data())) return {};
-    Eigen::MatrixXd all(n, F + 2);
+    if (!problem.blocks[m].evaluate(global.data(), local.data(), r.data(), jacobian.data())) return out;
+    Eigen::MatrixXd all(n, F + A + 1);
     const auto jl = jacobian.rightCols(L);
     for (int f = 0; f < F; ++f) all.col(f) = jacobian.col(free[std::size_t(f)]);
-    all.col(F) = jacobian.col(G - 1), all.col(F + 1) = r;
+    all.middleCols(F, A) = jacobian.middleCols(G - A, A), all.col(F + A) = r;
     all *= weights[m];
     if (L) all -= jl * jl.completeOrthogonalDecomposition().solve(all);
     square += all.transpose() * all;
@@ -106,14 +101,18 @@ Lack score(const LeastSquaresProblem& problem, const Fit& fit, const std::vector
       const long i = f - free.begin();
       const double pull = p.weight * p.weight * (global[std::size_t(p.global)] - p.value);
       square(i, i) += p.weight * p.weight;
-      square(i, F + 1) += pull, square(F + 1, i) += pull;
+      square(i, F + A) += pull, square(F + A, i) += pull;
     }
-  const Eigen::MatrixXd own = square.topLeftCorner(F, F), cross = square.topRightCorner(F, 2);
+  const Eigen::MatrixXd own = square.topLeftCorner(F, F), cross = square.topRightCorner(F, A + 1);
   const Eigen::MatrixXd rest =
-      square.bottomRightCorner(2, 2) - cross.transpose() * own.completeOrthogonalDecomposition().solve(cross);
+      square.bottomRightCorner(A + 1, A + 1) - cross.transpose() * own.completeOrthogonalDecomposition().solve(cross);
   const double variance = sum / count;
-  if (!(rest(0, 0) > 1e-12 * square(F, F)) || !(variance > 0)) return {};  // the others can do all that it can
-  return {.z = -rest(0, 1) / std::sqrt(rest(0, 0) * variance), .size = -rest(0, 1) / rest(0, 0)};
+  for (int a = 0; a < A; ++a)  // none where the others can do all that it can
+    if (rest(a, a) > 1e-12 * square(F + a, F + a) && variance > 0) {
+      out[std::size_t(a)].z = -rest(a, A) / std::sqrt(rest(a, a) * variance);
+      out[std::size_t(a)].size = -rest(a, A) / rest(a, a);
+    }
+  return out;
 }
 
 }  // namespace
@@ -169,16 +168,25 @@ Lacks lacks(const Experiment& experiment, const Fit& fit) {
   std::vector<double> weights;
   for (const TrialResult& r : fit.trials)
     weights.push_back(experiment.options.weights == FitOptions::Weights::kTrial && r.rms > 0 ? fit.rms / r.rms : 1);
-  for (const LadderTerm& term : kLadderTerms) {
-    FitOptions options = experiment.options;
-    if (fit.sea.*term.value != 0 || options.fits(term.term)) continue;
-    options.nuisance.push_back(term.term);  // the last of the globals
-    Lack lack = score(problem_of(experiment.rig, experiment.trials, prepared, fit.sea, options), fit, weights);
-    lack.term = name(term.term), lack.unit = unit(term.term);
+  FitOptions options = experiment.options;
+  std::vector<NuisanceTerm> absent;
+  for (const LadderTerm& term : kLadderTerms)
+    if (fit.sea.*term.value == 0 && !options.fits(term.term)) absent.push_back(term.term);
+  if (absent.empty()) return out;
+  // All in one problem: they are the last of its globals.
+  options.nuisance.insert(options.nuisance.end(), absent.begin(), absent.end());
+  out.terms = scores(problem_of(experiment.rig, experiment.trials, prepared, fit.sea, options), fit, weights);
+  for (std::size_t a = 0; a < absent.size(); ++a) {
+    Lack& lack = out.terms[a];
+    lack.term = name(absent[a]), lack.unit = unit(absent[a]);
     lack.p = 0.5 * std::erfc(lack.z / std::sqrt(2.0));
-    out.terms.push_back(lack);
   }
   return out;
+}
+
+std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {
+  trials.erase(trials.begin() + long(one));
+  return trials;
 }
 
 Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from, FitOptions options) {
@@ -188,7 +196,7 @@ Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<
 
 double deviance(const Fit& fit, const std::vector<Trial>& trials, const FitOptions& options) {
   if (options.weights == FitOptions::Weights::kEqual) {
-    const double n = measurements(trials);
+    const double n = double(measurements(trials));
     return n * std::log(fit.cost / n);
   }
   double sum = 0;
@@ -223,8 +231,7 @@ std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit,
     const auto m = std::size_t(i);
     LeftOut& l = out[m];
     l.file = trials[m].file;
-    std::vector<Trial> others = trials;
-    others.erase(others.begin() + i);
+    const std::vector<Trial> others = without(trials, m);
     l.fit = refit(experiment.rig, others, fit.sea, options);
     for (std::size_t k = 0; k < kConstants; ++k)
       l.shift.push_back(fit.parameters[k].std
@@ -233,12 +240,10 @@ std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit,
     l.held_out = held_out_rms(experiment.rig, trials[m], l.fit, options);
     const std::vector<Trial> alone{trials[m]};
     const Fit own = refit(experiment.rig, alone, fit.sea, options);
-    double together = deviance(fit, trials, options),
-           apart = deviance(l.fit, others, options) + deviance(own, alone, options);
-    if (options.weights == FitOptions::Weights::kEqual) {  // one variance for both
-      const double n = measurements(trials);
-      together = n * std::log(fit.cost / n), apart = n * std::log((l.fit.cost + own.cost) / n);
-    }
+    const double together = deviance(fit, trials, options), n = double(measurements(trials));
+    const double apart = options.weights == FitOptions::Weights::kEqual  // one variance for both
+                             ? n * std::log((l.fit.cost + own.cost) / n)
+                             : deviance(l.fit, others, options) + deviance(own, alone, options);
     if (std::isfinite(apart)) l.p = chi_squared_tail(together - apart, double(fit.fitted.size()));
     l.disagrees = l.p * double(trials.size()) < kTestLevel;
   });

@@ -82,6 +82,9 @@ struct LeftOut {
 
 // --- what the ladder and the profile share ---
 
+/// The trials but for one.
+[[nodiscard]] std::vector<Trial> without(std::vector<Trial> trials, std::size_t one);
+
 /// A fit from one start, where another ended; what is not fitted stays as it is there.
 [[nodiscard]] Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from,
                         FitOptions options);

@@ -158,14 +158,12 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   std::vector<PreparedTrial> prepared;
   for (const Trial& t : trials) prepared.emplace_back(t);
   std::vector<double> weights(trials.size(), 1.0);
-  const RolloutOptions rollout_options{
-      .accuracy = options.accuracy, .max_step = options.max_step, .method = options.method, .escape = options.escape};
+  const RolloutOptions rollout_options = options.rollout();
   const LeastSquaresOptions solver{.max_iterations = options.max_iterations, .huber = options.huber};
   const Suggestion suggestion = suggest(rig, trials);
 
   // The logs' own noise decides whether a minimum is believed.
-  double measured = 0;
-  for (const Trial& t : trials) measured += double(t.measurements());
+  const double measured = double(measurements(trials));
   if (measured == 0) throw InputError("no measured angle in any trial: phi is needed");
   const double noise = noise_level(trials);
   const auto believed = [&](const LeastSquaresSolution& s) {

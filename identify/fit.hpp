@@ -61,6 +61,9 @@ struct FitOptions {
   std::uint64_t seed = 1;  ///< of the drawn starts
   int max_iterations = 200;  ///< of the solver, each start
   bool fits(NuisanceTerm t) const { return std::find(nuisance.begin(), nuisance.end(), t) != nuisance.end(); }
+  RolloutOptions rollout() const {
+    return {.accuracy = accuracy, .max_step = max_step, .method = method, .escape = escape};
+  }
   void validate() const;  ///< throws InputError
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -18,9 +18,7 @@ double held_out_error(const Experiment& experiment, const Rung& rung) {
   if (trials.size() < 2) return std::numeric_limits<double>::quiet_NaN();
   double sum = 0, n = 0;
   for (std::size_t m = 0; m < trials.size(); ++m) {
-    std::vector<Trial> others = trials;
-    others.erase(others.begin() + long(m));
-    const Fit fit = refit(experiment.rig, others, rung.fit.sea, rung.options);
+    const Fit fit = refit(experiment.rig, without(trials, m), rung.fit.sea, rung.options);
     const double rms = held_out_rms(experiment.rig, trials[m], fit, rung.options);
     sum += double(trials[m].measurements()) * rms * rms, n += double(trials[m].measurements());
   }
@@ -33,8 +31,7 @@ bool better(const Fit& a, const Fit& b) { return a.converged != b.converged ? a.
 
 Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads) {
   constexpr unsigned kTerms = std::size(kLadderTerms), kRungs = 1u << kTerms;
-  double samples = 0;
-  for (const Trial& t : experiment.trials) samples += double(t.measurements());
+  const double samples = double(measurements(experiment.trials));
   Ladder out;
   out.rungs.resize(kRungs);
   for (unsigned i = 0; i < kRungs; ++i) {

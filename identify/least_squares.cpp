@@ -220,7 +220,7 @@ void covariances(const LeastSquaresProblem& problem, const std::deque<BlockCost>
   for (int i = 0; i < F; ++i)
     for (int j = 0; j < F; ++j) {
       const double scale = d[i] * d[j];
-      m(i, j) = scale > 0 ? information(free[std::size_t(i)], free[std::size_t(j)]) / scale : (i == j ? 0.0 : 0.0);
+      m(i, j) = scale > 0 ? information(free[std::size_t(i)], free[std::size_t(j)]) / scale : 0;
     }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
   const double largest = eigen.eigenvalues()[F - 1];

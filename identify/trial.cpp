@@ -137,6 +137,12 @@ double noise_level(const std::vector<double>& x) {
   return 2 * still > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
 }
 
+long measurements(const std::vector<Trial>& trials) {
+  long n = 0;
+  for (const Trial& t : trials) n += long(t.measurements());
+  return n;
+}
+
 double noise_level(const std::vector<const Trial*>& trials) {
   double sum = 0, n = 0;
   for (const Trial* t : trials)

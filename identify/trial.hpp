@@ -23,6 +23,8 @@ struct Trial {
   /// Measured outputs that a fit compares: phi, then phi_motor.
   std::size_t measurements() const { return phi.size() + phi_motor.size(); }
 };
+/// Those of all trials.
+long measurements(const std::vector<Trial>& trials);
 
 /// How a file's columns become a Trial.
 struct TrialOptions {

@@ -133,6 +133,7 @@ Uncertainty uncertainty_of(const LeastSquaresSolution& s, const LeastSquaresProb
     for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
       const Parameter& p = problem.locals[l];
       Estimate e{.name = p.name, .unit = p.unit, .value = s.locals(long(b), long(l)), .std = {}, .trial = int(b)};
+      e.at_bound = e.value <= p.lower || e.value >= p.upper;
       set_error(e, s.local_variance(long(b), long(l)) * variance, out.half_width);
       out.locals.push_back(e);
     }

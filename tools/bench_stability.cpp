@@ -9,6 +9,7 @@
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 #include "common/stopwatch.hpp"
+#include "identify/design.hpp"
 #include "identify/fit.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/stability.hpp"
@@ -125,13 +126,9 @@ struct FitCase {
 
 identify::Trial simulated(const identify::Rig& rig, const FitCase& c, double peak, std::uint64_t seed,
                           std::uint64_t index) {
-  constexpr double kPi = 3.14159265358979, kStart = 0.02, kNoise = 2e-4;
-  identify::Trial t;
+  constexpr double kNoise = 2e-4;
+  identify::Trial t = identify::blank_log({peak, c.pulse}, {.rate = c.rate, .duration = c.until, .start = 0.02});
   t.file = fmt::format("simulated {:g} N", peak);
-  for (long i = 0; i <= long(c.until * c.rate); ++i) {
-    const double time = double(i) / c.rate, s = (time - kStart) / c.pulse;
-    t.t.push_back(time), t.force.push_back(s > 0 && s < 1 ? peak * std::sin(kPi * s) : 0);
-  }
   std::vector<double> phi_m;
   const identify::PreparedTrial prepared(t);
   (void)identify::rollout(rig, c.truth, {}, prepared, {.method = identify::Method::kAuto, .max_steps = 2'000'000},

@@ -116,12 +116,9 @@ std::string calibration_html(const Run& run, const std::vector<LoggedDrop>& drop
   report.list(run.warnings());
   report.heading("Constants");
   std::vector<std::vector<std::string>> rows;
-  const auto interval = [](const identify::Estimate& e) {
-    return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : std::string();
-  };
-  for (const auto& e : c.parameters) rows.push_back({e.name, words(e), interval(e), identify::name(e.verdict)});
+  for (const auto& e : c.parameters) rows.push_back({e.name, words(e), interval_of(e), identify::name(e.verdict)});
   for (const auto& e : c.nuisance)
-    rows.push_back({fmt::format("{} (drop {})", e.name, e.trial + 1), words(e), interval(e), ""});
+    rows.push_back({fmt::format("{} (drop {})", e.name, e.trial + 1), words(e), interval_of(e), ""});
   report.table({"constant", "value ± standard error", "95 % interval", "verdict"}, rows);
   if (c.correlation.rows() > 1) add_correlations(report, c.fitted, c.correlation);
   if (validation) {

@@ -132,14 +132,10 @@ void report(const LeastSquaresSolution& s, const Layout& layout, const LeastSqua
   out.nuisance = std::move(u.locals);
   std::stable_sort(out.nuisance.begin(), out.nuisance.end(),
                    [](const Estimate& a, const Estimate& b) { return a.trial < b.trial; });
-  for (std::size_t i = 0; i < out.nuisance.size(); ++i) {
-    Estimate& e = out.nuisance[i];
-    const identify::Parameter& p = problem.locals[i % problem.locals.size()];
-    e.at_bound = e.value <= p.lower || e.value >= p.upper;
+  for (const Estimate& e : out.nuisance)
     if (e.at_bound)
       out.warnings.push_back(
           fmt::format("{} of drop {} ended at its bound {}", e.name, e.trial + 1, shortest(e.value)));
-  }
 }
 
 /// Says where the residual stays above the logs' own noise. A model that does not explain the logs has no error bars:

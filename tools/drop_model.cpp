@@ -117,12 +117,11 @@ ResidualBlock DropModel::block(const PerOutput& sigma, double seconds, const std
 
 DropResult DropModel::replay(const double* shared, const double* own) const {
   DropResult out{.file = drop_.log.file};
-  Memory memory;
-  const Rolled* rolled = recall(memory, shared, own, drop_.log.t.size());
-  out.simulated = rolled != nullptr;
+  Rolled rolled;
+  out.simulated = roll(shared, own, drop_.log.t.size(), rolled);
   out.rms.fill(kNaN);
   out.peak_measured = out.peak_simulated = out.peak_between = kNaN;
-  if (!rolled) return out;
+  if (!out.simulated) return out;
   for (int o = 0; o < kOutputs; ++o) {
     const auto k = std::size_t(o);
     const std::vector<double>& measured = drop_.log.output[k];
@@ -132,8 +131,8 @@ DropResult DropModel::replay(const double* shared, const double* own) const {
     long n = 0;
     for (std::size_t i = first_; i < measured.size(); ++i) {
       if (!std::isfinite(measured[i])) continue;
-      out.value[k][i] = rolled->rollout.samples[i - first_].value[k];
-      if (left_out(*rolled, DropOutput(o), i)) continue;
+      out.value[k][i] = rolled.rollout.samples[i - first_].value[k];
+      if (left_out(rolled, DropOutput(o), i)) continue;
       out.used[k][i] = true;
       sum += std::pow(out.value[k][i] - measured[i], 2), ++n;
     }
@@ -141,8 +140,8 @@ DropResult DropModel::replay(const double* shared, const double* own) const {
   }
   SimulateOptions to_the_end = options_;
   to_the_end.rest = SimulateOptions::Rest::kIgnore;
-  Scene scene = rolled->scene;
-  scene.t_end = drop_.log.t.back() + rolled->shift;
+  Scene scene = rolled.scene;
+  scene.t_end = drop_.log.t.back() + rolled.shift;
   out.peak_between = peak_acceleration(scene, sea_, drop_.motion, to_the_end).peak;
   for (std::size_t i = first_; i < drop_.log.t.size(); ++i) {
     const auto& a = drop_.log.output;
@@ -151,7 +150,7 @@ DropResult DropModel::replay(const double* shared, const double* own) const {
                                                                      : kNaN;
     if (!std::isfinite(measured)) continue;
     out.peak_measured = std::fmax(out.peak_measured, measured);
-    out.peak_simulated = std::fmax(out.peak_simulated, rolled->rollout.samples[i - first_].value[kAcc]);
+    out.peak_simulated = std::fmax(out.peak_simulated, rolled.rollout.samples[i - first_].value[kAcc]);
   }
   return out;
 }

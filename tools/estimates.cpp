@@ -22,6 +22,10 @@ std::string text_of(const identify::Estimate& e) {
   return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
 }
 
+std::string interval_of(const identify::Estimate& e) {
+  return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "";
+}
+
 Json matrix_json(const Eigen::MatrixXd& m) {
   Json rows = Json::array();
   for (long i = 0; i < m.rows(); ++i) {

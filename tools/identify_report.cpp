@@ -51,7 +51,7 @@ std::string identification_html(const Run& run, const std::string& title, const 
   report.heading("Constants");
   std::vector<std::vector<std::string>> rows;
   const auto row = [&](const identify::Estimate& e, const std::string& name) {
-    rows.push_back({name, text_of(e), e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "", e.unit});
+    rows.push_back({name, text_of(e), interval_of(e), e.unit});
   };
   for (const auto& e : fit.parameters) row(e, e.name), rows.back().push_back(identify::name(e.verdict));
   for (const auto& e : fit.nuisance) row(e, e.trial < 0 ? e.name : fmt::format("{} (trial {})", e.name, e.trial + 1));

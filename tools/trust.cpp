@@ -88,9 +88,7 @@ Trust examine(const identify::Experiment& experiment, const identify::Fit& fit, 
     if (fit.converged) t.left_out = leave_one_out(experiment, fit, threads);
   }
   for (const std::string& constant : split(arguments.profile)) {
-    const auto e = std::find_if(fit.parameters.begin(), fit.parameters.end(),
-                                [&](const identify::Estimate& p) { return p.name == constant; });
-    if (e->std && fit.converged)
+    if (fit.parameters[constant_index("--profile", constant)].std && fit.converged)
       t.profiles.push_back(profile(experiment, fit, constant));
     else
       run.warn(constant + " has no standard error: no profile");
@@ -159,9 +157,8 @@ Json diagnostics_json(const Trust& t, const identify::Fit& fit) {
   if (!t.profiles.empty()) {
     j["profile"] = Json::object();
     for (const identify::Profile& p : t.profiles) {
-      const auto e = std::find_if(fit.parameters.begin(), fit.parameters.end(),
-                                  [&](const identify::Estimate& x) { return x.name == p.constant; });
-      j["profile"][p.constant] = {{"ci95", {number(p.low), number(p.high)}}, {"linear", {e->ci_low, e->ci_high}}};
+      const identify::Estimate& e = fit.parameters[constant_index("--profile", p.constant)];
+      j["profile"][p.constant] = {{"ci95", {number(p.low), number(p.high)}}, {"linear", {e.ci_low, e.ci_high}}};
     }
   }
   return j;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "identify/design.hpp"
 #include "identify/ladder.hpp"
 #include "identify/profile.hpp"
 #include "identify/statistics.hpp"
@@ -23,13 +24,8 @@ SeaParameters<double> rubbing(double friction) {
 
 /// A half-sine hit from 0.05 s on, sampled at 1 kHz for 0.5 s.
 Trial hit(double newton, double seconds) {
-  Trial out;
+  Trial out = blank_log({newton, seconds}, {.duration = 0.5});
   out.file = "hit";
-  for (int i = 0; i <= 500; ++i) {
-    const double t = i * 1e-3, s = (t - 0.05) / seconds;
-    out.t.push_back(t), out.phi.push_back(0);
-    out.force.push_back(s > 0 && s < 1 ? newton * std::sin(3.14159265358979 * s) : 0);
-  }
   return out;
 }
 
