@@ -1,19 +1,19 @@
 #include "landing/auto_search.hpp"
 
-#include "landing/population.hpp"
 #include "landing/solvers.hpp"
 
 namespace ukemi::landing {
 
 namespace {
 
-/// Chosen by the mean gap to the best known: ten scenes, five to nine seeds, 0.03 to 1 s.
+/// Chosen by the gap to the best known: ten scenes, 0.03 to 1 s, five to sixty seeds that no table reports.
 struct Settings {
   int leads = 3;                   ///< that scouts follow at once
   double lead_apart = 0.15;        ///< of the box
   int first = 128;                 ///< scouts that go anywhere; of the later ones
   double anywhere = 0.15;          ///< this share does, the others near a lead:
-  double near = 0.5, by = 3;       ///< normal, with sizes from 10^-near down to 10^-by
+  double near = 0.3, by = 1;       ///< normal, with sizes from 10^-near down to 10^-by at first,
+  double at_last = 3;              ///< and down to 10^-at_last when the budget is spent
   double scouting = 0.6;           ///< share of the budget that scouts may take once they were
   long few = 2'500, many = 6'000;  ///< few motions; and how many they may be at most
   int smallest = 12;               ///< the first population; every restart has one more
@@ -46,6 +46,7 @@ AutoSearch::AutoSearch() {
 void AutoSearch::run(Search& search) {
   search_ = &search;
   random_ = Random(search.seed);
+  even_ = EvenPoints(random_);
   basins_.clear();
   scout();
   bool last = false;
@@ -78,14 +79,15 @@ void AutoSearch::scout() {
     return done >= kSet.many || (done >= kSet.few && search_->share() >= kSet.scouting);
   };
   for (std::array<Point3, kBatch> scouts; !search_->over() && !enough(); n += kBatch) {
+    const double by = kSet.by + (kSet.at_last - kSet.by) * search_->share();
     for (Point3& p : scouts) {
       const bool full = int(leads_.size()) == kSet.leads;
       if (n < kSet.first || leads_.empty() || random_.uniform() < kSet.anywhere) {
-        p = random_point(random_);
+        p = even_.next();
         p.bound = full ? leads_.back().value : kNoMotion;
       } else {  // the better a lead, the more follow it
         const Point3& l = leads_[std::size_t(random_.uniform() * random_.uniform() * double(leads_.size()))];
-        p = beside(l, std::pow(10.0, -random_.uniform(kSet.near, kSet.by)), random_);
+        p = beside(l, std::pow(10.0, -random_.uniform(kSet.near, by)), random_);
         p.bound = l.value;
       }
     }
@@ -129,15 +131,15 @@ void AutoSearch::race(double share) {
   }
 }
 
-/// Random motions, away from the known basins, for `places` places.
+/// Motions from anywhere, away from the known basins, for `places` places.
 void AutoSearch::fill(int entrants, Goal goal, int places, double share) {
   const double enough = search_->share() + share;
   for (int n = 0; n < entrants && !search_->over(); n += kBatch) {
     if (search_->share() > enough && int(population_.size()) >= places) return;
     std::array<Point3, kBatch> fresh;
     for (Point3& p : fresh) {
-      p = random_point(random_);
-      for (int again = 0; again < 20 && known(p); ++again) p = random_point(random_);
+      p = even_.next();
+      for (int again = 0; again < 20 && known(p); ++again) p = even_.next();
     }
     enter(fresh, goal, places);
   }

@@ -2,19 +2,22 @@
 //
 // What it is built for: an objective that is a maximum over time (a landing may be abandoned as soon as it is worse
 // than what it competes with), cheap in batches, with many basins, kinks along valleys and cliffs. So:
-//   1. a race of random motions, each followed only while it may belong to the best, gives a population;
+//   1. scouts go anywhere, evenly, and close by the few best of those before them, the closer the less time is left:
+//      all there is time for in a hundredth of a second;
+//   2. a race of motions from anywhere, each followed only while it may belong to the best, gives a population
 //      (tolerant peaks: by the peak alone first, a lower bound that costs one landing);
-//   2. the population converges by differential evolution (population.hpp), whose trials are abandoned at their
+//   3. the population converges by differential evolution (population.hpp), whose trials are abandoned at their
 //      parent's value; it needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys;
-//   3. one that falls behind the best so far is given up; one that converges is a basin, and the next race keeps away
+//   4. one that falls behind the best so far is given up; one that converges is a basin, and the next race keeps away
 //      from it;
-//   4. now and then, and at the end, the best basin is searched once more from close by.
+//   5. now and then, and at the end, the best basin is searched once more from close by.
 #pragma once
 
 #include <span>
 #include <vector>
 
 #include "common/random.hpp"
+#include "landing/population.hpp"
 #include "landing/search.hpp"
 
 namespace ukemi::landing {
@@ -40,6 +43,7 @@ class AutoSearch {
   int size_ = 0;
   Search* search_ = nullptr;
   Random random_{0};
+  EvenPoints even_{random_};
   std::vector<Point3> population_, trials_, basins_, leads_;
 };
 

@@ -143,7 +143,7 @@ double Objective::verified(const Motion& m, double accuracy, double bound) const
   double worst = 0;
   const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
   if (peak_reference_rate(m) > options_.reference_rate) return kNoMotion;
-  for (int k = 0; k < n; ++k) {
+  for (int k = 0; k < n && !late(); ++k) {
     const LandingPeak p = peak_acceleration(scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
                                             {.accuracy = accuracy, .abandon_above = bound, .limits = options_.limits});
     if (p.end == End::kFailed || p.end == End::kBroken) return kNoMotion;

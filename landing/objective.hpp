@@ -50,7 +50,8 @@ class Objective {
   void evaluate(std::span<Point3> points, Goal goal);
   double deadline = std::numeric_limits<double>::infinity();  ///< on `watch` [s]
   Stopwatch watch;
-  /// The value of one motion in the scalar path at a tight accuracy, limits included: what a result is judged by.
+  /// The value of one motion in the scalar path, limits included, as far as the deadline lets it be played; 0 where it
+  /// has passed.
   double verified(const Motion& motion, double accuracy, double bound = kNoMotion) const;
 
   double accuracy() const { return options_.accuracy; }

@@ -28,7 +28,7 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
                        .threads = options.threads,
                        .time = options.time});
   Budget budget;
-  if (options.deadline) budget.seconds = *options.deadline - verification_time(options.goal, *options.deadline);
+  if (options.deadline) budget.seconds = *options.deadline - verification_time(*options.deadline);
   if (options.evaluations || !options.deadline)
     budget.motions = options.evaluations.value_or(default_evaluations(options.goal));
   budget.tolerance = options.tolerance;
@@ -43,7 +43,6 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   const Point3 best = search.settle(options.accuracy, options.deadline.value_or(budget.seconds));
   out.seconds = objective.watch.seconds();
   out.motion = objective.motion(best);
-  out.value = best.value;
   out.landings = objective.landings();
   out.found = best.value < kNoMotion;
   if (!out.found) {
@@ -55,6 +54,7 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   const SimulateOptions tight{.accuracy = options.accuracy};
   out.landing = peak_acceleration(scene, sea, out.motion, tight);
   out.tolerant = tolerant_peak(scene, sea, out.motion, tight, options.tolerance_samples, options.seed, options.threads);
+  out.value = options.goal == Goal::kPeak ? out.landing.peak : out.tolerant.value;
   return out;
 }
 

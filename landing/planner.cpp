@@ -7,10 +7,7 @@
 
 namespace ukemi::landing {
 
-double verification_time(Goal goal, double budget) {
-  const double least = goal == Goal::kPeak ? 0.006 : 0.03, most = goal == Goal::kPeak ? 0.05 : 0.1;
-  return std::min(0.45 * budget, std::clamp(0.1 * budget, least, most));
-}
+double verification_time(double budget) { return std::min(0.45 * budget, std::clamp(0.05 * budget, 0.003, 0.1)); }
 
 void check_deadline(double deadline) {
   if (!(deadline > 0)) throw InputError("deadline: " + shortest(deadline) + " s: above 0 is needed");
@@ -31,7 +28,7 @@ Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   check_deadline(deadline);
   scene_.drop = drop;
   const long before = objective_.motions();
-  Search search(objective_, {.seconds = deadline - verification_time(options_.goal, deadline)}, seed);
+  Search search(objective_, {.seconds = deadline - verification_time(deadline)}, seed);
   search_.run(search);
   const long searched = objective_.motions() - before;
   const Point3 best = search.settle(options_.verified, deadline);

@@ -8,7 +8,7 @@ namespace ukemi::landing {
 /// What a planner answers with.
 struct Plan {
   Motion motion{};
-  double value = kNoMotion;  ///< the goal, verified in the scalar path [m/s^2]
+  double value = kNoMotion;  ///< the goal, as Search::settle judges it [m/s^2]
   long motions = 0;          ///< evaluated
   bool found = false;        ///< false: nothing could be followed within the limits in the time given
 };
@@ -20,7 +20,7 @@ class Planner {
   struct Options {
     Goal goal = Goal::kTolerant;
     double accuracy = 1e-6;             ///< of the search
-    double verified = 1e-8;             ///< of the answer
+    double verified = 1e-8;             ///< of the scalar path, which judges the answer as far as the time goes
     Limits limits;                      ///< what no landing may do
     double reference_rate = kNoMotion;  ///< [rad/s]
   };
@@ -43,7 +43,7 @@ class Planner {
 };
 
 /// How much of a time budget is kept back to verify what was found [s].
-double verification_time(Goal goal, double budget);
+double verification_time(double budget);
 /// Throws InputError unless it is above 0 [s].
 void check_deadline(double deadline);
 

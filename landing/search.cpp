@@ -61,14 +61,17 @@ Point3 Search::settle(double accuracy, double deadline) {
   constexpr double kFallen = 1e-3, kTight = 1e-9;
   if (few_[0].value >= kNoMotion) return few_[0];
   const double searched = objective_.accuracy();
-  const Goal goal = objective_.options().goal;
   const Few found = few_;
   objective_.deadline = deadline;
   objective_.set_accuracy(kTight);
   few_.fill({});
-  Few again = found;
-  for (Point3& p : again) p.bound = kNoMotion;
-  play(std::span(again).first(goal == Goal::kPeak ? again.size() : 2));
+  // A tolerant peak fills the lanes by itself.
+  const std::size_t at_once = objective_.options().goal == Goal::kPeak ? 4 : 1;
+  for (std::size_t i = 0; i < found.size() && found[i].value < few_[0].value && !objective_.late(); i += at_once) {
+    Few again = found;
+    for (Point3& p : again) p.bound = few_[0].value;
+    play(std::span(again).subspan(i, at_once));
+  }
   if (few_[0].value > found[0].value * (1 + kFallen)) {
     // Back from the edge: a population about the place where it seemed to be, from a hundredth of the box down to its
     // rounding, that converges on ground that holds.
@@ -82,18 +85,13 @@ Point3 Search::settle(double accuracy, double deadline) {
       evolve([this](std::span<Point3> p) { play(p); }, random, population, trials, {});
   }
   objective_.set_accuracy(searched);
+  if (few_[0].value >= kNoMotion) return found[0];  // the deadline came before anything was evaluated anew
   Point3 best;
-  const auto verify = [&](const Few& candidates) {
-    for (const Point3& p : candidates) {
-      if (p.value >= best.value) break;
-      Point3 tight = p;
-      tight.value = objective_.verified(objective_.motion(p), accuracy, best.value);
-      if (tight.value < best.value) best = tight;
-      if (objective_.late() && best.value < kNoMotion) break;
-    }
-  };
-  verify(few_);
-  if (best.value >= kNoMotion) verify(found);  // the deadline came before anything was evaluated anew
+  for (Point3 p : few_) {
+    if (p.value >= best.value) break;
+    p.value = std::max(p.value, objective_.verified(objective_.motion(p), accuracy, best.value));
+    if (p < best) best = p;
+  }
   return best;
 }
 

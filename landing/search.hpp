@@ -41,9 +41,10 @@ class Search {
   void evaluate(std::span<Point3> points, Goal goal);
   const Point3& best() const { return few_[0]; }
 
-  /// The best that stands at the scalar path's `accuracy`. Many a best stands on a cliff, where what the search's own
-  /// accuracy took for a foothold may be beside it: the best few are evaluated anew at a tight accuracy, and where they
-  /// have fallen, the search steps back from the edge until `deadline` on the objective's watch.
+  /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
+  /// be beside it: the best few are evaluated anew at 1e-9, and where they have fallen, the search steps back from the
+  /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. All this until `deadline` on the
+  /// objective's watch: what it cuts off is not judged, and where it comes first of all, the search's own value stands.
   Point3 settle(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
