@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "identify/least_squares.hpp"
+#include "identify/statistics.hpp"
 
 namespace ukemi::identify {
 

@@ -3,8 +3,6 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,8 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+
+#include "identify/covariance.hpp"
 
 namespace ukemi::identify {
 
@@ -180,83 +180,6 @@ void set_bounds(ceres::Problem& problem, double* x, const std::vector<Parameter>
   }
 }
 
-/// Information of the globals with the locals eliminated block by block (Schur complement), and from it the
-/// covariances.
-void covariances(const LeastSquaresProblem& problem, const std::deque<BlockCost>& costs, const std::vector<double>& x,
-                 const std::vector<std::vector<double>>& locals, LeastSquaresSolution& out) {
-  const int G = int(problem.globals.size()), L = int(problem.locals.size()), B = int(problem.blocks.size());
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(G, G);
-  std::vector<Eigen::MatrixXd> cross, inverse;
-  for (std::size_t b = 0; b < costs.size(); ++b) {
-    const double* at[2] = {x.data(), locals[b].data()};
-    const Eigen::MatrixXd* square = costs[b].square_form(at);
-    if (!square) return;
-    information += square->topLeftCorner(G, G);
-    if (L == 0) continue;
-    cross.push_back(square->block(0, G, G, L));
-    inverse.push_back(square->block(G, G, L, L).completeOrthogonalDecomposition().pseudoInverse());
-    information -= cross.back() * inverse.back() * cross.back().transpose();
-  }
-  for (const Pull& p : problem.priors) {
-    const double w = p.weight * problem.globals[std::size_t(p.global)].scale;
-    information(p.global, p.global) += w * w;
-  }
-  Eigen::VectorXd unit(G);
-  for (int i = 0; i < G; ++i) unit[i] = 1 / problem.globals[std::size_t(i)].scale;
-  out.information = unit.asDiagonal() * information * unit.asDiagonal();
-  std::vector<int> free;
-  for (int i = 0; i < G; ++i)
-    if (!out.at_bound[std::size_t(i)]) free.push_back(i);
-  const int F = int(free.size());
-  out.free_parameters = F + long(B) * L;
-  out.global_covariance.setConstant(G, G, kNaN);
-  out.local_variance.setConstant(B, L, kNaN);
-  if (F == 0) return;
-  // Unit diagonal first: eigenvalues then speak of directions, not of units.
-  Eigen::VectorXd d(F);
-  Eigen::MatrixXd m(F, F);
-  for (int i = 0; i < F; ++i) d[i] = std::sqrt(std::max(information(free[std::size_t(i)], free[std::size_t(i)]), 0.0));
-  for (int i = 0; i < F; ++i)
-    for (int j = 0; j < F; ++j) {
-      const double scale = d[i] * d[j];
-      m(i, j) = scale > 0 ? information(free[std::size_t(i)], free[std::size_t(j)]) / scale : 0;
-    }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
-  const double largest = eigen.eigenvalues()[F - 1];
-  out.eigenvalues = largest > 0 ? Eigen::VectorXd(eigen.eigenvalues() / largest) : Eigen::VectorXd::Zero(F);
-  constexpr double kSingular = 1e-13;  // below the rounding of J'J nothing is determined
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(F, F);
-  std::vector<bool> determined(std::size_t(F), true);
-  for (int e = 0; e < F; ++e) {
-    const auto v = eigen.eigenvectors().col(e);
-    if (out.eigenvalues[e] > kSingular) {
-      covariance += v * v.transpose() / eigen.eigenvalues()[e];
-    } else {
-      for (int i = 0; i < F; ++i)
-        if (v[i] * v[i] > 1e-6) determined[std::size_t(i)] = false;
-    }
-  }
-  for (int i = 0; i < F; ++i)
-    for (int j = 0; j < F; ++j)
-      if (determined[std::size_t(i)] && determined[std::size_t(j)])
-        out.global_covariance(free[std::size_t(i)], free[std::size_t(j)]) =
-            covariance(i, j) / (d[i] * d[j]) * problem.globals[std::size_t(free[std::size_t(i)])].scale *
-            problem.globals[std::size_t(free[std::size_t(j)])].scale;
-  for (int b = 0; b < B && L > 0; ++b) {
-    Eigen::MatrixXd of_free(F, L);
-    for (int i = 0; i < F; ++i)
-      of_free.row(i) = cross[std::size_t(b)].row(free[std::size_t(i)]) / (d[i] > 0 ? d[i] : 1);
-    const Eigen::MatrixXd variance = inverse[std::size_t(b)] + inverse[std::size_t(b)] * of_free.transpose() *
-                                                                   covariance * of_free *
-                                                                   inverse[std::size_t(b)].transpose();
-    for (int l = 0; l < L; ++l) {
-      const double scale = problem.locals[std::size_t(l)].scale;
-      out.local_variance(b, l) = variance(l, l) > 0 ? variance(l, l) * scale * scale : kNaN;
-    }
-  }
-}
-
 void quiet_glog() {
   static std::once_flag once;
   std::call_once(once, [] { FLAGS_minloglevel = 3; });
@@ -327,7 +250,14 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   for (std::size_t b = 0; b < locals.size(); ++b)
     for (std::size_t l = 0; l < problem.locals.size(); ++l)
       out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
-  if (out.usable && !held) covariances(problem, costs, x, locals, out);
+  if (!out.usable || held) return out;
+  std::vector<const Eigen::MatrixXd*> squares;
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const double* at[2] = {x.data(), locals[b].data()};
+    squares.push_back(costs[b].square_form(at));
+    if (!squares.back()) return out;
+  }
+  add_covariances(problem, squares, out);
   return out;
 }
 
@@ -346,21 +276,6 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
   }
   for (const Pull& p : problem.priors) sum += std::pow((globals[p.global] - p.value) * p.weight, 2);
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
-}
-
-Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  return inverse.asDiagonal() * covariance * inverse.asDiagonal();
-}
-
-double t_quantile_975(long dof) {
-  // Cornish-Fisher expansion of Student's t about the normal quantile; exact enough (1e-3) from 3 degrees of freedom
-  // on.
-  constexpr double z = 1.959963984540054;
-  if (dof < 3) return dof == 2 ? 4.302652729911275 : 12.706204736432095;
-  const double n = double(dof), z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
-  return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) +
-         (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
 }
 
 }  // namespace ukemi::identify

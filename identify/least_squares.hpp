@@ -70,10 +70,4 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
 /// The sum of squares at a point; infinite where a block cannot be evaluated.
 double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& options, const Eigen::VectorXd& globals);
 
-/// c_ij / sqrt(c_ii c_jj); NaN where the covariance is.
-Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance);
-
-/// t quantile at 97.5 % for n - p degrees of freedom: the half width of a 95 % interval in standard errors.
-double t_quantile_975(long degrees_of_freedom);
-
 }  // namespace ukemi::identify

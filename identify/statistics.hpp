@@ -1,4 +1,4 @@
-// Tests of residuals, each with a probability under the hypothesis that nothing is wrong.
+// Tests of residuals, each with a probability under the hypothesis that nothing is wrong; and a quantile.
 #pragma once
 
 #include <vector>
@@ -25,5 +25,8 @@ Moments moments(const std::vector<double>& series);
 
 /// Jarque and Bera's statistic, chi-squared with 2 degrees of freedom where the samples are normal.
 double jarque_bera(const Moments& m);
+
+/// t quantile at 97.5 % for n - p degrees of freedom: the half width of a 95 % interval in standard errors.
+double t_quantile_975(long degrees_of_freedom);
 
 }  // namespace ukemi::identify

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/covariance.hpp"
+#include "identify/statistics.hpp"
+
 namespace ukemi::identify {
 
 const char* name(Verdict v) {
