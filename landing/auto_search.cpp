@@ -1,5 +1,6 @@
 #include "landing/auto_search.hpp"
 
+#include "landing/population.hpp"
 #include "landing/solvers.hpp"
 
 namespace ukemi::landing {
@@ -13,7 +14,7 @@ struct Settings {
   int first = 128;                 ///< scouts that go anywhere; of the later ones
   double anywhere = 0.15;          ///< this share does, the others near a lead:
   double near = 0.3, by = 1;       ///< normal, with sizes from 10^-near down to 10^-by at first,
-  double at_last = 3;              ///< and down to 10^-at_last when the budget is spent
+  double at_last = 3;              ///< and down to 10^-at_last when they are spent
   double scouting = 0.6;           ///< share of the budget that scouts may take once they were
   long few = 2'500, many = 6'000;  ///< few motions; and how many they may be at most
   int smallest = 12;               ///< the first population; every restart has one more
@@ -46,7 +47,6 @@ AutoSearch::AutoSearch() {
 void AutoSearch::run(Search& search) {
   search_ = &search;
   random_ = Random(search.seed);
-  even_ = EvenPoints(random_);
   basins_.clear();
   scout();
   bool last = false;
@@ -79,11 +79,12 @@ void AutoSearch::scout() {
     return done >= kSet.many || (done >= kSet.few && search_->share() >= kSet.scouting);
   };
   for (std::array<Point3, kBatch> scouts; !search_->over() && !enough(); n += kBatch) {
-    const double by = kSet.by + (kSet.at_last - kSet.by) * search_->share();
+    const double spent = std::clamp(double(search_->motions()) / double(kSet.many), search_->share(), 1.0),
+                 by = kSet.by + (kSet.at_last - kSet.by) * spent;
     for (Point3& p : scouts) {
       const bool full = int(leads_.size()) == kSet.leads;
       if (n < kSet.first || leads_.empty() || random_.uniform() < kSet.anywhere) {
-        p = even_.next();
+        p = random_point(random_);
         p.bound = full ? leads_.back().value : kNoMotion;
       } else {  // the better a lead, the more follow it
         const Point3& l = leads_[std::size_t(random_.uniform() * random_.uniform() * double(leads_.size()))];
@@ -138,8 +139,8 @@ void AutoSearch::fill(int entrants, Goal goal, int places, double share) {
     if (search_->share() > enough && int(population_.size()) >= places) return;
     std::array<Point3, kBatch> fresh;
     for (Point3& p : fresh) {
-      p = even_.next();
-      for (int again = 0; again < 20 && known(p); ++again) p = even_.next();
+      p = random_point(random_);
+      for (int again = 0; again < 20 && known(p); ++again) p = random_point(random_);
     }
     enter(fresh, goal, places);
   }

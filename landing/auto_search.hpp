@@ -2,7 +2,7 @@
 //
 // What it is built for: an objective that is a maximum over time (a landing may be abandoned as soon as it is worse
 // than what it competes with), cheap in batches, with many basins, kinks along valleys and cliffs. So:
-//   1. scouts go anywhere, evenly, and close by the few best of those before them, the closer the less time is left:
+//   1. scouts go anywhere, and close by the few best of those before them, the closer the fewer are left:
 //      all there is time for in a hundredth of a second;
 //   2. a race of motions from anywhere, each followed only while it may belong to the best, gives a population
 //      (tolerant peaks: by the peak alone first, a lower bound that costs one landing);
@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "common/random.hpp"
-#include "landing/population.hpp"
 #include "landing/search.hpp"
 
 namespace ukemi::landing {
@@ -43,7 +42,6 @@ class AutoSearch {
   int size_ = 0;
   Search* search_ = nullptr;
   Random random_{0};
-  EvenPoints even_{random_};
   std::vector<Point3> population_, trials_, basins_, leads_;
 };
 

@@ -16,21 +16,6 @@ inline Point3 random_point(Random& r) {
   for (double& u : p.u) u = r.uniform();
   return p;
 }
-/// Points from anywhere, more even than random ones: a Kronecker sequence with the powers of 1 / g, g^4 = g + 1 (R_3 of
-/// Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), from a random start.
-class EvenPoints {
- public:
-  explicit EvenPoints(Random& r) : last_(random_point(r)) {}
-  Point3 next() {
-    constexpr double g = 1.2207440846057596;
-    constexpr std::array<double, 3> step = {1 / g, 1 / (g * g), 1 / (g * g * g)};
-    for (std::size_t k = 0; k < 3; ++k) last_.u[k] += step[k] - (last_.u[k] + step[k] >= 1);
-    return last_;
-  }
-
- private:
-  Point3 last_;
-};
 /// An index below n.
 inline int random_index(Random& r, int n) { return std::min(n - 1, int(r.uniform() * n)); }
 
