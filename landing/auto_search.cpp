@@ -12,7 +12,9 @@ struct Settings {
   int leads = 3;                   ///< that scouts follow at once
   double lead_apart = 0.15;        ///< of the box
   int first = 128;                 ///< scouts that go anywhere; of the later ones
-  double anywhere = 0.15;          ///< this share does, the others near a lead:
+  double anywhere = 0.15;          ///< this share does, and
+  long early = 1'000;              ///< beyond so many motions
+  double later = 0.5;              ///< this share, the others near a lead:
   double near = 0.3, by = 1;       ///< normal, with sizes from 10^-near down to 10^-by at first,
   double at_last = 3;              ///< and down to 10^-at_last when they are spent
   double scouting = 0.6;           ///< share of the budget that scouts may take once they were
@@ -80,10 +82,11 @@ void AutoSearch::scout() {
   };
   for (std::array<Point3, kBatch> scouts; !search_->over() && !enough(); n += kBatch) {
     const double spent = std::clamp(double(search_->motions()) / double(kSet.many), search_->share(), 1.0),
-                 by = kSet.by + (kSet.at_last - kSet.by) * spent;
+                 by = kSet.by + (kSet.at_last - kSet.by) * spent,
+                 anywhere = search_->motions() < kSet.early ? kSet.anywhere : kSet.later;
     for (Point3& p : scouts) {
       const bool full = int(leads_.size()) == kSet.leads;
-      if (n < kSet.first || leads_.empty() || random_.uniform() < kSet.anywhere) {
+      if (n < kSet.first || leads_.empty() || random_.uniform() < anywhere) {
         p = random_point(random_);
         p.bound = full ? leads_.back().value : kNoMotion;
       } else {  // the better a lead, the more follow it
