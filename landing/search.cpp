@@ -67,10 +67,11 @@ Point3 Search::settle(double accuracy, double deadline) {
   few_.fill({});
   // A tolerant peak fills the lanes by itself.
   const std::size_t at_once = objective_.options().goal == Goal::kPeak ? 4 : 1;
-  for (std::size_t i = 0; i < found.size() && found[i].value < few_[0].value && !objective_.late(); i += at_once) {
-    Few again = found;
-    for (Point3& p : again) p.bound = few_[0].value;
-    play(std::span(again).subspan(i, at_once));
+  Few again = found;
+  for (std::size_t i = 0; i < again.size() && found[i].value < few_[0].value && !objective_.late(); i += at_once) {
+    const auto part = std::span(again).subspan(i, at_once);
+    for (Point3& p : part) p.bound = few_[0].value;
+    play(part);
   }
   if (few_[0].value > found[0].value * (1 + kFallen)) {
     // Back from the edge: a population about the place where it seemed to be, from a hundredth of the box down to its
@@ -85,9 +86,9 @@ Point3 Search::settle(double accuracy, double deadline) {
       evolve([this](std::span<Point3> p) { play(p); }, random, population, trials, {});
   }
   objective_.set_accuracy(searched);
-  if (few_[0].value >= kNoMotion) return found[0];  // the deadline came before anything was evaluated anew
   Point3 best;
-  for (Point3 p : few_) {
+  // Where nothing stood in the lanes, or the deadline came before, what was found is judged.
+  for (Point3 p : few_[0].value < kNoMotion ? few_ : found) {
     if (p.value >= best.value) break;
     p.value = std::max(p.value, objective_.verified(objective_.motion(p), accuracy, best.value));
     if (p < best) best = p;
