@@ -30,6 +30,10 @@ struct Settings {
   int trial_period = 12;    ///< generations that every population gets
   double behind = 1.12;     ///< given up where its best is this much worse than the best of all
   double finest = 1e-7;     ///< side where nothing is left to find
+  int global = 3;           ///< populations that start anywhere; of the later ones
+  double close = 0.5;       ///< this share starts in a box about a basin, of
+  double side = 0.15;       ///< this side; it is one of those within
+  double nearly = 1.06;     ///< this of the best
   int refinement = 3;  ///< the best basin is searched once more after this many populations, four times as many, ...
   double late = 0.8;   ///< and once more when this share of the budget is spent
 };
@@ -50,10 +54,12 @@ void AutoSearch::run(Search& search) {
   search_ = &search;
   random_ = Random(search.seed);
   basins_.clear();
+  choose_region(0);
   scout();
   bool last = false;
   for (int n = 1, next_refinement = kSet.refinement; !search.over(); ++n) {
     size_ = std::min(kSet.largest, kSet.smallest + n - 1);
+    choose_region(n);
     race(kSet.race_share);
     converge(kSet.converged, !basins_.empty());
     remember();
@@ -112,11 +118,34 @@ void AutoSearch::lead(const Point3& p) {
   std::sort(leads_.begin(), leads_.end());
 }
 
-bool AutoSearch::known(const Point3& p) const {
-  return std::any_of(basins_.begin(), basins_.end(), [&](const Point3& b) { return distance(b, p) < kSet.apart; });
+/// The basin that a point lies in; none: the end.
+std::vector<Point3>::iterator AutoSearch::basin_of(const Point3& p) {
+  return std::find_if(basins_.begin(), basins_.end(), [&](const Point3& b) { return distance(b, p) < kSet.apart; });
 }
 
-/// The best of many random motions, each followed only while it may be one of them; at most that share of the budget.
+/// Where the n-th population starts: anywhere, or about one of the best basins, the better the more often. A crack too
+/// thin for a race over the whole box is found in a race beside it.
+void AutoSearch::choose_region(int n) {
+  centre_.u = {0.5, 0.5, 0.5}, side_ = 1;
+  if (n <= kSet.global || basins_.empty() || random_.uniform() >= kSet.close) return;
+  const auto good = std::count_if(basins_.begin(), basins_.end(),
+                                  [&](const Point3& b) { return b.value < kSet.nearly * search_->best().value; });
+  centre_ = basins_[std::size_t(random_.uniform() * random_.uniform() * double(good))], side_ = kSet.side;
+}
+
+/// A motion of the region, away from the known basins.
+Point3 AutoSearch::fresh() {
+  Point3 p;
+  for (int attempt = 0; attempt <= 20; ++attempt) {
+    for (std::size_t k = 0; k < p.u.size(); ++k)
+      p.u[k] = std::clamp(centre_.u[k] + side_ * (random_.uniform() - 0.5), 0.0, 1.0);
+    if (basin_of(p) == basins_.end()) break;
+  }
+  return p;
+}
+
+/// The best of many motions of the region, each followed only while it may be one of them; at most that share of the
+/// budget.
 void AutoSearch::race(double share) {
   const Goal goal = search_->objective().options().goal;
   const long left = search_->budget().motions - search_->motions();
@@ -135,17 +164,14 @@ void AutoSearch::race(double share) {
   }
 }
 
-/// Motions from anywhere, away from the known basins, for `places` places.
+/// Fresh motions for `places` places.
 void AutoSearch::fill(int entrants, Goal goal, int places, double share) {
   const double enough = search_->share() + share;
   for (int n = 0; n < entrants && !search_->over(); n += kBatch) {
     if (search_->share() > enough && int(population_.size()) >= places) return;
-    std::array<Point3, kBatch> fresh;
-    for (Point3& p : fresh) {
-      p = random_point(random_);
-      for (int again = 0; again < 20 && known(p); ++again) p = random_point(random_);
-    }
-    enter(fresh, goal, places);
+    std::array<Point3, kBatch> entering;
+    for (Point3& p : entering) p = fresh();
+    enter(entering, goal, places);
   }
 }
 
@@ -159,29 +185,30 @@ void AutoSearch::enter(std::span<Point3> points, Goal goal, int places) {
   population_.resize(std::min(population_.size(), std::size_t(places)));
 }
 
-/// Generations until the population is as small as `side`, or has fallen behind.
+/// Generations until the population is as small as `side`, or has fallen behind, or into a basin that is known.
 void AutoSearch::converge(double side, bool may_give_up) {
   if (int(population_.size()) < size_) return;
   trials_.resize(population_.size());
   for (int generation = 0; !search_->over() && spread(population_) > side; ++generation) {
     evolve([this](std::span<Point3> p) { search_->evaluate(p); }, random_, population_, trials_, {});
     if (!may_give_up || generation < kSet.trial_period) continue;
-    const double best = std::min_element(population_.begin(), population_.end())->value;
+    const Point3& best = *std::min_element(population_.begin(), population_.end());
+    const bool gathered = spread(population_) < 0.1;
     const double grace = 1 + (kSet.behind - 1) * std::pow(0.9, generation - kSet.trial_period);
-    if (best > search_->best().value * (spread(population_) < 0.1 ? grace : kSet.behind)) return;
+    if (best.value > search_->best().value * (gathered ? grace : kSet.behind)) return;
+    if (const auto b = basin_of(best); gathered && b != basins_.end() && b->value <= best.value) return;
   }
 }
 
 void AutoSearch::remember() {
   if (population_.empty()) return;
   const Point3& best = *std::min_element(population_.begin(), population_.end());
-  const auto same =
-      std::find_if(basins_.begin(), basins_.end(), [&](const Point3& b) { return distance(b, best) < kSet.apart; });
-  if (same != basins_.end()) {
+  if (const auto same = basin_of(best); same != basins_.end()) {
     if (best < *same) *same = best;
   } else if (basins_.size() < kBasins) {
     basins_.push_back(best);
   }
+  std::sort(basins_.begin(), basins_.end());
 }
 
 /// A population close by the best of all.

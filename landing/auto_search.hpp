@@ -8,8 +8,8 @@
 //      (tolerant peaks: by the peak alone first, a lower bound that costs one landing);
 //   3. the population converges by differential evolution (population.hpp), whose trials are abandoned at their
 //      parent's value; it needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys;
-//   4. one that falls behind the best so far is given up; one that converges is a basin, and the next race keeps away
-//      from it;
+//   4. one that falls behind the best so far, or into a known basin, is given up; one that converges is a basin, and
+//      the next races keep away from it: half of them anywhere, half close by the best basins, where thin cracks are;
 //   5. now and then, and at the end, the best basin is searched once more from close by.
 #pragma once
 
@@ -29,7 +29,9 @@ class AutoSearch {
   void run(Search& search);
 
  private:
-  bool known(const Point3& p) const;
+  std::vector<Point3>::iterator basin_of(const Point3& p);
+  void choose_region(int n);
+  Point3 fresh();
   void scout();
   void lead(const Point3& p);
   void race(double share);
@@ -40,6 +42,8 @@ class AutoSearch {
   void refine();
 
   int size_ = 0;
+  Point3 centre_;  // of the region where the next race is run
+  double side_ = 1;
   Search* search_ = nullptr;
   Random random_{0};
   std::vector<Point3> population_, trials_, basins_, leads_;
