@@ -35,7 +35,7 @@ struct Settings {
   double side = 0.15;       ///< this side; it is one of those within
   double nearly = 1.06;     ///< this of the best
   int refinement = 3;  ///< the best basin is searched once more after this many populations, four times as many, ...
-  double late = 0.8;   ///< and once more when this share of the budget is spent
+  double late = 0.7;   ///< and once more when this share of the budget is spent
 };
 constexpr Settings kSet;
 constexpr int kBatch = 16;
@@ -56,15 +56,15 @@ void AutoSearch::run(Search& search) {
   basins_.clear();
   choose_region(0);
   scout();
-  bool last = false;
+  refined_last_ = false;
   for (int n = 1, next_refinement = kSet.refinement; !search.over(); ++n) {
     size_ = std::min(kSet.largest, kSet.smallest + n - 1);
     choose_region(n);
     race(kSet.race_share);
-    converge(kSet.converged, !basins_.empty());
+    converge(kSet.converged, true);
     remember();
-    if (!search.over() && (n == next_refinement || (!last && search.share() > kSet.late))) {
-      last = search.share() > kSet.late;
+    if (!search.over() && (n == next_refinement || ending())) {
+      refined_last_ = search.share() > kSet.late;
       next_refinement *= 4;
       refine();
     }
@@ -185,14 +185,20 @@ void AutoSearch::enter(std::span<Point3> points, Goal goal, int places) {
   population_.resize(std::min(population_.size(), std::size_t(places)));
 }
 
-/// Generations until the population is as small as `side`, or has fallen behind, or into a basin that is known.
+/// The time has come for the best basin's last refinement.
+bool AutoSearch::ending() const { return !refined_last_ && search_->share() > kSet.late; }
+
+/// Generations until the population is as small as `side`, or is given up: behind the best, in a basin that is known,
+/// or in the way of the last refinement.
 void AutoSearch::converge(double side, bool may_give_up) {
   if (int(population_.size()) < size_) return;
   trials_.resize(population_.size());
   for (int generation = 0; !search_->over() && spread(population_) > side; ++generation) {
     evolve([this](std::span<Point3> p) { search_->evaluate(p); }, random_, population_, trials_, {});
-    if (!may_give_up || generation < kSet.trial_period) continue;
+    if (!may_give_up) continue;
     const Point3& best = *std::min_element(population_.begin(), population_.end());
+    if (ending() && best.value > search_->best().value) return;
+    if (generation < kSet.trial_period) continue;
     const bool gathered = spread(population_) < 0.1;
     const double grace = 1 + (kSet.behind - 1) * std::pow(0.9, generation - kSet.trial_period);
     if (best.value > search_->best().value * (gathered ? grace : kSet.behind)) return;

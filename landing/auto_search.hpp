@@ -32,6 +32,7 @@ class AutoSearch {
   std::vector<Point3>::iterator basin_of(const Point3& p);
   void choose_region(int n);
   Point3 fresh();
+  bool ending() const;
   void scout();
   void lead(const Point3& p);
   void race(double share);
@@ -41,6 +42,7 @@ class AutoSearch {
   void remember();
   void refine();
 
+  bool refined_last_ = false;
   int size_ = 0;
   Point3 centre_;  // of the region where the next race is run
   double side_ = 1;
