@@ -91,14 +91,15 @@ TEST_CASE("batch: every instruction set gives the scalar path's peaks") {
   constexpr int kMotions = 300;
   std::vector<BatchCase> cases;
   for (int i = 0; i < kMotions; ++i) cases.push_back({&scene, &sea, draw(scene, 5, i)});
-  std::vector<LandingPeak> peaks(kMotions);
+  std::vector<LandingPeak> peaks(kMotions), tight;
+  for (const BatchCase& c : cases) tight.push_back(peak_acceleration(scene, sea, c.motion, {.accuracy = 1e-11}));
   for (const InstructionSet set : sets())
     for (const double accuracy : {1e-5, 1e-7}) {
       batch_peaks(cases, peaks, {.accuracy = accuracy}, 1, set);
       int off = 0, other = 0;
       for (int i = 0; i < kMotions; ++i) {
         const auto& p = peaks[std::size_t(i)];
-        const LandingPeak exact = peak_acceleration(scene, sea, cases[std::size_t(i)].motion, {.accuracy = 1e-11});
+        const LandingPeak& exact = tight[std::size_t(i)];
         REQUIRE(p.end == exact.end);
         off += std::abs(p.peak - exact.peak) > 10 * accuracy * exact.peak;
         other += p.peak_contact != exact.peak_contact;
@@ -110,13 +111,14 @@ TEST_CASE("batch: every instruction set gives the scalar path's peaks") {
     }
 }
 
-TEST_CASE("batch: a landing does not depend on its neighbours, on threads or on mixed scenes") {
+TEST_CASE("batch: neighbours, threads, mixed scenes and eight lanes for four change nothing") {
   const Scene paper = scene_of("paper"), hard = scene_of("hard");
   const SeaParameters<double> sea = table2();
   SeaParameters<double> soft = sea;
   soft.k_sea = 30, soft.tau_max = 5;
   std::vector<BatchCase> cases;
   for (int i = 0; i < 600; ++i) cases.push_back({i % 3 ? &paper : &hard, i % 2 ? &sea : &soft, draw(paper, 3, i)});
+  std::vector<LandingPeak> four;
   for (const InstructionSet set : sets()) {
     std::vector<LandingPeak> forward(cases.size()), backward(cases.size()), threaded(cases.size()), one(1);
     batch_peaks(cases, forward, {}, 1, set);
@@ -127,6 +129,9 @@ TEST_CASE("batch: a landing does not depend on its neighbours, on threads or on 
     for (std::size_t i = 0; i < cases.size(); ++i)
       differ += !same(forward[i], backward[cases.size() - 1 - i]) || !same(forward[i], threaded[i]);
     CHECK(differ == 0);
+    if (set == InstructionSet::kAvx2) four = forward;
+    if (set > InstructionSet::kAvx2)  // they round alike
+      CHECK(std::equal(forward.begin(), forward.end(), four.begin(), same));
     for (std::size_t i = 0; i < 20; ++i) {
       batch_peaks({&cases[i], 1}, one, {}, 1, set);
       CHECK(same(one[0], forward[i]));
