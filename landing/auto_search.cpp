@@ -96,7 +96,7 @@ void AutoSearch::scout() {
         p = random_point(random_);
         p.bound = full ? leads_.back().value : kNoMotion;
       } else {  // the better a lead, the more follow it
-        const Point3& l = leads_[std::size_t(random_.uniform() * random_.uniform() * double(leads_.size()))];
+        const Point3& l = leads_[low_index(random_, leads_.size())];
         p = beside(l, std::pow(10.0, -random_.uniform(kSet.near, by)), random_);
         p.bound = l.value;
       }
@@ -130,7 +130,7 @@ void AutoSearch::choose_region(int n) {
   if (n <= kSet.global || basins_.empty() || random_.uniform() >= kSet.close) return;
   const auto good = std::count_if(basins_.begin(), basins_.end(),
                                   [&](const Point3& b) { return b.value < kSet.nearly * search_->best().value; });
-  centre_ = basins_[std::size_t(random_.uniform() * random_.uniform() * double(good))], side_ = kSet.side;
+  centre_ = basins_[low_index(random_, std::size_t(good))], side_ = kSet.side;
 }
 
 /// A motion of the region, away from the known basins.

@@ -18,6 +18,8 @@ inline Point3 random_point(Random& r) {
 }
 /// An index below n.
 inline int random_index(Random& r, int n) { return std::min(n - 1, int(r.uniform() * n)); }
+/// An index below n (0 where n is 0), the lower the likelier.
+inline std::size_t low_index(Random& r, std::size_t n) { return std::size_t(r.uniform() * r.uniform() * double(n)); }
 
 /// Largest difference of two points in any variable, in parts of the box.
 inline double distance(const Point3& a, const Point3& b) {
