@@ -28,6 +28,8 @@ class BatchSource {
   virtual bool next(int lane, BatchCase& c) = 0;
   /// The lane's landing has ended.
   virtual void done(int lane, const LandingPeak& peak) = 0;
+  /// Asked every few dozen steps: true ends the run, and nobody is told of the landings under way.
+  virtual bool over() { return false; }
 };
 
 struct BatchOptions {
@@ -45,7 +47,8 @@ InstructionSet widest_instruction_set();
 /// Landings side by side: 2, 4, 8.
 constexpr int lanes(InstructionSet s) { return 2 << int(s); }
 
-/// Runs a source until every lane is without work. `set` must be one that the machine has. Allocates nothing.
+/// Runs a source until every lane is without work, or the source is over. `set` must be one that the machine has.
+/// Allocates nothing.
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
 
 /// The peaks of many landings; `threads` as everywhere: 0 for all cores, and without influence on the results.

@@ -43,7 +43,7 @@ class Objective::Race : public BatchSource {
   }
 
   bool next(int lane, BatchCase& c) override {
-    if (late_ || (late_ = o_.late())) return false;
+    if (over()) return false;
     int& mine = motion_[lane];
     if (mine < 0 || !open(std::size_t(mine))) mine = take();
     if (mine < 0) return false;
@@ -66,6 +66,8 @@ class Objective::Race : public BatchSource {
       if (peak.peak > points_[i].bound) failed_[i] = true;
     }
   }
+
+  bool over() override { return late_ = late_ || o_.late(); }
 
   /// Motions that the deadline cut off.
   void close() {
@@ -142,10 +144,13 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
 double Objective::verified(const Motion& m, double accuracy, double bound) const {
   double worst = 0;
   const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
+  // A deadline has no time for a landing that chatters without end.
+  const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
   if (peak_reference_rate(m) > options_.reference_rate) return kNoMotion;
   for (int k = 0; k < n && !late(); ++k) {
-    const LandingPeak p = peak_acceleration(scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
-                                            {.accuracy = accuracy, .abandon_above = bound, .limits = options_.limits});
+    const LandingPeak p = peak_acceleration(
+        scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
+        {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits});
     if (p.end == End::kFailed || p.end == End::kBroken) return kNoMotion;
     worst = std::max(worst, p.peak);
     if (worst > bound) break;

@@ -45,13 +45,13 @@ class Objective {
   Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
 
   Motion motion(const Point3& p) const;
-  /// Values of many motions. On one thread it allocates nothing. Landings that would begin after the deadline are not
-  /// followed: their motions come back with kNoMotion.
+  /// Values of many motions. On one thread it allocates nothing. The deadline cuts landings off: their motions come
+  /// back with kNoMotion.
   void evaluate(std::span<Point3> points, Goal goal);
   double deadline = std::numeric_limits<double>::infinity();  ///< on `watch` [s]
   Stopwatch watch;
   /// The value of one motion in the scalar path, limits included, as far as the deadline lets it be played; 0 where it
-  /// has passed.
+  /// has passed. With a deadline, a landing of very many steps counts as one that cannot be followed.
   double verified(const Motion& motion, double accuracy, double bound = kNoMotion) const;
 
   double accuracy() const { return options_.accuracy; }

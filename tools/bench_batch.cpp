@@ -107,37 +107,42 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
                table);
 
   CsvWriter late = run.csv();
-  late.header(
-      {"objective", "deadline_s", "calls", "median_late_ms", "q999_late_ms", "worst_late_ms", "within_5ms", "found"});
+  late.header({"objective", "deadline_s", "calls", "median_late_ms", "q999_late_ms", "worst_late_ms", "within_5ms",
+               "own_within_5ms", "found"});
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant})
     for (const double deadline : {0.05, 0.1}) {
       Planner planner(scene, sea, {.goal = goal});
-      std::vector<double> over;
+      std::vector<double> over, own;  // late by the clock, and by the time that the core was ours
       long found = 0;
       for (int i = 0; i < arguments.calls; ++i) {
         Random r(common.seed, std::uint64_t(i));
         Drop drop = scene.drop;
         drop.height += r.uniform(-0.1, 0.1), drop.pitch += r.uniform(-0.1, 0.1);
         drop.forward_speed += r.uniform(-0.2, 0.2);
-        const Stopwatch watch(Stopwatch::Time::kWall);
+        const Stopwatch watch(Stopwatch::Time::kWall), processor(Stopwatch::Time::kProcessor);
         found += planner.plan(drop, deadline, std::uint64_t(i)).found;
-        over.push_back(watch.seconds() - deadline);
+        over.push_back(watch.seconds() - deadline), own.push_back(processor.seconds() - deadline);
         run.progress("planner", i, arguments.calls);
       }
       std::sort(over.begin(), over.end());
       const auto at = [&](double q) {
         return 1e3 * over[std::min(over.size() - 1, std::size_t(q * double(over.size())))];
       };
-      const double within =
-          double(std::count_if(over.begin(), over.end(), [](double x) { return x <= 5e-3; })) / double(over.size());
+      const auto within = [](const std::vector<double>& times) {
+        return double(std::count_if(times.begin(), times.end(), [](double x) { return x <= 5e-3; })) /
+               double(times.size());
+      };
       const char* name = goal == Goal::kPeak ? "peak" : "tolerant";
-      late.cell(name).cell(deadline).cell(arguments.calls).cell(at(0.5)).cell(at(0.999)).cell(at(1)).cell(within);
-      late.cell(found).end_row();
-      run.say(fmt::format("planner, {}, {:g} s: {} calls, late by {:.2f} ms at most, {:.3f} within 5 ms, {} answered",
-                          name, deadline, arguments.calls, at(1), within, found));
+      late.cell(name).cell(deadline).cell(arguments.calls).cell(at(0.5)).cell(at(0.999)).cell(at(1)).cell(within(over));
+      late.cell(within(own)).cell(found).end_row();
+      run.say(
+          fmt::format("planner, {}, {:g} s: {} calls, late by {:.2f} ms at most, {:.3f} within 5 ms ({:.3f} by the "
+                      "time that the core was ours), {} answered",
+                      name, deadline, arguments.calls, at(1), within(over), within(own), found));
       summary["planner"].push_back({{"objective", name},
                                     {"deadline", deadline},
-                                    {"within_5ms", within},
+                                    {"within_5ms", within(over)},
+                                    {"own_within_5ms", within(own)},
                                     {"worst_late_ms", at(1)},
                                     {"found", found}});
     }

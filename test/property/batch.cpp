@@ -208,3 +208,36 @@ TEST_CASE("batch: what lanes cannot do goes to the scalar path") {
     CHECK(peaks[i].peak == Approx(p.peak).epsilon(1e-5));
   }
 }
+
+TEST_CASE("batch: a source that is over ends the run, whatever is under way") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  struct Endless : BatchSource {
+    bool next(int lane, BatchCase& c) override {
+      ++begun;
+      c = {scene, sea, motion[lane] = draw(*scene, 31, begun)};
+      return true;
+    }
+    void done(int lane, const LandingPeak& peak) override { ended.push_back({motion[lane], peak}); }
+    bool over() override { return ++asked == 20; }
+    const Scene* scene;
+    const SeaParameters<double>* sea;
+    int begun = 0, asked = 0;
+    std::array<Motion, lanes(InstructionSet::kAvx512)> motion;
+    std::vector<std::pair<Motion, LandingPeak>> ended;
+  };
+  for (const InstructionSet set : sets()) {
+    Endless source;
+    source.scene = &scene, source.sea = &sea;
+    run_batch(source, {}, set);
+    CHECK(source.asked == 20);
+    CHECK(!source.ended.empty());
+    CHECK(source.begun == int(source.ended.size()) + lanes(set));  // those under way are not reported
+    for (const auto& [motion, peak] : source.ended) {
+      const std::vector<BatchCase> one{{&scene, &sea, motion}};
+      std::vector<LandingPeak> alone(1);
+      batch_peaks(one, alone, {}, 1, set);
+      CHECK(same(peak, alone[0]));
+    }
+  }
+}
