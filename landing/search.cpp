@@ -27,10 +27,13 @@ void Search::evaluate(std::span<Point3> points, Goal goal) {
   const auto n = std::size_t(std::clamp<long>(budget_.motions - motions(), 0, long(points.size())));
   for (Point3& p : points.subspan(n)) p.value = kNoMotion;
   if (n == 0) return;
-  if (goal == objective_.options().goal)
+  if (goal == objective_.options().goal) {
     play(points.first(n));
-  else
+  } else {
     objective_.evaluate(points.first(n), goal);
+    for (const Point3& p : points.first(n))
+      if (p.value <= p.bound && p < screened_) screened_ = p;
+  }
   if (tell) tell(motions(), budget_.motions);
 }
 
@@ -59,10 +62,14 @@ void Search::keep(const Point3& p) {
 
 Point3 Search::settle(double accuracy, double deadline) {
   constexpr double kFallen = 1e-3, kTight = 1e-9;
+  objective_.deadline = deadline;
+  if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) {
+    screened_.bound = kNoMotion;
+    play({&screened_, 1});
+  }
   if (few_[0].value >= kNoMotion) return few_[0];
   const double searched = objective_.accuracy();
   const Few found = few_;
-  objective_.deadline = deadline;
   objective_.set_accuracy(kTight);
   few_.fill({});
   // A tolerant peak fills the lanes by itself.

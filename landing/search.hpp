@@ -37,14 +37,15 @@ class Search {
 
   /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion.
   void evaluate(std::span<Point3> points);
-  /// The same for another goal than the search's own: what only screens is never taken for a result.
+  /// The same for another goal than the search's own: what only screens is no result until it is played again.
   void evaluate(std::span<Point3> points, Goal goal);
   const Point3& best() const { return few_[0]; }
 
   /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
   /// be beside it: the best few are evaluated anew at 1e-9, and where they have fallen, the search steps back from the
-  /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. All this until `deadline` on the
-  /// objective's watch: what it cuts off is not judged, and where it comes first of all, the search's own value stands.
+  /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where there was time for screening
+  /// alone, the best of that is played first. All this until `deadline` on the objective's watch: what it cuts off is
+  /// not judged, and where it comes first of all, the search's own value stands.
   Point3 settle(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
@@ -65,7 +66,8 @@ class Search {
   double milestone_ = kNoMotion;  ///< and what it was then
   std::vector<Progress>* progress_;
   using Few = std::array<Point3, 12>;
-  Few few_;  ///< the best that are apart, in order
+  Few few_;          ///< the best that are apart, in order
+  Point3 screened_;  ///< the best by another goal
 };
 
 }  // namespace ukemi::landing

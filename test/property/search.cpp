@@ -102,6 +102,21 @@ TEST_CASE("search: what no longer keeps the limits when it is judged is no answe
   }
 }
 
+TEST_CASE("search: where time was for screening alone, the best of that is played") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  Objective o(scene, sea, {.goal = Goal::kTolerant});
+  Search s(o, {}, 1);
+  Random r(6);
+  std::vector<Point3> points;
+  for (int i = 0; i < 20; ++i) points.push_back(random_point(r));
+  s.evaluate(points, Goal::kPeak);
+  CHECK(s.best().value >= kNoMotion);
+  const Point3 best = *std::min_element(points.begin(), points.end()), settled = s.settle(1e-9);
+  CHECK(settled.u == best.u);
+  CHECK(settled.value == Approx(o.verified(o.motion(best), 1e-9)).epsilon(1e-7));
+}
+
 TEST_CASE("search: every solver keeps its budget of motions and of time, and repeats itself") {
   const Scene scene = scene_of("paper");
   const SeaParameters<double> sea = table2();
