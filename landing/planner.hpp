@@ -31,7 +31,7 @@ class Planner {
   Planner& operator=(const Planner&) = delete;
 
   /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0; the
-  /// answer comes a landing's own time after it at most). Throws InputError for a deadline that is not above 0.
+  /// answer comes 3 ms after it at most). Throws InputError for a deadline that is not above 0.
   [[nodiscard]] Plan plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
 
  private:

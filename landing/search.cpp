@@ -62,11 +62,13 @@ void Search::keep(const Point3& p) {
 
 Point3 Search::settle(double accuracy, double deadline) {
   constexpr double kFallen = 1e-3, kTight = 1e-9;
-  objective_.deadline = deadline;
+  constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
   if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) {
+    objective_.deadline = std::max(deadline, objective_.watch.seconds() + kLast);
     screened_.bound = kNoMotion;
     play({&screened_, 1});
   }
+  objective_.deadline = deadline;
   if (few_[0].value >= kNoMotion) return few_[0];
   const double searched = objective_.accuracy();
   const Few found = few_;

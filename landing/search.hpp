@@ -44,8 +44,8 @@ class Search {
   /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
   /// be beside it: the best few are evaluated anew at 1e-9, and where they have fallen, the search steps back from the
   /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where there was time for screening
-  /// alone, the best of that is played first. All this until `deadline` on the objective's watch: what it cuts off is
-  /// not judged, and where it comes first of all, the search's own value stands.
+  /// alone, the best of that is played first, for 3 ms if need be. All else until `deadline` on the objective's watch:
+  /// what it cuts off is not judged, and where it comes first of all, the search's own value stands.
   Point3 settle(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;

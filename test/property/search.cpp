@@ -112,7 +112,10 @@ TEST_CASE("search: where time was for screening alone, the best of that is playe
   for (int i = 0; i < 20; ++i) points.push_back(random_point(r));
   s.evaluate(points, Goal::kPeak);
   CHECK(s.best().value >= kNoMotion);
-  const Point3 best = *std::min_element(points.begin(), points.end()), settled = s.settle(1e-9);
+  const Point3 best = *std::min_element(points.begin(), points.end());
+  const double passed = o.watch.seconds();  // even where the deadline has
+  CHECK(s.settle(1e-9, passed).u == best.u);
+  const Point3 settled = s.settle(1e-9);
   CHECK(settled.u == best.u);
   CHECK(settled.value == Approx(o.verified(o.motion(best), 1e-9)).epsilon(1e-7));
 }
