@@ -106,8 +106,13 @@ struct Pack {
  private:
   template <class Compared>
   UKEMI_INLINE static Mask<W> of(const Compared& c) {
+    using Truth = typename Mask<W>::Lanes;
     Mask<W> m;
-    m.v = (typename Mask<W>::Lanes)c;
+    if constexpr (W >
+                  4)  // AVX-512: GCC 12 takes truths that meet as integers apart, lane by lane; a choice it does not
+      m.v = (Truth)(c ? (Lanes)(Truth{} - 1) : Lanes{});
+    else
+      m.v = (Truth)c;
     return m;
   }
 };
@@ -136,15 +141,15 @@ UKEMI_INLINE void assign(Pack<W>& x, const Mask<W>& where, const Pack<W>& value)
 
 template <int W>
 UKEMI_INLINE Pack<W> abs(const Pack<W>& x) {
-  return select(x < Pack<W>(0.0), -x, x);
+  return Pack<W>(typename Pack<W>::Lanes(x.v < 0 ? -x.v : x.v));
 }
 template <int W>
 UKEMI_INLINE Pack<W> min(const Pack<W>& a, const Pack<W>& b) {
-  return select(a < b, a, b);
+  return Pack<W>(typename Pack<W>::Lanes(a.v < b.v ? a.v : b.v));
 }
 template <int W>
 UKEMI_INLINE Pack<W> max(const Pack<W>& a, const Pack<W>& b) {
-  return select(a > b, a, b);
+  return Pack<W>(typename Pack<W>::Lanes(a.v > b.v ? a.v : b.v));
 }
 template <int W>
 UKEMI_INLINE Pack<W> sqrt(const Pack<W>& x) {

@@ -1,5 +1,7 @@
 #include "landing/batch.hpp"
 
+#include <atomic>
+
 #include "common/error.hpp"
 #include "common/parallel.hpp"
 #include "landing/batch_entry.hpp"
@@ -21,6 +23,11 @@ InstructionSet widest_instruction_set() {
 #endif
 }
 
+InstructionSet quickest_instruction_set(std::size_t landings) {
+  constexpr std::size_t kWide = 12;
+  return landings < kWide ? std::min(widest_instruction_set(), InstructionSet::kAvx2) : widest_instruction_set();
+}
+
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set) {
   switch (std::min(set, widest_instruction_set())) {
     case InstructionSet::kAvx512:
@@ -33,13 +40,15 @@ void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet 
 }
 
 namespace {
-/// The cases in order, to whichever lane is free.
+/// The cases in order, to whichever lane of whichever thread is free.
 class Queue : public BatchSource {
  public:
-  Queue(std::span<const BatchCase> cases, std::span<LandingPeak> peaks) : cases_(cases), peaks_(peaks) {}
+  Queue(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, std::atomic<std::size_t>& next)
+      : cases_(cases), peaks_(peaks), next_(next) {}
   bool next(int lane, BatchCase& c) override {
-    if (next_ == cases_.size()) return false;
-    c = cases_[in_lane_[lane] = next_++];
+    const std::size_t i = in_lane_[lane] = next_++;
+    if (i >= cases_.size()) return false;
+    c = cases_[i];
     return true;
   }
   void done(int lane, const LandingPeak& peak) override { peaks_[in_lane_[lane]] = peak; }
@@ -47,20 +56,26 @@ class Queue : public BatchSource {
  private:
   std::span<const BatchCase> cases_;
   std::span<LandingPeak> peaks_;
-  std::size_t next_ = 0;
+  std::atomic<std::size_t>& next_;
   std::array<std::size_t, lanes(InstructionSet::kAvx512)> in_lane_{};
 };
 }  // namespace
 
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
                  int threads, InstructionSet set) {
+  if (cases.empty()) return;
   BatchOptions o = options;
-  for (const BatchCase& c : cases) o.extended = o.extended || is_extended(*c.sea);
-  constexpr std::size_t kChunk = 256;
-  const int chunks = int((cases.size() + kChunk - 1) / kChunk);
-  parallel_for(chunks, threads, [&](int i) {
-    const std::size_t first = std::size_t(i) * kChunk, n = std::min(kChunk, cases.size() - first);
-    Queue queue(cases.subspan(first, n), peaks.subspan(first, n));
+  std::size_t motor_side = 0;
+  for (const BatchCase& c : cases) {
+    o.extended = o.extended || is_extended(*c.sea);
+    motor_side += c.sea->feedback == Feedback::kMotor;
+  }
+  o.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
+  constexpr std::size_t kPart = 256;  // a thread is not worth its start for fewer
+  const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
+  std::atomic<std::size_t> next{0};
+  parallel_for(parts, parts, [&](int) {
+    Queue queue(cases, peaks, next);
     run_batch(queue, o, set);
   });
 }

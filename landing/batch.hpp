@@ -33,9 +33,10 @@ class BatchSource {
 };
 
 struct BatchOptions {
-  double accuracy = 1e-5;  ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
-  Limits limits;           ///< see SimulateOptions
-  bool extended = false;   ///< some actuator has friction, a stiffening spring or motor-side feedback
+  double accuracy = 1e-5;                 ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
+  Limits limits;                          ///< see SimulateOptions
+  bool extended = false;                  ///< some actuator has friction, a stiffening spring or motor-side feedback
+  Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
   enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
   long max_steps = 20'000;  ///< steps of a lane; the scalar path has 200,000, and may go implicit
 };
@@ -46,12 +47,15 @@ inline constexpr std::array<const char*, 3> kInstructionSetNames = {"baseline", 
 InstructionSet widest_instruction_set();
 /// Landings side by side: 2, 4, 8.
 constexpr int lanes(InstructionSet s) { return 2 << int(s); }
+/// The quickest for so many landings: eight lanes of which half stand empty are slower than four.
+InstructionSet quickest_instruction_set(std::size_t landings);
 
 /// Runs a source until every lane is without work, or the source is over. `set` must be one that the machine has.
 /// Allocates nothing.
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
 
-/// The peaks of many landings; `threads` as everywhere: 0 for all cores, and without influence on the results.
+/// The peaks of many landings, by the kernel that holds the terms of all of them; `threads` as everywhere: 0 for all
+/// cores, and without influence on the results.
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
                  int threads = 1, InstructionSet set = widest_instruction_set());
 

@@ -33,7 +33,10 @@ class BatchEngine {
   static constexpr int kGuards = System::kGuards;
 
  public:
-  BatchEngine(BatchSource& source, const BatchOptions& options) : source_(source), options_(options) {}
+  BatchEngine(BatchSource& source, const BatchOptions& options) : source_(source), options_(options) {
+    system_.sea.feedback = options.feedback;
+    for (int i = 0; i < W; ++i) empty(i);
+  }
 
   void run() {
     for (int i = 0; i < W; ++i) load(i);
@@ -56,13 +59,13 @@ class BatchEngine {
       active_.set(i, false);
       if (!source_.next(i, c)) {
         step_.h.set(i, 0), h_next_.set(i, 0), cut_.set(i, false);
+        empty(i);
         return;
       }
       case_[i] = c;
       const Scene& scene = *c.scene;
       const double g = scene.robot.gravity, limit = scene.t_end.value_or(Scene::kFollow);
-      if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) ||
-          (c.sea->feedback != system_.sea.feedback && any(active_))) {
+      if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || c.sea->feedback != options_.feedback) {
         hand_over(i);
         continue;
       }
@@ -86,7 +89,6 @@ class BatchEngine {
       Floor<T>::for_each(system_.floor, single.floor, set);
       SeaParameters<T>::for_each(system_.sea, single.sea, set);
       MotionOf<T>::for_each(system_.motion, single.motion, set);
-      system_.sea.feedback = c.sea->feedback;
       for (int j = 0; j < kPoints; ++j)
         system_.present[j].set(i, single.present[j]), set_lane(system_.contact[j], i, Contact::kClear);
       set_lane(system_.saturation, i, single.saturation);
@@ -100,11 +102,16 @@ class BatchEngine {
       h_next_.set(i, is_ballistic(scene) ? 1e-3 : 1e-2);
       rest_scale_.set(i, impact_energy(single));
       limit_.set(i, limit), motion_end_.set(i, kNever);
-      abandon_square_.set(i, c.abandon_above * c.abandon_above);
+      abandon_square_.set(i, c.abandon_above * c.abandon_above), steps_.set(i, 0);
       active_.set(i, true), stale_.set(i, true), cut_.set(i, false), rejected_.set(i, false);
-      t_event_[i] = -1, immediate_[i] = 0, steps_[i] = 0, cuts_[i] = 0;
+      t_event_[i] = -1, immediate_[i] = 0, cuts_[i] = 0;
       return;
     }
+  }
+
+  /// A state for a lane without a landing that costs its neighbours nothing: angles that are no numbers, or large, do.
+  void empty(int i) {
+    for (int k = 0; k < kMechanical; ++k) step_.y[k].set(i, 0), step_.slope[k].set(i, 0), unit_[k].set(i, 1);
   }
 
   /// The scalar path follows the lane's landing.
@@ -121,7 +128,7 @@ class BatchEngine {
       hand_over(i);
     } else {
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
-      out.work.steps = steps_[i];
+      out.work.steps = long(steps_[i]);
       for (int k = 0; k < kMechanical; ++k) out.state[k] = step_.y[k][i];
       source_.done(i, out);
     }
@@ -168,6 +175,7 @@ class BatchEngine {
   Crossing first_crossing(int i) const {
     Crossing first;
     for (int g = 0; g < kGuards; ++g) {
+      if (!near_[g][i]) continue;
       const Node a = integrate::start_node(start_.value[g][i], start_.rate[g][i] * step_.h[i]),
                  b{1, end_.value[g][i], end_.rate[g][i] * step_.h[i]};
       const double s = integrate::zero_between(
@@ -284,7 +292,7 @@ class BatchEngine {
     for (int k = 0; k < kGuards; ++k) {
       const T third(1.0 / 3), a = start_.value[k], b = end_.value[k];
       const T inner = min(a + step_.h * third * start_.rate[k], b - step_.h * third * end_.rate[k]);
-      near |= (b <= T(0.0)) | (inner <= T(0.0));
+      near |= near_[k] = (b <= T(0.0)) | (inner <= T(0.0));
     }
     near &= accepted_;
     event_ = M(false), shift_ = T(0.0);
@@ -362,16 +370,12 @@ class BatchEngine {
     }
     const M rest = plain & at_rest(system_, step_.y, step_.slope, square_, rest_scale_);
     const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
-    const M special = event_ | over | abandoned | broken | rest | tiny;
-    for (int i = 0; i < W; ++i) steps_[i] += active_[i];
-    if (!any(special)) {
-      for (int i = 0; i < W; ++i)
-        if (active_[i] && steps_[i] > options_.max_steps) finish(i, End::kFailed);
-      return;
-    }
+    steps_ += select(active_, T(1.0), T(0.0));
+    const M failed = tiny | (active_ & (steps_ > T(double(options_.max_steps))));
+    if (!any(event_ | over | abandoned | broken | rest | failed)) return;
     for (int i = 0; i < W; ++i) {
       if (!active_[i]) continue;
-      if (steps_[i] > options_.max_steps || tiny[i])
+      if (failed[i])
         finish(i, End::kFailed);
       else if (abandoned[i])
         finish(i, End::kAbandoned);
@@ -396,12 +400,12 @@ class BatchEngine {
   integrate::Step<integrate::DormandPrince54, T, kMechanical> step_;
   typename System::GuardValues start_, end_;
   T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, limit_{0.0}, motion_end_{0.0}, abandon_square_{0.0};
-  T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, rest_scale_{0.0};
+  T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, rest_scale_{0.0}, steps_{0.0};
   M active_, stale_, cut_, rejected_, accepted_, event_, last_;
   std::array<T, kMechanical> unit_;
+  std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step
   std::array<int, W> target_{}, immediate_{}, cuts_{};
   std::array<double, W> t_event_{};  ///< the instant that immediate_ counts at
-  std::array<long, W> steps_{};
   std::array<BatchCase, W> case_{};
   std::array<LandingPeak, W> out_{};
 };

@@ -92,7 +92,7 @@ class LandingSystem {
   /// turn.
   UKEMI_INLINE Pose<T> pose(const State& y) const {
     // Angles that compare equal may still differ in their derivatives.
-    if (kDerivatives < T >> 0 || any(y[kTheta0] != theta0_) || any(y[kTheta1] != theta1_)) {
+    if (kDerivatives < T >> 0 || any((y[kTheta0] != theta0_) | (y[kTheta1] != theta1_))) {
       theta0_ = y[kTheta0], theta1_ = y[kTheta1];
       turn_ = sin_cos(theta0_, theta1_);
     }

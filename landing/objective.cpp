@@ -120,13 +120,14 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
   const BatchOptions batch{.accuracy = options_.accuracy,
                            .limits = options_.limits,
                            .extended = extended_,
+                           .feedback = sea_.feedback,
                            .too_long = patient_ ? BatchOptions::Long::kScalar : BatchOptions::Long::kFail,
                            .max_steps = patient_ ? BatchOptions().max_steps : max_steps_};
   parallel_for(parts, options_.threads, [&](int i) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
     Race race(*this, points.subspan(a, b - a), goal);
-    run_batch(race, batch);
+    run_batch(race, batch, quickest_instruction_set((b - a) * (goal == Goal::kPeak ? 1 : kExecutionPoints)));
     race.close();
     landings += race.landings;
   });

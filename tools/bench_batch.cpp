@@ -21,7 +21,7 @@ using namespace landing;
 
 namespace {
 
-constexpr int kLandings = 2000;
+constexpr int kLandings = 6000;
 constexpr double kAbandon = 200;  ///< what a search on the paper's scene cares for after its first moments [m/s^2]
 
 struct Row {

@@ -139,6 +139,25 @@ TEST_CASE("batch: neighbours, threads, mixed scenes and eight lanes for four cha
   }
 }
 
+TEST_CASE("batch: landings that only some kernels hold change nothing by their order or the threads") {
+  const Scene paper = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  SeaParameters<double> other = sea;
+  other.feedback = Feedback::kMotor;
+  std::vector<BatchCase> cases;
+  for (int i = 0; i < 600; ++i) cases.push_back({&paper, i % 5 ? &sea : &other, draw(paper, 4, i)});
+  const std::vector<BatchCase> turned(cases.rbegin(), cases.rend());
+  for (const InstructionSet set : sets()) {
+    std::vector<LandingPeak> forward(cases.size()), backward(cases.size()), threaded(cases.size());
+    batch_peaks(cases, forward, {}, 1, set);
+    batch_peaks(turned, backward, {}, 1, set);
+    batch_peaks(cases, threaded, {}, 3, set);
+    CHECK(std::equal(forward.begin(), forward.end(), backward.rbegin(), same));
+    CHECK(std::equal(forward.begin(), forward.end(), threaded.begin(), same));
+    CHECK(forward[0].peak == Approx(peak_acceleration(paper, other, cases[0].motion).peak).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("batch: a landing is abandoned above its bound and only there") {
   const Scene scene = scene_of("paper");
   const SeaParameters<double> sea = table2();
