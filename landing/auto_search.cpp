@@ -9,21 +9,23 @@ namespace {
 
 /// Chosen by the gap to the best known: ten scenes, 0.03 to 1 s, five to sixty seeds that no table reports.
 struct Settings {
-  int leads = 3;                   ///< that scouts follow at once
+  int leads = 2;                   ///< that scouts follow at once
   double lead_apart = 0.15;        ///< of the box
   int first = 128;                 ///< scouts that go anywhere; of the later ones
-  double anywhere = 0.15;          ///< this share does, and
+  double anywhere = 0.1;           ///< this share does, and
   long early = 1'000;              ///< beyond so many motions
   double later = 0.5;              ///< this share, the others near a lead:
-  double near = 0.3, by = 1;       ///< normal, with sizes from 10^-near down to 10^-by at first,
+  double near = 0.6, by = 1;       ///< normal, with sizes from 10^-near down to 10^-by at first,
   double at_last = 3;              ///< and down to 10^-at_last when they are spent
-  double scouting = 0.6;           ///< share of the budget that scouts may take once they were
-  long few = 2'500, many = 6'000;  ///< few motions; and how many they may be at most
-  int smallest = 12;               ///< the first population; every restart has one more
+  double scouting = 0.7;           ///< share of the budget that scouts may take once they were
+  long few = 1'500, many = 6'000;  ///< few motions; and how many they may be at most
+  int best_scouts = 24;            ///< make the first population,
+  double scouts_apart = 0.01;      ///< so far apart
+  int smallest = 12;               ///< the first that races; every restart has one more
   int largest = 32;
   int race = 60;            ///< motions that race for a place in it
   double race_share = 0.2;  ///< of the budget that one race may take; the scouts' first:
-  double first_share = 0.5;
+  double first_share = 0.3;
   int screen = 300;         ///< the same for tolerant peaks, by the peak alone: one landing each
   double converged = 1e-4;  ///< side of a population that has found its basin
   double apart = 0.04;      ///< basins are further apart than this
@@ -45,6 +47,7 @@ constexpr std::size_t kBasins = 64;
 
 AutoSearch::AutoSearch() {
   population_.reserve(std::size_t(2 * kSet.largest + kBatch));
+  static_assert(kSet.best_scouts <= kSet.largest);
   trials_.reserve(population_.capacity());
   basins_.reserve(kBasins);
   leads_.reserve(std::size_t(kSet.leads));
@@ -55,8 +58,11 @@ void AutoSearch::run(Search& search) {
   random_ = Random(search.seed);
   basins_.clear();
   choose_region(0);
-  scout();
   refined_last_ = false;
+  scout();
+  size_ = int(population_.size());
+  converge(kSet.converged, false);
+  remember();
   for (int n = 1, next_refinement = kSet.refinement; !search.over(); ++n) {
     size_ = std::min(kSet.largest, kSet.smallest + n - 1);
     choose_region(n);
@@ -72,7 +78,7 @@ void AutoSearch::run(Search& search) {
 }
 
 /// The quickest way down from nothing, and all there is time for in a hundredth of a second: motions from anywhere and
-/// from near the leads, each followed only while it may better one.
+/// from near the leads, each followed only while it may better one. Leaves the best of them as a population.
 void AutoSearch::scout() {
   leads_.clear();
   int n = 0;
@@ -82,6 +88,7 @@ void AutoSearch::scout() {
     for (const Point3& p : population_) lead(p);
     n = kSet.first;
   }
+  population_.clear();
   const auto enough = [&] {
     const long done = search_->motions();
     return done >= kSet.many || (done >= kSet.few && search_->share() >= kSet.scouting);
@@ -103,19 +110,20 @@ void AutoSearch::scout() {
     }
     search_->evaluate(scouts);
     for (const Point3& p : scouts)
-      if (p.value <= p.bound) lead(p);
+      if (p.value <= p.bound) lead(p), take(population_, kSet.best_scouts, kSet.scouts_apart, p);
   }
 }
 
-/// Takes a motion for a lead: in place of the one it is near, else of the worst, if it is better.
-void AutoSearch::lead(const Point3& p) {
-  auto place =
-      std::find_if(leads_.begin(), leads_.end(), [&](const Point3& l) { return distance(l, p) < kSet.lead_apart; });
-  if (place == leads_.end() && int(leads_.size()) < kSet.leads)
-    leads_.push_back(p);
-  else if (place = place == leads_.end() ? place - 1 : place; p < *place)
+void AutoSearch::lead(const Point3& p) { take(leads_, kSet.leads, kSet.lead_apart, p); }
+
+/// Takes a motion among the best: in place of the one it is near, else of the worst of so many, if it is better.
+void AutoSearch::take(std::vector<Point3>& best, int most, double apart, const Point3& p) {
+  auto place = std::find_if(best.begin(), best.end(), [&](const Point3& b) { return distance(b, p) < apart; });
+  if (place == best.end() && int(best.size()) < most)
+    best.push_back(p);
+  else if (place = place == best.end() ? place - 1 : place; p < *place)
     *place = p;
-  std::sort(leads_.begin(), leads_.end());
+  std::sort(best.begin(), best.end());
 }
 
 /// The basin that a point lies in; none: the end.
@@ -191,7 +199,8 @@ bool AutoSearch::ending() const { return !refined_last_ && search_->share() > kS
 /// Generations until the population is as small as `side`, or is given up: behind the best, in a basin that is known,
 /// or in the way of the last refinement.
 void AutoSearch::converge(double side, bool may_give_up) {
-  if (int(population_.size()) < size_) return;
+  constexpr int kFewest = 6;
+  if (int(population_.size()) < std::max(size_, kFewest)) return;
   trials_.resize(population_.size());
   for (int generation = 0; !search_->over() && spread(population_) > side; ++generation) {
     evolve([this](std::span<Point3> p) { search_->evaluate(p); }, random_, population_, trials_, {});

@@ -2,11 +2,11 @@
 //
 // What it is built for: an objective that is a maximum over time (a landing may be abandoned as soon as it is worse
 // than what it competes with), cheap in batches, with many basins, kinks along valleys and cliffs. So:
-//   1. scouts go anywhere, and close by the few best of those before them, the closer the fewer are left:
-//      all there is time for in a hundredth of a second;
-//   2. a race of motions from anywhere, each followed only while it may belong to the best, gives a population
+//   1. scouts go anywhere, and close by the best of those before them, the closer the fewer are left: all there is
+//      time for in a hundredth of a second; the best of them are the first population;
+//   2. a race of motions from anywhere, each followed only while it may belong to the best, gives the next ones
 //      (tolerant peaks: by the peak alone first, a lower bound that costs one landing);
-//   3. the population converges by differential evolution (population.hpp), whose trials are abandoned at their
+//   3. a population converges by differential evolution (population.hpp), whose trials are abandoned at their
 //      parent's value; it needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys;
 //   4. one that falls behind the best so far, or into a known basin, is given up; one that converges is a basin, and
 //      the next races keep away from it: half of them anywhere, half close by the best basins, where thin cracks are;
@@ -35,6 +35,7 @@ class AutoSearch {
   bool ending() const;
   void scout();
   void lead(const Point3& p);
+  static void take(std::vector<Point3>& best, int most, double apart, const Point3& p);
   void race(double share);
   void fill(int entrants, Goal goal, int places, double share);
   void enter(std::span<Point3> points, Goal goal, int places);
