@@ -63,7 +63,6 @@ class Queue : public BatchSource {
 
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
                  int threads, InstructionSet set) {
-  if (cases.empty()) return;
   BatchOptions o = options;
   std::size_t motor_side = 0;
   for (const BatchCase& c : cases) {

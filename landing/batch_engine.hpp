@@ -35,7 +35,6 @@ class BatchEngine {
  public:
   BatchEngine(BatchSource& source, const BatchOptions& options) : source_(source), options_(options) {
     system_.sea.feedback = options.feedback;
-    for (int i = 0; i < W; ++i) empty(i);
   }
 
   void run() {
