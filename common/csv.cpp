@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -135,7 +136,8 @@ CsvTable read_csv(const std::string& path) {
   return read_csv(path, [](const std::string&) { return true; });
 }
 
-CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted, NanCells nan) {
+CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted, NanCells nan,
+                  const std::vector<std::string>& texts) {
   const std::string text = read_text_file(path, kLongestLine);
   CsvTable table;
   table.file = path;
@@ -143,9 +145,13 @@ CsvTable read_csv(const std::string& path, const std::function<bool(const std::s
   std::string_view line;
   if (!lines.next(line)) throw InputError({path}, "the file is empty: a header line with column names is needed");
   const char separator = read_header(line, lines.number, table);
-  std::vector<bool> use;
-  for (const std::string& name : table.header) use.push_back(wanted(name));
+  std::vector<bool> text_wanted, use;
+  for (const std::string& name : table.header) {
+    text_wanted.push_back(std::find(texts.begin(), texts.end(), name) != texts.end());
+    use.push_back(!text_wanted.back() && wanted(name));
+  }
   table.columns.resize(table.header.size());
+  table.texts.resize(table.header.size());
   table.column_of.resize(table.header.size());
   while (lines.next(line)) {
     const long number = lines.number;
@@ -158,8 +164,10 @@ CsvTable read_csv(const std::string& path, const std::function<bool(const std::s
         const bool empty = cell.empty() || (nan == NanCells::kAsEmpty && is_nan(cell));
         table.columns[c].push_back(empty ? std::numeric_limits<double>::quiet_NaN()
                                          : parse_number(cell, {path, number, column}, table.header[c]));
-        table.column_of[c].push_back(column);
+      } else if (text_wanted[c]) {
+        table.texts[c].emplace_back(cell);
       }
+      if (use[c] || text_wanted[c]) table.column_of[c].push_back(column);
       ++c;
     });
     if (c != table.header.size())

@@ -13,11 +13,12 @@ namespace ukemi {
 /// A column's cells as numbers, with where each stands. An empty cell is NaN and `empty` there.
 struct CsvTable {
   std::string file;
-  std::vector<std::string> header;           ///< column names, trimmed
-  std::vector<std::vector<double>> columns;  ///< columns[c][row]; every value finite unless the cell is empty
-  std::vector<long> line;                    ///< line of each row in the file
-  std::vector<std::vector<long>> column_of;  ///< byte column of each cell, [c][row]
-  std::vector<long> header_column;           ///< byte column of each name in the header line
+  std::vector<std::string> header;              ///< column names, trimmed
+  std::vector<std::vector<double>> columns;     ///< columns[c][row]; every value finite unless the cell is empty
+  std::vector<std::vector<std::string>> texts;  ///< texts[c][row] of the columns that were asked for as text
+  std::vector<long> line;                       ///< line of each row in the file
+  std::vector<std::vector<long>> column_of;     ///< byte column of each cell, [c][row]
+  std::vector<long> header_column;              ///< byte column of each name in the header line
   long header_line = 0;
 
   std::size_t rows() const { return line.size(); }
@@ -36,9 +37,10 @@ enum class NanCells { kRefused, kAsEmpty };
 /// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, told from the
 /// header. Throws InputError, with file:line:column, on: a missing, unreadable or empty file; NUL or control bytes
 /// ("not a text file"); a line beyond 1 MiB; a repeated column name; a row with another number of cells; text, NaN or
-/// infinity where a number is needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text.
+/// infinity where a number is needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text,
+/// which is kept where `texts` names the column.
 CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted,
-                  NanCells nan = NanCells::kRefused);
+                  NanCells nan = NanCells::kRefused, const std::vector<std::string>& texts = {});
 CsvTable read_csv(const std::string& path);  ///< every column
 /// The names in the header, of which no more is read than it takes; none in a file without one. Throws as read_csv.
 std::vector<std::string> csv_header(const std::string& path);

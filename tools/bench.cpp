@@ -45,6 +45,7 @@ void add_bench(CLI::App& app, Action& chosen) {
           ->delimiter(',')
           ->check(CLI::Range(0.001, 1e4));
       verb->add_option("--solvers", args->solvers, "only these [all]")->delimiter(',');
+      verb->add_option("--with", args->with, "optimizers.csv of earlier runs: what they searched is not run again");
     }
     if (kind.run == bench_identify)
       verb->add_option("--draws", args->draws, "noise draws [20]")->check(CLI::Range(2, 100000));

@@ -16,6 +16,7 @@ struct BenchArguments {
   int seeds = 1;                     ///< optimizers: of each search
   std::vector<double> times;         ///< optimizers: budgets of one core [s]; empty: the quick mode's
   std::vector<std::string> solvers;  ///< optimizers: empty: all
+  std::vector<std::string> with;     ///< optimizers: files of earlier runs, whose searches are not run again
   std::string only;                  ///< scenes: one side of one omission, for the instruction count
 };
 

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
+#include <span>
+#include <tuple>
 
 #include "common/actuator.hpp"
 #include "common/error.hpp"
@@ -28,33 +31,146 @@ namespace {
 constexpr std::array<const char*, 10> kScenes = {"paper", "paper_rough_a", "paper_rough_b", "paper_soft", "low",
                                                  "high",  "straight",      "fast",          "tilted",     "hard"};
 constexpr std::array<const char*, 2> kGoals = {"peak", "tolerant"};
-constexpr std::array<long, 5> kMarks = {100, 300, 1'000, 5'000, 20'000};
-constexpr double kNothing = 1e3;  ///< the gap of a search that found nothing
-constexpr double kLevel = 0.002;  ///< two gaps this near are level
+constexpr std::array<double, 5> kMarks = {100, 300, 1'000, 5'000, 20'000};
+constexpr double kNothing = std::numeric_limits<double>::infinity();  ///< the gap of a search that found nothing
+constexpr double kLevel = 0.002;                                      ///< two gaps this near are level
+
+/// What a row of optimizers.csv tells of a search; after_N: its best after N motions, by its own accuracy. Nothing
+/// found, or not known: NaN, an empty cell.
+enum Found { kTime, kEvaluations, kLandings, kValue, kPhiI, kPhiF, kDuration, kAfter, kFound = kAfter + kMarks.size() };
+constexpr std::array<const char*, kFound> kColumns = {"time_s",    "evaluations", "landings",   "value",
+                                                      "phi_i_deg", "phi_f_deg",   "duration",   "after_100",
+                                                      "after_300", "after_1000",  "after_5000", "after_20000"};
 
 /// One search by one solver on one core.
 struct Trial {
-  std::size_t scene, goal, solver, seed, time;
-  Optimum result;
+  std::size_t scene, goal;
+  std::string solver;
+  long seed;
+  double budget;  ///< [s]
+  std::array<double, kFound> found;
+
+  bool operator<(const Trial& o) const { return key() < o.key(); }
+  std::tuple<std::size_t, std::size_t, const std::string&, long, double> key() const {
+    return {scene, goal, solver, seed, budget};
+  }
 };
 
-/// The best of a search once it had evaluated so many motions, at the search's own accuracy.
-double best_after(const Optimum& r, long motions) {
-  double best = kNoMotion;
+std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaParameters<double>& sea) {
+  OptimizeOptions o;
+  o.solver = t.solver, o.goal = Goal(int(t.goal)), o.deadline = t.budget, o.threads = 1;
+  o.time = Stopwatch::Time::kProcessor;
+  o.seed = std::uint64_t(t.seed), o.tolerance_samples = 0;
+  const Optimum r = optimize(scene, sea, o);
+  std::array<double, kFound> found;
+  found.fill(std::numeric_limits<double>::quiet_NaN());
+  found[kTime] = r.seconds, found[kEvaluations] = double(r.evaluations), found[kLandings] = double(r.landings);
   for (const Progress& p : r.progress)
-    if (p.motions <= motions) best = p.best.value;
-  return best;
+    for (std::size_t m = 0; m < kMarks.size(); ++m)
+      if (double(p.motions) <= kMarks[m] && p.best.value < kNoMotion) found[kAfter + m] = p.best.value;
+  if (!r.found) return found;
+  found[kValue] = r.value, found[kDuration] = r.motion.duration;
+  found[kPhiI] = r.motion.phi_i * kDegrees, found[kPhiF] = r.motion.phi_f * kDegrees;
+  return found;
+}
+
+std::size_t one_of(std::span<const char* const> names, const std::string& name, const Location& where) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw InputError(where, fmt::format("'{}': one of {} is needed", name, fmt::join(names, ", ")));
+  return std::size_t(found - names.begin());
+}
+
+/// The searches that an earlier run's optimizers.csv holds.
+std::vector<Trial> read_trials(const std::string& path) {
+  const CsvTable table =
+      read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene", "objective", "solver"});
+  const auto column = [&](const char* name) {
+    const int c = table.find(name);
+    if (c < 0) throw InputError({path, table.header_line}, fmt::format("column '{}': missing", name));
+    return std::size_t(c);
+  };
+  const std::size_t scene = column("scene"), goal = column("objective"), solver = column("solver"),
+                    seed = column("seed"), budget = column("budget_s");
+  column(kColumns[kValue]);
+  table.require_full(int(seed)), table.require_full(int(budget));
+  std::vector<Trial> trials;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    Trial t{one_of(kScenes, table.texts[scene][i], table.at(int(scene), i)),
+            one_of(kGoals, table.texts[goal][i], table.at(int(goal), i)),
+            table.texts[solver][i],
+            long(table.columns[seed][i]),
+            table.columns[budget][i],
+            {}};
+    for (std::size_t k = 0; k < kFound; ++k) {
+      const int c = table.find(kColumns[k]);
+      t.found[k] = c < 0 ? std::numeric_limits<double>::quiet_NaN() : table.columns[std::size_t(c)][i];
+    }
+    trials.push_back(t);
+  }
+  return trials;
 }
 
 /// The best that any search has found, ours or an earlier one's: [scene][goal], datasets/best_known.csv.
-using BestKnown = std::array<std::array<double, 2>, kScenes.size()>;
+using BestKnown = std::array<std::array<double, kGoals.size()>, kScenes.size()>;
 BestKnown best_known(const std::string& path) {
   const CsvTable table = read_csv(path, [](const std::string& name) { return name != "scene"; });
   if (table.rows() != kScenes.size()) throw InputError(path + ": a row for each of the ten scenes is needed");
   BestKnown best;
   for (std::size_t i = 0; i < kScenes.size(); ++i)
-    for (std::size_t g = 0; g < 2; ++g) best[i][g] = table.columns[std::size_t(table.find(kGoals[g]))][i];
+    for (std::size_t g = 0; g < kGoals.size(); ++g) best[i][g] = table.columns[std::size_t(table.find(kGoals[g]))][i];
   return best;
+}
+
+/// Gaps of one solver for one goal: by budget or mark, then by scene; those of all seeds.
+using Gaps = std::vector<std::array<std::vector<double>, kScenes.size()>>;
+using GapsOfSolvers = std::map<std::string, Gaps>;
+
+/// On how many scenes auto is ahead of every other solver or level with the best of them, by the medians over seeds.
+int auto_leads(const GapsOfSolvers& gaps, std::size_t k) {
+  int leads = 0;
+  for (std::size_t scene = 0; scene < kScenes.size(); ++scene) {
+    double others = kNothing;
+    for (const auto& [solver, of] : gaps)
+      if (solver != "auto") others = std::min(others, median(of[k][scene]));
+    leads += median(gaps.at("auto")[k][scene]) <= others + kLevel;
+  }
+  return leads;
+}
+
+std::string percent(double gap, int digits) {
+  return gap < kNothing ? fmt::format("{:.{}f} %", 100 * gap, digits) : "nothing";
+}
+
+/// A table and a plot of the medians, over seeds and then over scenes, against `x`; to the terminal too. Returns the
+/// medians, by solver; null where a scene has none, or nothing was found.
+Json show(Report& report, const Run& run, const std::vector<std::string>& solvers, const GapsOfSolvers& gaps,
+          std::span<const double> x, const std::string& unit) {
+  std::vector<std::string> header = {"solver"};
+  for (const double at : x) header.push_back(fmt::format("{:g} {}", at, unit));
+  std::vector<std::vector<std::string>> rows;
+  std::vector<Series> curves;
+  Json json;
+  for (const std::string& solver : solvers) {
+    rows.push_back({solver}), curves.push_back({solver, {}, {}});
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      std::vector<double> of_scenes;
+      for (const std::vector<double>& seeds : gaps.at(solver)[k])
+        if (!seeds.empty()) of_scenes.push_back(median(seeds));
+      const bool told = of_scenes.size() == kScenes.size();
+      const double middle = told ? median(of_scenes) : kNothing;
+      json[solver].push_back(number(middle));
+      rows.back().push_back(told ? fmt::format("{} ({})", percent(middle, 2),
+                                               percent(*std::max_element(of_scenes.begin(), of_scenes.end()), 0))
+                                 : "");
+      if (std::isfinite(middle)) curves.back().x.push_back(x[k]), curves.back().y.push_back(std::max(1e-5, middle));
+    }
+  }
+  report.table(header, rows);
+  report.plot(unit, "gap to the best known", curves, Report::Axes::kLogarithmic);
+  run.say("  " + fmt::format("{}", fmt::join(header, "  ")));
+  for (const auto& row : rows) run.say(fmt::format("  {}", fmt::join(row, "  ")));
+  return json;
 }
 
 }  // namespace
@@ -68,65 +184,69 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
   for (const std::string& s : solvers) check_solver(s);
   std::vector<double> times = arguments.times;
   if (times.empty()) times = {0.03, 0.1, 0.3, 1};
-  auto best = best_known(dataset("best_known.csv"));
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  BestKnown best = best_known(dataset("best_known.csv"));
+  std::vector<Trial> earlier;
+  for (const std::string& path : arguments.with) {
+    run.input(path);
+    for (const Trial& t : read_trials(path)) earlier.push_back(t);
+  }
+  std::stable_sort(earlier.begin(), earlier.end());
 
   std::vector<Trial> trials;
-  for (std::size_t scene = 0; scene < scenes.size(); ++scene)
+  std::vector<std::size_t> open;  // no earlier run has searched these
+  double seconds = 0;
+  for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
     for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
-      for (std::size_t solver = 0; solver < solvers.size(); ++solver)
-        for (std::size_t seed = 0; seed < std::size_t(arguments.seeds); ++seed)
-          for (std::size_t time = 0; time < times.size(); ++time)
-            trials.push_back({scene, goal, solver, seed, time, {}});
-  double total = 0;
-  for (const double t : times) total += t;
-  run.info(fmt::format("{} searches, about {:.0f} s on one core", trials.size(),
-                       total * double(trials.size()) / double(times.size())));
+      for (const std::string& solver : solvers)
+        for (int seed = 0; seed < arguments.seeds; ++seed)
+          for (const double t : times) {
+            trials.push_back({scene, goal, solver, long(common.seed) + seed, t, {}});
+            const auto same = std::lower_bound(earlier.begin(), earlier.end(), trials.back());
+            if (same != earlier.end() && same->key() == trials.back().key())
+              trials.back() = *same;
+            else
+              open.push_back(trials.size() - 1), seconds += t;
+          }
+  run.info(fmt::format("{} searches, {} from earlier runs; about {:.0f} s on one core", trials.size(),
+                       trials.size() - open.size(), seconds));
   std::mutex mutex;
   long done = 0;
-  parallel_for(int(trials.size()), common.threads, [&](int i) {
-    Trial& t = trials[std::size_t(i)];
-    OptimizeOptions o;
-    o.solver = solvers[t.solver], o.goal = Goal(int(t.goal)), o.deadline = times[t.time], o.threads = 1;
-    o.time = Stopwatch::Time::kProcessor;
-    o.seed = common.seed + t.seed, o.tolerance_samples = 0;
-    t.result = optimize(scenes[t.scene], actuator.sea, o);
+  parallel_for(int(open.size()), common.threads, [&](int i) {
+    Trial& t = trials[open[std::size_t(i)]];
+    t.found = search(t, scenes[t.scene], actuator.sea);
     const std::lock_guard lock(mutex);
-    run.progress("searches", ++done, long(trials.size()));
+    run.progress("searches", ++done, long(open.size()));
   });
 
+  for (const Trial& t : trials)
+    if (t.found[kValue] < best[t.scene][t.goal]) best[t.scene][t.goal] = t.found[kValue];
+  CsvWriter csv = run.csv(), known = run.csv();
+  std::vector<std::string> header = {"scene", "objective", "solver", "seed", "budget_s", "gap"};
+  header.insert(header.end(), kColumns.begin(), kColumns.end());
+  csv.header(header);
+  std::array<GapsOfSolvers, kGoals.size()> after_time, after_motions;
   for (const Trial& t : trials) {
-    double& known = best[t.scene][t.goal];
-    known = std::min(known, t.result.value);
-  }
-  const auto to_gap = [&](const Trial& t, double value) {
-    return value < kNoMotion ? value / best[t.scene][t.goal] - 1 : kNothing;
-  };
-  const auto gap = [&](const Trial& t) { return to_gap(t, t.result.found ? t.result.value : kNoMotion); };
-  CsvWriter csv = run.csv(), known = run.csv(), by_evaluations = run.csv();
-  by_evaluations.comment("From the searches of the longest budget, at the accuracy of the search.");
-  by_evaluations.header({"scene", "objective", "solver", "seed", "evaluations", "gap"});
-  std::map<std::array<std::size_t, 3>, std::vector<double>> after;  // goal, solver, mark
-  csv.header({"scene", "objective", "solver", "seed", "budget_s", "time_s", "evaluations", "landings", "value", "gap",
-              "phi_i_deg", "phi_f_deg", "duration"});
-  std::map<std::array<std::size_t, 4>, std::vector<double>> gaps;  // goal, solver, time, scene
-  for (const Trial& t : trials) {
-    const Optimum& r = t.result;
-    csv.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(solvers[t.solver]).cell(long(common.seed + t.seed));
-    csv.cell(times[t.time]).cell(r.seconds).cell(r.evaluations).cell(r.landings).cell(r.value).cell(gap(t));
-    csv.cell(r.motion.phi_i * kDegrees).cell(r.motion.phi_f * kDegrees).cell(r.motion.duration).end_row();
-    gaps[{t.goal, t.solver, t.time, t.scene}].push_back(gap(t));
-    if (t.time + 1 != times.size()) continue;
-    for (std::size_t mark = 0; mark < kMarks.size(); ++mark) {
-      const double g = to_gap(t, best_after(t.result, kMarks[mark]));
-      by_evaluations.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(solvers[t.solver]);
-      by_evaluations.cell(long(common.seed + t.seed)).cell(kMarks[mark]).cell(g).end_row();
-      after[{t.goal, t.solver, mark}].push_back(g);
-    }
+    const auto gap = [&](Found k) {
+      return std::isnan(t.found[k]) ? kNothing : t.found[k] / best[t.scene][t.goal] - 1;
+    };
+    csv.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(t.solver).cell(t.seed).cell(t.budget).cell(gap(kValue));
+    for (const double x : t.found) csv.cell(x);
+    csv.end_row();
+    Gaps& by_time = after_time[t.goal][t.solver];
+    by_time.resize(times.size());
+    by_time[std::size_t(std::find(times.begin(), times.end(), t.budget) - times.begin())][t.scene].push_back(
+        gap(kValue));
+    Gaps& by_motions = after_motions[t.goal][t.solver];
+    by_motions.resize(kMarks.size());
+    const bool told = std::isnan(t.found[kValue]) || !std::isnan(t.found[kAfter + kMarks.size() - 1]);
+    if (t.budget == times.back() && told)
+      for (std::size_t m = 0; m < kMarks.size(); ++m) by_motions[m][t.scene].push_back(gap(Found(kAfter + m)));
   }
   known.header({"scene", "peak", "tolerant"});
   for (std::size_t i = 0; i < kScenes.size(); ++i) known.cell(kScenes[i]).cell(best[i][0]).cell(best[i][1]).end_row();
   run.add("optimizers.csv", csv.text());
-  run.add("evaluations.csv", by_evaluations.text());
   run.add("best_known.csv", known.text());
 
   Report report("Solvers");
@@ -136,66 +256,19 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
       arguments.seeds));
   Json summary;
   for (std::size_t goal = 0; goal < kGoals.size(); ++goal) {
-    report.heading(kGoals[goal]);
-    std::vector<std::string> header = {"solver"};
-    for (const double t : times) header.push_back(fmt::format("{:g} s", t));
-    std::vector<std::vector<std::string>> rows;
-    std::vector<Series> curves;
-    Json table;
-    std::vector<std::vector<std::vector<double>>> medians(solvers.size());  // solver, time, scene
-    for (std::size_t solver = 0; solver < solvers.size(); ++solver) {
-      std::vector<std::string> row = {solvers[solver]};
-      Series curve{solvers[solver], {}, {}};
-      for (std::size_t time = 0; time < times.size(); ++time) {
-        std::vector<double> of_scenes;
-        for (std::size_t scene = 0; scene < scenes.size(); ++scene)
-          of_scenes.push_back(median(gaps.at({goal, solver, time, scene})));
-        medians[solver].push_back(of_scenes);
-        const double middle = median(of_scenes), worst = *std::max_element(of_scenes.begin(), of_scenes.end());
-        row.push_back(fmt::format("{:.2f} % ({:.0f} %)", 100 * middle, 100 * worst));
-        curve.x.push_back(times[time]), curve.y.push_back(std::max(1e-5, middle));
-        table[solvers[solver]].push_back(middle);
-      }
-      rows.push_back(row), curves.push_back(curve);
-    }
-    std::vector<std::string> lead = {"scenes where auto leads"};
-    for (std::size_t time = 0; time < times.size(); ++time) {
-      int ahead = 0;
-      const auto self = std::find(solvers.begin(), solvers.end(), "auto") - solvers.begin();
-      if (std::size_t(self) == solvers.size()) break;
-      for (std::size_t scene = 0; scene < scenes.size(); ++scene) {
-        double others = 1e3;
-        for (std::size_t s = 0; s < solvers.size(); ++s)
-          if (s != std::size_t(self)) others = std::min(others, medians[s][time][scene]);
-        ahead += medians[std::size_t(self)][time][scene] <= others + kLevel;
-      }
-      lead.push_back(fmt::format("{} of {}", ahead, scenes.size()));
-      summary[kGoals[goal]]["auto_leads"].push_back(ahead);
-    }
-    rows.push_back(lead);
-    report.table(header, rows);
-    report.plot("time [s]", "gap to the best known", curves, Report::Axes::kLogarithmic);
-    summary[kGoals[goal]]["gaps"] = table;
-    run.say(fmt::format("{}:", kGoals[goal]));
-    for (const auto& row : rows) run.say(fmt::format("  {}", fmt::join(row, "  ")));
-    header = {"solver"}, rows.clear(), curves.clear();
-    for (const long mark : kMarks) header.push_back(fmt::format("{} motions", mark));
-    for (std::size_t solver = 0; solver < solvers.size(); ++solver) {
-      rows.push_back({solvers[solver]});
-      curves.push_back({solvers[solver], {}, {}});
-      for (std::size_t mark = 0; mark < kMarks.size(); ++mark) {
-        const double middle = median(after.at({goal, solver, mark}));
-        rows.back().push_back(fmt::format("{:.2f} %", 100 * middle));
-        curves.back().x.push_back(double(kMarks[mark])), curves.back().y.push_back(std::max(1e-5, middle));
-        summary[kGoals[goal]]["gaps_after"][solvers[solver]].push_back(middle);
-      }
+    report.heading(kGoals[goal]), run.say(fmt::format("{}:", kGoals[goal]));
+    Json& of_goal = summary[kGoals[goal]];
+    of_goal["gaps"] = show(report, run, solvers, after_time[goal], times, "s");
+    if (after_time[goal].count("auto")) {
+      for (std::size_t k = 0; k < times.size(); ++k) of_goal["auto_leads"].push_back(auto_leads(after_time[goal], k));
+      const std::string leads = fmt::format("of ten scenes auto leads, or is level, on {}",
+                                            fmt::join(of_goal["auto_leads"].get<std::vector<int>>(), ", "));
+      report.paragraph(leads), run.say("  " + leads);
     }
     report.paragraph(
-        "The same against motions evaluated, from the searches of the longest budget: medians over scenes and seeds, "
-        "at "
-        "the accuracy of the search. NLopt's solvers ask for one motion at a time.");
-    report.table(header, rows);
-    report.plot("motions", "gap to the best known", curves, Report::Axes::kLogarithmic);
+        "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
+        "NLopt's solvers ask for one motion at a time.");
+    of_goal["gaps_after"] = show(report, run, solvers, after_motions[goal], kMarks, "motions");
   }
   summary["times"] = times, summary["seeds"] = arguments.seeds;
   run.add("report.html", report.html(run.provenance()));

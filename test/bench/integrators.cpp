@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 
+#include "common/median.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/simulate.hpp"
 #include "test/bench/cvode_landing.hpp"
@@ -59,12 +60,6 @@ struct Entry {
   int failed = 0, other_order = 0;
 };
 
-double median(std::vector<double> v) {
-  const std::size_t half = v.size() / 2;
-  std::nth_element(v.begin(), v.begin() + half, v.end());
-  if (v.size() % 2 != 0) return v[half];
-  return 0.5 * (v[half] + *std::max_element(v.begin(), v.begin() + half));
-}
 double largest(const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); }
 double smallest(const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); }
 

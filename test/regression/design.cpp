@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "common/median.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 #include "test/impact.hpp"
@@ -17,10 +18,6 @@ namespace {
 
 const std::vector<int> kAll = {0, 1, 2, 3, 4};
 
-double median(std::vector<double> x) {
-  std::sort(x.begin(), x.end());
-  return 0.5 * (x[(x.size() - 1) / 2] + x[x.size() / 2]);
-}
 double worst(const DesignCheck& c) {
   double largest = 0;
   for (const auto& q : c.constants) largest = std::max(largest, q.half_width);

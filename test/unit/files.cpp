@@ -149,6 +149,16 @@ TEST_CASE("an empty CSV cell is NaN; a column that is not wanted may hold text")
   CHECK(t.rows() == 2);
 }
 
+TEST_CASE("a CSV column that is asked for as text keeps its cells, and where they stand") {
+  const Folder f;
+  const CsvTable t = read_csv(f.write("a.csv", "t,note,other\n0, hello ,x\n1,,y\n"),
+                              [](const std::string& name) { return name != "other"; }, NanCells::kRefused, {"note"});
+  CHECK(t.texts == std::vector<std::vector<std::string>>{{}, {"hello", ""}, {}});
+  CHECK(t.columns[0] == std::vector<double>{0, 1});
+  CHECK(t.columns[1].empty());
+  CHECK(t.at(1, 0).text() == f.at("a.csv") + ":2:4");
+}
+
 TEST_CASE("what CsvWriter writes reads back to the last bit") {
   std::vector<double> values = {0.0,
                                 -0.0,
