@@ -154,7 +154,7 @@ int bench_identify(const BenchArguments& a, const CommonOptions& common) {
       }
     }
   }
-  report.plot("time of a fit [ms]", "error of the derivatives", plot, Report::Axes::kLogarithmic);
+  report.plot("time of a fit [ms]", "error of the derivatives", plot, Axes::kLogarithmic);
   report.table({"method", "step or accuracy", "trials", "bias", "scatter", "bias in standard errors",
                 "derivative error", "time [ms]"},
                rows);

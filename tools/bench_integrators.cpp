@@ -283,8 +283,8 @@ int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
                                  {"failed", e.failed},
                                  {"time_s", e.seconds}});
     }
-    report.plot("time a case [us]", "error of the peak", peaks, Report::Axes::kLogarithmic);
-    report.plot("time a case [us]", "error of the final state", states, Report::Axes::kLogarithmic);
+    report.plot("time a case [us]", "error of the peak", peaks, Axes::kLogarithmic);
+    report.plot("time a case [us]", "error of the final state", states, Axes::kLogarithmic);
     report.table({"method", "step or accuracy", "peak", "touchdown [s]", "state", "time [us]", "right-hand sides"},
                  rows);
   }

@@ -34,6 +34,7 @@ constexpr std::array<const char*, 2> kGoals = {"peak", "tolerant"};
 constexpr std::array<double, 5> kMarks = {100, 300, 1'000, 5'000, 20'000};
 constexpr double kNothing = std::numeric_limits<double>::infinity();  ///< the gap of a search that found nothing
 constexpr double kLevel = 0.002;                                      ///< two gaps this near are level
+constexpr double kDrawn = 1e-5;                                       ///< smaller ones are drawn there
 
 /// What a row of optimizers.csv tells of a search; after_N: its best after N motions, by its own accuracy. Nothing
 /// found, or not known: NaN, an empty cell.
@@ -142,10 +143,11 @@ std::string percent(double gap, int digits) {
   return gap < kNothing ? fmt::format("{:.{}f} %", 100 * gap, digits) : "nothing";
 }
 
-/// A table and a plot of the medians, over seeds and then over scenes, against `x`; to the terminal too. Returns the
-/// medians, by solver; null where a scene has none, or nothing was found.
-Json show(Report& report, const Run& run, const std::vector<std::string>& solvers, const GapsOfSolvers& gaps,
-          std::span<const double> x, const std::string& unit) {
+/// A table and a plot of the medians, over seeds and then over scenes, against `x`: into the report, the table to the
+/// terminal and the plot to NAME.svg too. Returns the medians, by solver; null where a scene has none, or nothing was
+/// found.
+Json show(Report& report, Run& run, const std::string& name, const std::vector<std::string>& solvers,
+          const GapsOfSolvers& gaps, std::span<const double> x, const std::string& unit, const std::string& x_label) {
   std::vector<std::string> header = {"solver"};
   for (const double at : x) header.push_back(fmt::format("{:g} {}", at, unit));
   std::vector<std::vector<std::string>> rows;
@@ -163,11 +165,15 @@ Json show(Report& report, const Run& run, const std::vector<std::string>& solver
       rows.back().push_back(told ? fmt::format("{} ({})", percent(middle, 2),
                                                percent(*std::max_element(of_scenes.begin(), of_scenes.end()), 0))
                                  : "");
-      if (std::isfinite(middle)) curves.back().x.push_back(x[k]), curves.back().y.push_back(std::max(1e-5, middle));
+      if (std::isfinite(middle))
+        curves.back().x.push_back(x[k]), curves.back().y.push_back(100 * std::max(kDrawn, middle));
     }
   }
   report.table(header, rows);
-  report.plot(unit, "gap to the best known", curves, Report::Axes::kLogarithmic);
+  const std::string y_label = "gap to the best known [%]";
+  report.plot(x_label, y_label, curves, Axes::kLogarithmic);
+  const std::string plot = line_plot(x_label, y_label, curves, Axes::kLogarithmic);
+  if (!plot.empty()) run.add(name + ".svg", plot);
   run.say("  " + fmt::format("{}", fmt::join(header, "  ")));
   for (const auto& row : rows) run.say(fmt::format("  {}", fmt::join(row, "  ")));
   return json;
@@ -258,7 +264,8 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
   for (std::size_t goal = 0; goal < kGoals.size(); ++goal) {
     report.heading(kGoals[goal]), run.say(fmt::format("{}:", kGoals[goal]));
     Json& of_goal = summary[kGoals[goal]];
-    of_goal["gaps"] = show(report, run, solvers, after_time[goal], times, "s");
+    of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoals[goal]), solvers, after_time[goal], times, "s",
+                           "time of one core [s]");
     if (after_time[goal].count("auto")) {
       for (std::size_t k = 0; k < times.size(); ++k) of_goal["auto_leads"].push_back(auto_leads(after_time[goal], k));
       const std::string leads = fmt::format("of ten scenes auto leads, or is level, on {}",
@@ -268,7 +275,8 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
     report.paragraph(
         "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
         "NLopt's solvers ask for one motion at a time.");
-    of_goal["gaps_after"] = show(report, run, solvers, after_motions[goal], kMarks, "motions");
+    of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoals[goal]), solvers, after_motions[goal],
+                                 kMarks, "motions", "motions evaluated");
   }
   summary["times"] = times, summary["seeds"] = arguments.seeds;
   run.add("report.html", report.html(run.provenance()));

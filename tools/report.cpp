@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -33,7 +34,8 @@ double tick_step(double range, int count) {
   return 10 * power;
 }
 
-constexpr const char* kColours[] = {"#1f5fa8", "#c2452d", "#3c8a3f", "#8a5aa8", "#b8860b", "#444444"};
+constexpr std::array<const char*, 6> kColours = {"#1f5fa8", "#c2452d", "#3c8a3f", "#8a5aa8", "#b8860b", "#444444"};
+constexpr std::array<const char*, 3> kDashes = {"none", "7 3", "2 3"};  ///< for those beyond the colours
 
 }  // namespace
 
@@ -73,54 +75,66 @@ void Report::table(const std::vector<std::string>& header, const std::vector<std
 }
 
 void Report::plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series, Axes axes) {
+  html_ += line_plot(x_label, y_label, std::move(series), axes) + "\n";
+}
+
+std::string line_plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series, Axes axes) {
   const bool log = axes == Axes::kLogarithmic;
   if (log)
     for (Series& s : series)
       for (std::vector<double>* v : {&s.x, &s.y})
         for (double& x : *v) x = x > 0 ? std::log10(x) : std::numeric_limits<double>::quiet_NaN();
   const auto label = [log](double v) {
-    return log ? fmt::format("{:.3g}", std::pow(10.0, v)) : fmt::format("{:.4g}", v);
+    return log ? fmt::format("{:g}", std::pow(10.0, v)) : fmt::format("{:.4g}", v);
   };
   const auto step_of = [log](double range, int count) {
     const double step = tick_step(range, count);
     return log ? std::max(1.0, std::ceil(step)) : step;
   };
   constexpr double kWidth = 820, kHeight = 340, kLeft = 70, kBottom = 45, kTop = 25;
+  // A few names stand above the plot; more of them in a column beside it.
+  const bool column = series.size() > 5;
+  const double right = column ? 130 : 15;
   double x0 = std::numeric_limits<double>::infinity(), x1 = -x0, y0 = x0, y1 = -x0;
   for (const Series& s : series)
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       if (!std::isfinite(s.y[i]) || !std::isfinite(s.x[i])) continue;
       x0 = std::min(x0, s.x[i]), x1 = std::max(x1, s.x[i]), y0 = std::min(y0, s.y[i]), y1 = std::max(y1, s.y[i]);
     }
-  if (!(x1 > x0)) return;
+  if (!(x1 > x0)) return {};
   if (!(y1 > y0)) y0 -= 1, y1 += 1;
-  const auto px = [&](double x) { return kLeft + (x - x0) / (x1 - x0) * (kWidth - kLeft - 15); };
+  const auto px = [&](double x) { return kLeft + (x - x0) / (x1 - x0) * (kWidth - kLeft - right); };
   const auto py = [&](double y) { return kHeight - kBottom - (y - y0) / (y1 - y0) * (kHeight - kBottom - kTop); };
   std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" aria-label=\"{} against {}\" "
-      "font-size=\"12\" font-family=\"sans-serif\">",
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" "
+      "aria-label=\"{} against {}\" font-size=\"12\" font-family=\"sans-serif\" style=\"background:#fff\">",
       kWidth, kHeight, kWidth, escape(y_label), escape(x_label));
   for (double step = step_of(y1 - y0, 5), v = std::ceil(y0 / step) * step; v <= y1; v += step)
     svg += fmt::format(
         "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1f}\" "
         "text-anchor=\"end\">{}</text>",
-        kLeft, kWidth - 15, py(v), py(v), kLeft - 6, py(v) + 4, label(std::abs(v) < 1e-12 * (y1 - y0) ? 0 : v));
+        kLeft, kWidth - right, py(v), py(v), kLeft - 6, py(v) + 4, label(std::abs(v) < 1e-12 * (y1 - y0) ? 0 : v));
   for (double step = step_of(x1 - x0, 8), v = std::ceil(x0 / step) * step; v <= x1; v += step)
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>", px(v), kHeight - kBottom + 18,
                        label(std::abs(v) < 1e-12 * (x1 - x0) ? 0 : v));
   svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text><text x=\"5\" y=\"14\">{}</text>",
                      kWidth / 2, kHeight - 8, escape(x_label), escape(y_label));
-  std::size_t n = 0;
-  for (const Series& s : series) {
-    const char* colour = kColours[n % 6];
-    svg += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.3\" points=\"", colour);
+  for (std::size_t n = 0; n < series.size(); ++n) {
+    const Series& s = series[n];
+    const char* colour = kColours[n % kColours.size()];
+    const std::string pen = fmt::format("stroke=\"{}\" stroke-width=\"{}\" stroke-dasharray=\"{}\"", colour,
+                                        column && n == 0 ? 2.6 : 1.3, kDashes[n / kColours.size() % kDashes.size()]);
+    svg += fmt::format("<polyline fill=\"none\" {} points=\"", pen);
     for (std::size_t i = 0; i < s.x.size(); ++i)
       if (std::isfinite(s.x[i]) && std::isfinite(s.y[i])) svg += fmt::format("{:.1f},{:.1f} ", px(s.x[i]), py(s.y[i]));
-    svg += fmt::format("\"/><text x=\"{}\" y=\"14\" fill=\"{}\">{}</text>",
-                       180 + (series.size() > 3 ? 110 : 180) * double(n), colour, escape(s.name));
-    ++n;
+    svg += "\"/>";
+    const double x = column ? kWidth - right + 35 : 180 + (series.size() > 3 ? 110 : 180) * double(n),
+                 y = column ? kTop + 18 * double(n) + 8 : 14;
+    if (column)
+      svg += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"{}\" y2=\"{}\" {}/>", x - 25, x - 5, y - 4, y - 4, pen);
+    svg += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", x, y, colour, escape(s.name));
   }
-  html_ += svg + "</svg>\n";
+  return svg + "</svg>";
 }
 
 namespace {

@@ -18,6 +18,11 @@ struct Heatmap {
   std::vector<double> x, y, values;
 };
 
+enum class Axes { kLinear, kLogarithmic };
+/// Lines as a standing SVG; on logarithmic axes only what is above zero. Empty where there is no range to draw.
+std::string line_plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
+                      Axes axes = Axes::kLinear);
+
 class Report {
  public:
   explicit Report(const std::string& title);
@@ -25,8 +30,6 @@ class Report {
   void paragraph(const std::string& text);
   void list(const std::vector<std::string>& items);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
-  enum class Axes { kLinear, kLogarithmic };
-  /// Lines; on logarithmic axes only what is above zero.
   void plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
             Axes axes = Axes::kLinear);
   /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it.
