@@ -103,6 +103,9 @@ std::vector<Trial> read_trials(const std::string& path) {
             long(table.columns[seed][i]),
             table.columns[budget][i],
             {}};
+    if (double(t.seed) != table.columns[seed][i])
+      throw InputError(table.at(int(seed), i),
+                       fmt::format("column 'seed': {}: a whole number is needed", shortest(table.columns[seed][i])));
     for (std::size_t k = 0; k < kFound; ++k) {
       const int c = table.find(kColumns[k]);
       t.found[k] = c < 0 ? std::numeric_limits<double>::quiet_NaN() : table.columns[std::size_t(c)][i];

@@ -43,6 +43,7 @@ TEST_CASE("bench optimizers: a file of earlier runs that is none is refused wher
   check("scene,objective,solver,budget_s,seed,value\nmoon,peak,auto,1,1,170\n", {"a.csv:2:1: 'moon': ", "paper"});
   check("scene,objective,solver,budget_s,seed,value\npaper,low,auto,1,1,170\n", {"a.csv:2:7: 'low': ", "tolerant"});
   check("scene,objective,solver,budget_s,seed,value\npaper,peak,auto,1,,170\n", {"a.csv:2:19: ", "'seed'", "empty"});
+  check("scene,objective,solver,budget_s,seed,value\npaper,peak,auto,1,1.5,170\n", {"a.csv:2:19: ", "1.5", "whole"});
   check("scene,objective,solver,budget_s,seed\npaper,peak,auto,1,1\n", {"a.csv:1: ", "'value'", "missing"});
   check_refused(f, kBench + Arguments{"--with", "none.csv", "-o", "out"}, {"none.csv"});
 }
