@@ -126,24 +126,137 @@ BestKnown best_known(const std::string& path) {
   return best;
 }
 
+/// What is asked for.
+struct Cases {
+  std::vector<std::string> solvers;
+  std::vector<double> times;  ///< [s], increasing
+  long first_seed, seeds;
+};
+
+/// Every search of the cases; those of `earlier` runs are taken from there.
+std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, const Run& run) {
+  std::stable_sort(earlier.begin(), earlier.end());
+  std::vector<Trial> trials;
+  std::vector<std::size_t> open;
+  double seconds = 0;
+  for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
+    for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
+      for (const std::string& solver : cases.solvers)
+        for (long seed = cases.first_seed; seed < cases.first_seed + cases.seeds; ++seed)
+          for (const double t : cases.times) {
+            trials.push_back({scene, goal, solver, seed, t, {}});
+            const auto same = std::lower_bound(earlier.begin(), earlier.end(), trials.back());
+            if (same != earlier.end() && same->key() == trials.back().key())
+              trials.back() = *same;
+            else
+              open.push_back(trials.size() - 1), seconds += t;
+          }
+  run.info(fmt::format("{} searches, {} from earlier runs; about {:.0f} s on one core", trials.size(),
+                       trials.size() - open.size(), seconds));
+  const Actuator actuator = read_actuator(dataset("actuators/table2.toml"));
+  std::vector<Scene> scenes;
+  for (const char* name : kScenes) scenes.push_back(read_scene(dataset(fmt::format("scenes/{}.toml", name))));
+  std::mutex mutex;
+  long done = 0;
+  parallel_for(int(open.size()), run.options().threads, [&](int i) {
+    Trial& t = trials[open[std::size_t(i)]];
+    t.found = search(t, scenes[t.scene], actuator.sea);
+    const std::lock_guard lock(mutex);
+    run.progress("searches", ++done, long(open.size()));
+  });
+  return trials;
+}
+
+double gap_of(const Trial& t, std::size_t column, const BestKnown& best) {
+  return std::isnan(t.found[column]) ? kNothing : t.found[column] / best[t.scene][t.goal] - 1;
+}
+
 /// Gaps of one solver for one goal: by budget or mark, then by scene; those of all seeds.
 using Gaps = std::vector<std::array<std::vector<double>, kScenes.size()>>;
 using GapsOfSolvers = std::map<std::string, Gaps>;
-
-/// On how many scenes auto is ahead of every other solver or level with the best of them, by the medians over seeds.
-int auto_leads(const GapsOfSolvers& gaps, std::size_t k) {
-  int leads = 0;
-  for (std::size_t scene = 0; scene < kScenes.size(); ++scene) {
-    double others = kNothing;
-    for (const auto& [solver, of] : gaps)
-      if (solver != "auto") others = std::min(others, median(of[k][scene]));
-    leads += median(gaps.at("auto")[k][scene]) <= others + kLevel;
+struct AllGaps {
+  std::array<GapsOfSolvers, kGoals.size()> after_time, after_motions;
+};
+AllGaps gaps_of(const std::vector<Trial>& trials, const std::vector<double>& times, const BestKnown& best) {
+  AllGaps gaps;
+  for (const Trial& t : trials) {
+    Gaps& by_time = gaps.after_time[t.goal][t.solver];
+    by_time.resize(times.size());
+    const auto k = std::find(times.begin(), times.end(), t.budget) - times.begin();
+    by_time[std::size_t(k)][t.scene].push_back(gap_of(t, kValue, best));
+    Gaps& by_motions = gaps.after_motions[t.goal][t.solver];
+    by_motions.resize(kMarks.size());
+    const bool told = std::isnan(t.found[kValue]) || !std::isnan(t.found[kAfter + kMarks.size() - 1]);
+    if (t.budget == times.back() && told)
+      for (std::size_t m = 0; m < kMarks.size(); ++m) by_motions[m][t.scene].push_back(gap_of(t, kAfter + m, best));
   }
-  return leads;
+  return gaps;
+}
+
+/// optimizers.csv: every search; gaps.csv: median and range over the seeds; best_known.csv.
+void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, const AllGaps& gaps,
+               const BestKnown& best) {
+  CsvWriter csv = run.csv(), ranges = run.csv(), known = run.csv();
+  std::vector<std::string> header = {"scene", "objective", "solver", "seed", "budget_s", "gap"};
+  header.insert(header.end(), kColumns.begin(), kColumns.end());
+  csv.header(header);
+  for (const Trial& t : trials) {
+    csv.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(t.solver).cell(t.seed).cell(t.budget);
+    csv.cell(gap_of(t, kValue, best));
+    for (const double x : t.found) csv.cell(x);
+    csv.end_row();
+  }
+  ranges.comment("The gap to the best known over the seeds of each search; nothing found: empty.");
+  ranges.header({"scene", "objective", "solver", "budget_s", "seeds", "median", "least", "largest"});
+  for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
+    for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
+      for (const std::string& solver : cases.solvers)
+        for (std::size_t k = 0; k < cases.times.size(); ++k) {
+          const std::vector<double>& seeds = gaps.after_time[goal].at(solver)[k][scene];
+          const auto [low, high] = std::minmax_element(seeds.begin(), seeds.end());
+          ranges.cell(kScenes[scene]).cell(kGoals[goal]).cell(solver).cell(cases.times[k]).cell(long(seeds.size()));
+          ranges.cell(median(seeds)).cell(*low).cell(*high).end_row();
+        }
+  known.header({"scene", "peak", "tolerant"});
+  for (std::size_t i = 0; i < kScenes.size(); ++i) known.cell(kScenes[i]).cell(best[i][0]).cell(best[i][1]).end_row();
+  run.add("optimizers.csv", csv.text());
+  run.add("gaps.csv", ranges.text());
+  run.add("best_known.csv", known.text());
 }
 
 std::string percent(double gap, int digits) {
   return gap < kNothing ? fmt::format("{:.{}f} %", 100 * gap, digits) : "nothing";
+}
+
+/// The best of the others on a scene, by the median over seeds.
+std::pair<std::string, double> best_other(const GapsOfSolvers& gaps, std::size_t k, std::size_t scene) {
+  std::pair<std::string, double> best{"none", kNothing};
+  for (const auto& [solver, of] : gaps)
+    if (const double m = median(of[k][scene]); solver != "auto" && m < best.second) best = {solver, m};
+  return best;
+}
+
+/// auto beside the best other, scene by scene, for the report. Returns on how many scenes it is ahead or level, by
+/// budget.
+std::vector<int> beside_others(Report& report, const GapsOfSolvers& gaps, const std::vector<double>& times) {
+  std::vector<std::string> header = {"scene"};
+  for (const double t : times) header.push_back(fmt::format("{:g} s", t));
+  std::vector<int> leads(times.size(), 0);
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t scene = 0; scene < kScenes.size(); ++scene) {
+    rows.push_back({kScenes[scene]});
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      const std::vector<double>& seeds = gaps.at("auto")[k][scene];
+      const auto [low, high] = std::minmax_element(seeds.begin(), seeds.end());
+      const auto [other, gap] = best_other(gaps, k, scene);
+      leads[k] += median(seeds) <= gap + kLevel;
+      rows.back().push_back(fmt::format("{} [{}, {}]; {} {}", percent(median(seeds), 2), percent(*low, 2),
+                                        percent(*high, 2), other, percent(gap, 2)));
+    }
+  }
+  report.paragraph("auto's median [range] over the seeds, and the best of the others by its median:");
+  report.table(header, rows);
+  return leads;
 }
 
 /// A table and a plot of the medians, over seeds and then over scenes, against `x`: into the report, the table to the
@@ -186,12 +299,10 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
 
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
   Run run("bench optimizers", common);
-  const Actuator actuator = read_actuator(dataset("actuators/table2.toml"));
-  std::vector<Scene> scenes;
-  for (const char* name : kScenes) scenes.push_back(read_scene(dataset(fmt::format("scenes/{}.toml", name))));
-  const std::vector<std::string> solvers = arguments.solvers.empty() ? solver_names() : arguments.solvers;
-  for (const std::string& s : solvers) check_solver(s);
-  std::vector<double> times = arguments.times;
+  Cases cases{arguments.solvers, arguments.times, long(common.seed), arguments.seeds};
+  if (cases.solvers.empty()) cases.solvers = solver_names();
+  for (const std::string& s : cases.solvers) check_solver(s);
+  std::vector<double>& times = cases.times;
   if (times.empty()) times = {0.03, 0.1, 0.3, 1};
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
@@ -201,62 +312,11 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
     run.input(path);
     for (const Trial& t : read_trials(path)) earlier.push_back(t);
   }
-  std::stable_sort(earlier.begin(), earlier.end());
-
-  std::vector<Trial> trials;
-  std::vector<std::size_t> open;  // no earlier run has searched these
-  double seconds = 0;
-  for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
-    for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
-      for (const std::string& solver : solvers)
-        for (int seed = 0; seed < arguments.seeds; ++seed)
-          for (const double t : times) {
-            trials.push_back({scene, goal, solver, long(common.seed) + seed, t, {}});
-            const auto same = std::lower_bound(earlier.begin(), earlier.end(), trials.back());
-            if (same != earlier.end() && same->key() == trials.back().key())
-              trials.back() = *same;
-            else
-              open.push_back(trials.size() - 1), seconds += t;
-          }
-  run.info(fmt::format("{} searches, {} from earlier runs; about {:.0f} s on one core", trials.size(),
-                       trials.size() - open.size(), seconds));
-  std::mutex mutex;
-  long done = 0;
-  parallel_for(int(open.size()), common.threads, [&](int i) {
-    Trial& t = trials[open[std::size_t(i)]];
-    t.found = search(t, scenes[t.scene], actuator.sea);
-    const std::lock_guard lock(mutex);
-    run.progress("searches", ++done, long(open.size()));
-  });
-
+  const std::vector<Trial> trials = searched(cases, std::move(earlier), run);
   for (const Trial& t : trials)
     if (t.found[kValue] < best[t.scene][t.goal]) best[t.scene][t.goal] = t.found[kValue];
-  CsvWriter csv = run.csv(), known = run.csv();
-  std::vector<std::string> header = {"scene", "objective", "solver", "seed", "budget_s", "gap"};
-  header.insert(header.end(), kColumns.begin(), kColumns.end());
-  csv.header(header);
-  std::array<GapsOfSolvers, kGoals.size()> after_time, after_motions;
-  for (const Trial& t : trials) {
-    const auto gap = [&](Found k) {
-      return std::isnan(t.found[k]) ? kNothing : t.found[k] / best[t.scene][t.goal] - 1;
-    };
-    csv.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(t.solver).cell(t.seed).cell(t.budget).cell(gap(kValue));
-    for (const double x : t.found) csv.cell(x);
-    csv.end_row();
-    Gaps& by_time = after_time[t.goal][t.solver];
-    by_time.resize(times.size());
-    by_time[std::size_t(std::find(times.begin(), times.end(), t.budget) - times.begin())][t.scene].push_back(
-        gap(kValue));
-    Gaps& by_motions = after_motions[t.goal][t.solver];
-    by_motions.resize(kMarks.size());
-    const bool told = std::isnan(t.found[kValue]) || !std::isnan(t.found[kAfter + kMarks.size() - 1]);
-    if (t.budget == times.back() && told)
-      for (std::size_t m = 0; m < kMarks.size(); ++m) by_motions[m][t.scene].push_back(gap(Found(kAfter + m)));
-  }
-  known.header({"scene", "peak", "tolerant"});
-  for (std::size_t i = 0; i < kScenes.size(); ++i) known.cell(kScenes[i]).cell(best[i][0]).cell(best[i][1]).end_row();
-  run.add("optimizers.csv", csv.text());
-  run.add("best_known.csv", known.text());
+  const AllGaps gaps = gaps_of(trials, times, best);
+  add_files(run, trials, cases, gaps, best);
 
   Report report("Solvers");
   report.paragraph(fmt::format(
@@ -267,10 +327,10 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
   for (std::size_t goal = 0; goal < kGoals.size(); ++goal) {
     report.heading(kGoals[goal]), run.say(fmt::format("{}:", kGoals[goal]));
     Json& of_goal = summary[kGoals[goal]];
-    of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoals[goal]), solvers, after_time[goal], times, "s",
-                           "time of one core [s]");
-    if (after_time[goal].count("auto")) {
-      for (std::size_t k = 0; k < times.size(); ++k) of_goal["auto_leads"].push_back(auto_leads(after_time[goal], k));
+    of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoals[goal]), cases.solvers, gaps.after_time[goal],
+                           times, "s", "time of one core [s]");
+    if (gaps.after_time[goal].count("auto")) {
+      of_goal["auto_leads"] = beside_others(report, gaps.after_time[goal], times);
       const std::string leads = fmt::format("of ten scenes auto leads, or is level, on {}",
                                             fmt::join(of_goal["auto_leads"].get<std::vector<int>>(), ", "));
       report.paragraph(leads), run.say("  " + leads);
@@ -278,8 +338,8 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
     report.paragraph(
         "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
         "NLopt's solvers ask for one motion at a time.");
-    of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoals[goal]), solvers, after_motions[goal],
-                                 kMarks, "motions", "motions evaluated");
+    of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoals[goal]), cases.solvers,
+                                 gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
   }
   summary["times"] = times, summary["seeds"] = arguments.seeds;
   run.add("report.html", report.html(run.provenance()));

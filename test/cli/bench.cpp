@@ -32,6 +32,9 @@ TEST_CASE("bench optimizers: what earlier runs searched is taken from their file
   const Json gaps = summary(f, "both")["peak"]["gaps"]["random"];
   REQUIRE(gaps.size() == 1);
   CHECK(gaps[0] > 0);
+  const std::string ranges = read(f.at("both/gaps.csv"));
+  CHECK_THAT(ranges, Catch::Matchers::Contains("scene,objective,solver,budget_s,seeds,median,least,largest\n"
+                                               "paper,peak,random,0.005,2,"));
 }
 
 TEST_CASE("bench optimizers: a file of earlier runs that is none is refused where it stands") {
