@@ -25,8 +25,8 @@ struct OptimizeOptions {
   double search_accuracy = 1e-6;                  ///< of the landings that are searched
   double accuracy = 1e-9;                         ///< of the result
   std::uint64_t seed = 1;
-  int threads = 0;              ///< 0: all cores; with a number of evaluations the result does not depend on it
-  int tolerance_samples = 200;  ///< random points inside the execution box of the result
+  int threads = 0;               ///< 0: all cores; with a number of evaluations the result does not depend on it
+  int tolerance_samples = 2000;  ///< random points inside the execution box of the result
   std::function<void(long done, long total)> progress;  ///< told of the motions spent, if set
   void validate() const;                                ///< throws InputError
 };

@@ -5,6 +5,7 @@
 
 #include "common/parallel.hpp"
 #include "common/random.hpp"
+#include "landing/batch.hpp"
 
 namespace ukemi::landing {
 
@@ -29,26 +30,32 @@ Motion execution_point(const Motion& m, const ExecutionTolerance& tol, int k) {
 
 TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                            const SimulateOptions& options, int samples, std::uint64_t seed, int threads) {
-  std::vector<Motion> points;
-  for (int k = 0; k < kExecutionPoints; ++k) points.push_back(execution_point(motion, scene.execution, k));
+  TolerantPeak out;
+  out.samples = samples;
+  std::vector<LandingPeak> peaks(kExecutionPoints);
+  const auto play = [&](const Motion& m) { return peak_acceleration(scene, sea, m, options); };
+  parallel_for(kExecutionPoints, threads,
+               [&](int k) { peaks[std::size_t(k)] = play(execution_point(motion, scene.execution, k)); });
+  out.peak = peaks[0].peak;
+  for (int k = 0; k < kExecutionPoints; ++k) {
+    const LandingPeak& p = peaks[std::size_t(k)];
+    out.failed = out.failed || p.end == End::kFailed;
+    if (p.peak > out.value) out.value = p.peak, out.worst = execution_point(motion, scene.execution, k);
+  }
+  if (samples == 0) return out;
+  // Many, so in lanes; the scalar path says what the worst of them is.
+  std::vector<BatchCase> inside;
   for (int i = 0; i < samples; ++i) {
     Random r(seed, std::uint64_t(i));
     const double a = r.uniform(-1, 1), b = r.uniform(-1, 1), c = r.uniform(-1, 1);
-    points.push_back(moved(motion, scene.execution, a, b, c));
+    inside.push_back({&scene, &sea, moved(motion, scene.execution, a, b, c)});
   }
-  std::vector<LandingPeak> peaks(points.size());
-  parallel_for(int(points.size()), threads,
-               [&](int i) { peaks[std::size_t(i)] = peak_acceleration(scene, sea, points[std::size_t(i)], options); });
-  TolerantPeak out;
-  out.peak = peaks[0].peak;
-  out.samples = samples;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    out.failed = out.failed || peaks[i].end == End::kFailed;
-    if (i >= kExecutionPoints)
-      out.sampled = std::max(out.sampled, peaks[i].peak);
-    else if (peaks[i].peak > out.value)
-      out.value = peaks[i].peak, out.worst = points[i];
-  }
+  peaks.resize(inside.size());
+  batch_peaks(inside, peaks, {.accuracy = 1e-6}, threads);
+  for (const LandingPeak& p : peaks) out.failed = out.failed || p.end == End::kFailed;
+  const auto worst = std::max_element(peaks.begin(), peaks.end(),
+                                      [](const LandingPeak& a, const LandingPeak& b) { return a.peak < b.peak; });
+  out.sampled = play(inside[std::size_t(worst - peaks.begin())].motion).peak;
   return out;
 }
 

@@ -23,7 +23,8 @@ struct TolerantPeak {
 inline constexpr int kExecutionPoints = 15;
 Motion execution_point(const Motion& motion, const ExecutionTolerance& tolerance, int k);
 
-/// Evaluates them, and `samples` random points inside for the check, on `threads` threads.
+/// Evaluates them, and `samples` random points inside for the check (in lanes at 1e-6; the worst by the scalar path),
+/// on `threads` threads.
 [[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                          const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
 

@@ -60,3 +60,25 @@ TEST_CASE("every solver returns a motion of the range and its own best") {
     CHECK(best.evaluations == 300);
   }
 }
+
+TEST_CASE("the check inside a wide execution box finds the crack that its fifteen points do not see") {
+  Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  constexpr double kDegree = 0.017453292519943295;
+  const Motion motion{-23.39208294612951 * kDegree, -89.85599420713379 * kDegree, 0.2631552963096708};
+  scene.execution = {0.5 * kDegree, 0.005};
+  for (const int threads : {1, 3}) {
+    const TolerantPeak t = tolerant_peak(scene, sea, motion, {.accuracy = 1e-9}, 2000, 1, threads);
+    CHECK(t.value == Approx(198.60707980665129).epsilon(1e-7));
+    CHECK(t.sampled > 310);  // 1 to 3 of a thousand points
+    CHECK(t.sampled < 315);
+    CHECK(t.samples == 2000);
+    CHECK_FALSE(t.failed);
+  }
+  // The box that a robot holds has none.
+  const Motion held{-32.52136986430067 * kDegree, -21.570260293902773 * kDegree, 0.376003380264452};
+  scene.execution = {};
+  const TolerantPeak t = tolerant_peak(scene, sea, held, {.accuracy = 1e-9}, 2000, 1, 2);
+  CHECK(t.value == Approx(188.72154394022812).epsilon(1e-7));
+  CHECK(t.sampled <= t.value);
+}
