@@ -193,6 +193,15 @@ AllGaps gaps_of(const std::vector<Trial>& trials, const std::vector<double>& tim
   return gaps;
 }
 
+/// Of one solver on one scene, over the seeds.
+struct Range {
+  double middle, least, largest;
+};
+Range range_of(const std::vector<double>& seeds) {
+  const auto [low, high] = std::minmax_element(seeds.begin(), seeds.end());
+  return {median(seeds), *low, *high};
+}
+
 /// optimizers.csv: every search; gaps.csv: median and range over the seeds; best_known.csv.
 void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, const AllGaps& gaps,
                const BestKnown& best) {
@@ -213,9 +222,9 @@ void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, c
       for (const std::string& solver : cases.solvers)
         for (std::size_t k = 0; k < cases.times.size(); ++k) {
           const std::vector<double>& seeds = gaps.after_time[goal].at(solver)[k][scene];
-          const auto [low, high] = std::minmax_element(seeds.begin(), seeds.end());
+          const Range r = range_of(seeds);
           ranges.cell(kScenes[scene]).cell(kGoals[goal]).cell(solver).cell(cases.times[k]).cell(long(seeds.size()));
-          ranges.cell(median(seeds)).cell(*low).cell(*high).end_row();
+          ranges.cell(r.middle).cell(r.least).cell(r.largest).end_row();
         }
   known.header({"scene", "peak", "tolerant"});
   for (std::size_t i = 0; i < kScenes.size(); ++i) known.cell(kScenes[i]).cell(best[i][0]).cell(best[i][1]).end_row();
@@ -246,12 +255,11 @@ std::vector<int> beside_others(Report& report, const GapsOfSolvers& gaps, const 
   for (std::size_t scene = 0; scene < kScenes.size(); ++scene) {
     rows.push_back({kScenes[scene]});
     for (std::size_t k = 0; k < times.size(); ++k) {
-      const std::vector<double>& seeds = gaps.at("auto")[k][scene];
-      const auto [low, high] = std::minmax_element(seeds.begin(), seeds.end());
+      const Range ours = range_of(gaps.at("auto")[k][scene]);
       const auto [other, gap] = best_other(gaps, k, scene);
-      leads[k] += median(seeds) <= gap + kLevel;
-      rows.back().push_back(fmt::format("{} [{}, {}]; {} {}", percent(median(seeds), 2), percent(*low, 2),
-                                        percent(*high, 2), other, percent(gap, 2)));
+      leads[k] += ours.middle <= gap + kLevel;
+      rows.back().push_back(fmt::format("{} [{}, {}]; {} {}", percent(ours.middle, 2), percent(ours.least, 2),
+                                        percent(ours.largest, 2), other, percent(gap, 2)));
     }
   }
   report.paragraph("auto's median [range] over the seeds, and the best of the others by its median:");
@@ -286,9 +294,7 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
     }
   }
   report.table(header, rows);
-  const std::string y_label = "gap to the best known [%]";
-  report.plot(x_label, y_label, curves, Axes::kLogarithmic);
-  const std::string plot = line_plot(x_label, y_label, curves, Axes::kLogarithmic);
+  const std::string plot = report.plot(x_label, "gap to the best known [%]", curves, Axes::kLogarithmic);
   if (!plot.empty()) run.add(name + ".svg", plot);
   run.say("  " + fmt::format("{}", fmt::join(header, "  ")));
   for (const auto& row : rows) run.say(fmt::format("  {}", fmt::join(row, "  ")));

@@ -74,11 +74,8 @@ void Report::table(const std::vector<std::string>& header, const std::vector<std
   html_ += "</table>\n";
 }
 
-void Report::plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series, Axes axes) {
-  html_ += line_plot(x_label, y_label, std::move(series), axes) + "\n";
-}
-
-std::string line_plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series, Axes axes) {
+std::string Report::plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
+                         Axes axes) {
   const bool log = axes == Axes::kLogarithmic;
   if (log)
     for (Series& s : series)
@@ -134,7 +131,9 @@ std::string line_plot(const std::string& x_label, const std::string& y_label, st
       svg += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"{}\" y2=\"{}\" {}/>", x - 25, x - 5, y - 4, y - 4, pen);
     svg += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", x, y, colour, escape(s.name));
   }
-  return svg + "</svg>";
+  svg += "</svg>";
+  html_ += svg + "\n";
+  return svg;
 }
 
 namespace {

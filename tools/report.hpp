@@ -19,9 +19,6 @@ struct Heatmap {
 };
 
 enum class Axes { kLinear, kLogarithmic };
-/// Lines as a standing SVG; on logarithmic axes only what is above zero. Empty where there is no range to draw.
-std::string line_plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
-                      Axes axes = Axes::kLinear);
 
 class Report {
  public:
@@ -30,8 +27,10 @@ class Report {
   void paragraph(const std::string& text);
   void list(const std::vector<std::string>& items);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
-  void plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
-            Axes axes = Axes::kLinear);
+  /// Lines; on logarithmic axes only what is above zero. Returns them as an SVG that stands alone; empty where there is
+  /// no range to draw.
+  std::string plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
+                   Axes axes = Axes::kLinear);
   /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it.
   void heatmap(const Heatmap& map);
   /// The page, closed by the provenance.
