@@ -82,18 +82,19 @@ std::size_t one_of(std::span<const char* const> names, const std::string& name, 
   return std::size_t(found - names.begin());
 }
 
+std::size_t column(const CsvTable& table, const char* name) {
+  const int c = table.find(name);
+  if (c < 0) throw InputError({table.file, table.header_line}, fmt::format("column '{}': missing", name));
+  return std::size_t(c);
+}
+
 /// The searches that an earlier run's optimizers.csv holds.
 std::vector<Trial> read_trials(const std::string& path) {
   const CsvTable table =
       read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene", "objective", "solver"});
-  const auto column = [&](const char* name) {
-    const int c = table.find(name);
-    if (c < 0) throw InputError({path, table.header_line}, fmt::format("column '{}': missing", name));
-    return std::size_t(c);
-  };
-  const std::size_t scene = column("scene"), goal = column("objective"), solver = column("solver"),
-                    seed = column("seed"), budget = column("budget_s");
-  column(kColumns[kValue]);
+  const std::size_t scene = column(table, "scene"), goal = column(table, "objective"), solver = column(table, "solver"),
+                    seed = column(table, "seed"), budget = column(table, "budget_s");
+  column(table, kColumns[kValue]);
   table.require_full(int(seed)), table.require_full(int(budget));
   std::vector<Trial> trials;
   for (std::size_t i = 0; i < table.rows(); ++i) {
@@ -118,11 +119,14 @@ std::vector<Trial> read_trials(const std::string& path) {
 /// The best that any search has found, ours or an earlier one's: [scene][goal], datasets/best_known.csv.
 using BestKnown = std::array<std::array<double, kGoals.size()>, kScenes.size()>;
 BestKnown best_known(const std::string& path) {
-  const CsvTable table = read_csv(path, [](const std::string& name) { return name != "scene"; });
+  const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene"});
   if (table.rows() != kScenes.size()) throw InputError(path + ": a row for each of the ten scenes is needed");
+  const std::size_t scene = column(table, "scene");
   BestKnown best;
-  for (std::size_t i = 0; i < kScenes.size(); ++i)
-    for (std::size_t g = 0; g < kGoals.size(); ++g) best[i][g] = table.columns[std::size_t(table.find(kGoals[g]))][i];
+  for (std::size_t i = 0; i < table.rows(); ++i)
+    for (std::size_t g = 0; g < kGoals.size(); ++g)
+      best[one_of(kScenes, table.texts[scene][i], table.at(int(scene), i))][g] =
+          table.columns[column(table, kGoals[g])][i];
   return best;
 }
 
