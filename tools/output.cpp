@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "tools/interrupt.hpp"
 
 namespace ukemi::tools {
 
@@ -47,13 +49,26 @@ void Run::say(const std::string& line) const {
   if (options_.out == CommonOptions::Stdout::kText) fmt::print("{}\n", line);
 }
 void Run::progress(const std::string& what, long done, long total) const {
-  if (options_.messages == CommonOptions::Messages::kQuiet || !isatty(fileno(stderr)) || total <= 0) return;
+  if (options_.messages == CommonOptions::Messages::kQuiet || total <= 0) return;
+  constexpr double kBar = 0.1, kLine = 10;  // between two sights of it [s]
+  const std::lock_guard lock(progress_mutex_);
+  const bool terminal = isatty(fileno(stderr));
   const double elapsed = seconds(), rate = elapsed > 0 ? double(done) / elapsed : 0;
-  const int filled = int(30 * done / total);
-  fmt::print(stderr, "\r{} [{}{}] {:.0f}/s, {:.0f} s left  ", what, std::string(std::size_t(filled), '#'),
-             std::string(std::size_t(30 - filled), ' '), rate, rate > 0 ? double(total - done) / rate : 0);
+  if (elapsed - shown_ < (terminal ? kBar : kLine) && !(terminal && done >= total)) return;
+  shown_ = elapsed;
+  const double left = rate > 0 ? double(total - done) / rate : 0;
+  if (!terminal) {
+    fmt::print(stderr, "{}: {} of {}, {:.3g}/s, {:.0f} s left\n", what, done, total, rate, left);
+    return;
+  }
+  const int filled = int(30 * double(std::min(done, total)) / double(total));
+  fmt::print(stderr, "\r{} [{}{}] {:.3g}/s, {:.0f} s left  ", what, std::string(std::size_t(filled), '#'),
+             std::string(std::size_t(30 - filled), ' '), rate, left);
   if (done >= total) fmt::print(stderr, "\n");
   std::fflush(stderr);
+}
+Monitor Run::monitor(const std::string& what) const {
+  return {[this, what](long done, long total) { progress(what, done, total); }, interrupted};
 }
 double Run::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
@@ -76,6 +91,11 @@ CsvWriter Run::csv() const {
 }
 
 int Run::finish(Json summary, int exit_code) {
+  if (interrupted()) {
+    warn("interrupted: these results are of what was finished until then");
+    summary["interrupted"] = true;
+    exit_code = kInterrupted;
+  }
   Json provenance_block;
   for (const auto& [key, value] : provenance()) provenance_block[key] = value;
   summary["warnings"] = warnings_;

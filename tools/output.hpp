@@ -3,19 +3,21 @@
 
 #include <chrono>
 #include <map>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/csv.hpp"
+#include "common/monitor.hpp"
 
 namespace ukemi::tools {
 
 using Json = nlohmann::ordered_json;
 
 /// Exit codes of the program.
-enum Exit : int { kDone = 0, kNumbers = 1, kBadInput = 2 };
+enum Exit : int { kDone = 0, kNumbers = 1, kBadInput = 2, kInterrupted = 130 };
 
 struct CommonOptions {
   std::string folder;  ///< -o
@@ -45,8 +47,10 @@ class Run {
   void info(const std::string& message) const;  ///< to stderr unless --quiet
   /// A line of the result for a reader, to stdout unless --json.
   void say(const std::string& line) const;
-  /// Progress on stderr: a bar with rate and remaining time, on a terminal only.
+  /// Progress on stderr: a bar with rate and remaining time on a terminal; elsewhere a line every ten seconds.
   void progress(const std::string& what, long done, long total) const;
+  /// Shows progress as above, and stops at Ctrl-C. The run must outlive it.
+  Monitor monitor(const std::string& what) const;
 
   /// Key, value pairs: version, command line, checksums, seed, time.
   std::vector<std::pair<std::string, std::string>> provenance() const;
@@ -56,7 +60,7 @@ class Run {
   double seconds() const;
 
   /// Adds provenance to the summary, writes summary.json and the other files, prints the JSON with --json. Returns the
-  /// exit code.
+  /// exit code: kInterrupted after Ctrl-C, and the summary says so.
   int finish(Json summary, int exit_code);
   const Json& summary() const { return summary_; }
 
@@ -67,6 +71,8 @@ class Run {
   std::map<std::string, std::string> files_;
   std::vector<std::string> warnings_;
   std::chrono::steady_clock::time_point start_;
+  mutable std::mutex progress_mutex_;
+  mutable double shown_ = 0;  ///< when progress was last shown [s]
   Json summary_;
 };
 

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "common/error.hpp"
+#include "tools/interrupt.hpp"
 #include "tools/verbs.hpp"
 
 namespace ukemi::tools {
@@ -39,7 +40,7 @@ int run(int argc, char** argv) {
   CLI::App app("ukemi: identify a series elastic actuator, plan the landing it should make", "ukemi");
   app.set_version_flag("--version", "ukemi " UKEMI_VERSION);
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done; 1 the numbers did not work out; 2 bad usage or bad input.");
+  app.footer("Exit codes: 0 done; 1 the numbers did not work out; 2 bad usage or bad input; 130 interrupted (Ctrl-C).");
   set_command_line(argc, argv);
   Action chosen;
   add_identify(app, chosen);
@@ -58,6 +59,7 @@ int run(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-' && std::find(verbs.begin(), verbs.end(), argv[1]) == verbs.end())
       throw InputError(quoted(argv[1]) + ": no such verb" + hint(argv[1], verbs));
     app.parse(argc, argv);
+    catch_interrupts();
     return chosen();
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
