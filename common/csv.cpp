@@ -105,6 +105,12 @@ int CsvTable::find(const std::string& name) const {
   return -1;
 }
 
+int CsvTable::require(const std::string& name) const {
+  const int c = find(name);
+  if (c < 0) throw InputError({file, header_line}, "column '" + name + "': missing" + hint(name, header));
+  return c;
+}
+
 void CsvTable::require_full(int column) const {
   const auto c = std::size_t(column);
   for (std::size_t i = 0; i < rows(); ++i)

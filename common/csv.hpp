@@ -24,6 +24,8 @@ struct CsvTable {
   std::size_t rows() const { return line.size(); }
   /// Index of a column, or -1.
   int find(const std::string& name) const;
+  /// Index of a column; throws InputError where the table lacks it.
+  int require(const std::string& name) const;
   Location at(int column, std::size_t row) const { return {file, line[row], column_of[column][row]}; }
   /// Throws InputError where a cell of the column is empty.
   void require_full(int column) const;

@@ -128,7 +128,7 @@ class Roll {
           record(sample_, driver_.state());
         } else {
           const auto& step = driver_.dense();
-          const double s = (t_[sample_] - step.t) / step.h;
+          const double s = step.place_of(t_[sample_]);
           phi_[sample_] = step.component_at(System::kPhi, s) + nuisance_.encoder_offset;
           if (motor_) phi_m_[sample_] = step.component_at(System::kPhiM, s);
         }

@@ -63,7 +63,7 @@ class BatchEngine {
       }
       case_[i] = c;
       const Scene& scene = *c.scene;
-      const double g = scene.robot.gravity, limit = scene.t_end.value_or(Scene::kFollow);
+      const double g = scene.robot.gravity, limit = flight_limit(scene);
       if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || c.sea->feedback != options_.feedback) {
         hand_over(i);
         continue;
@@ -78,7 +78,7 @@ class BatchEngine {
         fly(single, scene, t, y);
         square_.set(i, g * g);
         if (t < fall_time(scene)) {
-          out.end = End::kTimeLimit, out.t_end = t, out.peak = g, out.state = y;
+          out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y;
           source_.done(i, out);
           continue;
         }
@@ -123,9 +123,11 @@ class BatchEngine {
 
   [[gnu::noinline]] void finish(int i, End end) {
     LandingPeak& out = out_[i];
+    if (end == End::kTimeLimit && out.contacts.size() == 0) end = End::kNoContact;
     if (end == End::kFailed && options_.too_long == BatchOptions::Long::kScalar) {
       hand_over(i);
     } else {
+      if (end == End::kFailed) out.failure = Failure::kSteps;
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
       out.work.steps = long(steps_[i]);
       for (int k = 0; k < kMechanical; ++k) out.state[k] = step_.y[k][i];
@@ -184,18 +186,22 @@ class BatchEngine {
     return first;
   }
 
+  /// Times nearer than this are one [s].
+  static double resolution(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::max(t, 1e-10); }
+
   enum class Verdict { kPlain, kCut, kEvent };
   /// What a step with a guard near its zero is: an event if the zero is within reach of its end, else cut there.
   [[gnu::noinline]] Verdict verdict(int i) {
-    constexpr double kReach = 3e-4;  // of the whole step: made up along the field
+    constexpr double kReach = 3e-4;  // of the step, however short it was cut: made up along the field
     constexpr int kMaxCuts = 12;
     if (!cut_[i]) cuts_[i] = 0;
     Crossing c = first_crossing(i);
     if (c.guard < 0 && cut_[i]) c = {target_[i], 1};  // the cubic placed it a little early
     if (c.guard < 0) return Verdict::kPlain;
     const double g = end_.value[c.guard][i], rate = end_.rate[c.guard][i], shift = -g / rate;
+    const double reach = std::max(kReach * step_.h[i], resolution(step_.t[i]));
     target_[i] = c.guard;
-    if (rate < 0 && (std::abs(shift) <= kReach * whole_[i] || (cuts_[i] >= kMaxCuts && g <= 0))) {
+    if (rate < 0 && (std::abs(shift) <= reach || (cuts_[i] >= kMaxCuts && g <= 0))) {
       shift_.set(i, std::max(shift, -step_.h[i]));
       return Verdict::kEvent;
     }
@@ -302,6 +308,10 @@ class BatchEngine {
           const Verdict v = verdict(i);
           event_.set(i, v == Verdict::kEvent), cut.set(i, v == Verdict::kCut);
         }
+    // A cut step without an event: the cubic of so long a step says nothing of what lies ahead.
+    constexpr double kAfterCut = 8;  // times the cut length, at most
+    const M missed = cut_ & accepted_ & !event_ & !cut;
+    assign(h_next_, missed, min(h_next_, T(kAfterCut) * step_.h));
     cut_ = cut;
     accepted_ &= !cut;
   }
@@ -367,7 +377,7 @@ class BatchEngine {
       broken = accepted_ & ((abs(step_.y[kOmegaM]) > T(options_.limits.motor_speed)) |
                             (abs(torque) > T(options_.limits.motor_torque)));
     }
-    const M rest = plain & at_rest(system_, step_.y, step_.slope, square_, rest_scale_);
+    const M rest = plain & at_rest(system_, step_.y, square_, rest_scale_);
     const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
     steps_ += select(active_, T(1.0), T(0.0));
     const M failed = tiny | (active_ & (steps_ > T(double(options_.max_steps))));

@@ -59,14 +59,14 @@ class DifferentiatedLanding {
   template <class Observer>
   Outcome run(Observer& observer) {
     State y = released(system_, scene_, seed_(scene_.drop), motion_);
-    double t = 0, limit = scene_.t_end.value_or(Scene::kFollow);
+    double t = 0, limit = flight_limit(scene_);
     const bool ballistic = is_ballistic(scene_);
     if (ballistic) {
       const double fall = fall_time(scene_);
       t = std::min(fall, limit);
       observer.flight(*this, y, t);
       fly(system_, scene_, t, y);
-      if (t < fall) return {.t_end = t, .end = End::kTimeLimit, .work = {}};
+      if (t < fall) return {.t_end = t, .end = End::kNoContact, .work = {}};
     }
     return follow(t, y, limit, ballistic, observer);
   }
@@ -146,14 +146,14 @@ class DifferentiatedLanding {
           motion_end = std::numeric_limits<double>::infinity();
         }
         if (t >= limit - 1e-14) {
-          out.end = End::kTimeLimit;
+          out.end = touched ? End::kTimeLimit : End::kNoContact;
           const Derivatives shift = scene_.t_end || !touched ? Derivatives::Zero() : system_.motion_start.v;
           observer.cut(*this, t, driver.state(), driver.slope(), shift);
           break;
         }
       }
       if (options_.rest == SimulateOptions::Rest::kStop &&
-          at_rest(plain_, values(driver.state()), values(driver.slope()), observer.running(), impact)) {
+          at_rest(plain_, values(driver.state()), observer.running(), impact)) {
         out.end = End::kRest;
         break;
       }

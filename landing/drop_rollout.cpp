@@ -31,7 +31,7 @@ class SampleObserver {
   void step(const Landing& l, typename Landing::Driver& driver) {
     const auto& step = driver.step();
     for (; waiting() && next() <= step.t + step.h;)
-      sample(l, driver.dense().at(std::max(0.0, (next() - step.t) / step.h)));
+      sample(l, driver.dense().at(step.place_of(std::max(next(), step.t))));
   }
   void before(const Landing&, double, const State&, const State&, const typename Landing::Derivatives&) {}
   void behind(const Landing&, double t, const State&, const typename Landing::Derivatives&, int event) {

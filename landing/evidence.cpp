@@ -21,7 +21,7 @@ std::vector<double> peaks_of(const Scene& scene, const SeaParameters<double>& se
   batch_peaks(cases, peaks, {.accuracy = accuracy}, threads);
   std::vector<double> out;
   for (const LandingPeak& p : peaks)
-    out.push_back(p.end == End::kFailed ? std::numeric_limits<double>::infinity() : p.peak);
+    out.push_back(no_landing(p.end) ? std::numeric_limits<double>::infinity() : p.peak);
   return out;
 }
 

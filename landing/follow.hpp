@@ -29,7 +29,7 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
   [[maybe_unused]] std::conditional_t<kReport, Recorder<System>, NoRecorder> recorder(landing, rate);
   typename System::State y = released(system, scene, scene.drop, motion);
   const double g = system.link.gravity;
-  double t = 0, limit = scene.t_end.value_or(Scene::kFollow);
+  double t = 0, limit = flight_limit(scene);
   PeakTracker peak;
   if constexpr (kReport) recorder.start(system, t, y);
 
@@ -43,7 +43,7 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
     fly(system, scene, t, y);
     if (t < fall) {
       if constexpr (kReport) recorder.row(system, t, y), recorder.finish();
-      out.t_end = t, out.end = End::kTimeLimit, out.peak = g, out.t_peak = 0,
+      out.t_end = t, out.end = End::kNoContact, out.peak = g, out.t_peak = 0,
       out.state = y.template head<kMechanical>();
       return;
     }
@@ -65,11 +65,15 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
     out.status = outcome.status;
     if (outcome.status > integrate::Status::kEvent || n >= options.max_steps) {
       out.end = End::kFailed;
+      out.failure = n >= options.max_steps ? Failure::kSteps : Failure::kIntegration;
       break;
     }
     if (!outcome.immediate && integrator.step().h > 0) {
       const double before = peak.square;
-      peak.step(system, integrator);
+      if (!peak.step(system, integrator)) {
+        out.end = End::kFailed, out.failure = Failure::kUnresolved;
+        break;
+      }
       if (peak.square != before) out.peak_contact = out.contacts.size() - 1;
       if (options.limits.rated() && exceeds(system, options.limits, t, integrator.state())) {
         out.end = End::kBroken;
@@ -118,12 +122,11 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
         motion_end = std::numeric_limits<double>::infinity();
       }
       if (t >= limit - 1e-14) {
-        out.end = End::kTimeLimit;
+        out.end = touched ? End::kTimeLimit : End::kNoContact;
         break;
       }
     }
-    if (options.rest == SimulateOptions::Rest::kStop &&
-        at_rest(system, integrator.state(), integrator.slope(), peak.square, impact)) {
+    if (options.rest == SimulateOptions::Rest::kStop && at_rest(system, integrator.state(), peak.square, impact)) {
       out.end = End::kRest;
       break;
     }

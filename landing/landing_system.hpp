@@ -170,6 +170,17 @@ class LandingSystem {
     return f;
   }
 
+  /// |Torque| on the motor that gains and spring leave were everything at a standstill in the angles of y, beyond what
+  /// dry friction holds [Nm].
+  T unheld_motor_torque(const State& y) const {
+    using std::abs;
+    const SeaState<T> still{y[kTheta1] - y[kTheta0], y[kPhiM], T(0), T(0)};
+    const Reference<T> held{select(after(phase), motion.phi_f, motion.phi_i), T(0)};
+    const T torque = abs(T(motor_torque<kTerms>(sea, still, held) - spring_torque<kTerms>(sea, still)));
+    if constexpr (!kTerms.extended) return torque;
+    return select(torque > sea.friction, T(torque - sea.friction), T(0));
+  }
+
   T motor_torque_of(const SeaState<T>& s, const Reference<T>& r) const { return motor_torque<kTerms>(sea, s, r); }
 
   /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y. The driver asks for their

@@ -30,7 +30,7 @@ PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const Ma
     for (int k = 0; k < nk; ++k) {
       const LandingPeak& p = peaks[std::size_t(k)];
       map.grid[map.index(row / nj, row % nj, k)] = {
-          p.end == End::kFailed ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact};
+          no_landing(p.end) ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact};
     }
   });
   return map;

@@ -59,7 +59,7 @@ class Objective::Race : public BatchSource {
   void done(int lane, const LandingPeak& peak) override {
     const auto i = std::size_t(motion_[lane]);
     ++landings, ++ended_[i];
-    if (peak.end == End::kFailed || peak.end == End::kBroken)
+    if (no_landing(peak.end))
       fail(i, kNoMotion);
     else if (peak.peak > points_[i].value) {
       points_[i].value = peak.peak, points_[i].worst = corner_[lane];
@@ -152,7 +152,7 @@ double Objective::verified(const Motion& m, double accuracy, double bound) const
     const LandingPeak p = peak_acceleration(
         scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
         {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits});
-    if (p.end == End::kFailed || p.end == End::kBroken) return kNoMotion;
+    if (no_landing(p.end)) return kNoMotion;
     worst = std::max(worst, p.peak);
     if (worst > bound) break;
   }

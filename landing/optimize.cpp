@@ -47,8 +47,10 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   out.found = best.value < kNoMotion;
   if (!out.found) {
     const bool limited = options.limits.any_forbidden() || options.limits.rated() || options.reference_rate < kNoMotion;
-    out.message = limited ? "no motion of the search range was found that keeps the limits"
-                          : "no motion of the search range could be followed";
+    const bool floor = peak_acceleration(scene, sea, objective.motion({}), {}).end != End::kNoContact;
+    out.message = !floor    ? "no point of the robot touches the floor: there is no landing to plan"
+                  : limited ? "no motion of the search range was found that keeps the limits"
+                            : "no motion of the search range could be followed";
     return out;
   }
   const SimulateOptions tight{.accuracy = options.accuracy};

@@ -27,16 +27,18 @@ class PeakTracker {
     return thigh_acceleration(system.link, p, {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]}).squaredNorm();
   }
 
-  /// Both ends of the step (their limits from inside it) and its interior where that could hold a larger value.
+  /// Both ends of the step (their limits from inside it) and its interior where that could hold a larger value. False
+  /// where the interior holds what the ends rule out: forces do not rise and fall so within a step that resolves them.
   template <class System, class Integrator>
-  void step(const System& system, Integrator& integrator) {
+  [[nodiscard]] bool step(const System& system, Integrator& integrator) {
     const auto& step = integrator.step();
     const double q1 = at_state(system, step.y_end, step.slope_end),
                  q0 = known_ ? last_ : at_state(system, step.y, step.slope);
     known_ = true, last_ = q1;
+    const double before = square;
     consider(q0, step.t);
     consider(q1, step.t + step.h);
-    if (kDoubles * kDoubles * std::max(q0, q1) < square || step.h <= 0) return;
+    if (kDoubles * kDoubles * std::max(q0, q1) < square || step.h <= 0) return true;
     const auto f = [&](double s) {
       const auto y = integrator.dense().at(s);
       const double time = step.t + s * step.h;
@@ -52,13 +54,16 @@ class PeakTracker {
           std::max({node[i].q, node[i + 1].q, node[i + 2].q}) > kNear * square)
         polish(node[i], node[i + 1], node[i + 2], f);
     }
+    return square <= before || square <= kUnresolved * kUnresolved * std::max({q0, q1, kUnit * kUnit});
   }
 
  private:
   bool known_ = false;
   double last_ = 0;                      ///< at the end of the last step
   static constexpr double kDoubles = 4;  ///< a resolved step that holds a new peak ends above a quarter of the old one
-  static constexpr double kNear = 0.9;   ///< and its nodes come this near, as squares
+  static constexpr double kUnresolved = 100;  ///< times the larger end: no peak of a resolved step
+  static constexpr double kUnit = 10;         ///< below it |ddr_0| is small whatever its ratio to the ends [m/s^2]
+  static constexpr double kNear = 0.9;        ///< and its nodes come this near, as squares
 
   struct Node {
     double s, q;

@@ -20,10 +20,10 @@ class Recorder {
     turned_ = kinetic_energy(system.link, system.pose(y));
     work_.setZero();
     out_.demands.phi_min = out_.demands.phi_max = y[kTheta1] - y[kTheta0];
-    interval_.t = t;
+    touch_.t = t;
   }
 
-  void jump() { interval_.jump(); }
+  void jump() { touch_.jump(); }
   void row(const System& system, double t, const typename System::State& y) {
     if (rate_ > 0) out_.trajectory.push_back(sample(system, t, y));
   }
@@ -38,18 +38,17 @@ class Recorder {
       row(system, t, y);
     }
     turned_ += system.link.total_mass * system.link.gravity * drop.height;
-    interval_.consider(system.link.gravity * system.link.gravity, 0);
+    touch_.consider(system.link.gravity * system.link.gravity, 0);
   }
 
   template <class Integrator>
   void step(const System& system, Integrator& integrator) {
-    interval_.step(system, integrator);
+    (void)touch_.step(system, integrator);  // the run has judged the step
     const auto& step = integrator.step();
     for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0})
       observe(system.evaluate(step.t + s * step.h, integrator.dense().at(s)), system);
     for (; rate_ > 0 && next_row() <= step.t + step.h; ++rows_)
-      if (next_row() >= step.t)
-        row(system, next_row(), integrator.dense().at(step.h > 0 ? (next_row() - step.t) / step.h : 0));
+      if (next_row() >= step.t) row(system, next_row(), integrator.dense().at(step.place_of(next_row())));
     for (int i = kWorkJoint; i < kWithAccounts; ++i) turned_ += std::abs(step.y_end[i] - work_[i - kWorkJoint]);
     work_ = step.y_end.template tail<3>();
     const double links =
@@ -65,10 +64,10 @@ class Recorder {
         chatter = t - it->t_liftoff < kChatter;
         break;
       }
-    if (!out_.touches.empty()) close_touch();
+    close_touch();
+    if (!chatter) close_interval(point);
     out_.touches.push_back({point, t, std::numeric_limits<double>::quiet_NaN()});
     open_[point] = int(out_.touches.size()) - 1;
-    if (!chatter) close_interval(point);
   }
   void liftoff(Point point, double t) {
     if (open_[point] >= 0) out_.touches[open_[point]].t_liftoff = t;
@@ -76,7 +75,7 @@ class Recorder {
   }
 
   void finish() {
-    if (!out_.touches.empty()) close_touch();
+    close_touch();
     close_interval(-1);
     out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
   }
@@ -88,17 +87,24 @@ class Recorder {
   double energy_start_ = 0, motor_start_ = 0, turned_ = 0, mismatch_ = 0;
   Eigen::Vector3d work_;
   std::array<int, kPoints> open_{-1, -1, -1};
-  PeakTracker interval_;
-  double since_touch_ = 0;
-  int interval_point_ = -1;
+  PeakTracker touch_;  ///< since the last touchdown
+  Peak interval_{0, 0, -1};
 
   double next_row() const { return double(rows_) / rate_; }
 
-  void close_touch() { out_.touches.back().peak_acc = std::sqrt(std::max(since_touch_, interval_.square)); }
+  /// The next touchdown, or the end of the run, ends what the last one began; an interval holds several of these. Of
+  /// points that touch at one instant each gets what follows.
+  void close_touch() {
+    const double peak = std::sqrt(touch_.square);
+    for (auto it = out_.touches.rbegin();
+         peak > 0 && it != out_.touches.rend() && it->t_touchdown == out_.touches.back().t_touchdown; ++it)
+      it->peak_acc = peak;
+    if (peak > interval_.acceleration) interval_.t = touch_.t, interval_.acceleration = peak;
+    touch_.reset();
+  }
   void close_interval(int next) {
-    if (interval_.square > 0) out_.peaks.push_back({interval_.t, std::sqrt(interval_.square), interval_point_});
-    interval_.reset();
-    interval_point_ = next;
+    if (interval_.acceleration > 0) out_.peaks.push_back(interval_);
+    interval_ = {0, 0, next};
   }
 
   void observe(const typename System::Field& f, const System& system) {

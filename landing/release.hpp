@@ -41,6 +41,17 @@ inline double fall_time(const Scene& scene) {
   if (!scene.touches() || !(g > 0 || scene.drop.height == 0)) return std::numeric_limits<double>::infinity();
   return g > 0 ? std::sqrt(2 * scene.drop.height / g) : 0;
 }
+/// How long a run without t_end is followed for its first touchdown: until every point must have met the floor, and as
+/// long again as any landing; with t_end until then [s].
+inline double flight_limit(const Scene& scene) {
+  if (scene.t_end) return *scene.t_end;
+  const double g = scene.robot.gravity;
+  if (!scene.touches() || !(g > 0)) return Scene::kFollow;
+  if (is_ballistic(scene)) return fall_time(scene) + Scene::kFollow;
+  const double reach = 2 * scene.robot.link_length;  // no point is farther from the centre of mass
+  const double rise = reach * std::abs(scene.drop.pitch_rate);
+  return (rise + std::sqrt(rise * rise + 2 * g * (scene.drop.height + 2 * reach))) / g + Scene::kFollow;
+}
 /// The state after `t` of ballistic flight from release; on the floor if t is `fall_time`. Derivatives are those at a
 /// fixed t.
 template <class System>

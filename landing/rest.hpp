@@ -5,10 +5,9 @@
 // has ended:
 //   1. the spring torque is inside its limit, and the centre of mass, shifted by the tangential forces' lever
 //      (x - y F_x / W), lies inside the support that the pressed points span, with a margin m > 0;
-//   2. the energy that could still do something, E = kinetic energy without the common sliding + motor and spring
-//   energy
-//      about their equilibrium, is at most kBarrierShare of the barrier W (sqrt(m^2 + y^2) - y) to topple over either
-//      end;
+//   2. the energy that could still do something, E = kinetic energy without the common sliding + motor energy + that of
+//      the springs (joint, floor) about what they must hold at a standstill, is at most kBarrierShare of the barrier W
+//      (sqrt(m^2 + y^2) - y) to topple over either end;
 //   3. E is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak.
 // The thresholds are ours; test/property/rest.cpp proves them by sampling.
 #pragma once
@@ -30,12 +29,11 @@ double impact_energy(const LandingSystem<kTerms, kAccounts>& system) {
   return kImpactShare * 0.5 * m / (per_speed * per_speed);
 }
 
-/// True where the run may end; `peak_square` is the square of the running peak of |ddr_0| [m^2/s^4], `dy` the field at
-/// the state y, `per_square` the system's `impact_energy`.
+/// True where the run may end in the state y; `peak_square` is the square of the running peak of |ddr_0| [m^2/s^4],
+/// `per_square` the system's `impact_energy`.
 template <LandingTerms kTerms, bool kAccounts, Scalar T>
 auto at_rest(const LandingSystem<kTerms, kAccounts, T>& system,
-             const typename LandingSystem<kTerms, kAccounts, T>::State& y,
-             const typename LandingSystem<kTerms, kAccounts, T>::State& dy, const T& peak_square, const T& per_square) {
+             const typename LandingSystem<kTerms, kAccounts, T>::State& y, const T& peak_square, const T& per_square) {
   using std::sqrt;
   using Lane = typename LandingSystem<kTerms, kAccounts, T>::Lane;
   const auto& link = system.link;
@@ -52,9 +50,10 @@ auto at_rest(const LandingSystem<kTerms, kAccounts, T>& system,
   rest &= energy <= limit;
   if (!any(rest)) return rest;
 
-  T left(std::numeric_limits<double>::infinity()), right = -left, fx(0);
+  T left(std::numeric_limits<double>::infinity()), right = -left, fx(0), carried(0);
   for (int j = 0; j < kPoints; ++j) {
     fx += select(below(system.contact[j]), tangential_force(system.floor, velocity_x(link, p, j)), T(0));
+    carried += select(pressed(system.contact[j]), normal_force(system.floor, height(link, p, j), T(0)), T(0));
     const T x = place(link, p, j);
     left = select(pressed(system.contact[j]) & (x < left), x, left);
     right = select(pressed(system.contact[j]) & (x > right), x, right);
@@ -67,10 +66,11 @@ auto at_rest(const LandingSystem<kTerms, kAccounts, T>& system,
   const T rise = sqrt(margin * margin + p.y * p.y) + select(p.y > T(0), p.y, T(0));
   const T barrier = weight * margin * margin / rise;
 
-  // Torques and forces out of balance, as the energy of a spring that would hold them.
-  const T torque = sea.i_motor * dy[kOmegaM], gain = smaller(sea.k_p, sea.k_sea),
+  // What springs alone do not hold sinks on: dampers only slow it. Torques and forces out of balance without them, as
+  // the energy of the spring that would hold them.
+  const T torque = system.unheld_motor_torque(y), gain = smaller(sea.k_p, sea.k_sea),
           joint = select(gain > T(1e-9), gain, T(1e-9));
-  const T force = mass * dy[kVy];
+  const T force = weight - carried;
   energy += T(0.5) * torque * torque / joint + T(0.5) * force * force / system.floor.stiffness;
   rest &= (energy <= limit) & (energy <= T(kBarrierShare) * barrier);
   return rest;

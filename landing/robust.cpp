@@ -39,7 +39,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea,
   out.peak = peaks[0].peak;
   for (int k = 0; k < kExecutionPoints; ++k) {
     const LandingPeak& p = peaks[std::size_t(k)];
-    out.failed = out.failed || p.end == End::kFailed;
+    out.failed = out.failed || no_landing(p.end);
     if (p.peak > out.value) out.value = p.peak, out.worst = execution_point(motion, scene.execution, k);
   }
   if (samples == 0) return out;
@@ -52,7 +52,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea,
   }
   peaks.resize(inside.size());
   batch_peaks(inside, peaks, {.accuracy = 1e-6}, threads);
-  for (const LandingPeak& p : peaks) out.failed = out.failed || p.end == End::kFailed;
+  for (const LandingPeak& p : peaks) out.failed = out.failed || no_landing(p.end);
   const auto worst = std::max_element(peaks.begin(), peaks.end(),
                                       [](const LandingPeak& a, const LandingPeak& b) { return a.peak < b.peak; });
   out.sampled = play(inside[std::size_t(worst - peaks.begin())].motion).peak;

@@ -22,7 +22,7 @@ Scene read_scene(const std::string& path) {
   const auto inertia = robot.numbers("inertia_com", 2, Range::positive());
   scene.robot.mass = {mass[0], mass[1]};
   scene.robot.inertia_com = {inertia[0], inertia[1]};
-  scene.robot.gravity = robot.optional_number("gravity", Range::non_negative()).value_or(0);
+  scene.robot.gravity = robot.number("gravity", Range::non_negative());
   if (const auto points = robot.optional_texts("contacts")) {
     const std::vector<std::string> known(kPointNames.begin(), kPointNames.end());
     for (const std::string& p : *points) {

@@ -9,12 +9,15 @@ namespace ukemi::landing {
 
 Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                         const SimulateOptions& options, double peak, int draws, std::uint64_t seed) {
-  constexpr double kMove = 1e-6, kCliff = 1e-3;
+  constexpr double kMove = 1e-6;
   Sensitivity out;
   SimulateOptions tighter = options;
   tighter.accuracy = std::max(1e-13, options.accuracy / 100);
-  const auto change = [&](const LandingPeak& p) { return peak > 0 ? std::abs(p.peak - peak) / peak : 0; };
-  out.error_estimate = change(peak_acceleration(scene, sea, motion, tighter));
+  const auto play = [&](const Scene& s) { return simulate(s, sea, motion, tighter); };
+  const Landing tight = play(scene);
+  if (tight.end == End::kFailed) return out;  // nothing to compare with
+  const auto change = [](double a, double b) { return b > 0 ? std::abs(a - b) / b : 0; };
+  out.error_estimate = change(peak, tight.peak);
   for (int i = 0; i < draws && out.change <= kCliff; ++i) {
     Random random(seed, std::uint64_t(i));
     const auto move = [&](double& x) { x *= random.uniform() < 0.5 ? 1 - kMove : 1 + kMove; };
@@ -25,9 +28,11 @@ Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, co
       move(*x);
     if (s.floor)
       for (double* x : {&s.floor->stiffness, &s.floor->damping_normal, &s.floor->damping_tangential}) move(*x);
-    out.change = std::max(out.change, change(peak_acceleration(s, sea, motion, options)));
+    if (const Landing moved = play(s); moved.end != End::kFailed)
+      out.change = std::max(out.change, change(moved.peak, tight.peak));
   }
   out.sensitive = out.change > kCliff;
+  out.right = out.sensitive || out.error_estimate <= kCliff;
   return out;
 }
 

@@ -12,12 +12,30 @@ const char* name(End end) {
       return "rest";
     case End::kTimeLimit:
       return "t_end";
+    case End::kNoContact:
+      return "no contact";
     case End::kAbandoned:
       return "abandoned";
     case End::kBroken:
       return "limit broken";
     case End::kFailed:
       return "failed";
+  }
+  return "?";
+}
+
+const char* reason(const LandingPeak& landing) {
+  switch (landing.failure) {
+    case Failure::kNone:
+      return "it did not fail";
+    case Failure::kIntegration:
+      return name(landing.status);
+    case Failure::kSteps:
+      return "the run needs more steps than are allowed (is the scene stiff?)";
+    case Failure::kUnresolved:
+      return "the acceleration inside a step is far above its ends: the steps do not resolve it";
+    case Failure::kUnbalanced:
+      return "the energy balance does not close";
   }
   return "?";
 }
@@ -33,6 +51,8 @@ Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Mot
                  const SimulateOptions& options, double rate) {
   Landing out;
   dispatch<true>(scene, sea, motion, options, out, &out, rate);
+  if (out.end != End::kFailed && !(out.energy_residual <= energy_tolerance(options.accuracy)))
+    out.end = End::kFailed, out.failure = Failure::kUnbalanced;
   return out;
 }
 

@@ -1,6 +1,7 @@
 // One landing: released, in flight, through its contacts, to rest.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -17,11 +18,23 @@ namespace ukemi::landing {
 enum class End {
   kRest,       ///< at rest (landing/rest.hpp): no later peak can exceed the running one
   kTimeLimit,  ///< at t_end
+  kNoContact,  ///< at t_end, and no point has touched the floor: `peak` is that of a flight
   kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
   kBroken,     ///< a limit of SimulateOptions::limits was passed: `peak` says nothing
-  kFailed,     ///< the numbers did not work out; `status` says why, the result so far is kept
+  kFailed,     ///< the numbers did not work out; `failure` says why, the result so far is kept
 };
 const char* name(End end);
+/// Whether a run that ended so says nothing of a landing's peak.
+constexpr bool no_landing(End end) { return end == End::kNoContact || end == End::kBroken || end == End::kFailed; }
+
+/// Why a run failed.
+enum class Failure : unsigned char {
+  kNone,
+  kIntegration,  ///< the integrator stopped; LandingPeak::status says why
+  kSteps,        ///< more than SimulateOptions::max_steps
+  kUnresolved,   ///< |ddr_0| inside a step is far above its ends: a peak that the step does not resolve
+  kUnbalanced,   ///< the energy balance does not close: motion and forces do not belong together
+};
 
 using integrate::Method;
 
@@ -74,13 +87,17 @@ struct LandingPeak {
   double t_peak = 0;  ///< when, from release [s]
   double t_end = 0;   ///< how long the run was followed, from release [s]
   End end = End::kFailed;
-  integrate::Status status = integrate::Status::kStepped;  ///< with kFailed
+  Failure failure = Failure::kNone;                        ///< with kFailed
+  integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
   integrate::Counters work;
   ContactOrder contacts;  ///< touchdowns
   int peak_contact = -1;  ///< which of them opened the interval that holds the peak; -1: before the first
   Eigen::Matrix<double, kMechanical, 1> state =
       Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
 };
+
+/// Why a landing failed, in words.
+const char* reason(const LandingPeak& landing);
 
 /// A point meets the floor and leaves it.
 struct Touch {
@@ -121,6 +138,8 @@ struct Landing : LandingPeak {
   Demands demands;
   double energy_residual = 0;  ///< mismatch of the energy check over the energy turned over
 };
+/// The largest energy residual of a landing that counts as right: steps that keep to the accuracy stay far below it.
+inline double energy_tolerance(double accuracy) { return std::clamp(1e3 * accuracy, 1e-6, 1.0); }
 
 /// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are
 /// taken at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
@@ -132,7 +151,8 @@ void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, co
                         const SimulateOptions& options, LandingPeak& out);
 
 /// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every
-/// 1/rate s from release and two at each event, its left and right limits.
+/// 1/rate s from release and two at each event, its left and right limits. A run whose energy balance does not close
+/// has failed.
 [[nodiscard]] Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                const SimulateOptions& options = {}, double rate = 0);
 

@@ -181,6 +181,14 @@ Vec2<T> thigh_velocity(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
   return {p.vx - k * (p.omega0 * p.c0 + p.omega1 * p.c1), p.vy - k * (p.omega0 * p.s0 + p.omega1 * p.s1)};
 }
 
+/// The inertia that the joint's torque sees where nothing else acts: ddphi_1 = tau / M at rest; phi_1 [rad], [kg m^2].
+template <class C>
+C joint_inertia(const TwoLinkDynamics<C>& d, const C& phi) {
+  using std::cos;
+  const C c = d.mu_a2 * cos(phi);
+  return (d.inertia0 * d.inertia1 - c * c) / (d.inertia0 + d.inertia1 + C(2) * c);
+}
+
 /// Kinetic energy of both links about and with the centre of mass [J].
 template <class C, class T>
 T kinetic_energy(const TwoLinkDynamics<C>& d, const Pose<T>& p) {

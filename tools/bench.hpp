@@ -1,6 +1,7 @@
 // The benches: error against run time, the stability map, what omission saves. Each is one function.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,14 @@
 
 namespace ukemi::tools {
 
+/// The scenes that the benches run, of datasets/scenes.
+inline constexpr std::array<const char*, 10> kShippedScenes = {
+    "paper", "paper_rough_a", "paper_rough_b", "paper_soft", "low", "high", "straight", "fast", "tilted", "hard"};
+
 struct BenchArguments {
   int repetitions = 30;              ///< timed runs of each entry
   int random = 400;                  ///< stability: seeded combinations
+  int motions = 200, scenes = 1000;  ///< stability: followed three ways: motions of each shipped scene, random scenes
   int draws = 20;                    ///< identify: noise draws
   int calls = 1000;                  ///< batch: of a planner
   int seeds = 1;                     ///< optimizers: of each search

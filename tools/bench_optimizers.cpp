@@ -28,8 +28,7 @@ using namespace landing;
 
 namespace {
 
-constexpr std::array<const char*, 10> kScenes = {"paper", "paper_rough_a", "paper_rough_b", "paper_soft", "low",
-                                                 "high",  "straight",      "fast",          "tilted",     "hard"};
+constexpr auto& kScenes = kShippedScenes;
 constexpr std::array<const char*, 2> kGoals = {"peak", "tolerant"};
 constexpr std::array<double, 5> kMarks = {100, 300, 1'000, 5'000, 20'000};
 constexpr double kNothing = std::numeric_limits<double>::infinity();  ///< the gap of a search that found nothing
@@ -82,11 +81,7 @@ std::size_t one_of(std::span<const char* const> names, const std::string& name, 
   return std::size_t(found - names.begin());
 }
 
-std::size_t column(const CsvTable& table, const char* name) {
-  const int c = table.find(name);
-  if (c < 0) throw InputError({table.file, table.header_line}, fmt::format("column '{}': missing", name));
-  return std::size_t(c);
-}
+std::size_t column(const CsvTable& table, const char* name) { return std::size_t(table.require(name)); }
 
 /// The searches that an earlier run's optimizers.csv holds.
 std::vector<Trial> read_trials(const std::string& path) {
@@ -122,11 +117,15 @@ BestKnown best_known(const std::string& path) {
   const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene"});
   if (table.rows() != kScenes.size()) throw InputError(path + ": a row for each of the ten scenes is needed");
   const std::size_t scene = column(table, "scene");
-  BestKnown best;
-  for (std::size_t i = 0; i < table.rows(); ++i)
-    for (std::size_t g = 0; g < kGoals.size(); ++g)
-      best[one_of(kScenes, table.texts[scene][i], table.at(int(scene), i))][g] =
-          table.columns[column(table, kGoals[g])][i];
+  for (const char* goal : kGoals) table.require_full(table.require(goal));
+  BestKnown best{};
+  std::array<bool, kScenes.size()> known{};
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const Location where = table.at(int(scene), i);
+    const std::size_t s = one_of(kScenes, table.texts[scene][i], where);
+    if (std::exchange(known[s], true)) throw InputError(where, quoted(kScenes[s]) + ": the scene is given twice");
+    for (std::size_t g = 0; g < kGoals.size(); ++g) best[s][g] = table.columns[column(table, kGoals[g])][i];
+  }
   return best;
 }
 

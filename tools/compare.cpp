@@ -147,7 +147,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
       Json& peaks = summary["peaks"][std::string(kSets[m]) + "_motion"];
       for (int s = 0; s < 2; ++s) {
         landings[m][s] = simulate(*scene, sets[s].sea, best[m].motion, tight, 1000);
-        if (landings[m][s].end == End::kFailed) run.warn(failure(landings[m][s])), failed = true;
+        if (no_landing(landings[m][s].end)) run.warn(failure(landings[m][s])), failed = true;
         peaks[kSets[s]] = number(landings[m][s].peak);
         table.back().push_back(fmt::format("{:.5g}", landings[m][s].peak));
       }

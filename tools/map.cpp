@@ -87,7 +87,7 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   summary["map_time_s"] = map_seconds;
   run.add("map.csv", map_csv(run, map));
   if (found.empty()) {
-    run.warn("no landing of the grid could be followed");
+    run.warn("no landing of the grid could be followed to the floor");
     summary["basins"] = Json::array();
     return run.finish(summary, kNumbers);
   }

@@ -136,6 +136,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
                        {"seed", options.seed}},
                       kNumbers);
   }
+  warn_if_unstable(scene, actuator, o.motion, run);
   const Landing l = simulate(scene, actuator.sea, o.motion, {.accuracy = options.accuracy}, 1000);
   const Motion hold{-45 / kDegrees, -45 / kDegrees, 1};
   const LandingPeak held = peak_acceleration(scene, actuator.sea, hold, {.accuracy = options.accuracy});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "common/drive_stability.hpp"
 #include "common/error.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/sensitivity.hpp"
@@ -15,17 +16,8 @@ namespace ukemi::tools {
 using namespace landing;
 
 std::string failure(const LandingPeak& p) {
-  const std::string at = fmt::format(" at t = {:.6g} s after {} steps", p.t_end, p.work.steps);
-  switch (p.status) {
-    case integrate::Status::kTooSmall:
-      return "the error control asks for steps below the resolution of time" + at;
-    case integrate::Status::kNotFinite:
-      return "the accelerations are not finite" + at;
-    case integrate::Status::kStuck:
-      return "too many events at one instant" + at;
-    default:
-      return "the run needs more steps than are allowed" + at + " (is the scene stiff?)";
-  }
+  if (p.end == End::kNoContact) return fmt::format("no point touches the floor within {:.4g} s", p.t_end);
+  return fmt::format("{}, at t = {:.6g} s after {} steps", reason(p), p.t_end, p.work.steps);
 }
 
 Json motion_json(const Motion& m) {
@@ -71,6 +63,19 @@ Json ratings(const Motion& motion, const Landing& l, const Actuator& actuator, R
     run.warn(
         fmt::format("the motor is asked for {:.3g} Nm; tau_max is {:.3g} Nm", d.motor_torque, actuator.sea.tau_max));
   return j;
+}
+
+void warn_if_unstable(const Scene& scene, const Actuator& actuator, const Motion& motion, Run& run) {
+  const TwoLinkDynamics<double> links(scene.robot);
+  double fastest = 0, at = 0;
+  for (const double phi : {motion.phi_i, motion.phi_f})
+    if (const double rate = growth_rate(actuator.sea, joint_inertia(links, phi)); rate > fastest)
+      fastest = rate, at = phi;
+  if (fastest > 0)
+    run.warn(fmt::format(
+        "the drive is unstable on this robot: in flight, at {:.4g} deg, a disturbance grows e-fold every {:.2g} s{}",
+        at * kDegrees, 1 / fastest,
+        std::isfinite(actuator.sea.tau_max) ? ", up to the torque limit" : ", and no torque limit ends it"));
 }
 
 Json evidence_json(const Evidence& e) {
@@ -141,13 +146,20 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   options.accuracy = a.accuracy.value_or(options.accuracy);
   options.validate();
 
+  warn_if_unstable(scene, actuator, motion, run);
   const Landing l = simulate(scene, actuator.sea, motion, options, rate);
   Json summary;
   if (l.end == End::kFailed) {
     run.warn("refused: " + failure(l) + "; what was computed so far is kept");
     summary["failed"] = failure(l);
   }
+  if (l.end == End::kNoContact) run.warn(failure(l) + ": the peak is that of a flight");
   const Sensitivity s = sensitivity(scene, actuator.sea, motion, options, l.peak);
+  const bool wrong = l.end != End::kFailed && !s.right;
+  if (wrong)
+    run.warn(
+        fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
+                    s.error_estimate, std::max(1e-14, options.accuracy / 100)));
   if (s.sensitive)
     run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff",
                          s.change));
@@ -195,7 +207,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
                     fmt::format("{:.4g}", t.peak_force), fmt::format("{:.4g}", t.peak_acc)});
   report.table({"point", "touchdown [s]", "lift-off [s]", "peak force [N]", "peak |ddr_0| [m/s²]"}, rows);
   run.add("report.html", report.html(run.provenance()));
-  return run.finish(summary, l.end == End::kFailed ? kNumbers : kDone);
+  return run.finish(summary, l.end == End::kFailed || wrong ? kNumbers : kDone);
 }
 
 }  // namespace

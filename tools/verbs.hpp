@@ -67,6 +67,9 @@ int run_compare(const CompareArguments& arguments, const CommonOptions& common, 
 /// Where a robot could not follow a motion: the actuator's ratings against its demands.
 Json ratings(const landing::Motion& motion, const landing::Landing& landing, const Actuator& actuator, Run& run);
 
+/// Warns where the drive is unstable on the robot in flight, at the angles of the motion.
+void warn_if_unstable(const landing::Scene& scene, const Actuator& actuator, const landing::Motion& motion, Run& run);
+
 /// The words for an outcome, and JSON pieces that several verbs write.
 std::string failure(const landing::LandingPeak& landing);
 Json evidence_json(const landing::Evidence& evidence);

@@ -32,13 +32,14 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
   using State = typename Base::State;
 
   bool implicit() const { return implicit_; }
+  void forget() { stages_.forget(); }
   int error_order() const { return implicit_ ? Implicit::kErrorOrder : Explicit::kErrorOrder; }
 
   template <class F>
   void advance(F&& f) {
     taken_implicit_ = implicit_;
     if (!implicit_) return Base::advance(f);
-    this->whole_ = this->h;
+    this->compute();
     stages_.advance(*this, f);
   }
   template <int kControlled>
@@ -47,9 +48,13 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
   }
   template <class F>
   void prepare_dense(F&& f) {
-    taken_implicit_ ? stages_.prepare_dense(*this) : Base::prepare_dense(f);
+    taken_implicit_ ? stages_.prepare_dense() : Base::prepare_dense(f);
   }
-  State at(double s) const { return taken_implicit_ ? stages_.at(*this, this->share(s)) : Base::at(s); }
+  State at(double s) const {
+    if (!taken_implicit_) return Base::at(s);
+    const auto place = this->place(s);
+    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.behind);
+  }
   double component_at(int index, double s) const {
     return taken_implicit_ ? at(s)[index] : Base::component_at(index, s);
   }

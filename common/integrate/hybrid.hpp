@@ -6,7 +6,7 @@
 //
 // Rules at and after an event:
 //   - a step never crosses a guard's zero: the zero is located on the step's dense output, the step is retaken with
-//     that length, and what the interpolation erred by is made up along the field;
+//     that length until the zero is within kShift of its own length, and what is left is made up along the field;
 //   - the owner flips the guard's sign in `cross`; a guard that starts within rounding of zero and rises is left alone
 //     (no sticking), one that starts at or below zero and falls is an event of length zero (simultaneous touchdowns);
 //   - a step also looks inside itself: the cubic through both ends' values and rates is bounded by its Bernstein
@@ -108,8 +108,8 @@ class Integrator {
   }
   const Counters& counters() const { return counters_; }
   /// The field, or the state, has jumped (mode change, new reference): evaluate it afresh.
-  void refresh() { fresh_ = false; }
-  void refresh(const State& y) { step_.y_end = y, fresh_ = false; }
+  void refresh() { fresh_ = false, step_.forget(); }
+  void refresh(const State& y) { step_.y_end = y, refresh(); }
   /// Goes on from another time and state, with the step length that stood.
   void restart(double t, const State& y) { step_.t = t, step_.h = 0, refresh(y); }
   /// Bounds the next step, after an event that brings faster dynamics.
@@ -290,29 +290,32 @@ class Integrator {
     }
   }
 
-  /// Retakes the step so that it ends on the zero of `c.guard`.
+  /// Retakes the step so that it ends on the zero of `c.guard`: first with the length that the dense output gives,
+  /// then, as long as the zero lies farther than kShift of that length from its end, with a better one (Newton). A zero
+  /// at the start is an event of length zero; a guard that only grazes its zero is met where it is lowest.
   void end_on(const Crossing& c) {
-    constexpr double kShift = 1e-4;  // of the step: beyond it, curvature counts and the step is taken once more
+    constexpr double kShift = 1e-4;  // beyond it curvature counts
+    constexpr int kRetakes = 8;
     const double whole = step_.h;
-    if (c.s <= 0) {
-      restore(Status::kEvent);
-      return;
-    }
-    step_.h = c.s * whole;
-    for (int i = 0; i < 4; ++i) {
+    double h = c.s * whole;
+    for (int i = 1;; ++i) {
+      if (!(h > 0)) {
+        restore(Status::kEvent);
+        return;
+      }
+      step_.h = h;
       step_.advance(field());
       system_.guards(time(), step_.y_end, step_.slope_end, end_);
       const double g = end_.value[c.guard], rate = end_.rate[c.guard];
       if (g == 0 || !(rate < 0)) return;
       const double shift = -g / rate;
-      if (std::abs(shift) < kShift * whole) {
-        step_.y_end += shift * step_.slope_end;
-        step_.h = std::max(0.0, step_.h + shift);
+      if (std::abs(shift) <= kShift * h) {
+        step_.move_end(shift);
         field()(time(), step_.y_end, step_.slope_end);
         return;
       }
-      if (std::abs(shift) > 0.2 * whole) return;
-      step_.h = std::clamp(step_.h + shift, 0.0, whole);
+      if (i == kRetakes || std::abs(shift) > 0.2 * whole) return;
+      h = std::min(h + shift, whole);
     }
   }
 

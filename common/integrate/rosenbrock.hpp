@@ -69,7 +69,7 @@ class RosenbrockStages {
   /// Sets e.y_end and e.slope_end from e.t, e.h, e.y, e.slope.
   template <class Ends, class F>
   void advance(Ends& e, F&& f) {
-    if (!(e.t == at_t_ && e.y == at_y_)) {  // after a rejection the Jacobian stands
+    if (!(e.t == at_t_ && e.y == at_y_)) {  // after a rejection the Jacobian stands, until `forget`
       f.linearize(e.t, e.y, jacobian_, rate_);
       at_t_ = e.t, at_y_ = e.y;
     }
@@ -102,17 +102,17 @@ class RosenbrockStages {
 
   const State& error() const { return u_[Tableau::kStages - 1]; }
 
-  /// y at share s of the computed step; `computed_end` is its end.
-  template <class Ends>
-  State at(const Ends& e, double s) const {
+  /// The field has jumped: the Jacobian is another, though time and state be the same.
+  void forget() { at_t_ = std::numeric_limits<double>::quiet_NaN(); }
+
+  /// y at the share s of the computed step from y to `end`.
+  State at(const State& y, const State& end, double s) const {
     State sum = State::Zero();
     for (int q = Tableau::kDenseTerms - 1; q >= 0; --q) sum = sum * s + dense_[q];
-    return (1 - s) * e.y + s * (computed_end_ + (1 - s) * sum);
+    return (1 - s) * y + s * (end + (1 - s) * sum);
   }
-  template <class Ends>
-  void prepare_dense(const Ends& e) {
+  void prepare_dense() {
     if (dense_ready_) return;
-    computed_end_ = e.y_end;
     for (int q = 0; q < Tableau::kDenseTerms; ++q) {
       dense_[q].setZero();
       for (int j = 0; j < Tableau::kStages; ++j) dense_[q] += Tableau::p[q][j] * u_[j];
@@ -131,7 +131,7 @@ class RosenbrockStages {
 
  private:
   Matrix jacobian_;
-  State rate_, at_y_, computed_end_;
+  State rate_, at_y_;
   double at_t_ = std::numeric_limits<double>::quiet_NaN();
   using Block = Eigen::Matrix<double, kCoupled, kCoupled>;
   Eigen::PartialPivLU<Block> lu_;
@@ -146,10 +146,11 @@ class RosenbrockStep : public StepEnds<double, N> {
  public:
   using State = Eigen::Matrix<double, N, 1>;
   static constexpr int error_order() { return Tableau::kErrorOrder; }
+  void forget() { stages_.forget(); }
 
   template <class F>
   void advance(F&& f) {
-    this->whole_ = this->h;
+    this->compute();
     stages_.advance(*this, f);
   }
   template <int kControlled>
@@ -158,9 +159,12 @@ class RosenbrockStep : public StepEnds<double, N> {
   }
   template <class F>
   void prepare_dense(F&&) {
-    stages_.prepare_dense(*this);
+    stages_.prepare_dense();
   }
-  State at(double s) const { return stages_.at(*this, this->share(s)); }
+  State at(double s) const {
+    const auto place = this->place(s);
+    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.behind);
+  }
   double component_at(int index, double s) const { return at(s)[index]; }
 
  private:

@@ -1,13 +1,19 @@
 // One step of an explicit Runge-Kutta method, with its error estimate and its dense output.
 //
-// What every kind of step offers to the driver (hybrid.hpp): t, h, y, y_end, slope(), slope_end; `advance` computes the
+// What every kind of step offers to the driver (hybrid.hpp): t, h, y, y_end, slope, slope_end; `advance` computes the
 // step of length h; `error` its size over the tolerance (0 where the method has no estimate: fixed steps);
-// `prepare_dense`, `at`, `component_at` its interior; `choose` what to try next.
+// `prepare_dense`, `at`, `component_at` its interior; `move_end` makes up what its end is off by; `choose` says what to
+// try next; `forget` drops what was kept of a field that has changed.
+//
+// An accepted step owns its interior: `at(s)` holds for 0 <= s <= 1, from its start to its end, wherever that was moved
+// to, and throws std::logic_error outside: a polynomial beyond its step means nothing.
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "common/integrate/tableaus.hpp"
@@ -48,7 +54,7 @@ double error_size(const State& error, const State& a, const State& b, const Tole
   return worst;
 }
 
-/// What all steps share: their ends, and where on the computed length they stop.
+/// What all steps share: their ends, and where in the computed length a place of the step lies.
 template <class T, int N>
 struct StepEnds {
   using State = Eigen::Matrix<T, N, 1>;
@@ -66,15 +72,59 @@ struct StepEnds {
   double choose(double h_next) { return h_next; }
   /// True where the last step was taken by an implicit method that stands in for an explicit one.
   static constexpr bool implicit() { return false; }
+  /// The field has jumped: nothing that was evaluated of it holds.
+  void forget() {}
+  /// Moves the end by `shift` (much smaller than h) along the field, to where an event lies; slope_end is to be set
+  /// anew. [s]
+  void move_end(double shift) {
+    computed_end_ = y_end, computed_slope_ = slope_end;
+    moved_ = true;
+    for (int c = 0; c < N; ++c) add_scaled(y_end[c], shift, slope_end[c]);
+    h += shift;
+  }
+  /// Where a time of the step lies in it, 0..1; rounding of the time is forgiven. Throws std::logic_error outside.
+  double place_of(double time) const {
+    constexpr double kRounding = 1e-9;  // in parts of the step
+    const double s = h > 0 ? (time - t) / h : 0;
+    if (!(s >= -kRounding && s <= 1 + kRounding)) outside();
+    return std::clamp(s, 0.0, 1.0);
+  }
 
  protected:
-  Time whole_{0};  ///< the length that was computed; h is shorter once the step is cut
-  Time share(const Time& s) const {
-    if constexpr (kIsPack<T>)
-      return s;  // lanes are never cut
-    else
-      return h == whole_ ? s : s * (h / whole_);
+  /// Begins a computation of length h.
+  void compute() { whole_ = h, moved_ = false; }
+  const State& computed_end() const { return moved_ ? computed_end_ : y_end; }
+  Time whole() const { return whole_; }
+
+  /// A place of the step: where in the computed length, 0..1, and how long behind its end [s].
+  struct Place {
+    Time share, behind;
+  };
+  Place place(const Time& s) const {
+    if constexpr (kIsPack<T>) {
+      return {s, Time(0)};  // lanes are never moved
+    } else {
+      if (!(s >= 0 && s <= 1)) outside();
+      if (!moved_) return {s, 0};
+      const double from_start = s * h;
+      return from_start <= whole_ ? Place{from_start / whole_, 0} : Place{1, from_start - whole_};
+    }
   }
+  /// Behind the computed end the step goes on along the field.
+  State extended(State x, const Time& behind) const {
+    if constexpr (!kIsPack<T>)
+      if (behind > 0)
+        for (int c = 0; c < N; ++c) add_scaled(x[c], behind, computed_slope_[c]);
+    return x;
+  }
+  [[noreturn, gnu::cold]] static void outside() {
+    throw std::logic_error("bug: dense output was asked for outside of its step");
+  }
+
+ private:
+  Time whole_{0};                        ///< the length that was computed
+  bool moved_ = false;                   ///< the end is not where it was computed
+  State computed_end_, computed_slope_;  ///< where it was, and f there, if so
 };
 
 /// The stages of one attempted step from (t, y) over h.
@@ -92,7 +142,7 @@ class Step : public StepEnds<T, N> {
   /// Computes every stage and `y_end`; f(t, y, dy) sets dy/dt.
   template <class F>
   void advance(F&& f) {
-    this->whole_ = h;
+    this->compute();
     dense_ready_ = Tableau::kDenseStages == Tableau::kStages;
     k_[0] = slope;
     stages<1, Tableau::kStages>(f);
@@ -112,7 +162,7 @@ class Step : public StepEnds<T, N> {
       ((size[Q] = std::abs(h) * error_size(error_rate<Q>(), y, y_end, tolerance)), ...);
     }
     (std::make_index_sequence<Tableau::kEstimates>{});
-    return Tableau::error_norm(size);
+    return Tableau::error_norm(size, tolerance.accuracy);
   }
 
   /// |h lambda| of the first components between the last two stages, which stand at the same time (Hairer, Wanner,
@@ -130,30 +180,34 @@ class Step : public StepEnds<T, N> {
   template <class F>
   void prepare_dense(F&& f) {
     if (dense_ready_) return;
-    const Time cut = h;
-    h = this->whole_;
+    const Time moved = h;
+    h = this->whole();
     stages<Tableau::kStages, Tableau::kDenseStages>(f);
-    h = cut;
+    h = moved;
     dense_ready_ = true;
   }
 
   /// y(t + s h), 0 <= s <= 1; `prepare_dense` first.
   State at(const Time& s) const {
+    const auto place = this->place(s);
     State sum;
     for (int c = 0; c < N; ++c) sum[c] = T(0);
-    for_weights(this->share(s), [&](int i, const Time& b) {
+    for_weights(place.share, [&](int i, const Time& b) {
       for (int c = 0; c < N; ++c) add_scaled(sum[c], b, k_[i][c]);
     });
     State out = y;
-    for (int c = 0; c < N; ++c) add_scaled(out[c], this->whole_, sum[c]);
-    return out;
+    for (int c = 0; c < N; ++c) add_scaled(out[c], this->whole(), sum[c]);
+    return this->extended(out, place.behind);
   }
   /// One component of `at`.
   T component_at(int index, const Time& s) const {
+    const auto place = this->place(s);
+    if constexpr (!kIsPack<T>)
+      if (place.behind > 0) return at(s)[index];
     T sum(0);
-    for_weights(this->share(s), [&](int i, const Time& b) { add_scaled(sum, b, k_[i][index]); });
+    for_weights(place.share, [&](int i, const Time& b) { add_scaled(sum, b, k_[i][index]); });
     T out = y[index];
-    add_scaled(out, this->whole_, sum);
+    add_scaled(out, this->whole(), sum);
     return out;
   }
 

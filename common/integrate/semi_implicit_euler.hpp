@@ -21,12 +21,11 @@ class SemiImplicitEulerStep : public StepEnds<T, N> {
 
   template <class F>
   void advance(F&& f) {
-    this->whole_ = this->h;
+    this->compute();
     constexpr int n = std::remove_cvref_t<F>::kPositions;
     State& end = this->y_end;
     end = this->y + T(this->h) * this->slope;
     end.template head<n>() = this->y.template head<n>() + T(this->h) * end.template segment<n>(n);
-    computed_end_ = end;
     f(this->t + this->h, end, this->slope_end);
   }
   template <int kControlled>
@@ -35,11 +34,11 @@ class SemiImplicitEulerStep : public StepEnds<T, N> {
   }
   template <class F>
   void prepare_dense(F&&) {}
-  State at(double s) const { return this->y + T(this->share(s)) * (computed_end_ - this->y); }
-  T component_at(int i, double s) const { return this->y[i] + T(this->share(s)) * (computed_end_[i] - this->y[i]); }
-
- private:
-  State computed_end_;
+  State at(double s) const {
+    const auto place = this->place(s);
+    return this->extended(this->y + T(place.share) * (this->computed_end() - this->y), place.behind);
+  }
+  T component_at(int i, double s) const { return at(s)[i]; }
 };
 
 template <class T, int N, int kCoupled>

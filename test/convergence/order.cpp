@@ -397,6 +397,55 @@ TEST_CASE("order: semi-implicit Euler keeps its order through events") {
   CHECK(slope(h, error) == Approx(1).margin(0.1));
 }
 
+TEMPLATE_TEST_CASE("dense output: a step owns its interior, to an end that an event has moved, and no farther", "",
+                   DormandPrince54, DormandPrince853, Rodas5P, (Automatic<DormandPrince54, Rodas5P>)) {
+  for (const double accuracy : {1e-2, 1e-4, 1e-6, 1e-9}) {
+    TwoSprings system;
+    Integrator<TestType, TwoSprings> run(system, 0, TwoSprings::start(), {.accuracy = accuracy, .first_step = 0.5});
+    double at_ends = 0, inside = 0, gap = 0;
+    int events = 0;
+    for (;;) {
+      const Outcome o = run.step(30);
+      REQUIRE(o.status <= Status::kEvent);
+      const auto& step = run.dense();
+      const auto error = [&](double s) { return (step.at(s) - TwoSprings::exact(step.t + s * step.h)).norm(); };
+      at_ends = std::max({at_ends, (step.y - TwoSprings::exact(step.t)).norm(), error(1)});
+      for (int i = 1; i < 20; ++i) inside = std::max(inside, error(i / 20.0));
+      gap = std::max(gap, (step.at(1) - step.y_end).norm());
+      CHECK(step.component_at(0, 1) == step.at(1)[0]);
+      CHECK(step.place_of(step.t + step.h) == Approx(1));
+      for (const double s : {-1e-6, 1 + 1e-6, kNan}) CHECK_THROWS_AS(step.at(s), std::logic_error);
+      if (step.h > 0) CHECK_THROWS_AS(step.place_of(step.t + 1.001 * step.h), std::logic_error);
+      if (o.event >= 0) {
+        system.above = !system.above, ++events;
+        run.refresh();
+      }
+      if (o.status == Status::kReached) break;
+    }
+    INFO("accuracy " << accuracy << ": at the ends " << at_ends << ", inside " << inside << ", gap " << gap);
+    CHECK(events > 10);
+    CHECK(gap <= 1e-8);                            // the field's curvature over a ten thousandth of a step
+    CHECK(inside <= 3 * at_ends + 10 * accuracy);  // no step errs inside by more than it may at its end
+  }
+}
+
+TEST_CASE("dense output: a Jacobian does not outlive the field it was taken of") {
+  // The trough of an oscillator, on the guard's zero at no speed: an event of length zero. Beyond it time and state are
+  // the same, the field is another.
+  Oscillator system{0.5, -1};
+  Integrator<Rodas5P, Oscillator> run(system, 0, {-0.5, 0}, {.accuracy = 1e-6, .first_step = 0.1});
+  const Outcome o = run.step(1);
+  REQUIRE(o.event == 0);
+  REQUIRE(run.step().h == 0);
+  REQUIRE(run.time() == 0);
+  REQUIRE(run.counters().jacobians == 1);
+  system.side = 1;
+  run.refresh();
+  REQUIRE(run.step(1).status <= Status::kEvent);
+  CHECK(run.time() > 0);
+  CHECK(run.counters().jacobians == 2);
+}
+
 TEMPLATE_TEST_CASE("order: it is lost where the same jumps are not located", "", ADAPTIVE) {
   // What the events are for: the same field with its jumps inside steps is of about first order with either pair.
   std::vector<double> h, error;

@@ -4,6 +4,8 @@
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
+#include "landing/batch.hpp"
+#include "landing/optimize.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/simulate.hpp"
 
@@ -62,4 +64,53 @@ TEST_CASE("rest: a robot that is slow but not supported goes on") {
   CHECK(landing.touches.back().t_touchdown > 0.5);  // it stood for that long before anything else touched
   CHECK(landing.peak > 50);                         // the fall, not the standing
   CHECK(landing.peak == simulate(scene, sea, held, {.rest = SimulateOptions::Rest::kIgnore}).peak);
+}
+
+TEST_CASE("rest: what only a damper holds is not at rest") {
+  const SeaParameters<double> table2 = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  const Motion held{-0.8, -0.8, 1};
+  Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  SECTION("a floor without stiffness: the robot sinks on, slowly") {
+    scene.floor->stiffness = 1e-9;
+    const Landing l = simulate(scene, table2, held);
+    CHECK(l.end == End::kTimeLimit);
+  }
+  SECTION("a spring without stiffness: the joint gives way, slowly") {
+    SeaParameters<double> sea = table2;
+    sea.k_sea = 1e-9, sea.c_sea = 20;
+    const Landing l = simulate(scene, sea, held);
+    CHECK(l.end != End::kFailed);
+    if (l.end == End::kRest) CHECK(std::abs(l.state[kTheta1] - l.state[kTheta0] - l.state[kPhiM]) > 0.5);
+  }
+}
+
+TEST_CASE("flight: a fall from any height meets the floor; one that cannot is no landing") {
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  const Motion motion{-0.7, -1.2, 0.25};
+  Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const auto lanes = [&] {
+    const BatchCase c{&scene, &sea, motion};
+    LandingPeak p;
+    batch_peaks({&c, 1}, {&p, 1}, {.accuracy = 1e-6});
+    return p.end;
+  };
+  SECTION("from 1 km, turning or not") {
+    scene.drop.height = 1000, scene.drop.pitch_rate = GENERATE(0.0, 0.5);
+    const LandingPeak l = peak_acceleration(scene, sea, motion);
+    CHECK(l.contacts.size() > 0);
+    CHECK(l.t_end > std::sqrt(2 * 999 / 9.81));
+    CHECK(lanes() != End::kNoContact);
+  }
+  SECTION("no gravity, no point, or the end comes first") {
+    const int what = GENERATE(0, 1, 2, 3);
+    if (what == 0) scene.robot.gravity = 0;
+    if (what == 1) scene.contacts = {};
+    if (what == 2) scene.t_end = 0.2;
+    if (what == 3) scene.t_end = 0.2, scene.drop.pitch_rate = 0.1;
+    CHECK(peak_acceleration(scene, sea, motion).end == End::kNoContact);
+    CHECK(lanes() == End::kNoContact);
+    const Optimum best = optimize(scene, sea, {.evaluations = 50});
+    CHECK(!best.found);
+    CHECK_THAT(best.message, Catch::Matchers::Contains("no point of the robot touches the floor"));
+  }
 }

@@ -6,6 +6,7 @@
 
 #include "common/actuator.hpp"
 #include "landing/scene_file.hpp"
+#include "landing/sensitivity.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -27,7 +28,7 @@ TEST_CASE("stability: stiff and extreme landings pass, are sensitive, or are ref
     } else {
       CHECK(!r.reason.empty());
       // Here the bound on steps is an eighth of the bench's: what runs into it is counted apart.
-      ++(r.reason == "more steps than allowed" ? beyond : refused);
+      ++(r.failure == Failure::kSteps ? beyond : refused);
     }
     if (r.verdict == Verdict::kSensitive) CHECK(r.sensitivity > 1e-3);
   }
@@ -35,6 +36,49 @@ TEST_CASE("stability: stiff and extreme landings pass, are sensitive, or are ref
   CHECK(cases > 120);
   CHECK(refused * 50 <= cases);
   CHECK(beyond * 8 <= cases);
+}
+
+// The reduced form of `ukemi bench stability --motions 100000 --scenes 10000`, whose figures stand in
+// tools/bench_stability.cpp.
+TEST_CASE("stability: the scalar path, a hundred times tighter, and lanes give one peak, or the landing is sensitive") {
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  const Scene paper = read_scene(UKEMI_DATASETS "/scenes/paper.toml"),
+              tilted = read_scene(UKEMI_DATASETS "/scenes/tilted.toml");
+  constexpr std::uint64_t kSeed = 7;
+  std::vector<StabilityCase> cases;
+  for (std::uint64_t i = 0; i < 300; ++i) cases.push_back(random_motion(paper, sea, kSeed, i));
+  for (std::uint64_t i = 0; i < 300; ++i) cases.push_back(random_motion(tilted, sea, kSeed, i));
+  // A hip that touches within 3 microseconds of a chattering foot: once the lanes took thirty steps to each event.
+  for (const std::uint64_t i : {1381u, 1527u}) cases.push_back(random_motion(tilted, sea, kSeed, i));
+  for (std::uint64_t i = 0; i < 150; ++i) cases.push_back(random_landing(paper, sea, kSeed, i));
+  const auto results = cross_check(cases, 0);
+  int refused = 0, sensitive = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const CrossCheck& c = results[i];
+    INFO(cases[i].factor << " " << cases[i].setting << ": " << name(c.verdict) << " " << c.reason << "; scalar "
+                         << c.scalar << " lanes " << c.lanes << " tight " << c.tight);
+    CHECK(c.verdict != Verdict::kWrong);
+    if (c.verdict == Verdict::kSensitive) CHECK(c.sensitivity > kCliff);
+    refused += c.verdict == Verdict::kRefused, sensitive += c.verdict == Verdict::kSensitive;
+  }
+  CAPTURE(refused, sensitive);
+  CHECK(refused <= 8);     // points that hover on y = 0 (README, limits)
+  CHECK(sensitive <= 30);  // drives that whirl the robot for seconds
+}
+
+TEST_CASE("stability: only runs that are right earn a landing the word sensitive") {
+  const Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  const Motion motion{-0.7, -1.2, 0.25};
+  const double peak = peak_acceleration(scene, sea, motion).peak;
+  const Sensitivity good = sensitivity(scene, sea, motion, {}, peak);
+  CHECK(good.right);
+  CHECK(!good.sensitive);
+  CHECK(good.error_estimate < 1e-6);
+  // A number that is not this landing's moves with the tolerance, not with the scene.
+  const Sensitivity bad = sensitivity(scene, sea, motion, {}, 1e17);
+  CHECK(!bad.right);
+  CHECK(!bad.sensitive);
 }
 
 TEST_CASE("stability: a stiff landing is followed by implicit steps, a plain one by explicit ones") {

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/drive_stability.hpp"
 #include "common/random.hpp"
 
 using namespace ukemi;
@@ -164,4 +165,28 @@ TEST_CASE("sea: Jet derivatives of the motor's acceleration are its central diff
       CHECK(exact.v[Eigen::Index(k)] == Approx(slope).epsilon(1e-6).margin(1e-13 * (1e3 + std::abs(exact.a)) / h));
     }
   }
+}
+
+TEST_CASE("sea: a drive is stable where the Routh criterion says so") {
+  // a s^4 + b s^3 + c s^2 + d s + e with a link of inertia M, feedback of the output angle.
+  int stable = 0, unstable = 0;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    Random r(kSeed, i);
+    SeaParameters<double> p = table2();
+    for (double* x : {&p.k_p, &p.k_d, &p.k_sea, &p.c_sea, &p.i_motor}) *x *= r.factor(30);
+    const double m = 0.01 * r.factor(10), k = p.k_sea, c = p.c_sea, j = p.i_motor;
+    const double a4 = m * j, a3 = (m + j) * c, a2 = (m + j) * k + c * p.k_d, a1 = k * p.k_d + c * p.k_p, a0 = k * p.k_p;
+    const double routh = a3 * a2 * a1 - a4 * a1 * a1 - a3 * a3 * a0, size = a3 * a2 * a1 + a4 * a1 * a1 + a3 * a3 * a0;
+    if (std::abs(routh) < 1e-6 * size) continue;  // too near to call
+    INFO("draw " << i);
+    CHECK((growth_rate(p, m) > 0) == (routh < 0));
+    ++(routh < 0 ? unstable : stable);
+  }
+  CHECK(std::min(stable, unstable) > 200);
+  SeaParameters<double> p = table2();
+  CHECK(growth_rate(p, 0.02) < 0);
+  p.c_sea = 0;  // no damping in the spring: unstable with any gains
+  CHECK(growth_rate(p, 0.02) > 0);
+  p.k_p = p.k_d = p.c_sea = p.k_sea = 0;  // nothing acts: it neither grows nor decays
+  CHECK(growth_rate(p, 0.02) == 0);
 }
