@@ -1,5 +1,6 @@
 #include "landing/batch.hpp"
 
+#include <algorithm>
 #include <atomic>
 
 #include "common/error.hpp"
@@ -43,20 +44,23 @@ namespace {
 /// The cases in order, to whichever lane of whichever thread is free.
 class Queue : public BatchSource {
  public:
-  Queue(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, std::atomic<std::size_t>& next)
-      : cases_(cases), peaks_(peaks), next_(next) {}
+  Queue(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, std::atomic<std::size_t>& next,
+        const std::function<bool()>* over)
+      : cases_(cases), peaks_(peaks), next_(next), over_(over) {}
   bool next(int lane, BatchCase& c) override {
     const std::size_t i = in_lane_[lane] = next_++;
-    if (i >= cases_.size()) return false;
+    if (i >= cases_.size() || over()) return false;
     c = cases_[i];
     return true;
   }
   void done(int lane, const LandingPeak& peak) override { peaks_[in_lane_[lane]] = peak; }
+  bool over() override { return over_ && (*over_)(); }
 
  private:
   std::span<const BatchCase> cases_;
   std::span<LandingPeak> peaks_;
   std::atomic<std::size_t>& next_;
+  const std::function<bool()>* over_;
   std::array<std::size_t, lanes(InstructionSet::kAvx512)> in_lane_{};
 };
 }  // namespace
@@ -72,9 +76,10 @@ void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks,
   o.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
   constexpr std::size_t kPart = 256;  // a thread is not worth its start for fewer
   const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
+  std::fill(peaks.begin(), peaks.end(), LandingPeak{.end = End::kStopped});
   std::atomic<std::size_t> next{0};
   parallel_for(parts, parts, [&](int) {
-    Queue queue(cases, peaks, next);
+    Queue queue(cases, peaks, next, options.over);
     run_batch(queue, o, set);
   });
 }

@@ -38,7 +38,8 @@ struct BatchOptions {
   bool extended = false;                  ///< some actuator has friction, a stiffening spring or motor-side feedback
   Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
   enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
-  long max_steps = 20'000;  ///< steps of a lane; the scalar path has 200,000, and may go implicit
+  long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit
+  const std::function<bool()>* over = nullptr;  ///< of batch_peaks: see SimulateOptions
 };
 
 /// Instruction sets, and the widest that this machine has.
@@ -55,7 +56,7 @@ InstructionSet quickest_instruction_set(std::size_t landings);
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
 
 /// The peaks of many landings, by the kernel that holds the terms of all of them; `threads` as everywhere: 0 for all
-/// cores, and without influence on the results.
+/// cores, and without influence on the results. Those that `over` cut off come back with End::kStopped.
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
                  int threads = 1, InstructionSet set = widest_instruction_set());
 

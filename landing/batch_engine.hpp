@@ -116,9 +116,10 @@ class BatchEngine {
   /// The scalar path follows the lane's landing.
   void hand_over(int i) {
     const BatchCase& c = case_[i];
-    source_.done(i, peak_acceleration(
-                        *c.scene, *c.sea, c.motion,
-                        {.accuracy = options_.accuracy, .abandon_above = c.abandon_above, .limits = options_.limits}));
+    const LandingPeak peak = peak_acceleration(
+        *c.scene, *c.sea, c.motion,
+        {.accuracy = options_.accuracy, .abandon_above = c.abandon_above, .limits = options_.limits, .over = &over_});
+    if (peak.end != End::kStopped) source_.done(i, peak);
   }
 
   [[gnu::noinline]] void finish(int i, End end) {
@@ -404,6 +405,7 @@ class BatchEngine {
 
   BatchSource& source_;
   const BatchOptions options_;
+  const std::function<bool()> over_ = [this] { return source_.over(); };
   System system_{TwoLink<T>{{T(1.0), T(1.0)}, {T(1.0), T(1.0)}, T(1.0), T(0.0)}, Floor<T>{T(1.0), T(0.0), T(0.0)},
                  SeaParameters<T>{T(0.0), T(0.0), T(0.0), T(0.0), T(1.0)}, MotionOf<T>{T(0.0), T(0.0), T(1.0)}};
   integrate::Step<integrate::DormandPrince54, T, kMechanical> step_;

@@ -115,7 +115,7 @@ class DifferentiatedLanding {
       const integrate::Outcome outcome = driver.step(std::min(limit, motion_end));
       t = driver.time();
       out.status = outcome.status;
-      if (outcome.status > integrate::Status::kEvent || n >= options_.max_steps) break;
+      if (outcome.status > integrate::Status::kEvent || n >= options_.max_steps || options_.stopped(n)) break;
       if (!outcome.immediate && driver.step().h > 0) observer.step(*this, driver);
       if (outcome.event >= 0) {
         const int event = outcome.event;

@@ -13,77 +13,118 @@ constexpr double kDegree = 0.017453292519943295;
 
 double& variable(Motion& m, int k) { return k == 0 ? m.phi_i : k == 1 ? m.phi_f : m.duration; }
 
-std::vector<double> peaks_of(const Scene& scene, const SeaParameters<double>& sea, const std::vector<Motion>& motions,
-                             double accuracy, int threads) {
-  std::vector<BatchCase> cases;
-  for (const Motion& m : motions) cases.push_back({&scene, &sea, m});
-  std::vector<LandingPeak> peaks(cases.size());
-  batch_peaks(cases, peaks, {.accuracy = accuracy}, threads);
-  std::vector<double> out;
-  for (const LandingPeak& p : peaks)
-    out.push_back(no_landing(p.end) ? std::numeric_limits<double>::infinity() : p.peak);
-  return out;
-}
+/// Plays motions beside the one in question.
+class Beside {
+ public:
+  Beside(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const EvidenceOptions& options)
+      : scene_(scene), sea_(sea), motion_(motion), options_(options) {}
 
-double worst_of(const Scene& scene, const SeaParameters<double>& sea, const std::vector<Motion>& motions,
-                double accuracy, int threads) {
-  const auto peaks = peaks_of(scene, sea, motions, accuracy, threads);
-  return *std::max_element(peaks.begin(), peaks.end());
-}
+  bool stopped() const { return options_.monitor.stopped(); }
+  const std::function<bool()>* over() const { return options_.monitor.stop ? &options_.monitor.stop : nullptr; }
 
-/// How far one variable may move one way.
-double width(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, int k, double direction,
-             double limit, double accuracy, int threads) {
-  constexpr int kCoarse = 40, kFine = 24;
-  const auto& range = k == 2 ? scene.search.duration : scene.search.phi;
-  Motion at = motion;
-  const double room = direction > 0 ? range[1] - variable(at, k) : variable(at, k) - range[0];
-  if (!(room > 0)) return 0;
-  double good = 0, bad = room;
-  for (const int points : {kCoarse, kFine}) {
-    std::vector<Motion> motions;
-    std::vector<double> offsets;
-    for (int i = 1; i <= points; ++i) {
-      const double share = double(i) / points;
-      offsets.push_back(points == kCoarse ? room * std::pow(10.0, 7 * (share - 1)) : good + share * (bad - good));
-      Motion m = motion;
-      variable(m, k) += direction * offsets.back();
-      motions.push_back(m);
+  double worst_of(const std::vector<Motion>& motions) { return worst(peaks_of(scene_, motions)); }
+  /// The motion in two other scenes: `change(scene, -1)` and `change(scene, 1)`.
+  template <class Change>
+  double worst_in(const Change& change) {
+    std::vector<double> peaks;
+    for (const double side : {-1.0, 1.0}) {
+      Scene other = scene_;
+      change(other, side);
+      peaks.push_back(peaks_of(other, {motion_})[0]);
     }
-    const auto peaks = peaks_of(scene, sea, motions, accuracy, threads);
-    const auto first = std::find_if(peaks.begin(), peaks.end(), [&](double p) { return p > limit; }) - peaks.begin();
-    if (first == points) return offsets.back();
-    bad = offsets[std::size_t(first)];
-    if (first > 0) good = offsets[std::size_t(first) - 1];
+    return worst(peaks);
   }
-  return good;
-}
+
+  /// How far variable k may move one way before the peak exceeds `limit`; NaN where it was stopped.
+  double width(int k, double direction, double limit) {
+    constexpr int kCoarse = 40, kFine = 24;
+    const auto& range = k == 2 ? scene_.search.duration : scene_.search.phi;
+    Motion at = motion_;
+    const double room = direction > 0 ? range[1] - variable(at, k) : variable(at, k) - range[0];
+    if (!(room > 0)) return 0;
+    double good = 0, bad = room;
+    for (const int points : {kCoarse, kFine}) {
+      std::vector<Motion> motions;
+      std::vector<double> offsets;
+      for (int i = 1; i <= points; ++i) {
+        const double share = double(i) / points;
+        offsets.push_back(points == kCoarse ? room * std::pow(10.0, 7 * (share - 1)) : good + share * (bad - good));
+        Motion m = motion_;
+        variable(m, k) += direction * offsets.back();
+        motions.push_back(m);
+      }
+      const auto peaks = peaks_of(scene_, motions);
+      if (stopped()) return Evidence::kUnknown;
+      const auto first = std::find_if(peaks.begin(), peaks.end(), [&](double p) { return p > limit; }) - peaks.begin();
+      if (first == points) return offsets.back();
+      bad = offsets[std::size_t(first)];
+      if (first > 0) good = offsets[std::size_t(first) - 1];
+    }
+    return good;
+  }
+
+ private:
+  std::vector<double> peaks_of(const Scene& scene, const std::vector<Motion>& motions) {
+    std::vector<BatchCase> cases;
+    for (const Motion& m : motions) cases.push_back({&scene, &sea_, m});
+    std::vector<LandingPeak> peaks(cases.size());
+    batch_peaks(cases, peaks, {.accuracy = options_.accuracy, .over = over()}, options_.threads);
+    std::vector<double> out;
+    for (const LandingPeak& p : peaks)
+      out.push_back(no_landing(p.end)        ? std::numeric_limits<double>::infinity()
+                    : p.end == End::kStopped ? Evidence::kUnknown
+                                             : p.peak);
+    options_.monitor.progress(played_ += long(motions.size()), Evidence::kLandings);
+    return out;
+  }
+  /// NaN where one is not known.
+  static double worst(const std::vector<double>& peaks) {
+    double out = 0;
+    for (const double p : peaks) out = p > out || std::isnan(p) ? p : out;
+    return out;
+  }
+
+  const Scene& scene_;
+  const SeaParameters<double>& sea_;
+  const Motion& motion_;
+  const EvidenceOptions& options_;
+  long played_ = 0;
+};
 
 }  // namespace
 
-Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, double accuracy,
-                  int tolerance_samples, std::uint64_t seed, int threads) {
+Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                  const EvidenceOptions& options) {
   Evidence out;
-  out.peak = peak_acceleration(scene, sea, motion, {.accuracy = accuracy}).peak;
-  const double limit = out.peak * (1 + Evidence::kRise);
-  for (int k = 0; k < 3; ++k)
-    for (const int side : {0, 1})
-      out.width[std::size_t(k)][std::size_t(side)] =
-          width(scene, sea, motion, k, side ? 1 : -1, limit, accuracy, threads);
+  Beside beside(scene, sea, motion, options);
+  const SimulateOptions tight{.accuracy = options.accuracy, .over = beside.over()};
+  const LandingPeak played = peak_acceleration(scene, sea, motion, tight);
+  out.peak = played.peak;
+  out.tolerant.value = Evidence::kUnknown;
+  out.work = Evidence::kLandings * work_of(played.work);
+  if (out.work > options.work || beside.stopped()) return out;
+  out.tolerant = tolerant_peak(scene, sea, motion, tight, options.tolerance_samples, options.seed, options.threads);
+  if (!out.tolerant.complete) out.tolerant.value = Evidence::kUnknown;
   std::vector<Motion> turned, timed;
   for (const double i : {-1.0, 0.0, 1.0})
     for (const double j : {-1.0, 0.0, 1.0})
       turned.push_back({motion.phi_i + i * kDegree, motion.phi_f + j * kDegree, motion.duration});
   for (const double s : {-0.01, 0.01})
     timed.push_back({motion.phi_i, motion.phi_f, std::max(1e-4, motion.duration + s)});
-  out.one_degree = worst_of(scene, sea, turned, accuracy, threads);
-  out.ten_milliseconds = worst_of(scene, sea, timed, accuracy, threads);
-  for (const double s : {-0.01, 0.01}) {
-    Scene other = scene;
-    other.drop.height = std::max(0.0, scene.drop.height + s);
-    out.one_centimetre = std::max(out.one_centimetre, worst_of(other, sea, {motion}, accuracy, threads));
-  }
-  out.tolerant = tolerant_peak(scene, sea, motion, {.accuracy = accuracy}, tolerance_samples, seed, threads);
+  out.one_degree = beside.worst_of(turned);
+  out.ten_milliseconds = beside.worst_of(timed);
+  out.one_centimetre =
+      beside.worst_in([](Scene& s, double side) { s.drop.height = std::max(0.0, s.drop.height + 0.01 * side); });
+  out.pitch_one_degree = beside.worst_in([](Scene& s, double side) { s.drop.pitch += kDegree * side; });
+  out.damping_ten_percent = beside.worst_in([](Scene& s, double side) {
+    if (!s.floor) return;
+    s.floor->damping_normal *= 1 + 0.1 * side;
+    s.floor->damping_tangential *= 1 + 0.1 * side;
+  });
+  const double limit = out.peak * (1 + Evidence::kRise);
+  for (int k = 0; k < 3; ++k)
+    for (const int side : {0, 1}) out.width[std::size_t(k)][std::size_t(side)] = beside.width(k, side ? 1 : -1, limit);
+  out.complete = !beside.stopped();
   return out;
 }
 

@@ -85,6 +85,10 @@ void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& 
       out.end = End::kAbandoned;
       break;
     }
+    if (options.stopped(n)) {
+      out.end = End::kStopped;
+      break;
+    }
     if (outcome.event >= 0) {
       if constexpr (kReport) recorder.row(system, t, integrator.state());
       const bool touchdown = outcome.event < kPoints && system.contact[outcome.event] == Contact::kClear;

@@ -73,8 +73,8 @@ struct PeakGradients {
 };
 
 /// The `most` largest local maxima with their gradients by the motion. Of the options, accuracy, max_step, max_steps
-/// and rest count: a run is never abandoned and knows no limits. A failure is a status, never an exception; what was
-/// found until then is kept.
+/// rest and over count: a run is never abandoned and knows no limits. A failure is a status, never an exception; what
+/// was found until then is kept.
 [[nodiscard]] PeakGradients<kMotionParameters> motion_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                                             const Motion& motion, const SimulateOptions& options,
                                                             int most);

@@ -1,5 +1,6 @@
 #include "landing/map.hpp"
 
+#include <atomic>
 #include <cmath>
 
 #include "common/error.hpp"
@@ -21,17 +22,21 @@ PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const Ma
   PeakMap map{options.cells, {}, {scene.search.phi, scene.search.phi, scene.search.duration}};
   const auto [ni, nj, nk] = options.cells;
   map.grid.resize(map.index(ni, 0, 0));
+  std::atomic<long> rows{0};
   // A row of durations is one batch: its landings are alike, so that lanes meet their events together.
   parallel_for(ni * nj, options.threads, [&](int row) {
     std::vector<BatchCase> cases;
     for (int k = 0; k < nk; ++k) cases.push_back({&scene, &sea, map.motion(row / nj, row % nj, k)});
     std::vector<LandingPeak> peaks(cases.size());
-    batch_peaks(cases, peaks, {.accuracy = options.accuracy});
+    batch_peaks(cases, peaks,
+                {.accuracy = options.accuracy, .over = options.monitor.stop ? &options.monitor.stop : nullptr});
     for (int k = 0; k < nk; ++k) {
       const LandingPeak& p = peaks[std::size_t(k)];
       map.grid[map.index(row / nj, row % nj, k)] = {
-          no_landing(p.end) ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact};
+          no_landing(p.end) || p.end == End::kStopped ? std::numeric_limits<double>::quiet_NaN() : p.peak,
+          p.contacts, p.peak_contact, p.end};
     }
+    options.monitor.progress(++rows, ni * nj);
   });
   return map;
 }
@@ -60,12 +65,14 @@ std::vector<Basin> basins(const Scene& scene, const SeaParameters<double>& sea, 
   minima.resize(std::min(minima.size(), std::size_t(options.polished)));
 
   std::vector<Point3> found(minima.size());
+  std::atomic<long> searched{0};
   parallel_for(int(minima.size()), options.threads, [&](int n) {
     constexpr int kPopulation = 20;
     constexpr long kMotions = 3000;
     constexpr double kConverged = 1e-7;
-    Objective objective(scene, sea, {});
-    Search search(objective, {.motions = kMotions}, options.seed + std::uint64_t(n));
+    Objective objective(scene, sea, {.stop = options.monitor.stop});
+    Search search(objective, {.motions = kMotions, .work = work_allowed(Goal::kPeak, kMotions)},
+                  options.seed + std::uint64_t(n));
     Random random(options.seed, std::uint64_t(n));
     std::vector<Point3> population(kPopulation), trials(kPopulation);
     for (Point3& p : population)
@@ -81,7 +88,10 @@ std::vector<Basin> basins(const Scene& scene, const SeaParameters<double>& sea, 
       scatter(search.best(), random, population);  // once more, from close by
       search.evaluate(population);
     }
-    found[std::size_t(n)] = search.settle(options.tight);
+    const Point3 best = search.settle(options.tight);
+    if (options.monitor.stopped()) return;
+    found[std::size_t(n)] = best;
+    options.monitor.progress(++searched, long(minima.size()));
   });
   std::sort(found.begin(), found.end());
   constexpr double kApart = 0.02;

@@ -13,14 +13,16 @@ struct MapOptions {
   int polished = 24;                     ///< the best local minima of the grid are searched from close by
   std::uint64_t seed = 1;
   int threads = 0;
+  Monitor monitor;        ///< told of the grid's rows, and of the basins
   void validate() const;  ///< throws InputError
 };
 
 struct PeakMap {
   struct Cell {
-    double peak;            ///< [m/s^2]; NaN where the landing could not be followed
+    double peak;            ///< [m/s^2]; NaN where the landing could not be followed, or was stopped before
     ContactOrder contacts;  ///< in which the points touch
     int peak_contact;       ///< which of them made the peak; -1: none
+    End end;                ///< kStopped: not played, as the monitor stopped the map
   };
   std::array<int, 3> cells;
   std::vector<Cell> grid;  ///< phi_I slowest, duration fastest
@@ -36,7 +38,7 @@ struct PeakMap {
   Motion motion(int i, int j, int k) const { return {coordinate(0, i), coordinate(1, j), coordinate(2, k)}; }
 };
 
-/// Every point of the grid, on all lanes and threads.
+/// Every point of the grid, on all lanes and threads, until the monitor stops it.
 [[nodiscard]] PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const MapOptions& options = {});
 
 /// A basin: the best motion found near a local minimum of the grid, at MapOptions::tight.
@@ -44,7 +46,8 @@ struct Basin {
   Motion motion;
   double peak;
 };
-/// The distinct basins of the grid's best local minima, the best first.
+/// The distinct basins of the grid's best local minima, the best first; where the monitor stops it, those whose search
+/// has ended.
 [[nodiscard]] std::vector<Basin> basins(const Scene& scene, const SeaParameters<double>& sea, const PeakMap& map,
                                         const MapOptions& options = {});
 

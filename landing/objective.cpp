@@ -9,13 +9,25 @@
 namespace ukemi::landing {
 
 Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
-    : watch(options.time), scene_(scene), sea_(sea), options_(options), extended_(is_extended(sea)) {
+    : deadline(options.deadline),
+      watch(options.time),
+      stop(options.stop),
+      scene_(scene),
+      sea_(sea),
+      options_(options),
+      extended_(is_extended(sea)) {
   std::iota(order_.begin(), order_.end(), 0);
   // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
   // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.
   constexpr long kUsual = 300, kTimes = 20;
-  const long steps = peak_acceleration(scene, sea, motion({}), {.accuracy = options.accuracy}).work.steps;
-  patient_ = steps > kUsual * kTimes;
+  constexpr double kShare = 0.1;  // of the time that may go into finding that out
+  deadline *= kShare;
+  const LandingPeak middle = peak_acceleration(
+      scene, sea, motion({}), {.accuracy = options.accuracy, .max_steps = 2 * kUsual * kTimes, .over = &over_});
+  deadline = options.deadline;
+  landing_time_ = watch.seconds();
+  const long steps = middle.work.steps;
+  patient_ = steps > kUsual * kTimes || middle.end == End::kStopped;
   max_steps_ = kTimes * std::max(kUsual, steps);
 }
 
@@ -33,8 +45,8 @@ class Objective::Race : public BatchSource {
  public:
   static constexpr std::size_t kMost = 64;
 
-  Race(const Objective& o, std::span<Point3> points, Goal goal)
-      : o_(o), points_(points), corners_(goal == Goal::kPeak ? 1 : kExecutionPoints) {
+  Race(const Objective& o, std::span<Point3> points, Goal goal, long granted)
+      : o_(o), points_(points), granted_(granted), corners_(goal == Goal::kPeak ? 1 : kExecutionPoints) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].value = 0;
       const double rate = peak_reference_rate(o.motion(points[i]));
@@ -59,6 +71,8 @@ class Objective::Race : public BatchSource {
   void done(int lane, const LandingPeak& peak) override {
     const auto i = std::size_t(motion_[lane]);
     ++landings, ++ended_[i];
+    flights += peak.end == End::kNoContact;
+    work += work_of(peak.work);
     if (no_landing(peak.end))
       fail(i, kNoMotion);
     else if (peak.peak > points_[i].value) {
@@ -67,15 +81,15 @@ class Objective::Race : public BatchSource {
     }
   }
 
-  bool over() override { return late_ = late_ || o_.late(); }
+  bool over() override { return late_ = late_ || work >= granted_ || o_.late(); }
 
-  /// Motions that the deadline cut off.
+  /// Motions that were cut off.
   void close() {
     for (std::size_t i = 0; late_ && i < points_.size(); ++i)
       if (ended_[i] < corners_ && !failed_[i]) fail(i, kNoMotion);
   }
 
-  long landings = 0;
+  long landings = 0, flights = 0, work = 0;
 
  private:
   bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners_; }
@@ -105,6 +119,7 @@ class Objective::Race : public BatchSource {
 
   const Objective& o_;
   std::span<Point3> points_;
+  const long granted_;  ///< work
   const int corners_;
   std::size_t fresh_ = 0;
   std::array<bool, kMost> failed_{};
@@ -116,7 +131,8 @@ class Objective::Race : public BatchSource {
 void Objective::evaluate(std::span<Point3> points, Goal goal) {
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
-  std::atomic<long> landings{0};
+  std::atomic<long> landings{0}, flights{0}, work{0};
+  const long granted = granted_ == kUnbounded ? kUnbounded : std::max(0L, granted_ - work_) / std::max(1, parts);
   const BatchOptions batch{.accuracy = options_.accuracy,
                            .limits = options_.limits,
                            .extended = extended_,
@@ -126,10 +142,10 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
   parallel_for(parts, options_.threads, [&](int i) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
-    Race race(*this, points.subspan(a, b - a), goal);
+    Race race(*this, points.subspan(a, b - a), goal, granted);
     run_batch(race, batch, quickest_instruction_set((b - a) * (goal == Goal::kPeak ? 1 : kExecutionPoints)));
     race.close();
-    landings += race.landings;
+    landings += race.landings, flights += race.flights, work += race.work;
   });
   if (goal == Goal::kTolerant) {
     for (const Point3& p : points) ++failures_[std::size_t(p.worst)];
@@ -139,10 +155,10 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
     });
   }
   motions_ += long(points.size());
-  landings_ += landings;
+  landings_ += landings, flights_ += flights, work_ += work;
 }
 
-double Objective::verified(const Motion& m, double accuracy, double bound) const {
+double Objective::verified(const Motion& m, double accuracy, double bound) {
   double worst = 0;
   const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
   // A deadline has no time for a landing that chatters without end.
@@ -151,7 +167,8 @@ double Objective::verified(const Motion& m, double accuracy, double bound) const
   for (int k = 0; k < n && !late(); ++k) {
     const LandingPeak p = peak_acceleration(
         scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
-        {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits});
+        {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits, .over = &over_});
+    work_ += work_of(p.work);
     if (no_landing(p.end)) return kNoMotion;
     worst = std::max(worst, p.peak);
     if (worst > bound) break;

@@ -7,7 +7,9 @@
 
 namespace ukemi::landing {
 
-double verification_time(double budget) { return std::min(0.45 * budget, std::clamp(0.05 * budget, 0.003, 0.1)); }
+double verification_time(double budget, double landing) {
+  return std::min(0.45 * budget, std::max(kTightLanding * landing, std::clamp(0.05 * budget, 0.003, 0.1)));
+}
 
 void check_deadline(double deadline) {
   if (!(deadline > 0)) throw InputError("deadline: " + shortest(deadline) + " s: above 0 is needed");
@@ -28,7 +30,7 @@ Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   check_deadline(deadline);
   scene_.drop = drop;
   const long before = objective_.motions();
-  Search search(objective_, {.seconds = deadline - verification_time(deadline)}, seed);
+  Search search(objective_, {.seconds = deadline - verification_time(deadline, objective_.landing_time())}, seed);
   search_.run(search);
   const long searched = objective_.motions() - before;
   const Point3 best = search.settle(options_.verified, deadline);

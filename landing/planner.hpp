@@ -31,7 +31,8 @@ class Planner {
   Planner& operator=(const Planner&) = delete;
 
   /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0; the
-  /// answer comes 3 ms after it at most). Throws InputError for a deadline that is not above 0.
+  /// answer comes 3 ms after it at most, however stiff the scene: landings are cut off). Throws InputError for a
+  /// deadline that is not above 0.
   [[nodiscard]] Plan plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
 
  private:
@@ -42,8 +43,11 @@ class Planner {
   AutoSearch search_;
 };
 
-/// How much of a time budget is kept back to verify what was found [s].
-double verification_time(double budget);
+/// A landing at the accuracy that judges takes up to so many times as long as one of the search.
+inline constexpr double kTightLanding = 3;
+/// How much of a time budget is kept back to verify what was found, where one landing of the search takes `landing`; at
+/// most 0.45 of it [s].
+double verification_time(double budget, double landing);
 /// Throws InputError unless it is above 0 [s].
 void check_deadline(double deadline);
 

@@ -6,6 +6,12 @@
 
 namespace ukemi::landing {
 
+long work_allowed(Goal goal, long motions) {
+  constexpr long kMotion = 1'500;  // of one landing
+  const long each = kMotion * (goal == Goal::kPeak ? 1 : kExecutionPoints);
+  return motions < kUnbounded / each ? std::max(kCheckWork, each * motions) : kUnbounded;
+}
+
 Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, std::vector<Progress>* progress)
     : seed(seed_),
       objective_(objective),
@@ -14,6 +20,7 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       first_motion_(objective.motions()),
       progress_(progress) {
   objective.deadline = start_ + budget.seconds;
+  objective.grant(budget.work);
 }
 
 double Search::share() const {
@@ -34,7 +41,16 @@ void Search::evaluate(std::span<Point3> points, Goal goal) {
     for (const Point3& p : points.first(n))
       if (p.value <= p.bound && p < screened_) screened_ = p;
   }
-  if (tell) tell(motions(), budget_.motions);
+  report();
+}
+
+void Search::report() const {
+  if (!tell) return;
+  constexpr double kMilli = 1e3;
+  if (budget_.motions < kUnbounded)
+    tell(motions(), budget_.motions);
+  else if (std::isfinite(budget_.seconds))
+    tell(long(kMilli * seconds()), long(kMilli * budget_.seconds));
 }
 
 void Search::play(std::span<Point3> points) {
@@ -65,10 +81,12 @@ Point3 Search::settle(double accuracy, double deadline) {
   constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
   if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) {
     objective_.deadline = std::max(deadline, objective_.watch.seconds() + kLast);
+    objective_.grant(kCheckWork);
     screened_.bound = kNoMotion;
     play({&screened_, 1});
   }
   objective_.deadline = deadline;
+  objective_.grant(kCheckWork);
   if (few_[0].value >= kNoMotion) return few_[0];
   const double searched = objective_.accuracy();
   const Few found = few_;
@@ -95,6 +113,7 @@ Point3 Search::settle(double accuracy, double deadline) {
       evolve([this](std::span<Point3> p) { play(p); }, random, population, trials, {});
   }
   objective_.set_accuracy(searched);
+  objective_.grant(kCheckWork);
   Point3 best;
   // Where nothing stood in the lanes, or the deadline came before, what was found is judged.
   for (Point3 p : few_[0].value < kNoMotion ? few_ : found) {

@@ -11,9 +11,14 @@ namespace ukemi::landing {
 struct Budget {
   long motions = std::numeric_limits<long>::max();           ///< evaluated in all
   double seconds = std::numeric_limits<double>::infinity();  ///< from the start of the search; a clock is never exact
-  double tolerance = 0;   ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
-  long patience = 5'000;  ///< [motions]
+  long work = kUnbounded;  ///< see work_of; what settling the result takes is granted apart
+  double tolerance = 0;    ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
+  long patience = 5'000;   ///< [motions]
 };
+
+/// What a search of so many motions may take: five times what ordinary landings do, each motion followed to its end,
+/// and seconds at least. Where landings take a thousand times as long as usual, it ends there and not in hours.
+long work_allowed(Goal goal, long motions);
 
 /// A moment at which the best became better.
 struct Progress {
@@ -45,17 +50,21 @@ class Search {
   /// be beside it: the best few are evaluated anew at 1e-9, and where they have fallen, the search steps back from the
   /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where there was time for screening
   /// alone, the best of that is played first, for 3 ms if need be. All else until `deadline` on the objective's watch:
-  /// what it cuts off is not judged, and where it comes first of all, the search's own value stands.
+  /// what it cuts off is not judged, and where it comes first of all, the search's own value stands. Of work, settling
+  /// has twice kCheckWork.
   Point3 settle(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
-  std::function<void(long done, long total)> tell;  ///< told of the motions spent, if set
+  std::function<void(long done, long total)> tell;  ///< told of the motions spent, else of the milliseconds, if set
   const Objective& objective() const { return objective_; }
+  /// Landings that a solver played by itself.
+  void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }
 
  private:
   /// Evaluates, and keeps what is good enough.
   void play(std::span<Point3> points);
   void keep(const Point3& p);
+  void report() const;
   bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }
 
   Objective& objective_;

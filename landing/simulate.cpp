@@ -16,6 +16,8 @@ const char* name(End end) {
       return "no contact";
     case End::kAbandoned:
       return "abandoned";
+    case End::kStopped:
+      return "stopped";
     case End::kBroken:
       return "limit broken";
     case End::kFailed:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ enum class End {
   kTimeLimit,  ///< at t_end
   kNoContact,  ///< at t_end, and no point has touched the floor: `peak` is that of a flight
   kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
+  kStopped,    ///< SimulateOptions::over said so: `peak` is a lower bound
   kBroken,     ///< a limit of SimulateOptions::limits was passed: `peak` says nothing
   kFailed,     ///< the numbers did not work out; `failure` says why, the result so far is kept
 };
@@ -59,8 +61,11 @@ struct SimulateOptions {
   Limits limits;
   Method method = Method::kAuto;                          ///< `simulate` always uses auto
   std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
+  const std::function<bool()>* over = nullptr;            ///< asked every few dozen steps, if set: true ends the run
   enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: follow to t_end whatever happens
   void validate() const;                                  ///< throws InputError
+  /// Asks `over` at every so many steps, some tens of microseconds.
+  bool stopped(long step) const { return over && step % 32 == 31 && (*over)(); }
 };
 
 /// The points in the order in which they touch, without chatter (kChatter); as many as fit.
@@ -70,15 +75,19 @@ class ContactOrder {
   int size() const { return size_; }
   Point operator[](int i) const { return Point(code_ >> (2 * i) & 3); }
   void touchdown(Point p, double t) {
+    touched_[p] = true;
     if (size_ < kCapacity && !(t - lifted_[p] < kChatter)) code_ |= std::uint64_t(p) << (2 * size_++);
   }
   void liftoff(Point p, double t) { lifted_[p] = t; }
+  /// Whether a point touched at all, chatter and what no longer fits included.
+  bool touched(Point p) const { return touched_[p]; }
 
  private:
   static constexpr double kNever = -std::numeric_limits<double>::infinity();
   std::uint64_t code_ = 0;
   int size_ = 0;
   std::array<double, kPoints> lifted_{kNever, kNever, kNever};
+  std::array<bool, kPoints> touched_{};
 };
 
 /// What a search needs of a landing. Nothing in it allocates.

@@ -28,7 +28,8 @@ void sequential_quadratic(Search& search) {
     for (int k = 0; k < boxes && !search.over(); ++k) {
       const auto found = motion_peaks(objective.scene(), objective.sea(),
                                       tolerant ? execution_point(m, objective.scene().execution, k) : m,
-                                      {.accuracy = objective.accuracy()}, each);
+                                      {.accuracy = objective.accuracy(), .over = objective.over()}, each);
+      search.spend(found.work);
       for (std::size_t i = 0; i < found.peaks.size(); ++i) {
         const auto row = std::size_t(k * each) + i;
         if (!std::isfinite(found.peaks[i].value) || !found.peaks[i].d.allFinite()) continue;

@@ -128,16 +128,20 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
   if (scene) {
     OptimizeOptions options;
     options.seed = common.seed, options.threads = common.threads;
-    options.progress = [&](long done, long total) { run.progress("optimize", done, total); };
     Optimum best[2];
     for (int s = 0; s < 2; ++s) {
+      options.monitor = run.monitor(fmt::format("optimize, {}", kSets[s]));
       best[s] = s == 1 && a.identified_best ? *a.identified_best : optimize(*scene, sets[s].sea, options);
       if (!best[s].found) {
         run.warn(std::string(kSets[s]) + ": " + best[s].message);
         return run.finish(summary, kNumbers);
       }
+      if (!best[s].message.empty()) run.warn(std::string(kSets[s]) + ": " + best[s].message);
+      summary["motions"][kSets[s]] = motion_json(best[s].motion);
+      summary["tolerant_peaks"][kSets[s]] = best[s].tolerant.complete ? number(best[s].tolerant.value) : Json();
+      if (options.monitor.stopped()) return run.finish(summary, kNumbers);
     }
-    const SimulateOptions tight{.accuracy = options.accuracy};
+    const SimulateOptions tight{.accuracy = options.accuracy, .over = &options.monitor.stop};
     Landing landings[2][2];  // [motion][actuator]
     table.clear();
     for (int m = 0; m < 2; ++m) {
@@ -148,11 +152,10 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Json* ou
       for (int s = 0; s < 2; ++s) {
         landings[m][s] = simulate(*scene, sets[s].sea, best[m].motion, tight, 1000);
         if (no_landing(landings[m][s].end)) run.warn(failure(landings[m][s])), failed = true;
+        if (landings[m][s].end == End::kStopped) return run.finish(summary, kNumbers);
         peaks[kSets[s]] = number(landings[m][s].peak);
         table.back().push_back(fmt::format("{:.5g}", landings[m][s].peak));
       }
-      summary["motions"][kSets[m]] = motion_json(best[m].motion);
-      summary["tolerant_peaks"][kSets[m]] = number(best[m].tolerant.value);
       run.say(fmt::format(
           "motion best for {:10} ({:.2f}, {:.2f} deg, {:.4f} s): peak {:.5g} with nominal, {:.5g} with identified",
           kSets[m], best[m].motion.phi_i * kDegrees, best[m].motion.phi_f * kDegrees, best[m].motion.duration,

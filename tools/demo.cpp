@@ -64,7 +64,12 @@ int run_demo(CommonOptions common) {
   const Actuator table2 = read_actuator(dataset("actuators/table2.toml"));
   OptimizeOptions options;
   options.seed = common.seed, options.threads = common.threads;
+  options.monitor = run.monitor("optimize, Table 2");
   const Optimum of_table2 = optimize(scene, table2.sea, options);
+  if (options.monitor.stopped() || !of_table2.found) {
+    if (!of_table2.found) run.warn("Table 2: " + of_table2.message);
+    return run.finish({{"identified", motion_json(best.motion)}}, kNumbers);
+  }
   const SimulateOptions tight{.accuracy = 1e-12};
   const auto constant = [&](const Scene& s) {
     return simulate(s, table2.sea, {-45 / kDegrees, -45 / kDegrees, 1}, tight);

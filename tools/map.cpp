@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "landing/map.hpp"
 #include "landing/scene_file.hpp"
+#include "tools/interrupt.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
 
@@ -75,19 +76,22 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   options.cells = {a.grid[0], a.grid[1], a.grid[2]};
   options.polished = a.polish, options.seed = common.seed, options.threads = common.threads;
   const double start = run.seconds();
+  options.monitor = run.monitor("map: rows");
   const PeakMap map = map_peaks(scene, actuator.sea, options);
   const double map_seconds = run.seconds() - start;
-  long failed = 0;
-  for (const PeakMap::Cell& c : map.grid) failed += !std::isfinite(c.peak);
+  long failed = 0, missing = 0;
+  for (const PeakMap::Cell& c : map.grid) failed += no_landing(c.end), missing += c.end == End::kStopped;
   if (failed > 0) run.warn(fmt::format("{} of {} landings could not be followed", failed, map.grid.size()));
+  if (missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", missing, map.grid.size()));
+  options.monitor = run.monitor("map: basins");
   const std::vector<Basin> found = basins(scene, actuator.sea, map, options);
   Json summary;
   summary["grid"] = a.grid;
-  summary["landings"] = map.grid.size(), summary["failed"] = failed;
+  summary["landings"] = map.grid.size() - std::size_t(missing), summary["failed"] = failed;
   summary["map_time_s"] = map_seconds;
   run.add("map.csv", map_csv(run, map));
   if (found.empty()) {
-    run.warn("no landing of the grid could be followed to the floor");
+    if (missing == 0) run.warn("no landing of the grid could be followed to the floor: no basin was found");
     summary["basins"] = Json::array();
     return run.finish(summary, kNumbers);
   }
@@ -95,17 +99,21 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   CsvWriter csv = run.csv();
   csv.comment(
       "width: how far a variable may move down and up before the peak rises by 5 %; then the worst peaks "
-      "within the execution tolerance, with the angles off by 1 deg, the duration by 10 ms, the height by 1 cm.");
+      "within the execution tolerance, with the angles off by 1 deg, the duration by 10 ms, the height by 1 cm, the "
+      "pitch by 1 deg, the floor's damping by 10 %; empty: not played.");
   csv.header({"phi_i_deg", "phi_f_deg", "duration", "peak", "phi_i_down_deg", "phi_i_up_deg", "phi_f_down_deg",
               "phi_f_up_deg", "duration_down", "duration_up", "tolerant_peak", "one_degree", "ten_milliseconds",
-              "one_centimetre"});
+              "one_centimetre", "pitch_one_degree", "damping_ten_percent"});
   std::vector<std::vector<std::string>> rows;
   for (const Basin& b : found) {
-    const Evidence e = evidence(scene, actuator.sea, b.motion, options.tight, 0, common.seed, common.threads);
+    const Evidence e = evidence(scene, actuator.sea, b.motion,
+                                {.accuracy = options.tight, .threads = common.threads, .monitor = {{}, interrupted}});
+    run.progress("map: evidence", long(rows.size()) + 1, long(found.size()));
     csv.cell(b.motion.phi_i * kDegrees).cell(b.motion.phi_f * kDegrees).cell(b.motion.duration).cell(b.peak);
     for (std::size_t k = 0; k < 3; ++k)
       for (const double w : e.width[k]) csv.cell(w * (k < 2 ? kDegrees : 1));
-    csv.cell(e.tolerant.value).cell(e.one_degree).cell(e.ten_milliseconds).cell(e.one_centimetre).end_row();
+    csv.cell(e.tolerant.value).cell(e.one_degree).cell(e.ten_milliseconds).cell(e.one_centimetre);
+    csv.cell(e.pitch_one_degree).cell(e.damping_ten_percent).end_row();
     const auto both = [](const std::array<double, 2>& w, double unit) {
       return fmt::format("-{:.2g} +{:.2g}", w[0] * unit, w[1] * unit);
     };
@@ -113,7 +121,8 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
         {fmt::format("{:.3f}, {:.3f}, {:.4f}", b.motion.phi_i * kDegrees, b.motion.phi_f * kDegrees, b.motion.duration),
          fmt::format("{:.2f}", b.peak), both(e.width[0], kDegrees), both(e.width[1], kDegrees), both(e.width[2], 1e3),
          fmt::format("{:.1f}", e.tolerant.value), fmt::format("{:.0f}", e.one_degree),
-         fmt::format("{:.0f}", e.ten_milliseconds), fmt::format("{:.0f}", e.one_centimetre)});
+         fmt::format("{:.0f}", e.ten_milliseconds), fmt::format("{:.0f}", e.one_centimetre),
+         fmt::format("{:.0f}", e.pitch_one_degree), fmt::format("{:.0f}", e.damping_ten_percent)});
     Json basin = {{"motion", motion_json(b.motion)}, {"peak_acceleration", number(b.peak)}};
     basin.update(evidence_json(e));
     summary["basins"].push_back(basin);
@@ -135,7 +144,7 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   report.paragraph(
       "How far each variable may move before the peak rises by 5 %, and the worst peaks under deviations.");
   report.table({"motion [deg, deg, s]", "peak", "phi_I [deg]", "phi_F [deg]", "duration [ms]", "tolerant", "1 deg",
-                "10 ms", "1 cm"},
+                "10 ms", "1 cm", "pitch 1 deg", "damping 10 %"},
                rows);
   report.list(run.warnings());
   run.add("report.html", report.html(run.provenance()));

@@ -86,7 +86,10 @@ Json evidence_json(const Evidence& e) {
             {"duration", e.width[2]}}},
           {"one_degree", number(e.one_degree)},
           {"ten_milliseconds", number(e.ten_milliseconds)},
-          {"one_centimetre", number(e.one_centimetre)}};
+          {"one_centimetre", number(e.one_centimetre)},
+          {"pitch_one_degree", number(e.pitch_one_degree)},
+          {"damping_ten_percent", number(e.damping_ten_percent)},
+          {"complete", e.complete}};
 }
 
 namespace {

@@ -52,6 +52,7 @@ struct OptimizeArguments {
   double tolerance = 0;
   std::vector<std::string> forbid;
   enum class Ratings { kReport, kRespect } ratings = Ratings::kReport;
+  enum class Extras { kWithoutDeadline, kAlways } evidence = Extras::kWithoutDeadline;
   double rate = 1000;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common, landing::Optimum* best = nullptr);
