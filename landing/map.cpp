@@ -47,6 +47,7 @@ std::vector<Basin> basins(const Scene& scene, const SeaParameters<double>& sea, 
     double peak;
     std::array<int, 3> at;
   };
+  if (options.monitor.stopped()) return {};
   std::vector<Minimum> minima;
   const auto [ni, nj, nk] = map.cells;
   for (int i = 0; i < ni; ++i)

@@ -97,7 +97,8 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   const bool peak = options.goal == Goal::kPeak;
   out.landing = peak_acceleration(scene, sea, out.motion, tight);
   out.verified = out.landing.end != End::kStopped;
-  if (!out.verified && peak) out.landing.peak = std::max(out.landing.peak, best.value);
+  if (!out.verified)
+    out.landing.peak = peak ? std::max(out.landing.peak, best.value) : std::numeric_limits<double>::quiet_NaN();
   const int samples = std::isfinite(until) ? 0 : options.tolerance_samples;
   out.tolerant = tolerant_peak(scene, sea, out.motion, tight, samples, options.seed, options.threads);
   if (!out.tolerant.complete) out.tolerant.value = std::max(out.tolerant.value, peak ? out.landing.peak : best.value);

@@ -47,8 +47,8 @@ struct Optimum {
   std::vector<Progress> progress;  ///< how the best came about, in the search's accuracy
   std::string solver;              ///< that found it
   bool found = false;              ///< false: no motion of the range could be followed within the limits
-  bool verified = false;           ///< `landing` was played to its end; else its peak is what the search knows of it
-  std::string message;             ///< why nothing was found, or why the search ended before all was spent
+  bool verified = false;  ///< `landing` was played to its end; else its peak is what the search knows of it, or NaN
+  std::string message;    ///< why nothing was found, or why the search ended before all was spent
 };
 
 /// Searches with one of the solvers of solvers.hpp, then judges the best at a tight accuracy. Deterministic for a seed

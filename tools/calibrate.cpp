@@ -146,7 +146,8 @@ class Throws {
 
 int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   Run run("calibrate", common);
-  const CalibrationOptions options = calibration_options(a, common);
+  CalibrationOptions options = calibration_options(a, common);
+  options.monitor = run.monitor("calibrate: parts");
   const Scene scene = read_scene(a.scene);
   const Actuator actuator = read_actuator(a.actuator);
   run.input(a.scene), run.input(a.actuator);
@@ -159,10 +160,10 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   Calibration c = calibrate(scene, actuator.sea, drops, options);
   c.scene.floor_source = "calibrated from drop logs by ukemi";
   for (const std::string& w : c.warnings) run.warn(w);
-  if (!c.converged)
+  if (!c.converged && !options.monitor.stopped())
     run.warn("not converged: " + c.message + "; try another start in the scene, --prior, or fewer --free constants");
   std::optional<Calibration> validation;
-  if (!unseen.empty()) {
+  if (!unseen.empty() && !options.monitor.stopped()) {
     validation = validate(c.scene, actuator.sea, unseen, options);
     for (const std::string& w : validation->warnings) run.warn("validation: " + w);
     if (!validation->converged) run.warn("validation: " + validation->message);

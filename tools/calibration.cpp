@@ -52,7 +52,7 @@ struct Problem {
   Problem(const Scene& scene, const SeaParameters<double>& sea, const std::vector<LoggedDrop>& drops, const Layout& l,
           const CalibrationOptions& o)
       : layout(l), options(o) {
-    for (const LoggedDrop& d : drops) models.emplace_back(scene, sea, d, layout, o.accuracy);
+    for (const LoggedDrop& d : drops) models.emplace_back(scene, sea, d, layout, o);
   }
   Problem(const Problem&) = delete;
 
@@ -209,21 +209,29 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   constexpr double kInfinity = CalibrationOptions::kInfinity;
   constexpr std::array<double, 9> kAfter = {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3, 0.5, kInfinity};
   constexpr int kRough = 12;  // iterations of a part
-  const auto attempt = [&](Scene start) {
-    LeastSquaresSolution s;
+  long parts = 0;
+  const auto attempt = [&](Scene start) {  // where it is stopped: the last part that was done
+    LeastSquaresSolution done;
     for (const double after : kAfter) {
       const int iterations = std::isfinite(after) ? std::min(kRough, options.max_iterations) : options.max_iterations;
-      s = identify::solve(problem.problem(start, out.noise, after), {.max_iterations = iterations});
+      LeastSquaresSolution s =
+          identify::solve(problem.problem(start, out.noise, after), {.max_iterations = iterations});
+      if (options.monitor.stopped()) {
+        done.converged = false;
+        break;
+      }
       if (s.usable) start = with(s);
+      done = std::move(s);
+      options.monitor.progress(++parts, long(kAfter.size()) * (out.starts + 1) + 1);
     }
     ++out.starts;
-    return s;
+    return done;
   };
   const auto believed = [&](const LeastSquaresSolution& s) {
     return s.usable && s.cost <= identify::kFarAboveNoise * identify::kFarAboveNoise * double(s.residuals);
   };
   LeastSquaresSolution best = attempt(scene);
-  for (int i = 0; i < options.restarts && !believed(best); ++i) {
+  for (int i = 0; i < options.restarts && !believed(best) && !options.monitor.stopped(); ++i) {
     Random random(options.seed, std::uint64_t(i));
     Scene start = scene;
     for (const Term t : options.free)
@@ -232,7 +240,8 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
     if (s.usable && (!best.usable || s.cost < best.cost)) best = std::move(s);
   }
   if (!best.usable) {
-    out.message = "no start could be followed through the drops: " + best.message;
+    out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
+                                            : "no start could be followed through the drops: " + best.message;
     out.parameters = as_given(scene, options.free);
     for (const LoggedDrop& d : drops) out.drops.push_back({.file = d.log.file});
     return out;
@@ -241,11 +250,13 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   PerOutput sigma = rms_of(problem.replay(best));
   for (std::size_t o = 0; o < kOutputs; ++o) sigma[o] = std::max(sigma[o], 1e-3 * out.noise[o]);
   const LeastSquaresProblem last = problem.problem(with(best), sigma, CalibrationOptions::kInfinity);
-  if (LeastSquaresSolution s = identify::solve(last, {.max_iterations = options.max_iterations}); s.usable)
+  if (LeastSquaresSolution s = identify::solve(last, {.max_iterations = options.max_iterations});
+      s.usable && !options.monitor.stopped())
     best = std::move(s);
+  best.converged = best.converged && !options.monitor.stopped();
   out.scene = with(best);
   out.cost = best.cost, out.converged = best.converged, out.iterations = best.iterations;
-  if (!best.converged) out.message = best.message;
+  if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
   report(best, problem.layout, last, out);
   out.drops = problem.replay(best);
   out.rms = rms_of(out.drops);

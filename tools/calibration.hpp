@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "common/monitor.hpp"
 #include "identify/fit.hpp"
 #include "landing/drop_log.hpp"
 
@@ -66,6 +67,7 @@ struct CalibrationOptions {
   int restarts = 8;        ///< further starts, drawn about the given one, where the residual stays far above the noise
   std::uint64_t seed = 1;  ///< of those
   int max_iterations = 100;
+  Monitor monitor;        ///< told of the fit's parts; where it stops, the last part that was done is kept
   void validate() const;  ///< throws InputError
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -98,7 +100,7 @@ struct Calibration {
   double half_width = 1.96;                       ///< 95 % interval in standard errors
   bool converged = false;
   int iterations = 0, starts = 0;
-  std::string message;  ///< why it did not converge
+  std::string message;  ///< why it did not converge, or that it was interrupted
   std::vector<std::string> warnings;
   std::vector<DropResult> drops;
 

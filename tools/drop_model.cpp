@@ -48,8 +48,13 @@ double& number_of(Scene& s, Term t) {
 }
 
 DropModel::DropModel(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop, const Layout& layout,
-                     double accuracy)
-    : scene_(scene), sea_(sea), drop_(drop), layout_(layout), options_{.accuracy = accuracy} {
+                     const CalibrationOptions& options)
+    : scene_(scene),
+      sea_(sea),
+      drop_(drop),
+      layout_(layout),
+      monitor_(options.monitor),
+      options_{.accuracy = options.accuracy} {
   const std::vector<double>& t = drop.log.t;
   if (layout.shifted()) first_ = std::size_t(std::lower_bound(t.begin(), t.end(), kLargestShift) - t.begin());
   for (int o = 0; o < kOutputs; ++o) {
@@ -118,7 +123,7 @@ ResidualBlock DropModel::block(const PerOutput& sigma, double seconds, const std
 DropResult DropModel::replay(const double* shared, const double* own) const {
   DropResult out{.file = drop_.log.file};
   Rolled rolled;
-  out.simulated = roll(shared, own, drop_.log.t.size(), rolled);
+  out.simulated = roll(shared, own, drop_.log.t.size(), options_, rolled);
   out.rms.fill(kNaN);
   out.peak_measured = out.peak_simulated = out.peak_between = kNaN;
   if (!out.simulated) return out;
@@ -158,14 +163,18 @@ DropResult DropModel::replay(const double* shared, const double* own) const {
 const DropModel::Rolled* DropModel::recall(Memory& m, const double* shared, const double* own, std::size_t end) const {
   std::vector<double> point(shared, shared + layout_.shared.size());
   point.insert(point.end(), own, own + layout_.own.size());
+  if (monitor_.stopped()) return nullptr;
   if (point != m.point || m.point.empty()) {
     m.point = point;
-    m.complete = roll(shared, own, end, m.rolled);
+    SimulateOptions options = options_;
+    if (monitor_.stop) options.over = &monitor_.stop;
+    m.complete = roll(shared, own, end, options, m.rolled);
   }
   return m.complete ? &m.rolled : nullptr;
 }
 
-bool DropModel::roll(const double* shared, const double* own, std::size_t end, Rolled& out) const {
+bool DropModel::roll(const double* shared, const double* own, std::size_t end, const SimulateOptions& options,
+                     Rolled& out) const {
   Scene& scene = out.scene = scene_;
   scene.drop = drop_.thrown;
   scene.drop.pitch = scene_.drop.pitch;
@@ -183,7 +192,7 @@ bool DropModel::roll(const double* shared, const double* own, std::size_t end, R
   if (!(scene.drop.height >= 0 && scene.floor->stiffness > 0)) return false;
   std::vector<double> times;
   for (std::size_t i = first_; i < end; ++i) times.push_back(std::max(0.0, drop_.log.t[i] + out.shift));
-  out.rollout = roll_drop(scene, sea_, drop_.motion, times, options_);
+  out.rollout = roll_drop(scene, sea_, drop_.motion, times, options);
   return out.rollout.complete;
 }
 

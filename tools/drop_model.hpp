@@ -26,11 +26,12 @@ struct Layout {
 class DropModel {
  public:
   DropModel(const landing::Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop, const Layout& layout,
-            double accuracy);
+            const CalibrationOptions& options);
 
   const LoggedDrop& drop() const { return drop_; }
 
-  /// Residuals (sim - meas) / sigma up to `seconds` after release, then the priors'. `sigma` is copied.
+  /// Residuals (sim - meas) / sigma up to `seconds` after release, then the priors'. `sigma` is copied. They cannot be
+  /// evaluated any more once the monitor stops.
   identify::ResidualBlock block(const PerOutput& sigma, double seconds, const std::vector<Prior>& priors) const;
 
   /// The whole drop beside its log.
@@ -49,7 +50,8 @@ class DropModel {
     bool complete = false;
   };
   const Rolled* recall(Memory& m, const double* shared, const double* own, std::size_t end) const;
-  bool roll(const double* shared, const double* own, std::size_t end, Rolled& out) const;
+  bool roll(const double* shared, const double* own, std::size_t end, const landing::SimulateOptions& options,
+            Rolled& out) const;
   /// True within a sampling interval of a jump.
   bool left_out(const Rolled& rolled, landing::DropOutput o, std::size_t i) const;
 
@@ -57,6 +59,7 @@ class DropModel {
   const SeaParameters<double>& sea_;
   const LoggedDrop& drop_;
   const Layout& layout_;
+  const Monitor& monitor_;
   landing::SimulateOptions options_;
   std::size_t first_ = 0;  ///< rows before it are left out
   PerOutput interval_{};   ///< an output's sampling interval [s]

@@ -40,6 +40,7 @@ std::string map_csv(const Run& run, const PeakMap& map) {
       for (int k = 0; k < map.cells[2]; ++k) {
         const PeakMap::Cell& c = map.grid[map.index(i, j, k)];
         const Motion m = map.motion(i, j, k);
+        if (c.end == End::kStopped) continue;
         csv.cell(m.phi_i * kDegrees).cell(m.phi_f * kDegrees).cell(m.duration);
         csv.cell(c.peak).cell(c.peak_contact + 1).cell(letters(c.contacts)).end_row();
       }

@@ -129,8 +129,10 @@ struct Answer {
 };
 
 /// A peak for a reader.
-std::string words(double peak) {
-  return std::isnan(peak) ? "not played" : std::isinf(peak) ? "not to be followed" : fmt::format("{:.4g}", peak);
+std::string words(double peak, int digits = 4) {
+  return std::isnan(peak)   ? "not played"
+         : std::isinf(peak) ? "not to be followed"
+                            : fmt::format("{:.{}g}", peak, digits);
 }
 
 /// What may not be as planned, and the worst peak that it brings.
@@ -190,7 +192,7 @@ void warn(const Answer& a, Run& run) {
         fmt::format("the peak of {:.4g} m/s^2 becomes {}; held at -45 deg it is {}: half of what the motion saves, "
                     "or more, is lost",
                     a.peak(), lost, words(a.held_peak())));
-  if (!a.evidence->complete && a.evidence->work > kCheckWork && !run.monitor("").stopped())
+  if (!a.evidence->complete && a.evidence->work > kCheckWork && !interrupted())
     run.warn(
         fmt::format("the landings of this scene are long: {} of them, {:.2g} steps, for the evidence are left out; "
                     "--evidence plays them",
@@ -229,10 +231,11 @@ void say(const Answer& a, const Run& run) {
   const Optimum& o = a.best;
   run.say(fmt::format("motion: {:.6g} deg to {:.6g} deg in {:.6g} s", o.motion.phi_i * kDegrees,
                       o.motion.phi_f * kDegrees, o.motion.duration));
-  run.say(fmt::format(
-      "peak {:.6g} m/s^2; tolerant peak {} (within {:g} deg, {:g} ms); held at -45 deg {:.6g}; reduction {:.1f} %",
-      a.peak(), a.tolerant_known() ? fmt::format("{:.6g}", o.tolerant.value) : "not played",
-      a.scene.execution.phi * kDegrees, a.scene.execution.duration * 1e3, a.held_peak(), 100 * a.reduction()));
+  run.say(
+      fmt::format("peak {} m/s^2; tolerant peak {} (within {:g} deg, {:g} ms); held at -45 deg {}; reduction {:.1f} %",
+                  words(a.peak(), 6), a.tolerant_known() ? words(o.tolerant.value, 6) : "not played",
+                  a.scene.execution.phi * kDegrees, a.scene.execution.duration * 1e3, words(a.held_peak(), 6),
+                  100 * a.reduction()));
   if (a.evidence && a.evidence->complete) {
     std::string line;
     for (const auto& [what, peak] : deviations(*a.evidence))
@@ -251,9 +254,9 @@ std::string report_html(const Answer& a, const Run& run) {
       {"phi_I [deg]", fmt::format("{:.6g}", o.motion.phi_i * kDegrees)},
       {"phi_F [deg]", fmt::format("{:.6g}", o.motion.phi_f * kDegrees)},
       {"duration [s]", fmt::format("{:.6g}", o.motion.duration)},
-      {"peak |ddr_0| [m/s²]", fmt::format("{:.6g}", a.peak())},
-      {"tolerant peak [m/s²]", a.tolerant_known() ? fmt::format("{:.6g}", o.tolerant.value) : "not played"},
-      {"held at -45 deg [m/s²]", fmt::format("{:.6g}", a.held_peak())},
+      {"peak |ddr_0| [m/s²]", words(a.peak(), 6)},
+      {"tolerant peak [m/s²]", a.tolerant_known() ? words(o.tolerant.value, 6) : "not played"},
+      {"held at -45 deg [m/s²]", words(a.held_peak(), 6)},
       {"reduction", fmt::format("{:.1f} %", 100 * a.reduction())}};
   if (a.evidence)
     for (const auto& [what, peak] : deviations(*a.evidence)) rows.push_back({"with " + what + " [m/s²]", words(peak)});

@@ -110,6 +110,7 @@ std::map<std::string, std::string> without_provenance(const Folder& f, const std
       Json j = Json::parse(text);
       j.erase("provenance");
       j.erase("time_s");
+      if (j.contains("evidence")) j["evidence"].erase("time_s");
       text = j.dump(1);
     } else if (name == "report.html") {
       text = text.substr(0, text.find("<h2>Provenance</h2>"));
@@ -608,6 +609,112 @@ TEST_CASE("optimize: both objectives, limits, a deadline, and every solver side 
   CHECK(summary(f, "none")["motion"].is_null());
   done(f, base + Arguments{"--evaluations", "1", "-o", "one"});
   CHECK(summary(f, "one")["evaluations"] == 1);
+}
+
+namespace {
+/// The paper's scene on a floor where one landing takes tens of thousands of steps.
+std::string stiff_floor(const Folder& f) {
+  return f.write("stiff.toml", replaced(read(kPaper), "stiffness = 6880", "stiffness = 1e9"));
+}
+}  // namespace
+
+TEST_CASE(
+    "optimize --deadline: the answer is there in time, evidence is left out unless asked for, and its time said") {
+  const Folder f;
+  const Arguments paper = {"optimize", kPaper, "--actuator", kTable2, "--no-report", "--quiet", "--deadline", "0.2"};
+  done(f, paper + Arguments{"-o", "soon"});
+  const Json soon = summary(f, "soon");
+  CHECK_FALSE(soon.contains("evidence"));
+  CHECK(soon["tolerant_sampled"]["samples"] == 0);
+  CHECK(soon["tolerant_sampled"]["worst"].is_null());
+  CHECK(soon["verified"] == true);
+  done(f, paper + Arguments{"--evidence", "-o", "asked"});
+  const Json asked = summary(f, "asked");
+  CHECK(asked["evidence"]["complete"] == true);
+  CHECK(asked["evidence"]["time_s"] > 0);
+  CHECK(asked["tolerant_sampled"]["samples"] == 2000);
+  // A stiff floor: an answer or the reason for none, by a deadline that any landing of it may exceed. What other
+  // programs take of the machine is allowed for; a landing alone took 10 s and more.
+  const std::string stiff = stiff_floor(f);
+  for (const char* deadline : {"0.05", "0.3"}) {
+    const Result r =
+        run({"optimize", stiff, "--actuator", kTable2, "--no-report", "--deadline", deadline, "-o", "stiff"}, f.at(""));
+    const Json s = summary(f, "stiff");
+    INFO(deadline << " s: " << s["time_s"] << " s; " << r.err);
+    CHECK(s["time_s"].get<double>() < std::stod(deadline) + 0.4);
+    if (r.code == 1) CHECK_THAT(r.err, Contains("no motion could be followed in the"));
+  }
+}
+
+TEST_CASE("optimize: a search of very long landings ends at its bound of work and says so") {
+  const Folder f;
+  const std::string jammed = f.write("jammed.toml", replaced(read(kTable2), "c_sea = 1.6", "c_sea = 1e9"));
+  const Result none =
+      run({"optimize", kPaper, "--actuator", jammed, "--evaluations", "200", "--no-report", "-o", "none"}, f.at(""));
+  CHECK(none.code == 1);
+  CHECK_THAT(none.err, Contains("could be followed") && Contains("ended at its bound of work"));
+  const Result stiff =
+      done(f, {"optimize", stiff_floor(f), "--actuator", kTable2, "--evaluations", "40", "--no-report", "-o", "stiff"});
+  CHECK_THAT(stiff.err, Contains("for the evidence are left out; --evidence plays them"));
+  CHECK(summary(f, "stiff")["evidence"]["complete"] == false);
+  CHECK(summary(f, "stiff")["evidence"]["one_degree"].is_null());
+}
+
+TEST_CASE("optimize, map, compare, calibrate, demo: Ctrl-C ends them soon, and what is finished is kept and marked") {
+  const Folder f;
+  const std::vector<std::pair<std::string, Arguments>> verbs = {
+      {"optimize", {kPaper, "--actuator", kTable2, "--evaluations", "4000000"}},
+      {"optimize", {stiff_floor(f), "--actuator", kTable2, "--evaluations", "4000000"}},
+      {"map", {kPaper, "--actuator", kTable2}},
+      {"compare", {"--nominal", kNominal, "--identified", kTable2, "--scene", kPaper}},
+      {"demo", {}}};
+  for (const auto& [verb, arguments] : verbs) {
+    INFO(verb);
+    const Interrupted r =
+        interrupted_after(0.7, Arguments{verb} + arguments + Arguments{"--no-report", "-o", "out"}, f.at(""));
+    CHECK(r.code == 130);
+    CHECK_THAT(r.err, Contains("interrupted"));
+    CHECK(r.seconds < 2.5);  // 0.5 s on a machine of its own
+    if (verb != "demo") CHECK(summary(f)["interrupted"] == true);
+  }
+}
+
+TEST_CASE("optimize --respect-ratings needs both ratings; --forbid is checked where the robot is not exact") {
+  const Folder f;
+  const std::string table2 = read(kTable2);
+  const auto refused = [&](const std::string& from, const std::string& missing) {
+    const std::string actuator = f.write("unrated.toml", replaced(table2, from, ""));
+    const Result r = run({"optimize", kPaper, "--actuator", actuator, "--respect-ratings", "-o", "bad"}, f.at(""));
+    CHECK(r.code == 2);
+    CHECK_THAT(r.err, Contains("--respect-ratings: ") && Contains("gives no " + missing) &&
+                          Contains("both speed_max and tau_max are needed"));
+    CHECK(!fs::exists(f.at("bad")));
+  };
+  refused("speed_max = 3.14", "speed_max");
+  refused("tau_max = 20", "tau_max");
+
+  done(f, {"optimize", kPaper, "--actuator", kTable2, "--forbid", "hip", "--evaluations", "2000", "-o", "off"});
+  const Json s = summary(f, "off"), hip = s["forbidden"]["hip"];
+  CHECK(hip["of"] == 15);
+  CHECK(hip["samples"] == 2000);
+  bool warned = false;
+  for (const auto& w : s["warnings"])
+    warned = warned || w.get<std::string>().find("--forbid holds for the exact motion alone") != std::string::npos;
+  CHECK(warned == (hip["box"].get<int>() + hip["sampled"].get<int>() > 0));
+  done(f, {"optimize", kPaper, "--actuator", kTable2, "--forbid", "hip", "--objective", "tolerant", "--evaluations",
+           "1000", "-o", "tolerant"});
+  CHECK(summary(f, "tolerant")["forbidden"]["hip"]["box"] == 0);
+}
+
+TEST_CASE("optimize warns of a pitch off by 1 deg and of the floor's damping, beside the held reference") {
+  const Folder f;
+  const Result r = done(f, {"optimize", kPaper, "--actuator", kTable2, "--objective", "tolerant", "-o", "out"});
+  CHECK_THAT(r.err, Contains("441.3 with the pitch off by 1 deg") && Contains("the floor's damping off by 10 %") &&
+                        Contains("held at -45 deg it is 466.2"));
+  const Json e = summary(f)["evidence"];
+  CHECK(e["pitch_one_degree"].get<double>() == Approx(441.3).epsilon(1e-3));
+  CHECK(e["damping_ten_percent"] > 188);
+  CHECK_THAT(read(f.at("out/report.html")), Contains("the pitch off by 1 deg"));
 }
 
 TEST_CASE("map writes the grid, its basins and what they are worth") {

@@ -3,6 +3,7 @@
 
 #include <sys/wait.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -54,6 +55,25 @@ inline Result run(const Arguments& arguments, const std::string& directory) {
   command += " >" + capture.at("out") + " 2>" + capture.at("err") + " </dev/null";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(capture.at("out")), read(capture.at("err"))};
+}
+
+struct Interrupted : Result {
+  double seconds = 0;  ///< from the start to the end, the wait included
+};
+/// The same, with Ctrl-C after so many seconds.
+inline Interrupted interrupted_after(double seconds, const Arguments& arguments, const std::string& directory) {
+  const Folder capture;
+  std::string command = "cd " + shell_quoted(directory) + " && exec timeout --preserve-status -s INT -k 30 " +
+                        std::to_string(seconds) + " " + shell_quoted(UKEMI_PROGRAM);
+  for (const std::string& a : arguments) command += " " + shell_quoted(a);
+  command += " >" + capture.at("out") + " 2>" + capture.at("err") + " </dev/null";
+  const auto start = std::chrono::steady_clock::now();
+  const int status = std::system(command.c_str());
+  Interrupted out;
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  out.out = read(capture.at("out")), out.err = read(capture.at("err"));
+  return out;
 }
 
 /// Runs the program in `folder`; it must succeed.

@@ -8,6 +8,7 @@
 #include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
+#include "landing/evidence.hpp"
 #include "landing/optimize.hpp"
 #include "landing/planner.hpp"
 #include "landing/population.hpp"
@@ -195,4 +196,137 @@ TEST_CASE("search: limits hold for the answer, and what cannot be kept is said")
   const Optimum none = optimize(scene, sea, o);
   CHECK_FALSE(none.found);
   CHECK(none.message == "no motion of the search range was found that keeps the limits");
+}
+
+namespace {
+Scene stiff() {
+  Scene scene = scene_of("paper");
+  scene.floor->stiffness = 1e9;
+  return scene;
+}
+}  // namespace
+
+TEST_CASE("search: the deadline ends landings in the scalar path too") {
+  const Scene scene = stiff();
+  const SeaParameters<double> sea = table2();
+  const std::function<bool()> at_once = [] { return true; };
+  const LandingPeak cut = peak_acceleration(scene, sea, {-0.7, -1.2, 0.3}, {.over = &at_once});
+  CHECK(cut.end == End::kStopped);
+  CHECK(cut.work.steps <= 32);
+  // Lanes that hand a landing over, and all that a search plays beside.
+  for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
+    std::atomic<int> asked{0};
+    Objective o(scene, sea, {.goal = goal, .stop = [&] { return ++asked > 200; }});
+    const long until = o.work();
+    Search s(o, {}, 1);
+    auto_search(s);
+    CHECK(s.over());
+    CHECK(o.verified({-0.7, -1.2, 0.3}, 1e-9) == 0);
+    CHECK(o.work() - until < 200 * 32 * 8);
+  }
+  // A planner's promise on a floor where one landing takes longer: by the processor's time, with room for a busy
+  // machine.
+  Planner planner(scene, sea, {});
+  for (const double deadline : {0.02, 0.05}) {
+    const Stopwatch watch(Stopwatch::Time::kProcessor);
+    (void)planner.plan(scene.drop, deadline);
+    CHECK(watch.seconds() < deadline + 0.02);
+  }
+}
+
+TEST_CASE("search: a bound of work ends it where every landing is long, the same whatever the threads") {
+  const SeaParameters<double> sea = table2();
+  const Scene scene = stiff();
+  CHECK(work_allowed(Goal::kPeak, 200) == kCheckWork);
+  CHECK(work_allowed(Goal::kPeak, 40'000) == 60'000'000);
+  CHECK(work_allowed(Goal::kPeak, kUnbounded) == kUnbounded);
+  constexpr long kWork = 200'000, kLongest = 16 * 300'000;  // landings of two batches may end beyond it
+  Point3 best;
+  for (const int threads : {1, 3}) {
+    Objective o(scene, sea, {.threads = threads});
+    Search s(o, {.motions = 100'000, .work = kWork}, 1);
+    auto_search(s);
+    CHECK(o.exhausted());
+    CHECK(s.motions() < 1'000);
+    CHECK(o.work() >= kWork);
+    CHECK(o.work() < kWork + kLongest);
+    if (threads == 1) best = s.best();
+    CHECK(s.best().u == best.u);
+    CHECK(s.best().value == best.value);
+  }
+  // Ordinary scenes never come near it.
+  for (const char* name : {"paper", "tilted", "hard"}) {
+    const Scene ordinary = scene_of(name);
+    Objective o(ordinary, sea, {});
+    Search s(o, {.motions = 2'000}, 1);
+    auto_search(s);
+    CHECK(o.work() < work_allowed(Goal::kPeak, 2'000) / 2);
+  }
+}
+
+TEST_CASE("search: a stiff actuator has an answer or a reason, after work that is bounded") {
+  const Scene scene = scene_of("paper");
+  OptimizeOptions o;
+  o.evaluations = 200, o.tolerance_samples = 0;
+  SeaParameters<double> sea = table2();
+  sea.c_sea = 1e9;  // every landing fails after 200,000 steps
+  const Optimum none = optimize(scene, sea, o);
+  CHECK_FALSE(none.found);
+  CHECK_THAT(none.message,
+             Catch::Matchers::Contains("could be followed") && Catch::Matchers::Contains("bound of work"));
+  CHECK(none.work < 4 * kCheckWork);
+}
+
+TEST_CASE("search: a monitor stops it, and the best so far is judged") {
+  const Scene scene = scene_of("paper");
+  OptimizeOptions o;
+  long told = 0;
+  o.monitor = {[&](long done, long) { told = done; }, [&] { return told >= 1000; }};
+  const Optimum best = optimize(scene, table2(), o);
+  CHECK(best.evaluations >= 1000);
+  CHECK(best.evaluations < 1100);
+  REQUIRE(best.found);
+  CHECK(best.verified);
+  CHECK(best.landing.peak == peak_acceleration(scene, table2(), best.motion, {.accuracy = 1e-9}).peak);
+}
+
+TEST_CASE("evidence: the pitch and the floor's damping are among what may not be as planned; a bound leaves it out") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  // The motion that a robot can hold, with the pitch off by 1 deg: no basin of the motion's own box tells of it.
+  constexpr double kDegree = 0.017453292519943295;
+  const Motion held{-32.522982220702566 * kDegree, -21.587856884504102 * kDegree, 0.37464990016785615};
+  const Evidence e = evidence(scene, sea, held, {});
+  CHECK(e.complete);
+  CHECK(e.peak == Approx(186.311).epsilon(1e-4));
+  CHECK(e.pitch_one_degree == Approx(441.3).epsilon(1e-3));
+  double damped = 0;
+  for (const double share : {0.9, 1.1}) {
+    Scene s = scene;
+    s.floor->damping_normal *= share, s.floor->damping_tangential *= share;
+    damped = std::max(damped, peak_acceleration(s, sea, held, {.accuracy = 1e-9}).peak);
+  }
+  CHECK(e.damping_ten_percent == Approx(damped).epsilon(1e-6));
+  const Evidence none = evidence(scene, sea, held, {.work = 1000});
+  CHECK_FALSE(none.complete);
+  CHECK(none.work > 1000);
+  CHECK(std::isnan(none.pitch_one_degree));
+  CHECK(std::isnan(none.tolerant.value));
+}
+
+TEST_CASE("search: the tolerant peak counts where each point touches") {
+  const Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  OptimizeOptions o;
+  o.evaluations = 2000, o.tolerance_samples = 200, o.limits.forbidden = {true, false, false};
+  const Optimum best = optimize(scene, sea, o);
+  REQUIRE(best.found);
+  CHECK_FALSE(best.landing.contacts.touched(kHip));
+  int hip = 0;
+  for (int k = 0; k < kExecutionPoints; ++k)
+    hip += peak_acceleration(scene, sea, execution_point(best.motion, scene.execution, k), {.limits = o.limits}).end ==
+           End::kBroken;
+  CHECK(best.tolerant.touching[kHip] == hip);
+  CHECK(best.tolerant.touching[kFoot] == kExecutionPoints);
+  CHECK(best.tolerant.samples_touching[kFoot] == 200);
 }
