@@ -19,7 +19,9 @@ class Beside {
   Beside(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const EvidenceOptions& options)
       : scene_(scene), sea_(sea), motion_(motion), options_(options) {}
 
-  bool stopped() const { return options_.monitor.stopped(); }
+  /// Nothing is played any more.
+  bool over_already() const { return spent_ > options_.work || options_.monitor.stopped(); }
+  long spent() const { return spent_; }  ///< work
   const std::function<bool()>* over() const { return options_.monitor.stop ? &options_.monitor.stop : nullptr; }
 
   double worst_of(const std::vector<Motion>& motions) { return worst(peaks_of(scene_, motions)); }
@@ -54,7 +56,7 @@ class Beside {
         motions.push_back(m);
       }
       const auto peaks = peaks_of(scene_, motions);
-      if (stopped()) return Evidence::kUnknown;
+      if (over_already()) return Evidence::kUnknown;
       const auto first = std::find_if(peaks.begin(), peaks.end(), [&](double p) { return p > limit; }) - peaks.begin();
       if (first == points) return offsets.back();
       bad = offsets[std::size_t(first)];
@@ -65,15 +67,18 @@ class Beside {
 
  private:
   std::vector<double> peaks_of(const Scene& scene, const std::vector<Motion>& motions) {
+    if (over_already()) return std::vector<double>(motions.size(), Evidence::kUnknown);
     std::vector<BatchCase> cases;
     for (const Motion& m : motions) cases.push_back({&scene, &sea_, m});
     std::vector<LandingPeak> peaks(cases.size());
     batch_peaks(cases, peaks, {.accuracy = options_.accuracy, .over = over()}, options_.threads);
     std::vector<double> out;
-    for (const LandingPeak& p : peaks)
+    for (const LandingPeak& p : peaks) {
+      spent_ += work_of(p.work);
       out.push_back(no_landing(p.end)        ? std::numeric_limits<double>::infinity()
                     : p.end == End::kStopped ? Evidence::kUnknown
                                              : p.peak);
+    }
     options_.monitor.progress(played_ += long(motions.size()), Evidence::kLandings);
     return out;
   }
@@ -88,7 +93,7 @@ class Beside {
   const SeaParameters<double>& sea_;
   const Motion& motion_;
   const EvidenceOptions& options_;
-  long played_ = 0;
+  long played_ = 0, spent_ = 0;
 };
 
 }  // namespace
@@ -102,7 +107,7 @@ Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Mo
   out.peak = played.peak;
   out.tolerant.value = Evidence::kUnknown;
   out.work = Evidence::kLandings * work_of(played.work);
-  if (out.work > options.work || beside.stopped()) return out;
+  if (out.work > options.work || beside.over_already()) return out;
   out.tolerant = tolerant_peak(scene, sea, motion, tight, options.tolerance_samples, options.seed, options.threads);
   if (!out.tolerant.complete) out.tolerant.value = Evidence::kUnknown;
   std::vector<Motion> turned, timed;
@@ -124,7 +129,8 @@ Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Mo
   const double limit = out.peak * (1 + Evidence::kRise);
   for (int k = 0; k < 3; ++k)
     for (const int side : {0, 1}) out.width[std::size_t(k)][std::size_t(side)] = beside.width(k, side ? 1 : -1, limit);
-  out.complete = !beside.stopped();
+  out.complete = !beside.over_already();
+  out.work = std::max(out.work, beside.spent());
   return out;
 }
 

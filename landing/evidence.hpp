@@ -32,10 +32,10 @@ struct Evidence {
   double pitch_one_degree = kUnknown;  ///< with the drop's pitch off by 1 deg either way
   double damping_ten_percent = kUnknown;  ///< with both of the floor's damping constants off by 10 % either way
   TolerantPeak tolerant;                  ///< within the scene's execution tolerance
-  /// False where it was stopped, or where kLandings landings as long as the motion's own exceed EvidenceOptions::work:
-  /// what was not played is NaN.
+  /// False where it was stopped, or where EvidenceOptions::work was spent or would not do for kLandings landings as
+  /// long as the motion's own: what was not played is NaN.
   bool complete = false;
-  long work = 0;  ///< that it would take, see work_of
+  long work = 0;  ///< that it would take, as far as is known, see work_of
   static constexpr double kRise = 0.05;
   static constexpr long kLandings = 420;
 };

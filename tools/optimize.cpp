@@ -194,8 +194,8 @@ void warn(const Answer& a, Run& run) {
                     a.peak(), lost, words(a.held_peak())));
   if (!a.evidence->complete && a.evidence->work > kCheckWork && !interrupted())
     run.warn(
-        fmt::format("the landings of this scene are long: {} of them, {:.2g} steps, for the evidence are left out; "
-                    "--evidence plays them",
+        fmt::format("the landings of this scene are long ({} of them take {:.2g} steps or more): evidence is left out; "
+                    "--evidence plays it",
                     Evidence::kLandings, double(a.evidence->work)));
 }
 

@@ -655,7 +655,7 @@ TEST_CASE("optimize: a search of very long landings ends at its bound of work an
   CHECK_THAT(none.err, Contains("could be followed") && Contains("ended at its bound of work"));
   const Result stiff =
       done(f, {"optimize", stiff_floor(f), "--actuator", kTable2, "--evaluations", "40", "--no-report", "-o", "stiff"});
-  CHECK_THAT(stiff.err, Contains("for the evidence are left out; --evidence plays them"));
+  CHECK_THAT(stiff.err, Contains("evidence is left out; --evidence plays it"));
   CHECK(summary(f, "stiff")["evidence"]["complete"] == false);
   CHECK(summary(f, "stiff")["evidence"]["one_degree"].is_null());
 }
