@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <unordered_set>
 
 #include "common/files.hpp"
 
@@ -86,10 +87,11 @@ struct Lines {
 char read_header(std::string_view line, long number, CsvTable& table) {
   const char separator = separator_of(line);
   table.header_line = number;
+  std::unordered_set<std::string> names;
   for_cells(line, separator, [&](std::string_view cell, long column) {
     if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
     const std::string name(cell);
-    if (table.find(name) >= 0)
+    if (!names.insert(name).second)
       throw InputError({table.file, number, column}, "column " + quoted(name) + ": the header names it twice");
     table.header.push_back(name);
     table.header_column.push_back(column);
@@ -190,7 +192,7 @@ void CsvWriter::comment(const std::string& text) {
   std::size_t begin = 0;
   while (begin <= text.size()) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    if (end > begin || end < text.size()) text_ += "# " + text.substr(begin, end - begin) + "\n";
+    if (end > begin || end < text.size()) text_ += "# " + shown(text.substr(begin, end - begin)) + "\n";
     begin = end + 1;
   }
 }

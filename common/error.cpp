@@ -54,10 +54,9 @@ std::string one_of(const std::string& given, const std::vector<std::string>& kno
 }
 
 std::string quoted(const std::string& value) {
-  std::string s = value.substr(0, 40);
-  for (char& c : s)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-  return "'" + s + (value.size() > 40 ? "...'" : "'");
+  std::size_t end = 0;
+  while (end < std::min<std::size_t>(40, value.size())) end += first_character(value.substr(end, 4)).bytes.size();
+  return "'" + shown(value.substr(0, end)) + (end < value.size() ? "...'" : "'");
 }
 
 }  // namespace ukemi

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/text.hpp"
+
 namespace ukemi {
 
 /// Where in a file something stands; line and column count from 1, 0: not known.
@@ -14,11 +16,11 @@ struct Location {
   std::string text() const;  ///< "file:line:column", as far as known
 };
 
-/// Bad usage or bad input. what() is `file:line:column: what: value (rule)` on one line.
+/// Bad usage or bad input. what() is `file:line:column: what: value (rule)` on one line, whatever the file is called.
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(const std::string& message) : std::runtime_error(message) {}
-  InputError(const Location& where, const std::string& message) : std::runtime_error(where.text() + ": " + message) {}
+  explicit InputError(const std::string& message) : std::runtime_error(shown(message)) {}
+  InputError(const Location& where, const std::string& message) : InputError(where.text() + ": " + message) {}
 };
 
 /// The key of `known` nearest to `given` by edit distance, or empty where none is near (more than 2 edits and a third
@@ -31,7 +33,7 @@ std::string hint(const std::string& given, const std::vector<std::string>& known
 /// `'given': one of a, b, c is needed (did you mean "a"?)`.
 std::string one_of(const std::string& given, const std::vector<std::string>& known);
 
-/// A value from a file for an error message: control characters shown as '?', cut after 40 bytes.
+/// A value from a file for an error message: as `shown`, cut after the character that reaches 40 bytes.
 std::string quoted(const std::string& value);
 
 }  // namespace ukemi

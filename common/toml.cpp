@@ -4,6 +4,7 @@
 #define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -39,11 +40,68 @@ std::string show(const toml::node& n) {
   n.visit([&](const auto& x) { s << x; });
   return quoted(s.str());
 }
+
+constexpr std::size_t kLargestToml = 16 << 20;
+
+/// toml++ makes and destroys tables by recursion: what nests too deep for the stack is refused before it is parsed.
+/// Looks at the text as TOML's lexical rules divide it: strings, comments, brackets, the dots between a key's parts.
+class NestingCheck {
+ public:
+  NestingCheck(const std::string& path, std::string_view text) : path_(path), text_(text) {}
+
+  void run() {
+    while (at_ < text_.size()) {
+      const char c = text_[at_];
+      if (c == '#') {
+        at_ = std::min(text_.find('\n', at_), text_.size());
+      } else if (c == '"' || c == '\'') {
+        skip_string(c);
+      } else {
+        if (c == '[' || c == '{') count(++brackets_, "brackets within brackets");
+        if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
+        if (c == '.') count(++dots_, "dots in a key");
+        if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) dots_ = 0;
+        ++at_;
+      }
+    }
+  }
+
+ private:
+  static constexpr int kDeepest = 32;
+
+  void count(int depth, const char* of_what) const {
+    if (depth <= kDeepest) return;
+    const auto before = text_.substr(0, at_);
+    const auto line_start = before.rfind('\n') + 1;  // 0 where there is none
+    throw InputError({path_, 1 + long(std::count(before.begin(), before.end(), '\n')), 1 + long(at_ - line_start)},
+                     fmt::format("more than {} {}", kDeepest, of_what));
+  }
+  void skip_string(char quote) {
+    const std::string three(3, quote);
+    const bool long_one = text_.substr(at_, 3) == three;
+    const std::string_view end = long_one ? std::string_view(three) : text_.substr(at_, 1);
+    for (at_ += end.size(); at_ < text_.size() && text_.substr(at_, end.size()) != end; ++at_) {
+      if (!long_one && text_[at_] == '\n') return;  // the parser refuses it
+      if (quote == '"' && text_[at_] == '\\') ++at_;
+    }
+    at_ = std::min(at_ + end.size(), text_.size());
+    for (int i = 0; long_one && i < 2 && text_.substr(at_, 1) == three.substr(0, 1); ++i)
+      ++at_;  // """a"""" ends in a "
+  }
+
+  const std::string& path_;
+  std::string_view text_;
+  std::size_t at_ = 0;
+  int brackets_ = 0, dots_ = 0;
+};
 }  // namespace
 
 TomlFile::TomlFile(const std::string& path) : data_(std::make_unique<Data>()) {
   data_->path = path;
-  const std::string text = read_text_file(path);
+  const std::string text = read_text_file(path, 1 << 20, kLargestToml + 1);
+  if (text.size() > kLargestToml)
+    throw InputError({path}, fmt::format("a TOML file of at most {} bytes is read", kLargestToml));
+  NestingCheck(path, text).run();
   try {
     data_->root = toml::parse(text, path);
   } catch (const toml::parse_error& e) {
@@ -242,9 +300,15 @@ std::optional<std::string> TomlSection::optional_choice(const std::string& key,
 
 std::string toml_text(const std::string& s) {
   std::string out;
-  for (const char c : s) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126 ? '?' : c;
+  for (std::string_view left = s; !left.empty();) {
+    const Character c = first_character(left);
+    if (c.bytes == "\"" || c.bytes == "\\")
+      out += '\\' + std::string(c.bytes);
+    else if (c.printable())
+      out += c.bytes;
+    else
+      out += c.code < 0 ? '\\' + shown(c.bytes) : fmt::format("\\u{:04X}", c.code);
+    left.remove_prefix(c.bytes.size());
   }
   return out;
 }

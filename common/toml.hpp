@@ -28,7 +28,8 @@ class TomlSection;
 /// One TOML file. Ask it for its sections, then call `finish`.
 class TomlFile {
  public:
-  explicit TomlFile(const std::string& path);  ///< throws InputError with the parser's line and column
+  /// Throws InputError with line and column on what is no TOML, nests deeper than 32, or is longer than 16 MiB.
+  explicit TomlFile(const std::string& path);
   ~TomlFile();
   TomlFile(TomlFile&&) noexcept;
 
@@ -84,8 +85,8 @@ class TomlSection {
   std::string name_;
 };
 
-/// A text for between the quotes of a TOML file: quotes and backslashes escaped, and '?' for whatever is no printable
-/// ASCII (TOML takes UTF-8 without control characters; a file name may hold anything).
+/// A text for between the quotes of a TOML file: it reads back as it was, but for bytes that are no UTF-8, which TOML
+/// cannot hold: they are written as \xNN, as `shown` does.
 std::string toml_text(const std::string& s);
 
 }  // namespace ukemi

@@ -7,19 +7,23 @@
 #include <cmath>
 #include <limits>
 
+#include "common/text.hpp"
+
 namespace ukemi::tools {
 
 namespace {
 
 std::string escape(const std::string& s) {
   std::string out;
-  for (const char c : s) {
+  for (const char c : shown(s)) {
     if (c == '<')
       out += "&lt;";
     else if (c == '>')
       out += "&gt;";
     else if (c == '&')
       out += "&amp;";
+    else if (c == '"')
+      out += "&quot;";
     else
       out += c;
   }
