@@ -1,16 +1,16 @@
 #include "common/files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <vector>
 
 #include "common/error.hpp"
 
@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+thread_local ReadWatch* watching = nullptr;
+
 void make_folder(const fs::path& folder) {
   std::error_code ec;
   if (folder.empty() || fs::is_directory(folder, ec)) return;
@@ -27,40 +29,99 @@ void make_folder(const fs::path& folder) {
   if (ec) throw InputError({folder.string()}, "the folder cannot be made: " + ec.message());
 }
 
+/// Looks at a text as it comes in.
+class TextCheck {
+ public:
+  TextCheck(const std::string& path, std::size_t longest_line) : path_(path), longest_line_(longest_line) {}
+
+  void operator()(std::string_view block) {
+    for (const char byte : block) {
+      const auto c = static_cast<unsigned char>(byte);
+      if (c == '\n') {
+        ++line_, column_ = 0;
+        continue;
+      }
+      ++column_;
+      if (c < 32 && c != '\t' && c != '\r' && c != '\f')
+        throw InputError({path_, line_, column_}, fmt::format("byte 0x{:02x}: not a text file", c));
+      if (column_ > long(longest_line_))
+        throw InputError({path_, line_, column_}, fmt::format("the line is longer than {} bytes", longest_line_));
+    }
+  }
+
+ private:
+  const std::string& path_;
+  std::size_t longest_line_;
+  long line_ = 1, column_ = 0;
+};
+
 }  // namespace
 
-std::string read_binary_file(const std::string& path, std::size_t at_most) {
-  std::error_code ec;
-  if (!fs::exists(path, ec)) throw InputError({path}, "no such file");
-  if (fs::is_directory(path, ec)) throw InputError({path}, "is a folder: a file is needed");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError({path}, std::string("cannot be read: ") + std::strerror(errno));
-  std::string text;
-  std::array<char, 1 << 16> block;
-  while (in && text.size() < at_most) {
-    in.read(block.data(), std::streamsize(std::min(block.size(), at_most - text.size())));
-    text.append(block.data(), std::size_t(in.gcount()));
+ReadWatch::ReadWatch(Use use) : use_(std::move(use)), outer_(watching) { watching = this; }
+ReadWatch::~ReadWatch() { watching = outer_; }
+
+/// A regular file that is open; nothing else is waited for.
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : path_(path) {
+    file_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (file_ < 0) fail(errno == ENOENT || errno == ENOTDIR ? "no such file" : reason());
+    try {
+      if (::fstat(file_, &is_) != 0) fail(reason());
+      if (S_ISDIR(is_.st_mode)) fail("is a folder: a file is needed");
+      if (!S_ISREG(is_.st_mode)) fail("is a pipe or a device: a regular file is needed");
+      require_size(std::uint64_t(is_.st_size));
+    } catch (...) {
+      ::close(file_);
+      throw;
+    }
   }
-  if (in.bad()) throw InputError({path}, "cannot be read to its end");
-  return text;
+  ~Reader() { ::close(file_); }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  /// Its first `at_most` bytes, shown to `check` block by block.
+  template <class Check>
+  std::string read(std::size_t at_most, Check&& check) {
+    std::string bytes;
+    bytes.reserve(std::min(at_most, std::size_t(is_.st_size)));
+    std::vector<char> block(1 << 18);
+    while (bytes.size() < at_most) {
+      const ssize_t n = ::read(file_, block.data(), std::min(block.size(), at_most - bytes.size()));
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail(reason());
+      if (n == 0) {
+        tell_watch(bytes);
+        break;
+      }
+      check(std::string_view(block.data(), std::size_t(n)));
+      bytes.append(block.data(), std::size_t(n));
+      require_size(bytes.size());  // it may grow, or not know its size
+    }
+    return bytes;
+  }
+
+ private:
+  static std::string reason() { return std::string("cannot be read: ") + std::strerror(errno); }
+  [[noreturn]] void fail(const std::string& what) const { throw InputError({path_}, what); }
+  void require_size(std::uint64_t size) const {
+    if (size > kLargestFile) fail(fmt::format("{} bytes: a file of at most {} is read", size, kLargestFile));
+  }
+  void tell_watch(const std::string& bytes) const {
+    if (watching) watching->use_({path_, is_.st_dev, is_.st_ino, checksum(bytes)});
+  }
+
+  const std::string& path_;
+  int file_ = -1;
+  struct stat is_ {};
+};
+
+std::string read_binary_file(const std::string& path, std::size_t at_most) {
+  return Reader(path).read(at_most, [](std::string_view) {});
 }
 
 std::string read_text_file(const std::string& path, std::size_t longest_line, std::size_t at_most) {
-  std::string text = read_binary_file(path, at_most);
-  long line = 1;
-  std::size_t start = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    if (c == '\n') {
-      ++line, start = i + 1;
-    } else if (c < 32 && c != '\t' && c != '\r' && c != '\f') {
-      throw InputError({path, line, long(i - start) + 1}, fmt::format("byte 0x{:02x}: not a text file", c));
-    } else if (i - start >= longest_line) {
-      throw InputError({path, line, long(i - start) + 1},
-                       fmt::format("the line is longer than {} bytes", longest_line));
-    }
-  }
-  return text;
+  return Reader(path).read(at_most, TextCheck(path, longest_line));
 }
 
 void write_file(const std::string& path, const std::string& content) {
@@ -88,16 +149,13 @@ void require_writable_folder(const std::string& folder) {
   while (!fs::exists(p, ec) && p.has_parent_path() && p != p.parent_path()) p = p.parent_path();
   if (!fs::is_directory(p, ec))
     throw InputError({folder}, "the output folder cannot be made: " + p.string() + " is not a folder");
-  const std::string probe = (p / fmt::format(".ukemi-{}.part", ::getpid())).string();
-  std::FILE* out = std::fopen(probe.c_str(), "wb");
-  if (!out) throw InputError({folder}, std::string("the output folder cannot be written: ") + std::strerror(errno));
-  std::fclose(out);
-  std::remove(probe.c_str());
+  if (::faccessat(AT_FDCWD, p.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    throw InputError({folder}, std::string("the output folder cannot be written: ") + std::strerror(errno));
 }
 
-std::string checksum(const std::string& path) {
+std::string checksum(std::string_view bytes) {
   std::uint64_t h = 14695981039346656037ull;
-  for (const unsigned char c : read_binary_file(path)) h = (h ^ c) * 1099511628211ull;
+  for (const unsigned char c : bytes) h = (h ^ c) * 1099511628211ull;
   return fmt::format("{:016x}", h);
 }
 

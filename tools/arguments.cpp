@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "common/actuator.hpp"
@@ -27,6 +29,14 @@ double to_number(const std::string& option, const std::string& text) {
   } catch (const std::exception&) {
   }
   throw InputError(option + ": " + quoted(text) + ": a finite number is needed");
+}
+
+std::uint64_t to_seed(const std::string& option, const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size()) return value;
+  throw InputError(fmt::format("{}: {}: a whole number from 0 to {} is needed", option, quoted(text),
+                               std::numeric_limits<std::uint64_t>::max()));
 }
 
 Assignment assignment(const std::string& option, const std::string& item) {

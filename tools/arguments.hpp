@@ -1,6 +1,7 @@
 // What the text of an option holds: lists, numbers, names, NAME=VALUE. Each throws InputError "OPTION: 'text': rule".
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@ namespace ukemi::tools {
 
 std::vector<std::string> split(const std::string& list);  ///< at commas
 double to_number(const std::string& option, const std::string& text);
+std::uint64_t to_seed(const std::string& option, const std::string& text);  ///< decimal digits, up to 64 bits
 
 /// NAME=VALUE, at the last '='.
 struct Assignment {

@@ -250,8 +250,9 @@ int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
                                  a.repetitions, b.reference));
     std::vector<Series> peaks, states;
     std::vector<std::vector<std::string>> rows;
-    run.say(fmt::format("\n{} ({})\n{:<20} {:>8} {:>10} {:>10} {:>10} {:>10} {:>9}", b.name, b.reference, "method",
-                        "setting", "peak", "touchdown", "state", "time [us]", "rhs"));
+    run.say(""), run.say(fmt::format("{} ({})", b.name, b.reference));
+    run.say(fmt::format("{:<20} {:>8} {:>10} {:>10} {:>10} {:>10} {:>9}", "method", "setting", "peak", "touchdown",
+                        "state", "time [us]", "rhs"));
     for (const Entry& e : entries) {
       const std::string method = name(e.method);
       csv.cell(b.name).cell(method).cell(e.setting).cell(e.errors.peak).cell(e.errors.touchdown).cell(e.errors.state);

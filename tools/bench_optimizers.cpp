@@ -18,6 +18,7 @@
 #include "landing/optimize.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/solvers.hpp"
+#include "tools/arguments.hpp"
 #include "tools/bench.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
@@ -46,12 +47,12 @@ constexpr std::array<const char*, kFound> kColumns = {"time_s",    "evaluations"
 struct Trial {
   std::size_t scene, goal;
   std::string solver;
-  long seed;
+  std::uint64_t seed;
   double budget;  ///< [s]
   std::array<double, kFound> found;
 
   bool operator<(const Trial& o) const { return key() < o.key(); }
-  std::tuple<std::size_t, std::size_t, const std::string&, long, double> key() const {
+  std::tuple<std::size_t, std::size_t, const std::string&, std::uint64_t, double> key() const {
     return {scene, goal, solver, seed, budget};
   }
 };
@@ -60,7 +61,7 @@ std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaP
   OptimizeOptions o;
   o.solver = t.solver, o.goal = Goal(int(t.goal)), o.deadline = t.budget, o.threads = 1;
   o.time = Stopwatch::Time::kProcessor;
-  o.seed = std::uint64_t(t.seed), o.tolerance_samples = 0;
+  o.seed = t.seed, o.tolerance_samples = 0;
   const Optimum r = optimize(scene, sea, o);
   std::array<double, kFound> found;
   found.fill(std::numeric_limits<double>::quiet_NaN());
@@ -83,25 +84,28 @@ std::size_t one_of(std::span<const char* const> names, const std::string& name, 
 
 std::size_t column(const CsvTable& table, const char* name) { return std::size_t(table.require(name)); }
 
+std::uint64_t seed_at(const CsvTable& table, std::size_t c, std::size_t row) {
+  const std::string& cell = table.texts[c][row];
+  if (cell.empty()) throw InputError(table.at(int(c), row), "column 'seed': empty: a whole number is needed");
+  return to_seed(table.at(int(c), row).text() + ": column 'seed'", cell);
+}
+
 /// The searches that an earlier run's optimizers.csv holds.
 std::vector<Trial> read_trials(const std::string& path) {
-  const CsvTable table =
-      read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene", "objective", "solver"});
+  const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused,
+                                  {"scene", "objective", "solver", "seed"});
   const std::size_t scene = column(table, "scene"), goal = column(table, "objective"), solver = column(table, "solver"),
                     seed = column(table, "seed"), budget = column(table, "budget_s");
   column(table, kColumns[kValue]);
-  table.require_full(int(seed)), table.require_full(int(budget));
+  table.require_full(int(budget));
   std::vector<Trial> trials;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     Trial t{one_of(kScenes, table.texts[scene][i], table.at(int(scene), i)),
             one_of(kGoals, table.texts[goal][i], table.at(int(goal), i)),
             table.texts[solver][i],
-            long(table.columns[seed][i]),
+            seed_at(table, seed, i),
             table.columns[budget][i],
             {}};
-    if (double(t.seed) != table.columns[seed][i])
-      throw InputError(table.at(int(seed), i),
-                       fmt::format("column 'seed': {}: a whole number is needed", shortest(table.columns[seed][i])));
     for (std::size_t k = 0; k < kFound; ++k) {
       const int c = table.find(kColumns[k]);
       t.found[k] = c < 0 ? std::numeric_limits<double>::quiet_NaN() : table.columns[std::size_t(c)][i];
@@ -133,7 +137,8 @@ BestKnown best_known(const std::string& path) {
 struct Cases {
   std::vector<std::string> solvers;
   std::vector<double> times;  ///< [s], increasing
-  long first_seed, seeds;
+  std::uint64_t first_seed;
+  int seeds;
 };
 
 /// Every search of the cases; those of `earlier` runs are taken from there.
@@ -145,9 +150,9 @@ std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, cons
   for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
     for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
       for (const std::string& solver : cases.solvers)
-        for (long seed = cases.first_seed; seed < cases.first_seed + cases.seeds; ++seed)
+        for (int s = 0; s < cases.seeds; ++s)
           for (const double t : cases.times) {
-            trials.push_back({scene, goal, solver, seed, t, {}});
+            trials.push_back({scene, goal, solver, cases.first_seed + std::uint64_t(s), t, {}});
             const auto same = std::lower_bound(earlier.begin(), earlier.end(), trials.back());
             if (same != earlier.end() && same->key() == trials.back().key())
               trials.back() = *same;
@@ -213,7 +218,7 @@ void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, c
   header.insert(header.end(), kColumns.begin(), kColumns.end());
   csv.header(header);
   for (const Trial& t : trials) {
-    csv.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(t.solver).cell(t.seed).cell(t.budget);
+    csv.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(t.solver).cell(std::to_string(t.seed)).cell(t.budget);
     csv.cell(gap_of(t, kValue, best));
     for (const double x : t.found) csv.cell(x);
     csv.end_row();
@@ -308,7 +313,7 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
 
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
   Run run("bench optimizers", common);
-  Cases cases{arguments.solvers, arguments.times, long(common.seed), arguments.seeds};
+  Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds};
   if (cases.solvers.empty()) cases.solvers = solver_names();
   for (const std::string& s : cases.solvers) check_solver(s);
   std::vector<double>& times = cases.times;

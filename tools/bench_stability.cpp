@@ -243,8 +243,9 @@ Json fits(Run& run, Report& report) {
   csv.header({"case", "verdict", "largest_z", "rms", "time_s", "said"});
   std::vector<std::vector<std::string>> rows;
   int wrong = 0;
-  run.say(fmt::format("\n{:<40} {:>10} {:>9} {:>9} {:>7}  {}", "fits (simulated)", "verdict", "largest z", "rms",
-                      "time", "said"));
+  run.say("");
+  run.say(fmt::format("{:<40} {:>10} {:>9} {:>9} {:>7}  {}", "fits (simulated)", "verdict", "largest z", "rms", "time",
+                      "said"));
   for (const FitCase& c : cases) {
     rig.tau_max = c.truth.tau_max;
     std::vector<identify::Trial> trials;

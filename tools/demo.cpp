@@ -23,7 +23,7 @@ int run_demo(CommonOptions common) {
     o.out = CommonOptions::Stdout::kText;
     return o;
   };
-  const auto heading = [&](const std::string& s) { run.say("\n== " + s); };
+  const auto heading = [&](const std::string& s) { run.say(""), run.say("== " + s); };
   // With --json the parts' own lines must not reach stdout.
   const auto quieted = [&](CommonOptions o) {
     if (common.out == CommonOptions::Stdout::kJson) o.out = CommonOptions::Stdout::kSilent;
@@ -35,6 +35,7 @@ int run_demo(CommonOptions common) {
   for (int i = 1; i <= 8; ++i) identify_arguments.trials.push_back(dataset(fmt::format("impact/trial_{}.csv", i)));
   identify_arguments.rig = dataset("rigs/paper.toml");
   Actuator identified;
+  run.withdraw_summary();
   int code = run_identify(identify_arguments, quieted(part("identify")), &identified);
   if (code != kDone) return code;
   const std::string identified_file = folder + "/identify/actuator.toml";

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <ctime>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 
 #include "common/csv.hpp"
 #include "common/monitor.hpp"
+#include "common/result_folder.hpp"
 
 namespace ukemi::tools {
 
@@ -22,7 +25,7 @@ enum Exit : int { kDone = 0, kNumbers = 1, kBadInput = 2, kInterrupted = 130 };
 struct CommonOptions {
   std::string folder;  ///< -o
   int threads = 0;
-  unsigned long seed = 1;
+  std::uint64_t seed = 1;
   enum class Report { kWrite, kSkip } report = Report::kWrite;
   enum class Stdout { kText, kJson, kSilent } out = Stdout::kText;
   enum class Messages { kShow, kQuiet } messages = Messages::kShow;
@@ -30,18 +33,24 @@ struct CommonOptions {
 
 inline constexpr double kDegrees = 57.29577951308232;  ///< in a radian
 
-/// The command line as given, for provenance.
+/// The command line as a shell takes it, for provenance.
 void set_command_line(int argc, char** argv);
 
-/// One verb's run: collects files, warnings and the summary; writes all files at the end, each whole or not at all.
+/// One verb's run: collects files, warnings and the summary, and at the end exchanges what an earlier run left for
+/// them. Nothing is written over that this run reads.
 class Run {
  public:
   Run(std::string verb, const CommonOptions& options);
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
 
   const CommonOptions& options() const { return options_; }
-  /// An input whose checksum goes into the provenance.
+  /// A file that is or will be read: the checksum of what was read goes into the provenance.
   void input(const std::string& path);
+  /// A file of the results, under one of the names that output.cpp lists for the verb.
   void add(const std::string& name, std::string content);
+  /// For a run whose parts are runs of their own: until it finishes, its folder has no summary.
+  void withdraw_summary() const { folder_.withdraw_summary(); }
   /// To stderr, and into the summary's warnings.
   void warn(const std::string& message);
   void info(const std::string& message) const;  ///< to stderr unless --quiet
@@ -52,24 +61,30 @@ class Run {
   /// Shows progress as above, and stops at Ctrl-C. The run must outlive it.
   Monitor monitor(const std::string& what) const;
 
-  /// Key, value pairs: version, command line, checksums, seed, time.
+  /// Key, value pairs, safe to show: version, command line, checksums, seed, time of the start.
   std::vector<std::pair<std::string, std::string>> provenance() const;
   std::string provenance_text() const;  ///< a line each
   CsvWriter csv() const;                ///< with the provenance in front
   const std::vector<std::string>& warnings() const { return warnings_; }
   double seconds() const;
 
-  /// Adds provenance to the summary, writes summary.json and the other files, prints the JSON with --json. Returns the
-  /// exit code: kInterrupted after Ctrl-C, and the summary says so.
+  /// Adds provenance and the names of the files to the summary, exchanges the files, prints the JSON with --json.
+  /// Returns the exit code: kInterrupted after Ctrl-C, and the summary says so.
   int finish(Json summary, int exit_code);
   const Json& summary() const { return summary_; }
 
  private:
+  void note(const ReadFile& file);
+
   std::string verb_;
   CommonOptions options_;
-  std::vector<std::pair<std::string, std::string>> inputs_;
+  ResultFolder folder_;
+  ReadWatch watch_;
+  std::vector<std::string> inputs_;
+  std::map<std::string, std::string> checksums_;  ///< of every file that was read
   std::map<std::string, std::string> files_;
   std::vector<std::string> warnings_;
+  std::time_t started_;  ///< the time of the provenance: one for all files
   std::chrono::steady_clock::time_point start_;
   mutable std::mutex progress_mutex_;
   mutable double shown_ = 0;  ///< when progress was last shown [s]

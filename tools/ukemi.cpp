@@ -1,11 +1,16 @@
 // The program `ukemi`: see tools/docs or `ukemi --help`.
-#include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <exception>
+#include <new>
+#include <sstream>
+#include <stdexcept>
 
 #include "common/error.hpp"
+#include "tools/arguments.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/terminal.hpp"
 #include "tools/verbs.hpp"
 
 namespace ukemi::tools {
@@ -16,7 +21,10 @@ void add_common(CLI::App& verb, CommonOptions& o) {
       "--json", [&o] { o.out = CommonOptions::Stdout::kJson; }, "stdout carries one JSON object, nothing else");
   verb.add_option("--threads", o.threads, "threads [all cores]; results do not depend on it")
       ->check(CLI::Range(1, 4096));
-  verb.add_option("--seed", o.seed, "seed of every random draw [1]")->check(CLI::NonNegativeNumber);
+  verb.add_option_function<std::string>(
+          "--seed", [&o](const std::string& text) { o.seed = to_seed("--seed", text); },
+          "seed of every random draw [1]")
+      ->type_name("N");
   verb.add_flag_callback(
       "--quiet", [&o] { o.messages = CommonOptions::Messages::kQuiet; }, "no messages on stderr but warnings");
   verb.add_flag_callback(
@@ -40,7 +48,9 @@ int run(int argc, char** argv) {
   CLI::App app("ukemi: identify a series elastic actuator, plan the landing it should make", "ukemi");
   app.set_version_flag("--version", "ukemi " UKEMI_VERSION);
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done; 1 the numbers did not work out; 2 bad usage or bad input; 130 interrupted (Ctrl-C).");
+  app.footer(
+      "Exit codes: 0 done; 1 the numbers did not work out, or memory or stdout gave out; 2 bad usage or bad input; 130 "
+      "interrupted (Ctrl-C).");
   set_command_line(argc, argv);
   Action chosen;
   add_identify(app, chosen);
@@ -62,19 +72,59 @@ int run(int argc, char** argv) {
     catch_interrupts();
     return chosen();
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
-    fmt::print(stderr, "ukemi: {}\n", e.what());
-    return kBadInput;
-  } catch (const InputError& e) {
-    fmt::print(stderr, "ukemi: {}\n", e.what());
-    return kBadInput;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "ukemi: {}\n", e.what());
-    return kNumbers;
+    if (e.get_exit_code() != 0) throw InputError(e.what());
+    std::ostringstream out, err;  // --help, --version
+    const int code = app.exit(e, out, err);
+    print_raw(out.str());
+    return code;
   }
+}
+
+constexpr const char* kNoMemory = "ukemi: not enough memory\n";
+
+/// Every exception is a line on stderr and an exit code.
+int guarded(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const InputError& e) {
+    tell(std::string("ukemi: ") + e.what());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    tell_raw(kNoMemory);
+  } catch (const std::length_error&) {  // more than a container can ever hold
+    tell_raw(kNoMemory);
+  } catch (const std::exception& e) {
+    tell(std::string("ukemi: ") + e.what());
+  }
+  return kNumbers;
+}
+
+/// For an exception that no one may catch: out of memory where nothing may be thrown is no bug of the program.
+[[noreturn]] void end_without_memory() {
+  try {
+    if (std::current_exception()) std::rethrow_exception(std::current_exception());
+  } catch (const std::bad_alloc&) {
+    tell_raw(kNoMemory);
+    ::_exit(kNumbers);
+  } catch (...) {
+  }
+  std::abort();
+}
+
+/// The exit code, which is no success where stdout did not take the results.
+int told(int code) {
+  const auto failure = stdout_failure();
+  if (!failure) return code;
+  tell("ukemi: stdout cannot be written: " + *failure);
+  return code == kDone ? kNumbers : code;
 }
 
 }  // namespace
 }  // namespace ukemi::tools
 
-int main(int argc, char** argv) { return ukemi::tools::run(argc, argv); }
+int main(int argc, char** argv) {
+  using namespace ukemi::tools;
+  std::set_terminate(end_without_memory);
+  prepare_streams();
+  return told(guarded(argc, argv));
+}

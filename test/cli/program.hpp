@@ -47,14 +47,26 @@ inline std::string shell_quoted(const std::string& s) {
   return out + "'";
 }
 
-/// `ukemi ARGUMENTS...` started in the folder `directory`. What it prints goes to files outside of it.
-inline Result run(const Arguments& arguments, const std::string& directory) {
+/// What the program finds around it, as a shell sets it up.
+struct Surroundings {
+  std::string limits;    ///< commands before it, as "ulimit -v 400000"
+  std::string out, err;  ///< where its streams go instead of being captured, as ">/dev/full", ">&-"
+};
+
+/// `ukemi ARGUMENTS...` started in the folder `directory`. What it prints goes to files outside of it. The code of a
+/// run that a signal ended is 128 and the signal, as in a shell.
+inline Result run(const Arguments& arguments, const std::string& directory, const Surroundings& around = {}) {
   const Folder capture;
-  std::string command = "cd " + shell_quoted(directory) + " && exec timeout 60 " + shell_quoted(UKEMI_PROGRAM);
+  std::string command = "cd " + shell_quoted(directory) + " && ";
+  if (!around.limits.empty()) command += around.limits + " && ";
+  command += "exec timeout 60 " + shell_quoted(UKEMI_PROGRAM);
   for (const std::string& a : arguments) command += " " + shell_quoted(a);
-  command += " >" + capture.at("out") + " 2>" + capture.at("err") + " </dev/null";
+  command += " " + (around.out.empty() ? ">" + capture.write("out", "") : around.out);
+  command += " 2" + (around.err.empty() ? ">" + capture.write("err", "") : around.err) + " </dev/null";
   const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(capture.at("out")), read(capture.at("err"))};
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  const auto captured = [&](const char* name) { return fs::exists(capture.at(name)) ? read(capture.at(name)) : ""; };
+  return {code, captured("out"), captured("err")};
 }
 
 struct Interrupted : Result {

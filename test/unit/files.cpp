@@ -243,10 +243,9 @@ TEST_CASE("a file that is no text is refused with its place") {
 }
 
 TEST_CASE("the checksum is FNV-1a with 64 bits") {  // test vectors of its authors
-  const Folder f;
-  CHECK(checksum(f.write("0", "")) == "cbf29ce484222325");
-  CHECK(checksum(f.write("1", "a")) == "af63dc4c8601ec8c");
-  CHECK(checksum(f.write("6", "foobar")) == "85944171f73967e8");
+  CHECK(checksum("") == "cbf29ce484222325");
+  CHECK(checksum("a") == "af63dc4c8601ec8c");
+  CHECK(checksum("foobar") == "85944171f73967e8");
 }
 
 // ---- TOML

@@ -1,0 +1,49 @@
+// A folder that holds the results of one run at a time.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/files.hpp"
+
+namespace ukemi {
+
+/// The last file of a set to take its place: where it stands, the set is whole.
+inline constexpr const char* kSummaryFile = "summary.json";
+
+/// The files of one run, exchanged as one. A kill at any moment leaves the earlier set or the new one whole.
+///
+/// The new files are written aside, into `.NAME.ukemi-part` beside the folder. Where the folder holds nothing but
+/// results, the two are exchanged in one step. Where it holds other files too, or is where the program was started, the
+/// new set is moved into it as `.ukemi-commit` in one step and takes its place file by file, without a summary until
+/// the last; what a kill leaves of that, the next ResultFolder of this path finishes. Files under other names stay.
+class ResultFolder {
+ public:
+  /// `names`: every name that such a run may write beside the summary; '#' stands for digits, as in "hit_#.csv".
+  /// Throws InputError where the folder cannot be made or written in, or a folder stands under one of the names.
+  ResultFolder(std::string path, std::vector<std::string> names);
+
+  /// Throws InputError where the file is one of those that would go, by whatever name it was read.
+  void refuse_as_input(const ReadFile& file) const;
+  /// From now on the folder has no summary: what it holds besides is about to change.
+  void withdraw_summary() const;
+  /// Puts these files, a summary among them, in the place of every earlier one under the names. Throws InputError with
+  /// the system's reason, the earlier files untouched.
+  void replace(const std::map<std::string, std::string>& files) const;
+
+  const std::string& path() const { return path_; }
+  /// Whether a file of this name belongs to such a run.
+  bool owns(const std::string& name) const;
+
+ private:
+  std::vector<std::string> found() const;  ///< the names under which something stands in the folder
+  bool holds_results_only(const std::string& folder) const;
+  /// In one step, the rights of `folder` kept; false where that cannot be or must not, and nothing is changed.
+  bool exchange(const std::string& aside, const std::string& folder) const;
+
+  std::string path_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace ukemi

@@ -1,0 +1,25 @@
+// The program's two streams. A message never ends the program; a result that did not get through is told at the end.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace ukemi::tools {
+
+/// At the start of the program: a stream that is closed is opened on nothing, so that no file of ours takes its number;
+/// a broken pipe and a file that grows beyond its limit are errors, no longer signals.
+void prepare_streams();
+
+/// A line of the result on stdout, made safe to show.
+void print_line(const std::string& line);
+/// What is made for programs, to stdout as it is.
+void print_raw(const std::string& text);
+/// The system's reason where stdout has not taken all of it.
+std::optional<std::string> stdout_failure();
+
+/// A line on stderr, made safe to show; where stderr takes none there is no one to tell.
+void tell(const std::string& line);
+/// To stderr as it is; takes no memory.
+void tell_raw(const char* text);
+
+}  // namespace ukemi::tools
