@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <functional>
 #include <set>
 
 #include "test/cli/refused.hpp"
@@ -16,7 +17,6 @@ using Catch::Matchers::Equals;
 namespace {
 
 const Arguments kHold = {"simulate", kPaper, "--actuator", kTable2, "--hold", "-45", "-o", "out"};
-const std::string kNothing;
 
 /// A sanitizer needs more room than any limit leaves.
 #ifdef __SANITIZE_ADDRESS__
