@@ -37,6 +37,7 @@ Actuator read_actuator(const std::string& path) {
   a.sea.i_motor = s.number("i_motor", Range::positive());
   if (const auto v = s.optional_number("tau_max", constant)) a.sea.tau_max = *v;
   a.sea.friction = s.optional_number("friction", constant).value_or(0);
+  a.sea.viscous = s.optional_number("viscous_friction", constant).value_or(0);
   a.sea.k_sea_cubic = s.optional_number("k_sea_cubic", constant).value_or(0);
   a.sea.feedback = read_feedback(s).value_or(Feedback::kOutput);
   a.speed_max = s.optional_number("speed_max", Range::positive());
@@ -47,7 +48,8 @@ Actuator read_actuator(const std::string& path) {
     if (covariance->size() != order->size())
       u->fail("covariance", fmt::format("{} rows: 'order' names {}", covariance->size(), order->size()));
     for (std::size_t i = 0; i < order->size(); ++i) {
-      const std::vector<std::string> known = {"k_p", "k_d", "k_sea", "c_sea", "i_motor", "friction", "k_sea_cubic"};
+      const std::vector<std::string> known = {
+          "k_p", "k_d", "k_sea", "c_sea", "i_motor", "friction", "viscous_friction", "k_sea_cubic"};
       const std::string& name = (*order)[i];
       if (std::find(known.begin(), known.end(), name) == known.end())
         u->fail("order", quoted(name) + ": not a constant of the actuator" + hint(name, known));
@@ -62,6 +64,11 @@ Actuator read_actuator(const std::string& path) {
       if (!(a.covariance(i, i) >= 0)) u->fail("covariance", "a variance below 0 on its diagonal");
     u->accept("std"), u->accept("ci95");  // follow from the covariance
   }
+  if (auto v = file.optional("verdict"))
+    for (const char* name : kConstantNames)
+      if (const auto verdict =
+              v->optional_choice(name, {"trusted", "weak", "not identifiable", "at its bound", "fixed"}))
+        a.verdicts.emplace_back(name, *verdict);
   if (auto p = file.optional("provenance")) p->accept_all();
   file.finish();
   return a;
@@ -75,8 +82,13 @@ std::string to_toml(const Actuator& a, double half_width) {
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s\n", shortest(*a.speed_max));
   if (a.sea.friction != 0) t += fmt::format("friction = {}  # Nm\n", shortest(a.sea.friction));
+  if (a.sea.viscous != 0) t += fmt::format("viscous_friction = {}  # Nm/(rad/s)\n", shortest(a.sea.viscous));
   if (a.sea.k_sea_cubic != 0) t += fmt::format("k_sea_cubic = {}  # Nm/rad^3\n", shortest(a.sea.k_sea_cubic));
   t += fmt::format("feedback = \"{}\"\n", name(a.sea.feedback));
+  if (!a.verdicts.empty()) {
+    t += "\n[verdict]\n";
+    for (const auto& [constant, verdict] : a.verdicts) t += fmt::format("{} = \"{}\"\n", constant, verdict);
+  }
   if (!a.uncertain.empty()) {
     const auto list = [&](const char* key, auto&& item) {
       t += fmt::format("{} = [", key);
@@ -86,7 +98,8 @@ std::string to_toml(const Actuator& a, double half_width) {
     const auto value = [&](std::size_t i) {
       for (int k = 0; k < kConstants; ++k)
         if (a.uncertain[i] == kConstantNames[k]) return u[k];
-      return a.uncertain[i] == "friction" ? a.sea.friction : a.sea.k_sea_cubic;
+      if (a.uncertain[i] == "friction") return a.sea.friction;
+      return a.uncertain[i] == "viscous_friction" ? a.sea.viscous : a.sea.k_sea_cubic;
     };
     const auto error = [&](std::size_t i) { return std::sqrt(a.covariance(long(i), long(i))); };
     t += "\n[uncertainty]\n";

@@ -34,6 +34,9 @@ struct Actuator {
   std::optional<double> speed_max;     ///< rated motor speed at the output [rad/s]; a rating, not a term
   std::vector<std::string> uncertain;  ///< [uncertainty] order: the constants that were fitted
   Eigen::MatrixXd covariance;          ///< of those, in their order
+  /// [verdict]: constant and how far the fit that found it may be relied on ("trusted", "weak", "not identifiable", "at
+  /// its bound", "fixed"), in the order of kConstantNames; empty where the file says nothing.
+  std::vector<std::pair<std::string, std::string>> verdicts;
   std::vector<std::pair<std::string, std::string>> provenance;  ///< written as text
 
   /// Standard error of a constant, where the file gives one.
@@ -43,8 +46,9 @@ struct Actuator {
 /// Reads an actuator file; throws InputError (see common/toml.hpp).
 Actuator read_actuator(const std::string& path);
 
-/// The file's text: [actuator], with a covariance [uncertainty] (order, std, ci95, covariance), and [provenance].
-/// `half_width` is the factor from a standard error to the half width of the 95 % interval.
+/// The file's text: [actuator], with verdicts [verdict], with a covariance [uncertainty] (order, std, ci95,
+/// covariance), and [provenance]. `half_width` is the factor from a standard error to the half width of the 95 %
+/// interval.
 std::string to_toml(const Actuator& actuator, double half_width = 1.959963984540054);
 
 /// Reads `feedback = "output" | "motor"` of a section.

@@ -1,7 +1,8 @@
 // The series elastic actuator: Eq. 2-4 of the source paper, written once for every scalar.
 //
 // [1] Altangerel, Tsujita, Sekine, Abiko, "Generation of Shock Absorbing Motion of a One-Legged Robot with a Flexible
-//     Joint", Sec. 2.3. The three optional terms (stiffening spring, dry friction, motor-side feedback) are ours.
+//     Joint", Sec. 2.3. The four optional terms (stiffening spring, dry and viscous friction, motor-side
+//     feedback) are ours.
 // SI units: rad, rad/s, Nm. The motor's angle is taken at the gear's output side; i_motor is the reflected inertia.
 // Tests: test/unit/sea.cpp.
 #pragma once
@@ -31,29 +32,31 @@ struct SeaParameters {
   T friction = T(0);                                       ///< tau_c, Coulomb torque on the motor [Nm], >= 0; 0: none
   T k_sea_cubic = T(0);                                    ///< K_3, cubic stiffness [Nm/rad^3], >= 0; 0: linear spring
   Feedback feedback = Feedback::kOutput;                   ///< what Eq. 3 feeds back
+  T viscous = T(0);  ///< viscous friction on the motor [Nm/(rad/s)], >= 0; 0: none
 
   /// The same constants in another scalar.
   template <class U>
   SeaParameters<U> cast() const {
-    return {U(k_p), U(k_d), U(k_sea), U(c_sea), U(i_motor), U(tau_max), U(friction), U(k_sea_cubic), feedback};
+    return {U(k_p),     U(k_d),      U(k_sea),       U(c_sea), U(i_motor),
+            U(tau_max), U(friction), U(k_sea_cubic), feedback, U(viscous)};
   }
   /// f(a's, b's) of every constant.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {
     f(a.k_p, b.k_p), f(a.k_d, b.k_d), f(a.k_sea, b.k_sea), f(a.c_sea, b.c_sea), f(a.i_motor, b.i_motor);
-    f(a.tau_max, b.tau_max), f(a.friction, b.friction), f(a.k_sea_cubic, b.k_sea_cubic);
+    f(a.tau_max, b.tau_max), f(a.friction, b.friction), f(a.k_sea_cubic, b.k_sea_cubic), f(a.viscous, b.viscous);
   }
 };
 
 /// Which optional terms a kernel is compiled with. A kernel without a term pays nothing for it.
 struct SeaTerms {
   bool torque_limit = true;  ///< the clamp of Eq. 2
-  bool extended = false;     ///< stiffening, dry friction and motor-side feedback
+  bool extended = false;     ///< stiffening, friction and motor-side feedback
 };
 
 /// True where `p` needs the extended kernel.
 inline bool is_extended(const SeaParameters<double>& p) {
-  return p.friction != 0 || p.k_sea_cubic != 0 || p.feedback == Feedback::kMotor;
+  return p.friction != 0 || p.viscous != 0 || p.k_sea_cubic != 0 || p.feedback == Feedback::kMotor;
 }
 
 /// Angles and rates on both sides of the spring.
@@ -118,12 +121,12 @@ T motor_torque(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<
   }
 }
 
-/// Dry friction against the motor's motion, tau_c v / sqrt(v^2 + v_s^2) [Nm]. Ours.
+/// Friction against the motor's motion, dry and viscous: tau_c v / sqrt(v^2 + v_s^2) + viscous v [Nm]. Ours.
 template <SeaTerms kTerms, Scalar T>
 T friction_torque(const SeaParameters<T>& p, const T& dphi_m) {
   using std::sqrt;
   if constexpr (kTerms.extended)
-    return p.friction * dphi_m / sqrt(dphi_m * dphi_m + T(kFrictionSpeed * kFrictionSpeed));
+    return p.friction * dphi_m / sqrt(dphi_m * dphi_m + T(kFrictionSpeed * kFrictionSpeed)) + p.viscous * dphi_m;
   else
     return T(0);
 }

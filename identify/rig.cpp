@@ -19,6 +19,7 @@ Rig read_rig(const std::string& path) {
     s.fail("inertia_joint", "the key is missing: inertia_joint, or mass and inertia_com, is needed");
   rig.inertia = joint ? *joint : *com + *mass * 0.25 * rig.length * rig.length;
   rig.tau_max = s.optional_number("tau_max", Range::non_negative());
+  rig.speed_max = s.optional_number("speed_max", Range::positive());
   rig.gear_ratio = s.optional_number("gear_ratio", Range::positive());
   rig.feedback = read_feedback(s);
   file.finish();

@@ -8,6 +8,7 @@
 
 #include "common/error.hpp"
 #include "landing/scene_file.hpp"
+#include "tools/actuators.hpp"
 #include "tools/arguments.hpp"
 #include "tools/calibrate_report.hpp"
 #include "tools/verbs.hpp"
@@ -149,8 +150,8 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   CalibrationOptions options = calibration_options(a, common);
   options.monitor = run.monitor("calibrate: parts");
   const Scene scene = read_scene(a.scene);
-  const Actuator actuator = read_actuator(a.actuator);
-  run.input(a.scene), run.input(a.actuator);
+  run.input(a.scene);
+  const Actuator actuator = actuator_of(a.actuator, run);
   const Throws throws(a, scene, run);
   const std::vector<LoggedDrop> drops = throws.read(a.drops), unseen = throws.read(a.validate);
 

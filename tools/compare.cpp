@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "identify/rig.hpp"
 #include "landing/scene_file.hpp"
+#include "tools/actuators.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
 
@@ -45,8 +46,7 @@ std::vector<ParameterRow> parameter_rows(const Actuator& nominal, const Actuator
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Json* out) {
   Run run("compare", common);
-  const Actuator sets[2] = {read_actuator(a.nominal), read_actuator(a.identified)};
-  run.input(a.nominal), run.input(a.identified);
+  const Actuator sets[2] = {actuator_of(a.nominal, run), actuator_of(a.identified, run)};
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");
   std::optional<Scene> scene;
   if (!a.scene.empty()) scene = read_scene(a.scene), run.input(a.scene);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "tools/actuators.hpp"
 #include "tools/arguments.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
@@ -139,8 +140,8 @@ std::string report_html(const Run& run, const identify::Rig& rig, const identify
 int run_design(const DesignArguments& a, const CommonOptions& common) {
   Run run("design", common);
   const identify::Rig rig = identify::read_rig(a.rig);
-  Actuator actuator = read_actuator(a.actuator);
-  run.input(a.rig), run.input(a.actuator);
+  run.input(a.rig);
+  Actuator actuator = actuator_of(a.actuator, run);
   identify::DesignOptions o{.budget = a.budget, .log = a.log, .hits = a.hits, .criterion = criterion_of(a.criterion)};
   o.budget.min_width = a.width.front(), o.budget.max_width = a.width.back();
   o.budget.directions = directions_of(a.directions);

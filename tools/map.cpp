@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "landing/map.hpp"
 #include "landing/scene_file.hpp"
+#include "tools/actuators.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
@@ -70,8 +71,8 @@ Heatmap projection(const PeakMap& map, int x, int y, int over) {
 int run_map(const MapArguments& a, const CommonOptions& common) {
   Run run("map", common);
   const Scene scene = read_scene(a.scene);
-  const Actuator actuator = read_actuator(a.actuator);
-  run.input(a.scene), run.input(a.actuator);
+  run.input(a.scene);
+  const Actuator actuator = actuator_of(a.actuator, run);
   if (a.grid.size() != 3) throw InputError("--grid: three numbers are needed, as in 64,64,32");
   MapOptions options;
   options.cells = {a.grid[0], a.grid[1], a.grid[2]};

@@ -11,6 +11,7 @@
 #include "common/files.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/solvers.hpp"
+#include "tools/actuators.hpp"
 #include "tools/arguments.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/report.hpp"
@@ -325,8 +326,8 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Optimu
   Run run("optimize", common);
   Schedule schedule(run, a.deadline);
   const Scene scene = read_scene(a.scene);
-  const Actuator actuator = read_actuator(a.actuator);
-  run.input(a.scene), run.input(a.actuator);
+  run.input(a.scene);
+  const Actuator actuator = actuator_of(a.actuator, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   OptimizeOptions options = options_of(a, common, actuator);
   options.monitor = run.monitor("optimize");

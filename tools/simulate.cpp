@@ -8,6 +8,7 @@
 #include "common/error.hpp"
 #include "landing/scene_file.hpp"
 #include "landing/sensitivity.hpp"
+#include "tools/actuators.hpp"
 #include "tools/report.hpp"
 #include "tools/verbs.hpp"
 
@@ -132,8 +133,8 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   Run run("simulate", common);
   if (a.motion.empty() == !a.hold) throw InputError("simulate: one of --motion FILE and --hold DEG is needed");
   const Scene scene = read_scene(a.scene);
-  const Actuator actuator = read_actuator(a.actuator);
-  run.input(a.scene), run.input(a.actuator);
+  run.input(a.scene);
+  const Actuator actuator = actuator_of(a.actuator, run);
   Motion motion{};
   if (a.hold) {
     if (!std::isfinite(*a.hold) || std::abs(*a.hold) > 360)

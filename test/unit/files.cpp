@@ -403,6 +403,7 @@ TEST_CASE("an actuator file holds its constants; what it does not name is absent
   CHECK(a.sea.k_sea_cubic == 0);
   CHECK(a.sea.feedback == Feedback::kOutput);
   CHECK(!a.speed_max);
+  CHECK(a.verdicts.empty());
   CHECK(a.uncertain.empty());
   CHECK(!a.standard_error("k_p"));
 }
@@ -410,8 +411,9 @@ TEST_CASE("an actuator file holds its constants; what it does not name is absent
 TEST_CASE("an actuator reads back from its file to the last bit, covariance and ratings included") {
   Actuator a;
   a.name = "a \"quoted\" \\ name";
-  a.sea = {50.1, 1.0 / 3, 65.3, 1.7, 0.1 + 0.2, 20.5, 0.07, 12.3, Feedback::kMotor};
+  a.sea = {50.1, 1.0 / 3, 65.3, 1.7, 0.1 + 0.2, 20.5, 0.07, 12.3, Feedback::kMotor, 0.03};
   a.speed_max = 3.14;
+  a.verdicts = {{"k_p", "trusted"}, {"k_d", "at its bound"}, {"i_motor", "not identifiable"}};
   a.uncertain = {"k_p", "friction"};
   a.covariance.resize(2, 2);
   a.covariance << 0.04, -1.0 / 700, -1.0 / 700, 1e-6;
@@ -425,6 +427,8 @@ TEST_CASE("an actuator reads back from its file to the last bit, covariance and 
   CHECK(b.sea.friction == a.sea.friction);
   CHECK(b.sea.k_sea_cubic == a.sea.k_sea_cubic);
   CHECK(b.sea.feedback == Feedback::kMotor);
+  CHECK(b.sea.viscous == a.sea.viscous);
+  CHECK(b.verdicts == a.verdicts);
   CHECK(b.speed_max == a.speed_max);
   CHECK(b.uncertain == a.uncertain);
   CHECK(b.covariance == a.covariance);
