@@ -1,12 +1,12 @@
 #include "identify/diagnostics.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "common/parallel.hpp"
+#include "identify/covariance.hpp"
 #include "identify/statistics.hpp"
 #include "identify/trial_problem.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Residuals of one output of one trial, and the log they are of.
+/// Residuals of one output of one trial, white but for the weight, and the log they are of.
 struct Series {
   std::vector<double> residual;
   const std::vector<double>* measured;
@@ -24,14 +24,21 @@ struct Series {
 
 std::vector<Series> residuals(const Fit& fit, const std::vector<Trial>& trials) {
   std::vector<Series> out;
-  const auto add = [&](const std::vector<double>& predicted, const std::vector<double>& measured) {
-    if (predicted.empty() || measured.empty()) return;
-    Series s{std::vector<double>(measured.size()), &measured};
-    for (std::size_t i = 0; i < measured.size(); ++i) s.residual[i] = predicted[i] - measured[i];
-    out.push_back(std::move(s));
-  };
-  for (std::size_t m = 0; m < trials.size(); ++m)
-    add(fit.trials[m].phi, trials[m].phi), add(fit.trials[m].phi_m, trials[m].phi_motor);
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const Trial& log = trials[m];
+    const TrialResult& r = fit.trials[m];
+    if (r.phi.empty() && r.phi_m.empty()) continue;
+    Eigen::VectorXd all(long(log.measurements()));
+    long i = 0;
+    for (std::size_t k = 0; k < log.phi.size(); ++k) all[i++] = r.phi[k] - log.phi[k];
+    for (std::size_t k = 0; k < log.phi_motor.size(); ++k) all[i++] = r.phi_m[k] - log.phi_motor[k];
+    r.weighting.whiten(all);
+    const double* from = all.data();
+    for (const std::vector<double>* measured : {&log.phi, &log.phi_motor}) {
+      if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
+      from += measured->size();
+    }
+  }
   return out;
 }
 
@@ -47,72 +54,9 @@ double root_mean_square(const std::vector<double>& x) {
   return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / double(x.size()));
 }
 
-/// The fitted globals, in the problem's order.
-std::vector<const Estimate*> globals_of(const Fit& fit) {
-  std::vector<const Estimate*> out;
-  for (const Estimate& e : fit.parameters)
-    if (e.free) out.push_back(&e);
-  for (const Estimate& e : fit.nuisance)
-    if (e.trial < 0) out.push_back(&e);
-  return out;
-}
-
-LeastSquaresProblem problem_of(const Rig& rig, const std::vector<Trial>& trials,
-                               const std::vector<PreparedTrial>& prepared, const SeaParameters<double>& sea,
-                               const FitOptions& options) {
-  return make_problem(rig, prepared, std::vector<double>(trials.size(), 1.0), sea, suggest(rig, trials),
-                      Layout(options), options, options.rollout());
-}
-
-/// The scores of the last globals of `problem`, absent from the fit: how steeply the cost falls as each rises from 0
-/// while the others stay away.
-std::vector<Lack> scores(const LeastSquaresProblem& problem, const Fit& fit, const std::vector<double>& weights) {
-  const auto fitted = globals_of(fit);
-  const int G = int(problem.globals.size()), L = int(problem.locals.size()), A = G - int(fitted.size());
-  std::vector<double> global(std::size_t(G), 0.0);
-  std::vector<int> free;  // one at its bound does not follow
-  for (std::size_t g = 0; g < fitted.size(); ++g) {
-    global[g] = fitted[g]->value;
-    if (!fitted[g]->at_bound) free.push_back(int(g));
-  }
-  const int F = int(free.size());
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(F + A + 1, F + A + 1);  // of [J, terms, residual], locals eliminated
-  double sum = 0, count = 0;
-  std::vector<Lack> out(static_cast<std::size_t>(A));
-  for (std::size_t m = 0; m < problem.blocks.size(); ++m) {
-    std::vector<double> local;
-    for (const Estimate& e : fit.nuisance)
-      if (e.trial == int(m)) local.push_back(e.value);
-    const int n = problem.blocks[m].size;
-    Eigen::VectorXd r(n);
-    Eigen::MatrixXd jacobian(n, G + L);
-    if (!problem.blocks[m].evaluate(global.data(), local.data(), r.data(), jacobian.data())) return out;
-    Eigen::MatrixXd all(n, F + A + 1);
-    const auto jl = jacobian.rightCols(L);
-    for (int f = 0; f < F; ++f) all.col(f) = jacobian.col(free[std::size_t(f)]);
-    all.middleCols(F, A) = jacobian.middleCols(G - A, A), all.col(F + A) = r;
-    all *= weights[m];
-    if (L) all -= jl * jl.completeOrthogonalDecomposition().solve(all);
-    square += all.transpose() * all;
-    sum += weights[m] * weights[m] * r.squaredNorm(), count += n;
-  }
-  for (const Pull& p : problem.priors)
-    if (const auto f = std::find(free.begin(), free.end(), p.global); f != free.end()) {
-      const long i = f - free.begin();
-      const double pull = p.weight * p.weight * (global[std::size_t(p.global)] - p.value);
-      square(i, i) += p.weight * p.weight;
-      square(i, F + A) += pull, square(F + A, i) += pull;
-    }
-  const Eigen::MatrixXd own = square.topLeftCorner(F, F), cross = square.topRightCorner(F, A + 1);
-  const Eigen::MatrixXd rest =
-      square.bottomRightCorner(A + 1, A + 1) - cross.transpose() * own.completeOrthogonalDecomposition().solve(cross);
-  const double variance = sum / count;
-  for (int a = 0; a < A; ++a)  // none where the others can do all that it can
-    if (rest(a, a) > 1e-12 * square(F + a, F + a) && variance > 0) {
-      out[std::size_t(a)].z = -rest(a, A) / std::sqrt(rest(a, a) * variance);
-      out[std::size_t(a)].size = -rest(a, A) / rest(a, a);
-    }
-  return out;
+/// Widens e to a variance that is at least its own.
+void widen(Estimate& e, double variance, double half_width) {
+  if (e.std) set_error(e, std::max(variance, *e.std * *e.std), half_width);
 }
 
 }  // namespace
@@ -154,34 +98,104 @@ Normality normality(const Fit& fit, const std::vector<Trial>& trials) {
   return out;
 }
 
-const Lack* Lacks::missed() const {
-  const auto most =
-      std::max_element(terms.begin(), terms.end(), [](const Lack& a, const Lack& b) { return a.z < b.z; });
-  return most != terms.end() && most->p * double(terms.size()) < kTestLevel ? &*most : nullptr;
+namespace {
+
+/// Replaces the linear gains of the rejected terms that promise most by those of fits: a term that is far from its
+/// absence explains more, or less, than its slope there says. Of many trials eight stand for all.
+void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
+  constexpr std::size_t kMostTerms = 4, kMostTrials = 8;
+  const auto worth = [&](std::size_t i) {
+    return tests.lacks[i].gain / tests.score->variance - tests.lacks[i].degrees * std::log(tests.samples);
+  };
+  std::vector<std::size_t> candidates;
+  for (std::size_t i = 0; i < tests.lacks.size(); ++i)
+    if (tests.lack_rejected[i]) candidates.push_back(i);
+  if (candidates.size() < 2) return;
+  std::sort(candidates.begin(), candidates.end(), [&](std::size_t a, std::size_t b) { return worth(a) > worth(b); });
+  candidates.resize(std::min(candidates.size(), kMostTerms));
+  const std::vector<Trial>& all = experiment.trials;
+  std::vector<Trial> some;
+  for (std::size_t k = 0; k < std::min(kMostTrials, all.size()); ++k)
+    some.push_back(all[k * all.size() / std::min(kMostTrials, all.size())]);
+  const double plain =
+      some.size() == all.size() ? fit.cost : refit(experiment.rig, some, fit.sea, experiment.options).cost;
+  const double share = double(measurements(all)) / double(measurements(some));
+  std::vector<double> gain(candidates.size(), 0.0);
+  parallel_for(int(candidates.size()), experiment.options.threads, [&](int i) {
+    FitOptions with = experiment.options;
+    with.nuisance.push_back(tests.lacks[candidates[std::size_t(i)]].term);
+    const Fit f = refit(experiment.rig, some, fit.sea, with);
+    if (!f.fitted.empty()) gain[std::size_t(i)] = std::max(plain - f.cost, 0.0) * share;
+  });
+  for (std::size_t i = 0; i < candidates.size(); ++i) tests.lacks[candidates[i]].gain = gain[i];
 }
 
-Lacks lacks(const Experiment& experiment, const Fit& fit) {
-  Lacks out;
-  const auto failed = [](const TrialResult& r) { return r.status != RolloutStatus::kDone; };
-  if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return out;
-  std::vector<PreparedTrial> prepared(experiment.trials.begin(), experiment.trials.end());
-  std::vector<double> weights;
-  for (const TrialResult& r : fit.trials)
-    weights.push_back(experiment.options.weights == FitOptions::Weights::kTrial && r.rms > 0 ? fit.rms / r.rms : 1);
-  FitOptions options = experiment.options;
-  std::vector<NuisanceTerm> absent;
-  for (const LadderTerm& term : kLadderTerms)
-    if (fit.sea.*term.value == 0 && !options.fits(term.term)) absent.push_back(term.term);
-  if (absent.empty()) return out;
-  // All in one problem: they are the last of its globals.
-  options.nuisance.insert(options.nuisance.end(), absent.begin(), absent.end());
-  out.terms = scores(problem_of(experiment.rig, experiment.trials, prepared, fit.sea, options), fit, weights);
-  for (std::size_t a = 0; a < absent.size(); ++a) {
-    Lack& lack = out.terms[a];
-    lack.term = name(absent[a]), lack.unit = unit(absent[a]);
-    lack.p = 0.5 * std::erfc(lack.z / std::sqrt(2.0));
-  }
+}  // namespace
+
+bool ResidualTests::model_rejected() const {
+  return whiteness.rejected || std::find(lack_rejected.begin(), lack_rejected.end(), true) != lack_rejected.end();
+}
+
+const Lack* ResidualTests::missed() const {
+  const auto worth = [&](const Lack& l) { return l.gain / score->variance - l.degrees * std::log(samples); };
+  const Lack* best = nullptr;
+  for (std::size_t i = 0; i < lacks.size(); ++i)
+    if (lack_rejected[i] && (!best || worth(lacks[i]) > worth(*best))) best = &lacks[i];
+  return best;
+}
+
+double ResidualTests::rms_with(const Lack& lack) const {
+  return std::sqrt(std::max(score->variance - lack.gain / samples, 0.0));
+}
+
+ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
+  ResidualTests out;
+  out.samples = double(measurements(experiment.trials));
+  out.whiteness = whiteness(fit, experiment.trials);
+  out.normality = normality(fit, experiment.trials);
+  out.score = score_of(experiment, fit);
+  if (out.score) out.lacks = lacks(*out.score);
+  std::vector<double> p{out.whiteness.p, out.normality.p};
+  for (const Lack& l : out.lacks) p.push_back(l.p);
+  const std::vector<bool> rejected = holm(p, kTestLevel);
+  out.whiteness.rejected = rejected[0], out.normality.rejected = rejected[1];
+  out.lack_rejected.assign(rejected.begin() + 2, rejected.end());
+  if (out.score) fit_gains(experiment, fit, out);
   return out;
+}
+
+void heed(const ResidualTests& tests, Fit& fit) {
+  if (!tests.model_rejected()) return;
+  if (tests.score) {
+    const std::vector<int>& free = tests.score->free;
+    Eigen::MatrixXd covariance = sandwich(*tests.score);
+    Eigen::VectorXd wider(covariance.rows());
+    double widest = 1;
+    for (long i = 0; i < covariance.rows(); ++i) {
+      const double own = fit.covariance(free[std::size_t(i)], free[std::size_t(i)]);
+      wider[i] = covariance(i, i) < own ? std::sqrt(own / covariance(i, i)) : 1;
+      if (own > 0) widest = std::max(widest, covariance(i, i) / own);
+    }
+    covariance = wider.asDiagonal() * covariance * wider.asDiagonal();
+    for (long i = 0; i < covariance.rows(); ++i)
+      for (long j = 0; j < covariance.cols(); ++j) {
+        double& c = fit.covariance(free[std::size_t(i)], free[std::size_t(j)]);
+        if (std::isfinite(c)) c = covariance(i, j);
+      }
+    fit.correlation = correlation_of(fit.covariance);
+    const long parts = long(tests.score->parts.size());
+    fit.half_width = std::max(fit.half_width, t_quantile_975(parts - 1));
+    for (std::size_t g = 0; g < fit.fitted.size(); ++g)
+      for (std::vector<Estimate>* list : {&fit.parameters, &fit.nuisance})
+        for (Estimate& e : *list)
+          if (e.trial < 0 && e.free && e.name == fit.fitted[g])
+            widen(e, fit.covariance(long(g), long(g)), fit.half_width);
+    for (Estimate& e : fit.nuisance)
+      if (e.trial >= 0 && e.std) widen(e, *e.std * *e.std * widest, fit.half_width);
+    for (Estimate& e : fit.parameters)
+      if (e.verdict != Verdict::kFixed) e.verdict = judge(e, std::abs(e.value));
+  }
+  distrust(fit.parameters);
 }
 
 std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {
@@ -191,6 +205,7 @@ std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {
 
 Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from, FitOptions options) {
   options.restarts = options.explore = 0;
+  options.monitor.tell = nullptr;
   return fit(rig, trials, from, from, options);
 }
 
@@ -208,9 +223,11 @@ double deviance(const Fit& fit, const std::vector<Trial>& trials, const FitOptio
 double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const FitOptions& options) {
   const std::vector<Trial> one{trial};
   const std::vector<PreparedTrial> prepared{PreparedTrial(one.front())};
-  LeastSquaresProblem problem = problem_of(rig, one, prepared, fit.sea, options);
+  const std::vector<Weighting> weights(1);
+  LeastSquaresProblem problem =
+      make_problem(rig, prepared, weights, fit.sea, suggest(rig, one), Layout(options), options, options.rollout());
   problem.priors.clear();  // they pull what is held
-  const auto fitted = globals_of(fit);
+  const auto fitted = fit.globals();
   Eigen::VectorXd globals(long(fitted.size()));
   for (std::size_t g = 0; g < fitted.size(); ++g) problem.globals[g].start = globals[long(g)] = fitted[g]->value;
   double cost = kNaN;

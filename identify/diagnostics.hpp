@@ -1,32 +1,25 @@
 // What the residuals of a fit say of its model: whether they are white and normal, whether they ask for a term that the
-// model lacks, and whether a trial disagrees with the others. Each test has the same level: with nothing wrong it
-// speaks up that often.
+// model lacks, and whether a trial disagrees with the others. With nothing wrong, all tests of the residuals together
+// speak up with probability kTestLevel.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "identify/fit.hpp"
+#include "identify/score.hpp"
 
 namespace ukemi::identify {
 
-/// Probability of a false alarm of each test.
+/// Probability of a false alarm of all tests of the residuals together; of --diagnose's, of each.
 inline constexpr double kTestLevel = 0.01;
-
-/// What was fitted, and how.
-struct Experiment {
-  const Rig& rig;
-  const std::vector<Trial>& trials;
-  FitOptions options;
-};
 
 /// Ljung and Box's test over the lags 1 .. kWhitenessLags, the statistics of all trials and outputs summed. Coloured
 /// residuals: the standard errors, which take every sample for news, are too small.
 struct Whiteness {
   double p = 1;
   double correlation = 0;  ///< of neighbouring residuals, the mean over the trials
-  bool rejected() const { return p < kTestLevel; }
+  bool rejected = false;   ///< see test_residuals
 };
 inline constexpr int kWhitenessLags = 20;
 [[nodiscard]] Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials);
@@ -38,33 +31,41 @@ struct Normality {
   double skewness = 0, kurtosis = 0;  ///< kurtosis of the normal distribution: 0
   int coarse = 0;                     ///< logs left out
   int tested = 0;
-  bool rejected() const { return p < kTestLevel; }
+  bool rejected = false;  ///< see test_residuals
 };
 [[nodiscard]] Normality normality(const Fit& fit, const std::vector<Trial>& trials);
 
-/// An optional term of the model; 0, its bound, is its absence.
+/// The tests of a fit's residuals: whiteness, normality, and the score of every term that the fit lacks. Which are
+/// rejected is Holm's procedure's to say, over all of them.
+struct ResidualTests {
+  Whiteness whiteness;
+  Normality normality;
+  std::vector<Lack> lacks;
+  std::vector<bool> lack_rejected;
+  double samples = 0;          ///< measured angles
+  std::optional<Score> score;  ///< where the fit has a minimum to look at
+
+  /// Whether the model does not explain the logs: the residuals are not white, or ask for a term.
+  bool model_rejected() const;
+  /// Of the terms that the residuals ask for, the one that explains most: the largest fall of the cost in units of the
+  /// residual variance, less log(samples) for each parameter that it takes.
+  const Lack* missed() const;
+  /// rms of the residuals with that term, to first order [rad].
+  double rms_with(const Lack& lack) const;
+};
+[[nodiscard]] ResidualTests test_residuals(const Experiment& experiment, const Fit& fit);
+
+/// What it costs that the model is rejected: standard errors and intervals from the sandwich estimate wherever it is
+/// wider (those of a trial's own terms by the largest such factor), and nothing is trusted. Else nothing changes.
+void heed(const ResidualTests& tests, Fit& fit);
+
+/// An optional term of the model ladder; 0, its bound, is its absence.
 struct LadderTerm {
   NuisanceTerm term;
   double SeaParameters<double>::*value;
 };
 inline constexpr LadderTerm kLadderTerms[] = {{NuisanceTerm::kFriction, &SeaParameters<double>::friction},
                                               {NuisanceTerm::kStiffening, &SeaParameters<double>::k_sea_cubic}};
-
-/// A term that the model lacks, by the score test: the slope of the cost at 0 of the term, the fitted ones following,
-/// in its own standard deviation; one-sided, for the term is not below 0. Needs no fit.
-struct Lack {
-  std::string term, unit;
-  double z = 0;  ///< standard normal where the term is absent; large where it would help
-  double p = 1;
-  double size = 0;  ///< first estimate of the term, linear [its unit]
-};
-struct Lacks {
-  std::vector<Lack> terms;
-  /// The term that is missed most, where one is at kTestLevel, which the terms that were tested share.
-  const Lack* missed() const;
-};
-/// Tests the terms of the ladder that are absent. Empty where the fit has no minimum to test at.
-[[nodiscard]] Lacks lacks(const Experiment& experiment, const Fit& fit);
 
 /// The fit without one of its trials.
 struct LeftOut {

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <span>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
+#include "identify/hits.hpp"
 #include "identify/least_squares.hpp"
 #include "identify/starts.hpp"
 #include "identify/trial_problem.hpp"
@@ -16,14 +18,14 @@
 namespace ukemi::identify {
 
 const char* name(NuisanceTerm t) {
-  constexpr std::array<const char*, kNuisanceTerms.size()> kNames = {"friction",      "stiffening",   "force_gain",
-                                                                     "initial_angle", "initial_rate", "encoder_offset",
-                                                                     "force_bias",    "time_shift"};
+  constexpr std::array<const char*, kNuisanceTerms.size()> kNames = {
+      "friction",     "viscous_friction", "stiffening", "force_gain", "initial_angle",
+      "initial_rate", "encoder_offset",   "force_bias", "time_shift"};
   return kNames[std::size_t(t)];
 }
 const char* unit(NuisanceTerm t) {
-  constexpr std::array<const char*, kNuisanceTerms.size()> kUnits = {"Nm",    "Nm/rad^3", "1", "rad",
-                                                                     "rad/s", "rad",      "N", "s"};
+  constexpr std::array<const char*, kNuisanceTerms.size()> kUnits = {"Nm",    "Nm/(rad/s)", "Nm/rad^3", "1", "rad",
+                                                                     "rad/s", "rad",        "N",        "s"};
   return kUnits[std::size_t(t)];
 }
 
@@ -73,21 +75,90 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const SeaParam
   return out;
 }
 
-double pooled(const std::vector<TrialResult>& trials, const std::vector<Trial>& logs, double TrialResult::*field) {
+/// Root mean square over all trials of what `rms` says of each.
+template <class Rms>
+double pooled(const std::vector<TrialResult>& trials, const std::vector<Trial>& logs, Rms&& rms) {
   double sum = 0, n = 0;
   for (std::size_t m = 0; m < trials.size(); ++m) {
-    const double count = double(logs[m].measurements()), v = trials[m].*field;
+    const double count = double(logs[m].measurements()), v = rms(logs[m], trials[m]);
     sum += count * v * v, n += count;
   }
   return n > 0 ? std::sqrt(sum / n) : 0;
 }
+double raw_rms(const Trial&, const TrialResult& r) { return r.rms; }
 
-/// Warnings that need no fit: short pulses.
-void warn_of_logs(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+void warn_of_short_pulses(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
   for (const Trial& t : trials)
     if (const int n = shortest_pulse(t); n > 0 && n < 8)
       warnings.push_back(fmt::format(
           "{}: a pulse of {} samples: below 8 the log loses part of the impulse and biases the fit", t.file, n));
+}
+
+/// Warns of gaps, each log's longest and those in hits; true where one is in a hit.
+bool warn_of_gaps(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+  bool any_in_hit = false;
+  for (const Trial& t : trials) {
+    const std::vector<Gap> all = gaps(t);
+    const Gap* longest = nullptr;
+    bool in_hit = false;
+    for (const Gap& g : all) {
+      if (!longest || g.length > longest->length) longest = &g;
+      if (g.place != Gap::Place::kInHit || in_hit) continue;
+      in_hit = any_in_hit = true;
+      warnings.push_back(
+          fmt::format("{}: a gap of {:.3g} ms at {:.6g} s, in a hit: what the force did there is lost; no "
+                      "constant is trusted",
+                      t.file, 1e3 * g.length, g.t));
+    }
+    if (longest && !in_hit)
+      warnings.push_back(fmt::format("{}: {} in the log, the longest of {:.3g} ms at {:.6g} s", t.file,
+                                     all.size() == 1 ? "a gap" : fmt::format("{} gaps", all.size()),
+                                     1e3 * longest->length, longest->t));
+  }
+  return any_in_hit;
+}
+
+/// Warns of a force whose sign is flipped; true where one is.
+bool warn_of_signs(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+  constexpr double kAgainst = -0.3;
+  std::vector<const Trial*> against;
+  std::size_t judged = 0;
+  for (const Trial& t : trials)
+    if (const auto answer = answer_to_first_hit(t)) {
+      ++judged;
+      if (*answer < kAgainst) against.push_back(&t);
+    }
+  if (against.empty()) return false;
+  if (against.size() == judged) {
+    warnings.push_back(
+        "the link moves against the force in every trial: its sign is flipped? try -F: force=-... in "
+        "--columns (or --force-columns)");
+    return true;
+  }
+  for (const Trial* t : against)
+    warnings.push_back(
+        fmt::format("{}: the link moves against the force, unlike in {} of {} trials: its sign is flipped "
+                    "in this log?",
+                    t->file, judged - against.size(), judged));
+  return true;
+}
+
+/// rms of a trial's residuals made white [rad].
+double white_rms(const Trial& log, const TrialResult& r) {
+  if (r.weighting.u.size() == 0) return r.rms;
+  Eigen::VectorXd all(long(log.measurements()));
+  long i = 0;
+  for (std::size_t k = 0; k < log.phi.size(); ++k) all[i++] = r.phi[k] - log.phi[k];
+  for (std::size_t k = 0; k < log.phi_motor.size(); ++k) all[i++] = r.phi_m[k] - log.phi_motor[k];
+  r.weighting.whiten(all);
+  return std::sqrt(all.squaredNorm() / double(all.size()));
+}
+
+/// Samples and stretches: what one rollout of all trials has to follow.
+double size_of(const std::vector<PreparedTrial>& trials) {
+  double size = 0;
+  for (const PreparedTrial& t : trials) size += double(t.trial->samples() + t.stretches.size());
+  return size;
 }
 
 /// The constants as they are given, without errors.
@@ -147,6 +218,15 @@ void report(const LeastSquaresSolution& s, const LeastSquaresProblem& problem, c
 
 }  // namespace
 
+std::vector<const Estimate*> Fit::globals() const {
+  std::vector<const Estimate*> out;
+  for (const Estimate& e : parameters)
+    if (e.free) out.push_back(&e);
+  for (const Estimate& e : nuisance)
+    if (e.trial < 0) out.push_back(&e);
+  return out;
+}
+
 Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<SeaParameters<double>>& start,
         const SeaParameters<double>& base, const FitOptions& options) {
   options.validate();
@@ -154,10 +234,12 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   const Layout layout(options);
   if (layout.constants.empty()) throw InputError("nothing to fit: at least one free constant is needed");
   Fit out;
-  warn_of_logs(trials, out.warnings);
+  warn_of_short_pulses(trials, out.warnings);
+  const bool gap_in_hit = warn_of_gaps(trials, out.warnings), flipped = warn_of_signs(trials, out.warnings);
+  out.flawed_logs = gap_in_hit || flipped;
   std::vector<PreparedTrial> prepared;
   for (const Trial& t : trials) prepared.emplace_back(t);
-  std::vector<double> weights(trials.size(), 1.0);
+  std::vector<Weighting> weights(trials.size());
   const RolloutOptions rollout_options = options.rollout();
   const LeastSquaresOptions solver{.max_iterations = options.max_iterations, .huber = options.huber};
   const Suggestion suggestion = suggest(rig, trials);
@@ -170,8 +252,16 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     return s.usable && s.converged && s.cost <= kFarAboveNoise * kFarAboveNoise * noise * noise * measured;
   };
 
-  const auto problem_from = [&](const SeaParameters<double>& p) {
-    return make_problem(rig, prepared, weights, p, suggestion, layout, options, rollout_options);
+  // Work is bounded start by start and over all: counted, so the same whatever the threads.
+  constexpr double kSteps = 1e5, kStepsOfSample = 60, kStartsWorth = 4;
+  const double per_start = kSteps + kStepsOfSample * size_of(prepared);
+  double left = kStartsWorth * per_start;
+  bool out_of_work = false;
+
+  const auto problem_from = [&](const SeaParameters<double>& p, Budget* budget = nullptr) {
+    RolloutOptions o = rollout_options;
+    o.budget = budget;
+    return make_problem(rig, prepared, weights, p, suggestion, layout, options, o);
   };
   // A drawn start within the bounds; what is not free stays as given.
   const auto admitted = [&](const SeaParameters<double>& drawn) {
@@ -194,12 +284,15 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     std::vector<PreparedTrial> few;
     for (std::size_t m = 0; m < prepared.size() && few.size() < 2; m += std::max<std::size_t>(1, prepared.size() / 2))
       few.push_back(prepared[m]);
-    const RolloutOptions coarse{.accuracy = 1e-4, .escape = options.escape, .max_steps = 5000};
+    const std::vector<Weighting> equal(few.size());
+    RolloutOptions coarse{.accuracy = 1e-4, .escape = options.escape, .max_steps = 5000};
+    constexpr double kScreening = 3;  // steps a sample: enough for what comes near the logs
     std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < drawn.size(); ++i) {
+    for (std::size_t i = 0; i < drawn.size() && !options.monitor.stopped(); ++i) {
       drawn[i] = admitted(drawn[i]);
-      const LeastSquaresProblem p =
-          make_problem(rig, few, std::vector<double>(few.size(), 1.0), drawn[i], suggestion, layout, options, coarse);
+      Budget budget{kScreening * size_of(few)};
+      coarse.budget = &budget;
+      const LeastSquaresProblem p = make_problem(rig, few, equal, drawn[i], suggestion, layout, options, coarse);
       Eigen::VectorXd x(layout.globals());
       for (int g = 0; g < layout.globals(); ++g) x[g] = p.globals[std::size_t(g)].start;
       order.emplace_back(cost_at(p, solver, x), i);
@@ -247,11 +340,23 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     else if (best.message.empty())
       best.message = s.message;
   };
+  std::atomic<long> started{0};
+  const long most_starts = options.explore > 0 ? options.explore + (start ? 1 : 0) : options.restarts + 1;
   const auto attempt = [&](std::span<const SeaParameters<double>> from) {
     std::vector<LeastSquaresSolution> solutions(from.size());
-    parallel_for(int(from.size()), options.threads,
-                 [&](int i) { solutions[std::size_t(i)] = solve(problem_from(from[std::size_t(i)]), solver); });
-    for (std::size_t i = 0; i < from.size(); ++i) take(std::move(solutions[i]), from[i]);
+    std::vector<Budget> budgets(from.size(), {per_start, per_start});
+    parallel_for(int(from.size()), options.threads, [&](int i) {
+      const auto k = std::size_t(i);
+      LeastSquaresOptions bounded = solver;
+      bounded.stop = [&, k] { return budgets[k].spent() || options.monitor.stopped(); };
+      solutions[k] = solve(problem_from(from[k], &budgets[k]), bounded);
+      options.monitor.progress(++started, most_starts);
+    });
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      left -= per_start - budgets[i].left;
+      out_of_work = out_of_work || budgets[i].spent();
+      take(std::move(solutions[i]), from[i]);
+    }
   };
   if (start) {
     for (int c = 0; c < kConstants; ++c)
@@ -270,15 +375,23 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     const auto list = candidates(options.seed);
     constexpr int kSame = 5;    // the best minimum found so often is taken for the global one
     constexpr int kAtOnce = 2;  // whatever the number of threads
-    for (int i = 0; i < options.restarts && i < int(list.size()) && !believed(best) && times_found < kSame;
-         i += kAtOnce)
+    const auto goes_on = [&] {
+      return !believed(best) && times_found < kSame && left > 0 && !options.monitor.stopped();
+    };
+    for (int i = 0; i < options.restarts && i < int(list.size()) && goes_on(); i += kAtOnce)
       attempt(std::span(list).subspan(std::size_t(i), std::min<std::size_t>(kAtOnce, list.size() - std::size_t(i))));
   }
   std::sort(out.minima.begin(), out.minima.end(), [](const Minimum& a, const Minimum& b) { return a.cost < b.cost; });
+  out.interrupted = options.monitor.stopped();
+  const std::string spent =
+      out_of_work ? fmt::format("a start was ended after {:.3g} integrated steps", per_start) : "";
   if (!best.usable) {
     out.sea = start.value_or(base);
-    out.message = "no start could be followed through the trials: " +
-                  (best.message.empty() ? "every rollout escapes or diverges" : best.message);
+    out.message = "no start could be followed through the trials: " + (out.interrupted ? "interrupted"
+                                                                       : out_of_work   ? spent
+                                                                       : best.message.empty()
+                                                                           ? "every rollout escapes or diverges"
+                                                                           : best.message);
     for (const PreparedTrial& t : prepared) out.trials.push_back(replay(rig, t, out.sea, {}, rollout_options));
     out.parameters = as_given(out.sea, options.free);
     return out;
@@ -294,30 +407,45 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
       const Eigen::VectorXd local = best.locals.row(long(m));
       layout.apply<double>(best.globals.data(), local.data(), out.sea, nuisance, [](double v, int) { return v; });
       out.trials.push_back(replay(rig, prepared[m], out.sea, nuisance, replayed));
+      out.trials.back().weighting = weights[m];
     }
   };
   unpack();
-  if (options.weights == FitOptions::Weights::kTrial) {
-    const double all = pooled(out.trials, trials, &TrialResult::rms);
-    for (std::size_t m = 0; m < trials.size(); ++m) weights[m] = out.trials[m].rms > 0 ? all / out.trials[m].rms : 1;
+  bool coloured = false;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    weights[m] = weigh_force_noise(rig, out.sea, out.trials[m].nuisance, trials[m], noise, rollout_options);
+    out.trials[m].weighting = weights[m];
+    coloured = coloured || weights[m].u.size() > 0;
+  }
+  const bool by_trial = options.weights == FitOptions::Weights::kTrial;
+  if (by_trial) {
+    const double all = pooled(out.trials, trials, white_rms);
+    for (std::size_t m = 0; m < trials.size(); ++m) {
+      const double own = white_rms(trials[m], out.trials[m]);
+      weights[m].weight = own > 0 ? all / own : 1;
+    }
+  }
+  if (by_trial || coloured) {
     best.cost = FitOptions::kInfinity;
     out.minima.clear();
     attempt({&out.sea, 1});
     unpack();
   }
   out.cost = best.cost;
-  out.rms = pooled(out.trials, trials, &TrialResult::rms);
+  out.rms = pooled(out.trials, trials, raw_rms);
   out.converged = best.converged;
   out.iterations = best.iterations;
-  if (!best.converged) out.message = best.message;
+  if (!best.converged) out.message = out.interrupted ? "interrupted" : out_of_work ? spent : best.message;
   report(best, problem_from(best_from), layout, options, out);
-  out.far_above_noise = noise > 0 && out.rms > kFarAboveNoise * noise;
+  if (out.flawed_logs) distrust(out.parameters);
+  const double unexplained = coloured ? pooled(out.trials, trials, white_rms) : out.rms;
+  out.far_above_noise = noise > 0 && unexplained > kFarAboveNoise * noise;
   if (out.far_above_noise) {
     distrust(out.parameters);
     out.warnings.push_back(
         fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad after {} starts: the model "
                     "lacks something, or no start found the minimum; no constant is trusted",
-                    out.rms, out.rms / noise, noise, out.starts));
+                    unexplained, unexplained / noise, noise, out.starts));
   }
   return out;
 }
@@ -326,7 +454,9 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
             const FitOptions& options) {
   options.validate();
   Fit out;
-  warn_of_logs(trials, out.warnings);
+  warn_of_short_pulses(trials, out.warnings);
+  (void)warn_of_gaps(trials, out.warnings);
+  (void)warn_of_signs(trials, out.warnings);
   out.sea = sea;
   out.converged = out.identifiable = true;
   const RolloutOptions rollout_options{.accuracy = options.accuracy, .method = Method::kAuto, .escape = options.escape};
@@ -340,7 +470,7 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
     }
     out.cost += r.rms * r.rms * double(t.measurements());
   }
-  out.rms = pooled(out.trials, trials, &TrialResult::rms);
+  out.rms = pooled(out.trials, trials, raw_rms);
   out.parameters = as_given(sea, {});
   return out;
 }

@@ -14,14 +14,17 @@
 #include <vector>
 
 #include "common/actuator.hpp"
+#include "common/monitor.hpp"
 #include "identify/rollout.hpp"
 #include "identify/uncertainty.hpp"
+#include "identify/weighting.hpp"
 
 namespace ukemi::identify {
 
 /// Terms that may be fitted along with the constants: see SeaParameters and Nuisance.
 enum class NuisanceTerm {
   kFriction,       ///< Coulomb torque on the motor, one for all trials [Nm], >= 0
+  kViscous,        ///< viscous friction on the motor, one for all trials [Nm/(rad/s)], >= 0
   kStiffening,     ///< K_3 of the spring, one for all trials [Nm/rad^3], >= 0
   kForceGain,      ///< one for all trials
   kInitialAngle,   ///< a trial each [rad]
@@ -31,8 +34,9 @@ enum class NuisanceTerm {
   kTimeShift,      ///< a trial each [s], within 0.1 s either way
 };
 inline constexpr std::array kNuisanceTerms = {
-    NuisanceTerm::kFriction,    NuisanceTerm::kStiffening,    NuisanceTerm::kForceGain, NuisanceTerm::kInitialAngle,
-    NuisanceTerm::kInitialRate, NuisanceTerm::kEncoderOffset, NuisanceTerm::kForceBias, NuisanceTerm::kTimeShift};
+    NuisanceTerm::kFriction,      NuisanceTerm::kViscous,      NuisanceTerm::kStiffening,
+    NuisanceTerm::kForceGain,     NuisanceTerm::kInitialAngle, NuisanceTerm::kInitialRate,
+    NuisanceTerm::kEncoderOffset, NuisanceTerm::kForceBias,    NuisanceTerm::kTimeShift};
 const char* name(NuisanceTerm t);
 const char* unit(NuisanceTerm t);
 /// Whether all trials share it.
@@ -60,6 +64,7 @@ struct FitOptions {
   int threads = 0;         ///< 0: all cores; without influence on the results
   std::uint64_t seed = 1;  ///< of the drawn starts
   int max_iterations = 200;  ///< of the solver, each start
+  Monitor monitor;           ///< told of starts; where it stops the fit, the best so far is kept: Fit::interrupted
   bool fits(NuisanceTerm t) const { return std::find(nuisance.begin(), nuisance.end(), t) != nuisance.end(); }
   RolloutOptions rollout() const {
     return {.accuracy = accuracy, .max_step = max_step, .method = method, .escape = escape};
@@ -84,6 +89,7 @@ struct TrialResult {
   std::vector<double> phi, phi_m;  ///< predicted; empty where the rollout failed
   RolloutStatus status = RolloutStatus::kDone;
   Nuisance<double> nuisance;
+  Weighting weighting;  ///< of its residuals in the fit
 };
 
 struct Fit {
@@ -100,6 +106,8 @@ struct Fit {
   double cost = 0;                 ///< E(U) [rad^2]; weighted or robust where asked for
   bool converged = false, identifiable = false;
   bool far_above_noise = false;  ///< the residual, beyond kFarAboveNoise: no constant is trusted
+  bool flawed_logs = false;      ///< a gap in a hit, or a force of the wrong sign: no constant is trusted
+  bool interrupted = false;      ///< by the monitor; what stands here is the best until then
   int iterations = 0;            ///< of the start that won
   int starts = 0;                ///< how many were run
   std::vector<Minimum> minima;   ///< that they ended at, the lowest first
@@ -107,12 +115,18 @@ struct Fit {
   std::vector<TrialResult> trials;
   std::string message;  ///< why it did not converge
 
+  /// What was fitted for all trials, in the order of `fitted`.
+  std::vector<const Estimate*> globals() const;
   /// Whether it converged and every fitted constant is trusted.
   bool trusted() const { return converged && all_trusted(parameters); }
 };
 
 /// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max,
-/// feedback, stiffening, friction. A start at 0 is moved off it. Never throws on numbers: see Fit::converged.
+/// feedback, stiffening, friction. A start at 0 is moved off it. Never throws on numbers: see Fit::converged; where no
+/// start could be followed, Fit::fitted is empty. The force is taken as each trial has it: see rest_between_hits; its
+/// noise within the hits (Trial::force_noise) weighs the residuals, see Weighting. Bounded in work, whatever the logs:
+/// a start that asks for more than 100,000 integrated steps and 60 for each sample is ended where it stands, and no
+/// other is tried once all took four times that.
 [[nodiscard]] Fit fit(const Rig& rig, const std::vector<Trial>& trials,
                       const std::optional<SeaParameters<double>>& start, const SeaParameters<double>& base,
                       const FitOptions& options = {});

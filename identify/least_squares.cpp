@@ -49,8 +49,8 @@ Eigen::MatrixXd triangle_of(Eigen::MatrixXd square) {
 /// R of [J r] = Q R: p + 1 rows in place of n, at the same cost.
 class BlockCost final : public ceres::CostFunction {
  public:
-  BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, double huber)
-      : block_(block), huber_(huber), globals_(int(problem.globals.size())), locals_(int(problem.locals.size())) {
+  BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, const LeastSquaresOptions& options)
+      : block_(block), options_(options), globals_(int(problem.globals.size())), locals_(int(problem.locals.size())) {
     scale_.resize(globals_ + locals_);
     for (int i = 0; i < globals_; ++i) scale_[i] = problem.globals[std::size_t(i)].scale;
     for (int i = 0; i < locals_; ++i) scale_[globals_ + i] = problem.locals[std::size_t(i)].scale;
@@ -60,6 +60,8 @@ class BlockCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    // A trial step may be refused at any time; derivatives at a point that was accepted must not fail.
+    if (!jacobians && options_.stop && options_.stop()) return false;
     const int p = globals_ + locals_;
     Eigen::Map<Eigen::VectorXd> r(residuals, p + 1);
     if (!jacobians) {
@@ -132,12 +134,12 @@ class BlockCost final : public ceres::CostFunction {
     if (!block_.evaluate(at.data(), at.data() + globals_, r.data(), jacobian.size() > 0 ? jacobian.data() : nullptr))
       return nullptr;
     if (!r.allFinite()) return nullptr;
-    if (huber_ > 0) robustify(huber_, r, jacobian);
+    if (options_.huber > 0) robustify(options_.huber, r, jacobian);
     return &r;
   }
 
   const ResidualBlock& block_;
-  double huber_;
+  const LeastSquaresOptions& options_;
   int globals_, locals_;
   Eigen::VectorXd scale_;
   mutable std::array<Known, 2> known_;  ///< the last first
@@ -164,6 +166,15 @@ class PullCost final : public ceres::CostFunction {
   Pull pull_;
   double scale_;
   int globals_;
+};
+
+/// Ends the search where the caller wants it ended.
+struct Stop final : ceres::IterationCallback {
+  explicit Stop(const std::function<bool()>& asked) : stop(asked) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return stop() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+  const std::function<bool()>& stop;
 };
 
 std::vector<double> scaled_start(const std::vector<Parameter>& list) {
@@ -200,7 +211,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
     std::vector<double*> blocks{x.data()};
     if (!problem.locals.empty()) blocks.push_back(locals[b].data());
-    costs.emplace_back(problem, problem.blocks[b], options.huber);
+    costs.emplace_back(problem, problem.blocks[b], options);
     ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
     out.residuals += problem.blocks[b].size;
   }
@@ -228,6 +239,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   o.initial_trust_region_radius = 100;  // the scaled start is 1: a first step of its own size
   o.logging_type = ceres::SILENT;
   o.num_threads = 1;  // the sum over blocks must not depend on the number of threads
+  Stop stop(options.stop);
+  if (options.stop) o.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(o, &ceres_problem, &summary);
 
@@ -250,6 +263,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   for (std::size_t b = 0; b < locals.size(); ++b)
     for (std::size_t l = 0; l < problem.locals.size(); ++l)
       out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
+  out.global_covariance.setConstant(G, G, std::numeric_limits<double>::quiet_NaN());
+  out.local_variance.setConstant(out.locals.rows(), out.locals.cols(), std::numeric_limits<double>::quiet_NaN());
   if (!out.usable || held) return out;
   std::vector<const Eigen::MatrixXd*> squares;
   for (std::size_t b = 0; b < costs.size(); ++b) {

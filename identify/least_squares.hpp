@@ -43,6 +43,8 @@ struct LeastSquaresOptions {
   int max_iterations = 200;
   double huber = 0;  ///< Huber's delta on each residual; 0: plain squares
   enum class Globals { kFitted, kHeld } globals = Globals::kFitted;  ///< kHeld: locals alone, at the globals' start
+  std::function<bool()>
+      stop;  ///< true: end and keep the best point so far, not converged; asked before every trial step
 };
 
 struct LeastSquaresSolution {

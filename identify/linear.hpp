@@ -57,9 +57,11 @@ class LinearFlow {
   /// An upper bound of the size of A's eigenvalues [1/s].
   double rate() const { return rate_; }
 
+  /// How much work `advance` by h is, in series of terms.
+  double work(double h) const { return rate_ * h > kLong ? kLong + std::log2(rate_ * h) : 1 + rate_ * h; }
+
   /// z a time h later, for b = 0.
   State advance(const State& z, double h) const {
-    constexpr double kLong = 64;  // terms by the thousand for a stiff rig: squaring is cheaper
     if (rate_ * h > kLong) return product(exponential(h), z);
     return advance(z, State::Zero(), State::Zero(), h);
   }
@@ -112,6 +114,7 @@ class LinearFlow {
     return out;
   }
 
+  static constexpr double kLong = 4;         ///< |A h| beyond which squaring is cheaper than so many series
   static constexpr double kNothing = 1e-19;  ///< a term of the series so small, derivatives included
   static constexpr double kSlow = 1e-3;      ///< |A h| below which a reference that moves sets the number of terms
 

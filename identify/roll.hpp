@@ -40,6 +40,7 @@ class Roll {
         shifted_(shift() == 0 ? std::vector<Stretch>() : trial.cut(shift())),
         t_(trial.trial->t),
         options_(options),
+        most_steps_(options.max_steps + 2 * long(trial.stretches.size())),
         motor_(kDerivatives<T> == 0 || !trial.trial->phi_motor.empty()),
         phi_(phi),
         phi_m_(phi_m),
@@ -79,6 +80,12 @@ class Roll {
       if (is_linear()) return flow(t_end);
     return integrate(t_end);
   }
+  /// Takes work from the budget; false where it is spent.
+  bool afford(double work) const {
+    if (!options_.budget) return true;
+    options_.budget->left -= work;
+    return options_.budget->left > -options_.budget->overdraft;
+  }
   bool is_linear() const { return flow_ && system_.saturation == 0 && !system_.input.pushed; }
   double shift() const { return value_of(nuisance_.time_shift); }
 
@@ -112,14 +119,13 @@ class Roll {
   RolloutStatus integrate(double t_end) {
     for (;;) {
       const integrate::Outcome outcome = driver_.step(t_end);
-      if (outcome.status > Status::kEvent || ++steps_ > options_.max_steps) return RolloutStatus::kDiverged;
+      if (outcome.status > Status::kEvent || ++steps_ > most_steps_ || !afford(1)) return RolloutStatus::kDiverged;
       const double end = driver_.time();
       // Constants too stiff for an explicit method show early: at the pace of the last steps the rest would take too
       // many.
       constexpr long kPace = 200;
       if (steps_ % kPace == 0) {
-        if (double(kPace) * (t_.back() - end) > double(options_.max_steps) * (end - paced_))
-          return RolloutStatus::kDiverged;
+        if (double(kPace) * (t_.back() - end) > double(most_steps_) * (end - paced_)) return RolloutStatus::kDiverged;
         paced_ = end;
       }
       const bool reached = outcome.status == Status::kReached;
@@ -230,7 +236,8 @@ class Roll {
       // A part of an interval, or one that meets the limit.
       const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
       const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
-      const Meeting met = meeting(values(z), t, d);
+      if (!afford(flow_->work(d))) return RolloutStatus::kDiverged;
+      const Meeting met = f.held && is_quiet(values(z)) ? Meeting{} : meeting(values(z), t, d);
       const double h = met.guard < 0 ? d : met.s * d;
       z = f.held ? flow_->advance(z, h) : flow_->advance(z, f.b0 + f.b1 * T(t - from), f.b1, h);
       t = h == left ? next : t + h;
@@ -271,12 +278,15 @@ class Roll {
   }
   static integrate::Node node(double s, const Guards& g, int i, double h) { return {s, g.value[i], g.rate[i] * h}; }
 
+  /// Whether the torque limit is out of reach for a block from here on, about a held reference.
+  bool is_quiet(const Values& z) const { return quiet_.dot(z.cwiseAbs()) < value_of(system_.sea.tau_max); }
+
   /// How many of `n` intervals from z on pass without a guard coming near zero.
   int clear_intervals(const State& z, int n) const {
     if (!kTerms.torque_limit || n == 0) return n;
     const double h = values_flow_->h();
     Values y = values(z);
-    if (quiet_.dot(y.cwiseAbs()) < value_of(system_.sea.tau_max)) return n;
+    if (is_quiet(y)) return n;
     Guards a = guards(0, y);
     for (int j = 0; j < n * looks_; ++j) {
       y = values_flow_->after(1, y);
@@ -302,7 +312,10 @@ class Roll {
     plain_.derivative(t, Values(Values::Zero()), b0);
     plain_.derivative(t + 1, Values(Values::Zero()), b1);
     b1 -= b0;
-    const auto at = [&](double s) { return values_flow_->advance(z, b0, b1, s * d); };
+    const bool held = b0.isZero(0) && b1.isZero(0);
+    const auto at = [&](double s) {
+      return held ? values_flow_->advance(z, s * d) : values_flow_->advance(z, b0, b1, s * d);
+    };
     Guards a = guards(t, z);
     for (int look = 0; look < looks_ && met.guard < 0; ++look) {
       const double sa = double(look) / looks_, sb = (look + 1.0) / looks_;
@@ -325,6 +338,7 @@ class Roll {
   const std::vector<Stretch> shifted_;  ///< the cuts, where the force is shifted
   const std::vector<double>& t_;
   const RolloutOptions& options_;
+  const long most_steps_;
   const bool motor_;  ///< phi_m is asked for
   std::vector<T>&phi_, &phi_m_;
   integrate::Integrator<Method, System> driver_;

@@ -72,7 +72,8 @@ template <class T>
 RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                       const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                       std::vector<T>& phi_m) {
-  const bool extended = present(sea.friction) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
+  const bool extended =
+      present(sea.friction) || present(sea.viscous) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
     if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m);
   // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening

@@ -53,6 +53,14 @@ inline constexpr double kEscape = 3.14159265358979;
 enum class RolloutStatus { kDone, kEscaped, kDiverged };
 const char* name(RolloutStatus status);
 
+/// What several rollouts may spend together, in integrated steps and intervals followed one by one. Counted, not
+/// timed: the same whatever the machine.
+struct Budget {
+  double left = 0;
+  double overdraft = 0;  ///< how far below 0 a rollout may take it before it diverges
+  bool spent() const { return left <= 0; }
+};
+
 struct RolloutOptions {
   double accuracy = 1e-9;  ///< relative tolerance of each step
   double max_step = 0.05;  ///< longest step; the step of a fixed-step method [s]
@@ -63,7 +71,8 @@ struct RolloutOptions {
   enum class Linear { kExact, kIntegrated } linear = Linear::kExact;
   integrate::Counters* work = nullptr;  ///< receives the work done by integrating
   double escape = kEscape;              ///< infinite for multi-turn trials [rad]
-  long max_steps = 10'000;              ///< beyond it the constants are too stiff to follow: diverged
+  long max_steps = 10'000;   ///< beyond it, and two for each stretch, the constants are too stiff to follow: diverged
+  Budget* budget = nullptr;  ///< what is spent is taken from it; once it is empty every rollout diverges
 };
 
 /// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives

@@ -1,6 +1,8 @@
 #include "identify/statistics.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unsupported/Eigen/SpecialFunctions>
 
 namespace ukemi::identify {
@@ -8,6 +10,16 @@ namespace ukemi::identify {
 double chi_squared_tail(double x, double degrees) {
   if (!(x > 0)) return 1;
   return Eigen::numext::igammac(degrees / 2, x / 2);
+}
+
+std::vector<bool> holm(const std::vector<double>& p, double level) {
+  std::vector<std::size_t> order(p.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
+  std::vector<bool> rejected(p.size(), false);
+  for (std::size_t k = 0; k < order.size() && p[order[k]] < level / double(p.size() - k); ++k)
+    rejected[order[k]] = true;
+  return rejected;
 }
 
 double at_bound_tail(double ratio, int terms) {

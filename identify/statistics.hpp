@@ -8,6 +8,10 @@ namespace ukemi::identify {
 /// P(X > x) of the chi-squared distribution with `degrees` > 0 degrees of freedom; 1 for x <= 0.
 double chi_squared_tail(double x, double degrees);
 
+/// Which of several hypotheses are rejected so that, were all true, any would be with probability `level` at most: the
+/// k-th smallest p below level / (number - k + 1), and all smaller ones so too (Holm 1979).
+std::vector<bool> holm(const std::vector<double>& p, double level);
+
 /// P(X > ratio) of twice the logarithm of a likelihood ratio for `terms` further terms whose truth, if they are absent,
 /// is the bound 0: the mixture of chi-squared distributions with binomial weights (Self, Liang 1987; for one term
 /// 50:50), the terms taken as uncorrelated.

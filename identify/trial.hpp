@@ -17,6 +17,8 @@ struct Trial {
   std::vector<double> phi_ref;     ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
   std::vector<double> dphi_ref;    ///< [rad/s]; linear between samples
   std::vector<double> phi_motor;   ///< measured motor angle at the gear's output side [rad]
+  double force_noise = 0;          ///< standard deviation of each sample of the force within hits [N]; see hits.hpp
+  double force_rest = 0;           ///< what the load cell reads between hits, where that has been worked out [N]
   std::vector<std::string> notes;  ///< what was handled and counted while reading, a sentence each
 
   std::size_t samples() const { return t.size(); }

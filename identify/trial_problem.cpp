@@ -11,8 +11,8 @@ namespace {
 /// scaled.
 template <class T>
 bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& layout, const PreparedTrial& prepared,
-              const RolloutOptions& options, double weight, const std::vector<double>& scale, const double* global,
-              const double* local, double* r, double* jacobian) {
+              const RolloutOptions& options, const Weighting& weighting, const std::vector<double>& scale,
+              const double* global, const double* local, double* const residuals, double* const jacobians) {
   auto sea = base.cast<T>();
   Nuisance<T> nuisance;
   layout.apply<T>(global, local, sea, nuisance, [&](double v, [[maybe_unused]] int slot) {
@@ -23,6 +23,8 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
   thread_local std::vector<T> phi, phi_m;
   if (rollout(rig, sea, nuisance, prepared, options, phi, phi_m) != RolloutStatus::kDone) return false;
   const std::size_t size = std::size_t(prepared.trial->measurements());
+  const double weight = weighting.weight;
+  double *r = residuals, *jacobian = jacobians;
   const auto compare = [&](const std::vector<double>& measured, const std::vector<T>& predicted) {
     for (std::size_t i = 0; i < measured.size(); ++i) r[i] = weight * (value_of(predicted[i]) - measured[i]);
     r += measured.size();
@@ -36,6 +38,11 @@ bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& l
   };
   compare(prepared.trial->phi, phi);
   compare(prepared.trial->phi_motor, phi_m);
+  if (weighting.u.size() > 0) {
+    const auto whiten = [&](double* column) { weighting.whiten(Eigen::Map<Eigen::VectorXd>(column, long(size))); };
+    whiten(residuals);
+    for (std::size_t k = 0; kDerivatives < T >> 0 && k < scale.size(); ++k) whiten(jacobians + k * size);
+  }
   return true;
 }
 
@@ -48,6 +55,8 @@ Parameter parameter(NuisanceTerm t, const SeaParameters<double>& start) {
   switch (t) {
     case NuisanceTerm::kFriction:
       return signless(start.friction, start.k_p > 0 ? 0.01 * start.k_p : 0.1);
+    case NuisanceTerm::kViscous:
+      return signless(start.viscous, start.k_d > 0 ? 0.1 * start.k_d : 0.1);
     case NuisanceTerm::kStiffening:  // as much torque as the linear part at a deflection of 1 rad
       return signless(start.k_sea_cubic, start.k_sea > 0 ? start.k_sea : 10);
     case NuisanceTerm::kForceGain:
@@ -71,7 +80,7 @@ double typical(int constant, const Suggestion& s) { return ukemi::constants(s.ce
 }  // namespace
 
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
-                                 const std::vector<double>& weights, const SeaParameters<double>& start,
+                                 const std::vector<Weighting>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
                                  const RolloutOptions& rollout_options) {
   LeastSquaresProblem problem;
@@ -98,16 +107,16 @@ LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial
   const bool small = layout.globals() + layout.locals() <= kSmallJet;
   for (std::size_t m = 0; m < prepared.size(); ++m) {
     const PreparedTrial* trial = &prepared[m];
-    const double weight = weights[m];
+    const Weighting* weight = &weights[m];
     problem.blocks.push_back(
         {int(trial->trial->measurements()), [=, &rig](const double* g, const double* l, double* r, double* jacobian) {
            if (!jacobian)
-             return evaluate<double>(rig, start, layout, *trial, rollout_options, weight, scale, g, l, r, jacobian);
+             return evaluate<double>(rig, start, layout, *trial, rollout_options, *weight, scale, g, l, r, jacobian);
            if (small)
-             return evaluate<ceres::Jet<double, kSmallJet>>(rig, start, layout, *trial, rollout_options, weight, scale,
+             return evaluate<ceres::Jet<double, kSmallJet>>(rig, start, layout, *trial, rollout_options, *weight, scale,
                                                             g, l, r, jacobian);
-           return evaluate<ceres::Jet<double, kLargeJet>>(rig, start, layout, *trial, rollout_options, weight, scale, g,
-                                                          l, r, jacobian);
+           return evaluate<ceres::Jet<double, kLargeJet>>(rig, start, layout, *trial, rollout_options, *weight, scale,
+                                                          g, l, r, jacobian);
          }});
   }
   return problem;

@@ -42,6 +42,8 @@ struct Layout {
     switch (t) {
       case NuisanceTerm::kFriction:
         return sea.friction;
+      case NuisanceTerm::kViscous:
+        return sea.viscous;
       case NuisanceTerm::kStiffening:
         return sea.k_sea_cubic;
       case NuisanceTerm::kForceGain:
@@ -61,11 +63,11 @@ struct Layout {
   }
 };
 
-/// Residuals predicted minus measured, phi then phi_motor, times the trial's weight; parameters start at `start` (at a
-/// tenth of a typical size where it is 0) and are scaled by it. A prior's standard deviation weighs as much as the
-/// logs' own noise. `prepared` and `rig` must outlive the problem.
+/// Residuals predicted minus measured, phi then phi_motor, as each trial's weighting has them; parameters start at
+/// `start` (at a tenth of a typical size where it is 0) and are scaled by it. A prior's standard deviation weighs as
+/// much as the logs' own noise. `rig`, `prepared` and `weights` must outlive the problem.
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
-                                 const std::vector<double>& weights, const SeaParameters<double>& start,
+                                 const std::vector<Weighting>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
                                  const RolloutOptions& rollout_options);
 

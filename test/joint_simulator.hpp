@@ -1,0 +1,95 @@
+// A rig and its logs, simulated apart from the library: the classical Runge-Kutta method at 2e-5 s, the clamp of Eq. 2
+// and dry friction that sticks as they are. For effects that a fit's model lacks.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "test/impact.hpp"
+
+namespace test {
+
+/// What the truth and the log have beyond Table 2 and 1 mrad of angle noise.
+struct Effects {
+  double viscous = 0;     ///< friction of the motor [Nm/(rad/s)]
+  double dry = 0;         ///< Coulomb friction of the motor, sticking [Nm]
+  double force_gain = 1;  ///< logged force over true force
+  double load_cell = 0;   ///< standard deviation of the logged force's noise [N]
+  double angle_noise = 1e-3;
+};
+
+struct HitOf {
+  double newton, seconds;
+};
+inline constexpr HitOf kEightHits[] = {{40, 0.040},  {-60, 0.030}, {90, 0.024},  {120, 0.020},
+                                       {-70, 0.040}, {110, 0.028}, {150, 0.020}, {-180, 0.018}};
+
+/// The angle at every sample of a log whose force, linear between samples, is the true one.
+inline std::vector<double> joint_angle(const std::vector<double>& t, const std::vector<double>& force,
+                                       const Effects& effects) {
+  constexpr double kP = kTruth[0], kD = kTruth[1], kSea = kTruth[2], cSea = kTruth[3], iMotor = kTruth[4];
+  constexpr double kLength = 0.3, kInertia = 0.024225, kTauMax = 20, kStep = 2e-5;
+  struct State {
+    double phi = 0, phi_m = 0, omega = 0, omega_m = 0;
+    State plus(double h, const State& d) const {
+      return {phi + h * d.phi, phi_m + h * d.phi_m, omega + h * d.omega, omega_m + h * d.omega_m};
+    }
+  };
+  const auto spring = [&](const State& y) {
+    return std::clamp(kSea * (y.phi_m - y.phi) + cSea * (y.omega_m - y.omega), -kTauMax, kTauMax);
+  };
+  const auto on_motor = [&](const State& y) {
+    return -kP * y.phi - kD * y.omega - effects.viscous * y.omega_m - spring(y);
+  };
+  int slip = 0;  // sign of the motor's motion; 0: it sticks, where there is friction
+  const auto field = [&](const State& y, double f) {
+    const bool stuck = effects.dry > 0 && slip == 0;
+    return State{y.omega, stuck ? 0 : y.omega_m, (spring(y) + kLength * std::cos(y.phi) * f) / kInertia,
+                 stuck ? 0 : (on_motor(y) - slip * effects.dry) / iMotor};
+  };
+  State y;
+  std::vector<double> out{0};
+  for (std::size_t i = 0; i + 1 < t.size(); ++i) {
+    const int steps = int(std::ceil((t[i + 1] - t[i]) / kStep - 1e-9));
+    const double h = (t[i + 1] - t[i]) / steps;
+    for (int k = 0; k < steps; ++k) {
+      const auto f = [&](double part) { return force[i] + (force[i + 1] - force[i]) * (k + part) / steps; };
+      if (effects.dry > 0 && slip == 0 && std::abs(on_motor(y)) > effects.dry) slip = on_motor(y) > 0 ? 1 : -1;
+      const State a = field(y, f(0)), b = field(y.plus(h / 2, a), f(0.5)), c = field(y.plus(h / 2, b), f(0.5)),
+                  d = field(y.plus(h, c), f(1));
+      y = y.plus(h / 6, a).plus(h / 3, b).plus(h / 3, c).plus(h / 6, d);
+      if (slip != 0 && y.omega_m * slip < 0) y.omega_m = 0, slip = 0;
+    }
+    out.push_back(y.phi);
+  }
+  return out;
+}
+
+/// Logs of eight hits at 500 Hz for 1 s, simulated.
+inline std::vector<Trial> eight_hits(const Effects& effects, std::uint64_t seed) {
+  std::vector<Trial> out;
+  for (const HitOf& hit : kEightHits) {
+    Trial log;
+    log.file = "hit_" + std::to_string(out.size() + 1);
+    Random random(seed, out.size());
+    for (int i = 0; i <= 500; ++i) {
+      log.t.push_back(i / 500.0);
+      const double s = (log.t.back() - 0.05) / hit.seconds;
+      log.force.push_back(s > 0 && s < 1 ? hit.newton * std::sin(std::numbers::pi * s) : 0);
+    }
+    log.phi = joint_angle(log.t, log.force, effects);
+    for (double& x : log.phi) x += effects.angle_noise * random.normal();
+    for (double& f : log.force) f = effects.force_gain * f + effects.load_cell * random.normal();
+    out.push_back(log);
+  }
+  return out;
+}
+
+/// The log without `count` rows from `first` on.
+inline void drop_rows(Trial& log, std::size_t first, std::size_t count) {
+  for (std::vector<double>* column : {&log.t, &log.phi, &log.force})
+    column->erase(column->begin() + long(first), column->begin() + long(first + count));
+}
+
+}  // namespace test
