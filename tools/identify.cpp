@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "identify/rig.hpp"
+#include "tools/actuators.hpp"
 #include "tools/arguments.hpp"
 #include "tools/identify_report.hpp"
 #include "tools/trust.hpp"
@@ -72,10 +73,11 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   const std::string& given = predict ? a.actuator : a.start;
   std::optional<Actuator> start;
   if (!given.empty()) {
-    start = read_actuator(given);
+    start = predict ? actuator_of(given, run) : read_actuator(given);
     run.input(given);
   }
-  const identify::FitOptions options = fit_options(a, common);
+  identify::FitOptions options = fit_options(a, common);
+  options.monitor = run.monitor("identify");
   for (const std::string& name : split(a.trust.profile)) {
     if (!options.free[constant_index("--profile", name)])
       throw InputError("--profile: " + name + ": it is not among the --free constants");
@@ -116,10 +118,12 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
                           : identify::fit(rig, trials, start ? std::optional(start->sea) : std::nullopt, base, options);
   for (const std::string& w : fit.warnings) run.warn(w);
   if (!fit.converged && predict) run.warn(fit.message);
-  if (!fit.converged && !predict)
+  if (!fit.converged && !predict && !fit.interrupted)
     run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
+  const bool found = predict || !fit.fitted.empty();
+  if (!found) run.warn("nothing was found: no actuator.toml is written");
   std::optional<Trust> trust;
-  if (!predict && !fit.fitted.empty()) trust = examine({rig, trials, options}, fit, a.trust, run);
+  if (!predict && found) trust = examine({rig, trials, options}, fit, a.trust, run);
 
   Json parameters, nuisance = Json::object(), rows = Json::array();
   for (const auto& e : fit.parameters) {
@@ -172,14 +176,20 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common, Actuat
   out.name = predict ? start->name : fmt::format("identified from {} trials", trials.size());
   out.sea = fit.sea;
   if (start) out.speed_max = start->speed_max;
-  // Only what was determined goes into the covariance: a file holds numbers, not gaps.
+  if (rig.speed_max) out.speed_max = rig.speed_max;
+  for (const identify::Estimate& e : fit.parameters)
+    if (!predict) out.verdicts.emplace_back(e.name, identify::name(e.verdict));
+  // Only what was determined goes into the covariance, of the actuator: a file holds numbers, not gaps.
   std::vector<long> determined;
-  for (long i = 0; i < fit.covariance.rows(); ++i)
-    if (std::isfinite(fit.covariance(i, i)))
-      determined.push_back(i), out.uncertain.push_back(fit.fitted[std::size_t(i)]);
+  for (long i = 0; i < fit.covariance.rows(); ++i) {
+    const std::string& term = fit.fitted[std::size_t(i)];
+    if (!std::isfinite(fit.covariance(i, i)) || term == name(identify::NuisanceTerm::kForceGain)) continue;
+    determined.push_back(i);
+    out.uncertain.push_back(term == name(identify::NuisanceTerm::kStiffening) ? "k_sea_cubic" : term);
+  }
   out.covariance = fit.covariance(determined, determined);
   out.provenance = run.provenance();
-  if (!predict) {
+  if (!predict && found) {
     out.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");
     run.add("actuator.toml", to_toml(out, fit.half_width));
   }
@@ -208,10 +218,10 @@ void add_identify(CLI::App& app, Action& chosen) {
     if (!predict) {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
       verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
-      verb->add_option(
-          "--nuisance", args->nuisance,
-          "fitted along: friction, stiffening, force_gain (one for all trials); initial_angle, initial_rate, "
-          "encoder_offset, force_bias, time_shift (a trial each)");
+      verb->add_option("--nuisance", args->nuisance,
+                       "fitted along: friction, viscous_friction, stiffening, force_gain (one for all trials); "
+                       "initial_angle, initial_rate, "
+                       "encoder_offset, force_bias, time_shift (a trial each)");
       verb->add_option("--prior", args->prior,
                        "k_sea=65:5,...: what is known beforehand, VALUE:STD, counted like a measurement");
       verb->add_option(

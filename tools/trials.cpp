@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/error.hpp"
 #include "identify/hebi_trial.hpp"
+#include "identify/hits.hpp"
 #include "tools/arguments.hpp"
 
 namespace ukemi::tools {
@@ -61,6 +65,10 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
             choice<ForceClock>("--force-clock", name, {{"own", ForceClock::kOwn}, {"shared", ForceClock::kShared}});
       },
       "own: the force log is shifted so that its onset meets the motion's; shared: it is not [own]");
+  verb.add_option(
+      "--force-noise", a.force_noise,
+      "noise of the load cell [N], standard deviation: between hits the force is then at rest, within them it "
+      "counts for the errors [estimated before the first hit]");
   verb.add_option("--gains", a.gains, "HEBI gains (XML), listed in summary.json for the record");
 }
 
@@ -99,6 +107,15 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
     forces.push_back(
         {{"trial", trial.file}, {"file", path}, {"clock", own ? "own" : "shared"}, {"shift", number(shift)}});
   }
+  if (a.force_noise && !(*a.force_noise >= 0 && std::isfinite(*a.force_noise)))
+    throw InputError(fmt::format("--force-noise: {}: at least 0 N is needed", *a.force_noise));
+  Json noises = Json::array();
+  double noisiest = 0;
+  for (identify::Trial& t : out.trials) {
+    identify::rest_between_hits(t, a.force_noise);
+    noises.push_back(number(t.force_noise)), noisiest = std::max(noisiest, t.force_noise);
+  }
+  if (noisiest > 0) out.summary["force_noise"] = noises;
   if (needs.excitation == TrialNeeds::Excitation::kRequired)
     for (const identify::Trial& t : out.trials) identify::require_excitation(t);
   if (!modules.empty()) out.summary["modules"] = modules;
@@ -109,6 +126,15 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   }
 
   // Warnings last: a refusal is one line.
+  if (noisiest > 0)
+    run.say(
+        fmt::format("force noise {:.3g} N{}: between hits the force is at rest, within them its noise weighs the "
+                    "residuals",
+                    noisiest, a.force_noise ? "" : " at most, estimated before each first hit"));
+  for (const identify::Trial& t : out.trials)
+    if (t.force_rest != 0)
+      run.warn(fmt::format("{}: the load cell reads {:.3g} N at rest: tare it, or --nuisance force_bias", t.file,
+                           t.force_rest));
   for (const identify::Trial& t : out.trials)
     for (const std::string& note : t.notes) run.warn(t.file + ": " + note);
   for (const Json& f : forces)

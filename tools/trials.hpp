@@ -19,15 +19,17 @@ struct TrialArguments {
   std::vector<std::string> force_logs;  ///< none, one for all trials, or one each
   std::string force_columns;
   identify::ForceClock force_clock = identify::ForceClock::kOwn;
-  std::string gains;  ///< XML, for the record
+  std::string gains;                  ///< XML, for the record
+  std::optional<double> force_noise;  ///< of the load cell [N]; else estimated before each first hit
 };
 
 struct TrialInputs {
   std::vector<identify::Trial> trials;
-  Json summary = Json::object();  ///< "force_logs", "modules", "gains", each where there is something to say
+  Json summary =
+      Json::object();  ///< "force_logs", "force_noise", "modules", "gains", each where there is something to say
 };
 
-/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --gains.
+/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise, --gains.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
 
 /// Beyond which angle a rollout has escaped [rad]: infinite where many turns are meant.
@@ -39,8 +41,8 @@ struct TrialNeeds {
   enum class Excitation { kRequired, kOptional } excitation = Excitation::kOptional;
 };
 
-/// Reads the trials the way the rig says, with their forces; warns of what was handled while reading and of trials with
-/// the same content. Throws InputError.
+/// Reads the trials the way the rig says, with their forces, which are at rest between hits; warns of what was handled
+/// while reading and of trials with the same content. Throws InputError.
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& arguments,
                         const identify::Rig& rig, const TrialNeeds& needs, Run& run);
 

@@ -26,18 +26,15 @@ struct TrustArguments {
 void add_trust_options(CLI::App& verb, TrustArguments& arguments);
 
 struct Trust {
-  identify::Whiteness whiteness;
-  identify::Normality normality;
-  identify::Lacks lacks;
+  identify::ResidualTests tests;
   std::optional<identify::Ladder> ladder;
   std::vector<identify::LeftOut> left_out;
   std::vector<identify::Profile> profiles;
 };
 
-/// Examines a fit as deep as asked for, and warns of what it finds. Of one that did not converge only the residuals and
-/// the ladder.
-Trust examine(const identify::Experiment& experiment, const identify::Fit& fit, const TrustArguments& arguments,
-              Run& run);
+/// Examines a fit as deep as asked for, warns of what it finds, and lets the fit pay for it: see identify::heed. Of one
+/// that did not converge only the residuals and the ladder.
+Trust examine(const identify::Experiment& experiment, identify::Fit& fit, const TrustArguments& arguments, Run& run);
 
 /// "diagnostics" and "weakest" of summary.json.
 Json diagnostics_json(const Trust& trust, const identify::Fit& fit);
