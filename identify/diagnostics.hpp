@@ -36,7 +36,7 @@ struct Normality {
 [[nodiscard]] Normality normality(const Fit& fit, const std::vector<Trial>& trials);
 
 /// The tests of a fit's residuals: whiteness, normality, and the score of every term that the fit lacks. Which are
-/// rejected is Holm's procedure's to say, over all of them.
+/// rejected is Holm's procedure's to say, over all of them. Of several that are, the gains are those of fits.
 struct ResidualTests {
   Whiteness whiteness;
   Normality normality;

@@ -26,7 +26,7 @@ struct Lack {
   double z = 0;          ///< its signed root, of a term that all trials share
   double p = 1;          ///< one-sided for friction, viscous friction, stiffening
   double size = 0;       ///< first estimate, linear; the largest of a term that each trial has [its unit]
-  double gain = 0;       ///< by which the cost would fall, linear [rad^2]
+  double gain = 0;       ///< by which the cost would fall: linear, or of a fit, see test_residuals [rad^2]
   /// By how many of its standard errors the most affected constant is off for each standard error by which the term, of
   /// all trials, differs from its absence: what goes undetected at 3 standard errors does thrice this.
   double bias = 0;
