@@ -108,6 +108,22 @@ TEST_CASE("what the model lacks is never trusted and wrong") {
   }
 }
 
+TEST_CASE("the term that was named, fitted along: trusted again, and right") {
+  const std::pair<Effects, NuisanceTerm> cases[] = {{{.viscous = 0.1}, NuisanceTerm::kViscous},
+                                                    {{.force_gain = 1.03}, NuisanceTerm::kForceGain}};
+  for (const auto& [effects, term] : cases) {
+    FitOptions with;
+    with.nuisance = {term};
+    const Judged j = judged(eight_hits(effects, 5), with);
+    INFO(name(term) << ": " << told(j));
+    CHECK(j.fit.trusted());
+    CHECK(j.plain < 3.5);
+    const Estimate& e = j.fit.nuisance.at(0);
+    const double expected = term == NuisanceTerm::kViscous ? 0.1 : 1 / 1.03;
+    CHECK(std::abs(e.value - expected) < 3.5 * *e.std);
+  }
+}
+
 TEST_CASE("load-cell noise: at rest between hits, weighed within them") {
   const int n = draws(20);
   int trusted = 0, within = 0;
