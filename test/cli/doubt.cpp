@@ -183,3 +183,18 @@ TEST_CASE("a real HEBI log is fitted, or given up, within seconds") {
   CHECK(summary(f)["trusted"] == false);
   CHECK(summary(f)["time_s"].get<double>() < 20);
 }
+
+TEST_CASE("a measured arm with one row missing is fitted within seconds") {
+  const auto path = lab_file("rotary_arm/step_up.csv");
+  if (!path) return;
+  const Folder f;
+  f.write("arm.toml", "[rig]\nlength = 0.45\ninertia_joint = 0.01418\nfeedback = \"motor\"\n");
+  std::vector<std::string> rows = lines_of(*path);
+  rows.erase(rows.begin() + 600);
+  f.write("arm.csv", joined(rows));
+  const Result r =
+      run({"identify", "arm.csv", "--rig", "arm.toml", "--nuisance", "initial_angle", "-o", "out"}, f.at(""));
+  INFO(r.err);
+  CHECK(r.code == 0);
+  CHECK(summary(f)["time_s"].get<double>() < 10);
+}
