@@ -16,6 +16,7 @@ Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, co
   const auto play = [&](const Scene& s) { return simulate(s, sea, motion, tighter); };
   const Landing tight = play(scene);
   if (tight.end == End::kFailed) return out;  // nothing to compare with
+  out.checked = true;
   const auto change = [](double a, double b) { return b > 0 ? std::abs(a - b) / b : 0; };
   out.error_estimate = change(peak, tight.peak);
   for (int i = 0; i < draws && out.change <= kCliff; ++i) {

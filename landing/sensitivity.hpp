@@ -15,6 +15,7 @@ struct Sensitivity {
       0;                   ///< relative change of the peak when every step's tolerance is a hundredth (at least 1e-13)
   double change = 0;       ///< largest relative change of that tighter peak over scenes moved by 1e-6 relative
   bool sensitive = false;  ///< change > kCliff: the motion stands beside a cliff of the objective
+  bool checked = false;    ///< the tighter run could be followed; else nothing of the rest is known
   bool right = false;      ///< the tighter run gives the same peak within kCliff, or the landing is sensitive
 };
 

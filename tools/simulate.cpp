@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "common/drive_stability.hpp"
 #include "common/error.hpp"
@@ -159,7 +160,12 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   }
   if (l.end == End::kNoContact) run.warn(failure(l) + ": the peak is that of a flight");
   const Sensitivity s = sensitivity(scene, actuator.sea, motion, options, l.peak);
-  const bool wrong = l.end != End::kFailed && !s.right;
+  const bool wrong = s.checked && !s.right && l.end != End::kFailed;
+  if (!s.checked && l.end != End::kFailed)
+    run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
+  if (l.demands.phi_max - l.demands.phi_min > 4 * std::numbers::pi)
+    run.warn(fmt::format("the joint turns from {:.4g} to {:.4g} deg: the drive has lost it",
+                         l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees));
   if (wrong)
     run.warn(
         fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
@@ -170,7 +176,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   summary["motion"] = motion_json(motion);
   summary["peak_acceleration"] = number(l.peak);
   summary["peak_time"] = number(l.t_peak);
-  summary["error_estimate"] = number(s.error_estimate);
+  summary["error_estimate"] = s.checked ? number(s.error_estimate) : Json();
   summary["sensitive"] = s.sensitive;
   summary["sensitivity"] = number(s.change);
   summary["peaks"] = peaks_json(l);

@@ -137,8 +137,9 @@ TEST_CASE("a malformed TOML file is refused with file, line and column") {
   SECTION("unknown key") {
     check_rig("[rig]\nlength = 0.3\ninertia_joint = 0.024\ntau_mx = 20\n",
               {"rig.toml:4:1: unknown key 'tau_mx' in [rig]", "did you mean \"tau_max\"?"});
-    check_scene(replaced(scene, "gravity", "gravty"),
-                {"scene.toml:4:1: unknown key 'gravty' in [robot]", "did you mean \"gravity\"?"});
+    check_scene(replaced(scene, "contacts", "contcts"),
+                {"scene.toml:5:1: unknown key 'contcts' in [robot]", "did you mean \"contacts\"?"});
+    check_scene(replaced(scene, "gravity", "gravty"), {"[robot] the key 'gravity' is missing (there is 'gravty')"});
     check_actuator(replaced(actuator, "tau_max =", "taumax ="),
                    {"actuator.toml:9:1: unknown key 'taumax'", "did you mean \"tau_max\"?"});
   }

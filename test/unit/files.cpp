@@ -516,7 +516,8 @@ TEST_CASE("a rig's inertia is given about the joint, or as mass and inertia abou
 namespace {
 
 const std::string kScene =
-    "[robot]\nlink_length = 0.3\nmass = [0.8, 0.9]\ninertia_com = [6e-3, 7e-3]\n[drop]\nheight = 0.4\npitch_deg = 18\n";
+    "[robot]\ngravity = 0\nlink_length = 0.3\nmass = [0.8, 0.9]\ninertia_com = [6e-3, 7e-3]\n[drop]\nheight = "
+    "0.4\npitch_deg = 18\n";
 
 landing::Scene scene_of(const std::string& text) {
   const Folder f;
@@ -557,7 +558,7 @@ TEST_CASE("a scene's optional terms are read") {
   const std::string floor =
       "[floor]\nstiffness = 6880\ndamping_normal = 123\ndamping_tangential = 0.19\nsource = \"x\"\n";
   const landing::Scene s = scene_of(
-      replaced(kScene, "[robot]\n", "[robot]\ngravity = 9.81\ncontacts = [\"foot\"]\n") +
+      replaced(kScene, "gravity = 0\n", "gravity = 9.81\ncontacts = [\"foot\"]\n") +
       "pitch_rate = 0.5\nforward_speed = -1\n" + floor +
       "[search]\nphi = [-1, 1]\nduration = [0.2, 0.3]\n[execution]\nphi_deg = 1\nduration = 0\n[run]\nt_end = 2\n");
   CHECK(s.robot.gravity == 9.81);
@@ -587,9 +588,12 @@ TEST_CASE("a scene is refused where it breaks a rule") {
   SECTION("no drop") {
     CHECK(scene_error(kScene.substr(0, kScene.find("[drop]"))) == "a.toml: the table [drop] is missing");
   }
+  SECTION("no gravity: 0 is allowed, absence is not") {
+    CHECK(scene_error(replaced(kScene, "gravity = 0\n", "")) == "a.toml:1:1: [robot] the key 'gravity' is missing");
+  }
   SECTION("negative mass") {
     CHECK_THAT(scene_error(replaced(kScene, "0.8,", "-0.8,")),
-               StartsWith("a.toml:3:") && Contains("mass: -0.8: must be above 0"));
+               StartsWith("a.toml:4:") && Contains("mass: -0.8: must be above 0"));
   }
   SECTION("one mass") {
     CHECK_THAT(scene_error(replaced(kScene, "[0.8, 0.9]", "0.8")), Contains("2 numbers in [ ] are needed"));
@@ -599,7 +603,7 @@ TEST_CASE("a scene is refused where it breaks a rule") {
   }
   SECTION("degrees for radians") {
     CHECK(scene_error(replaced(kScene, "pitch_deg", "pitch")) ==
-          "a.toml:7:9: [drop] pitch: 18: an angle in radians beyond 2 pi; for degrees name the key 'pitch_deg'");
+          "a.toml:8:9: [drop] pitch: 18: an angle in radians beyond 2 pi; for degrees name the key 'pitch_deg'");
   }
   SECTION("a point that is none") {
     CHECK_THAT(scene_error(replaced(kScene, "[robot]\n", "[robot]\ncontacts = [\"foot\", \"kneee\"]\n")),
@@ -607,19 +611,19 @@ TEST_CASE("a scene is refused where it breaks a rule") {
   }
   SECTION("half a floor") {
     CHECK_THAT(scene_error(kScene + "[floor]\nstiffness = 1\ndamping_normal = 1\n"),
-               StartsWith("a.toml:8:1: ") && Contains("'damping_tangential' is missing"));
+               StartsWith("a.toml:9:1: ") && Contains("'damping_tangential' is missing"));
   }
   SECTION("an empty range of angles") {
     CHECK_THAT(scene_error(kScene + "[search]\nphi_deg = [0, -90]\n"),
-               StartsWith("a.toml:9:11: ") && Contains("low < high"));
+               StartsWith("a.toml:10:11: ") && Contains("low < high"));
   }
   SECTION("an empty range of durations") {
     CHECK_THAT(scene_error(kScene + "[search]\nduration = [1, 1]\n"),
-               StartsWith("a.toml:9:12: ") && Contains("low < high"));
+               StartsWith("a.toml:10:12: ") && Contains("low < high"));
   }
   SECTION("a negative tolerance") {
     CHECK_THAT(scene_error(kScene + "[execution]\nphi_deg = -1\n"),
-               StartsWith("a.toml:9:11: ") && Contains("at least 0"));
+               StartsWith("a.toml:10:11: ") && Contains("at least 0"));
   }
   SECTION("a run of no time") {
     CHECK_THAT(scene_error(kScene + "[run]\nt_end = 0\n"), Contains("t_end: 0: must be above 0"));
@@ -627,7 +631,7 @@ TEST_CASE("a scene is refused where it breaks a rule") {
   SECTION("an unknown key") {
     CHECK_THAT(
         scene_error(kScene + "forward_sped = 1\n"),
-        StartsWith("a.toml:8:1: unknown key 'forward_sped' in [drop]") && Contains("did you mean \"forward_speed\"?"));
+        StartsWith("a.toml:9:1: unknown key 'forward_sped' in [drop]") && Contains("did you mean \"forward_speed\"?"));
   }
   SECTION("an unknown table") { CHECK_THAT(scene_error(kScene + "[flor]\n"), Contains("did you mean \"floor\"?")); }
 }
