@@ -6,6 +6,8 @@ namespace ukemi::identify {
 
 namespace {
 
+static_assert(kConstants + int(kNuisanceTerms.size()) <= kLargeJet, "each constant and each term needs a slot");
+
 /// Residuals of one trial and, with a Jet, their Jacobians. Derivatives are taken with respect to value / scale, so
 /// that they are angles whatever the parameter's unit, as the integrator's error control expects; the Jacobians are not
 /// scaled.

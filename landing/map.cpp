@@ -33,8 +33,8 @@ PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const Ma
     for (int k = 0; k < nk; ++k) {
       const LandingPeak& p = peaks[std::size_t(k)];
       map.grid[map.index(row / nj, row % nj, k)] = {
-          no_landing(p.end) || p.end == End::kStopped ? std::numeric_limits<double>::quiet_NaN() : p.peak,
-          p.contacts, p.peak_contact, p.end};
+          no_landing(p.end) || p.end == End::kStopped ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts,
+          p.peak_contact, p.end};
     }
     options.monitor.progress(++rows, ni * nj);
   });

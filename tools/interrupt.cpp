@@ -11,6 +11,8 @@ static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler may 
 }  // namespace
 
 void catch_interrupts() {
+  static std::atomic<bool> caught{false};
+  if (caught.exchange(true)) return;
   struct sigaction action {};
   action.sa_handler = [](int) { requested = true; };
   action.sa_flags = SA_RESETHAND | SA_RESTART;

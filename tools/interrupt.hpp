@@ -3,7 +3,8 @@
 
 namespace ukemi::tools {
 
-/// From now on SIGINT (Ctrl-C) and SIGTERM are requests; a second one ends the program at once.
+/// From now on SIGINT (Ctrl-C) and SIGTERM are requests; a second one ends the program at once. Called by what asks for
+/// them (Run::monitor): a verb that never does is ended by the first, and leaves what stood before.
 void catch_interrupts();
 /// Whether one has come.
 bool interrupted();

@@ -40,7 +40,7 @@ std::vector<std::string> result_names(const std::string& verb) {
        {"optimizers.csv", "gaps.csv", "best_known.csv", "peak_time.svg", "peak_motions.svg", "tolerant_time.svg",
         "tolerant_motions.svg"}},
       {"bench-scenes", {"scenes.csv"}},
-      {"bench-stability", {"stability.csv", "stability_identify.csv"}}};
+      {"bench-stability", {"stability.csv", "three_ways.csv", "stability_identify.csv"}}};
   std::vector<std::string> names = kNames.at(verb);
   names.push_back("report.html");
   return names;
@@ -109,6 +109,7 @@ void Run::progress(const std::string& what, long done, long total) const {
   tell_raw((bar + (done >= total ? "\n" : "")).c_str());
 }
 Monitor Run::monitor(const std::string& what) const {
+  catch_interrupts();
   return {[this, what](long done, long total) { progress(what, done, total); }, interrupted};
 }
 double Run::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }

@@ -58,7 +58,7 @@ class Run {
   void say(const std::string& line) const;
   /// Progress on stderr: a bar with rate and remaining time on a terminal; elsewhere a line every ten seconds.
   void progress(const std::string& what, long done, long total) const;
-  /// Shows progress as above, and stops at Ctrl-C. The run must outlive it.
+  /// Shows progress as above, and stops at Ctrl-C, which from now on is a request. The run must outlive it.
   Monitor monitor(const std::string& what) const;
 
   /// Key, value pairs, safe to show: version, command line, checksums, seed, time of the start.

@@ -9,7 +9,6 @@
 
 #include "common/error.hpp"
 #include "tools/arguments.hpp"
-#include "tools/interrupt.hpp"
 #include "tools/terminal.hpp"
 #include "tools/verbs.hpp"
 
@@ -69,7 +68,6 @@ int run(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-' && std::find(verbs.begin(), verbs.end(), argv[1]) == verbs.end())
       throw InputError(quoted(argv[1]) + ": no such verb" + hint(argv[1], verbs));
     app.parse(argc, argv);
-    catch_interrupts();
     return chosen();
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) throw InputError(e.what());
