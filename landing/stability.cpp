@@ -182,6 +182,11 @@ StabilityResult judge(const StabilityCase& c, const StabilityLimits& limits) {
   }
   const Sensitivity s = sensitivity(c.scene, c.sea, c.motion, options, l.peak, 64);
   out.sensitivity = s.change;
+  if (!s.checked) {
+    out.verdict = Verdict::kRefused, out.failure = Failure::kSteps;
+    out.reason = "it could not be checked: at a hundredth of the tolerance it cannot be followed";
+    return out;
+  }
   out.verdict = s.sensitive ? Verdict::kSensitive : Verdict::kWrong;
   if (!s.sensitive) out.reason = "the peak moves with the tolerance, not with the scene";
   return out;

@@ -38,8 +38,10 @@ TEST_CASE("stability: stiff and extreme landings pass, are sensitive, or are ref
   CHECK(beyond * 8 <= cases);
 }
 
-// The reduced form of `ukemi bench stability --motions 100000 --scenes 10000`, whose figures stand in
-// tools/bench_stability.cpp.
+// The reduced form of `ukemi bench stability --motions 10000 --scenes 10000`, which with seed 1 gave: 100,000 random
+// motions on the ten shipped scenes: 99,990 agree (largest difference to 1e-11: scalar 5.2e-6, lanes 7.8e-4), 1
+// sensitive, 5 coarse, 4 refused, none wrong; 10,000 random robots, floors, drops, actuators and motions: 8,904 agree
+// (5.7e-6, 9.5e-4), 869 sensitive, 2 coarse, 225 refused, none wrong.
 TEST_CASE("stability: the scalar path, a hundred times tighter, and lanes give one peak, or the landing is sensitive") {
   const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
   const Scene paper = read_scene(UKEMI_DATASETS "/scenes/paper.toml"),
