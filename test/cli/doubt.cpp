@@ -11,12 +11,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-bool warned(const Json& summary, const std::string& text) {
-  for (const Json& w : summary["warnings"])
-    if (w.get<std::string>().find(text) != std::string::npos) return true;
-  return false;
-}
-
 /// The shipped trial without its comments.
 std::vector<std::string> lines_of(const std::string& path) {
   std::istringstream in(read(path));

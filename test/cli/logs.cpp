@@ -11,12 +11,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-bool warned(const Json& summary, const std::string& text) {
-  for (const Json& w : summary["warnings"])
-    if (w.get<std::string>().find(text) != std::string::npos) return true;
-  return false;
-}
-
 struct Row {
   double t, force, phi;
 };

@@ -101,4 +101,11 @@ inline Json summary(const Folder& f, const std::string& folder = "out") {
   return Json::parse(read(f.at(folder + "/summary.json")));
 }
 
+/// Whether a summary warns of something, by a part of its words.
+inline bool warned(const Json& summary, const std::string& text) {
+  for (const Json& w : summary["warnings"])
+    if (w.get<std::string>().find(text) != std::string::npos) return true;
+  return false;
+}
+
 }  // namespace cli
