@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/random.hpp"
-#include "identify/fit.hpp"
+#include "identify/fit/fit.hpp"
 #include "test/folder.hpp"
 
 namespace test {

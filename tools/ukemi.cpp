@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "common/error.hpp"
-#include "tools/arguments.hpp"
-#include "tools/terminal.hpp"
-#include "tools/verbs.hpp"
+#include "tools/program/arguments.hpp"
+#include "tools/program/terminal.hpp"
+#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 

@@ -13,7 +13,7 @@
 #include "common/median.hpp"
 #include "common/random.hpp"
 #include "common/stopwatch.hpp"
-#include "identify/fit.hpp"
+#include "identify/fit/fit.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;

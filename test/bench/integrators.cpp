@@ -12,7 +12,7 @@
 
 #include "common/median.hpp"
 #include "common/stopwatch.hpp"
-#include "landing/simulate.hpp"
+#include "landing/run/simulate.hpp"
 #include "test/bench/cvode_landing.hpp"
 #include "test/bench/odeint_landing.hpp"
 

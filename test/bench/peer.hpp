@@ -1,6 +1,6 @@
 // What a landing needs beside an integrator, for the peers: its start, its modes, where a guard falls through zero
-// inside a step, and where |ddr_0| is largest. Written apart from landing/simulate.cpp, so that the two check each
-// other; only the equations of landing/landing_system.hpp are shared.
+// inside a step, and where |ddr_0| is largest. Written apart from landing/run/simulate.cpp, so that the two check each
+// other; only the equations of landing/model/landing_system.hpp are shared.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 #include <limits>
 #include <string>
 
-#include "landing/landing_system.hpp"
-#include "landing/peak_tracker.hpp"
-#include "landing/reference.hpp"
+#include "landing/model/landing_system.hpp"
+#include "landing/run/peak_tracker.hpp"
+#include "tools/bench/reference.hpp"
 
 namespace ukemi::bench {
 
@@ -41,7 +41,7 @@ struct Result {
   std::string order() const { return {touchdowns.data(), std::size_t(std::min<int>(touched, touchdowns.size()))}; }
 };
 
-inline constexpr double kMaxStep = 0.1;        ///< as in landing/simulate.cpp [s]
+inline constexpr double kMaxStep = 0.1;        ///< as in landing/run/simulate.cpp [s]
 inline constexpr double kSameInstant = 1e-14;  ///< times nearer than this are one [s]
 inline constexpr long kMaxSteps = 200'000;
 inline constexpr int kMaxAtOnce = 64;     ///< events at one instant

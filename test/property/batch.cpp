@@ -3,9 +3,9 @@
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
-#include "landing/batch.hpp"
-#include "landing/lane_mode.hpp"
-#include "landing/scene_file.hpp"
+#include "landing/lanes/batch.hpp"
+#include "landing/lanes/lane_mode.hpp"
+#include "landing/model/scene_file.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

@@ -1,12 +1,12 @@
-// The rollout of landing/drop_rollout.hpp against `simulate`, another path through the events, and its derivatives
+// The rollout of landing/drops/drop_rollout.hpp against `simulate`, another path through the events, and its derivatives
 // against difference quotients of its own values, which know nothing of them.
-#include "landing/drop_rollout.hpp"
+#include "landing/drops/drop_rollout.hpp"
 
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
-#include "landing/scene_file.hpp"
+#include "landing/model/scene_file.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

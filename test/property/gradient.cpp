@@ -1,12 +1,12 @@
-// The gradients of landing/gradient.hpp against difference quotients of `peak_acceleration`, which knows nothing of
+// The gradients of landing/derivatives/gradient.hpp against difference quotients of `peak_acceleration`, which knows nothing of
 // them.
-#include "landing/gradient.hpp"
+#include "landing/derivatives/gradient.hpp"
 
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
-#include "landing/scene_file.hpp"
+#include "landing/model/scene_file.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "common/random.hpp"
-#include "identify/one_link.hpp"
-#include "landing/landing_system.hpp"
+#include "identify/rig/one_link.hpp"
+#include "landing/model/landing_system.hpp"
 
 using namespace ukemi;
 

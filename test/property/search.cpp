@@ -8,12 +8,12 @@
 #include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
-#include "landing/evidence.hpp"
-#include "landing/optimize.hpp"
-#include "landing/planner.hpp"
-#include "landing/population.hpp"
-#include "landing/scene_file.hpp"
-#include "landing/solvers.hpp"
+#include "landing/judge/evidence.hpp"
+#include "landing/search/optimize.hpp"
+#include "landing/search/planner.hpp"
+#include "landing/search/population.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/search/solvers.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

@@ -1,12 +1,12 @@
 // A reduced grid of `ukemi bench stability`: steps are bounded, not seconds. Every case passes, is earned sensitive, or
 // is refused with a reason; at most 2 % are refused.
-#include "landing/stability.hpp"
+#include "tools/bench/stability.hpp"
 
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
-#include "landing/scene_file.hpp"
-#include "landing/sensitivity.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/judge/sensitivity.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

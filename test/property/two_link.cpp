@@ -1,4 +1,4 @@
-// The reduced form of Eq. 1 (landing/two_link.hpp) and the landing built on it, held against laws that its derivation
+// The reduced form of Eq. 1 (landing/model/two_link.hpp) and the landing built on it, held against laws that its derivation
 // does not use: a generic H(q) ddq + c + g = S tau + J^T F from body Jacobians, conserved quantities of flight, the
 // power balance of contacts, finite differences, and the mirror.
 #include <Eigen/Cholesky>
@@ -8,9 +8,9 @@
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
-#include "landing/landing_system.hpp"
-#include "landing/scene_file.hpp"
-#include "landing/simulate.hpp"
+#include "landing/model/landing_system.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/run/simulate.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

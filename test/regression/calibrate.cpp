@@ -1,14 +1,14 @@
-// The calibration of tools/calibration.hpp on simulated drops: the shipped ones, whose truth their comments state, and
+// The calibration of tools/study/calibration.hpp on simulated drops: the shipped ones, whose truth their comments state, and
 // noise drawn here.
-#include "tools/calibration.hpp"
+#include "tools/study/calibration.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "common/error.hpp"
 #include "common/random.hpp"
-#include "landing/scene_file.hpp"
-#include "landing/simulate.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/run/simulate.hpp"
 
 using namespace ukemi;
 using namespace ukemi::tools;
@@ -18,7 +18,7 @@ namespace {
 
 const std::string kFolder = UKEMI_DATASETS "/drops/";
 constexpr double kDegree = 0.017453292519943295;
-constexpr std::array<double, kCalibrated> kTruth = {6000, 110, 40, -8 * kDegree};  // tools/make_drops.cpp
+constexpr std::array<double, kCalibrated> kTruth = {6000, 110, 40, -8 * kDegree};  // tools/data/make_drops.cpp
 
 SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 landing::Scene first_guess() { return landing::read_scene(kFolder + "first_guess.toml"); }

@@ -1,6 +1,6 @@
 // Two designed hits against two drawn ones, from the four weakest shipped trials (simulated; truth: Table 2); the error
 // bars that are predicted, against simulated experiments.
-#include "identify/design.hpp"
+#include "identify/design/design.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/diagnostics.hpp"
-#include "identify/hits.hpp"
+#include "identify/trust/diagnostics.hpp"
+#include "identify/logs/hits.hpp"
 #include "test/joint_simulator.hpp"
 
 using namespace ukemi;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/actuator.hpp"
-#include "identify/one_link.hpp"
+#include "identify/rig/one_link.hpp"
 #include "test/impact.hpp"
 
 using namespace ukemi;

@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
-#include "landing/optimize.hpp"
-#include "landing/scene_file.hpp"
-#include "landing/solvers.hpp"
+#include "landing/search/optimize.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/search/solvers.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "common/actuator.hpp"
-#include "landing/reference.hpp"
-#include "landing/scene_file.hpp"
-#include "landing/simulate.hpp"
+#include "tools/bench/reference.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/run/simulate.hpp"
 #include "test/folder.hpp"
 
 using namespace ukemi;

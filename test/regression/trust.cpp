@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/design.hpp"
-#include "identify/ladder.hpp"
-#include "identify/profile.hpp"
-#include "identify/statistics.hpp"
+#include "identify/design/design.hpp"
+#include "identify/trust/ladder.hpp"
+#include "identify/trust/profile.hpp"
+#include "identify/fit/statistics.hpp"
 #include "test/impact.hpp"
 
 using namespace ukemi;

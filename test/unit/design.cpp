@@ -1,5 +1,5 @@
 // Which hit to try next: information, criteria, safety, the search.
-#include "identify/design.hpp"
+#include "identify/design/design.hpp"
 
 #include <Eigen/Cholesky>
 #include <catch2/catch.hpp>

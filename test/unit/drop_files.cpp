@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "common/files.hpp"
-#include "landing/drop_log.hpp"
-#include "landing/scene_file.hpp"
+#include "landing/drops/drop_log.hpp"
+#include "landing/model/scene_file.hpp"
 #include "test/folder.hpp"
 
 using namespace ukemi;

@@ -15,9 +15,9 @@
 #include "common/csv.hpp"
 #include "common/files.hpp"
 #include "common/toml.hpp"
-#include "identify/rig.hpp"
-#include "identify/trial.hpp"
-#include "landing/scene_file.hpp"
+#include "identify/rig/rig.hpp"
+#include "identify/logs/trial.hpp"
+#include "landing/model/scene_file.hpp"
 #include "test/folder.hpp"
 
 using namespace ukemi;

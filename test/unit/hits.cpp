@@ -1,12 +1,12 @@
 // Where the force acts, what the load cell reads between hits, gaps, signs.
-#include "identify/hits.hpp"
+#include "identify/logs/hits.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "common/random.hpp"
-#include "identify/statistics.hpp"
+#include "identify/fit/statistics.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;

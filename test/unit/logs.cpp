@@ -5,8 +5,8 @@
 #include <numbers>
 #include <random>
 
-#include "identify/force_log.hpp"
-#include "identify/hebi_trial.hpp"
+#include "identify/logs/force_log.hpp"
+#include "identify/logs/hebi_trial.hpp"
 #include "test/folder.hpp"
 #include "test/unit/hebi_bytes.hpp"
 

@@ -1,11 +1,11 @@
-// The landing motion (landing/motion.hpp) and the box of motions of the tolerant peak (landing/robust.hpp).
-#include "landing/motion.hpp"
+// The landing motion (landing/model/motion.hpp) and the box of motions of the tolerant peak (landing/search/robust.hpp).
+#include "landing/model/motion.hpp"
 
 #include <catch2/catch.hpp>
 #include <set>
 #include <tuple>
 
-#include "landing/robust.hpp"
+#include "landing/search/robust.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

@@ -1,13 +1,13 @@
-// The rig (identify/one_link.hpp, rollout.hpp) against solutions that share no code with it: the matrix exponential
+// The rig (identify/rig/one_link.hpp, rollout.hpp) against solutions that share no code with it: the matrix exponential
 // where the rig is linear, a fine fixed-step integration with a plain clamp where it is not; and its derivatives
 // against differences.
-#include "identify/one_link.hpp"
+#include "identify/rig/one_link.hpp"
 
 #include <catch2/catch.hpp>
 #include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "identify/rollout.hpp"
+#include "identify/rollout/rollout.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;

@@ -10,9 +10,9 @@
 #include <exception>
 
 #include "common/actuator.hpp"
-#include "landing/planner.hpp"
-#include "landing/release.hpp"
-#include "landing/scene_file.hpp"
+#include "landing/search/planner.hpp"
+#include "landing/model/release.hpp"
+#include "landing/model/scene_file.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 6) {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "identify/fit.hpp"
+#include "identify/fit/fit.hpp"
 
 int main() {
   using namespace ukemi;

@@ -1,0 +1,134 @@
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "common/parallel.hpp"
+#include "common/random.hpp"
+#include "identify/design/design.hpp"
+#include "identify/fit/fit.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Relative errors of one repeat, and the half-widths that it reports.
+struct Repeat {
+  VectorXd error, half_width;
+};
+
+struct Experiment {
+  Trial log;
+  std::vector<double> phi, phi_m;  ///< without noise
+};
+
+Trial measured(const Experiment& e, double noise, Random& random) {
+  Trial log = e.log;
+  for (std::size_t i = 0; i < log.phi.size(); ++i) log.phi[i] = e.phi[i] + noise * random.normal();
+  for (std::size_t i = 0; i < log.phi_motor.size(); ++i) log.phi_motor[i] = e.phi_m[i] + noise * random.normal();
+  return log;
+}
+
+/// The probability that at most `k` of n intervals of 95 % hold the truth.
+double at_most(int k, int n) {
+  double term = std::pow(0.95, n), sum = 0;  // all n hold it
+  for (int missed = 0; missed <= n; ++missed) {
+    if (n - missed <= k) sum += term;
+    term *= double(n - missed) / (missed + 1) * 0.05 / 0.95;
+  }
+  return sum;
+}
+
+/// Whether the mean square of n normal errors over their variance is what chance allows, 0.1 % in all (chi-square
+/// quantiles of Wilson and Hilferty).
+bool plausible(double mean_square, int n) {
+  constexpr double z = 3.29;
+  const double s = 2.0 / (9.0 * n), low = 1 - s - z * std::sqrt(s), high = 1 - s + z * std::sqrt(s);
+  return mean_square >= std::pow(std::max(low, 0.0), 3) && mean_square <= std::pow(high, 3);
+}
+
+}  // namespace
+
+DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& trials, const std::vector<Hit>& hits,
+                  const DesignOptions& o, int repeats) {
+  std::vector<Experiment> experiments;
+  const auto prepare = [&](Trial log) {
+    Experiment e{std::move(log), {}, {}};
+    const PreparedTrial prepared(e.log);
+    if (rollout(rig, k.sea, {}, prepared, {}, e.phi, e.phi_m) == RolloutStatus::kDone)
+      experiments.push_back(std::move(e));
+  };
+  for (const Trial& t : trials) prepare(t);
+  MatrixXd information = k.information;
+  for (const Hit& h : hits) {
+    const Trial log = blank_log(h, o.log);
+    if (const auto tells = information_of(rig, k.sea, k.constants, log, o.log.noise)) information += *tells;
+    prepare(log);
+  }
+
+  const long n = long(k.constants.size());
+  const auto u = ukemi::constants(k.sea);
+  VectorXd value(n);
+  for (long i = 0; i < n; ++i) value[i] = u[std::size_t(k.constants[std::size_t(i)])];
+  FitOptions fit_options{.restarts = 0};
+  fit_options.free.fill(false);
+  for (const int c : k.constants) fit_options.free[std::size_t(c)] = true;
+  const MatrixXd in_hand = covariance_of(k.information).value_or(MatrixXd::Zero(n, n));
+  const Eigen::LLT<MatrixXd> root(in_hand);
+
+  std::vector<std::optional<Repeat>> done(std::size_t(repeats), std::nullopt);
+  parallel_for(repeats, o.threads, [&](int r) {
+    Random random(o.seed, std::uint64_t(r));
+    std::vector<Trial> logs;
+    for (const Experiment& e : experiments) logs.push_back(measured(e, o.log.noise, random));
+    const Fit f = fit(rig, logs, k.sea, k.sea, fit_options);
+    if (!f.converged || !f.covariance.allFinite()) return;
+    Repeat out{VectorXd(n), VectorXd(n)};
+    const VectorXd inverse = value.cwiseInverse();
+    MatrixXd covariance = inverse.asDiagonal() * f.covariance * inverse.asDiagonal();
+    for (long i = 0; i < n; ++i)
+      out.error[i] = f.parameters[std::size_t(k.constants[std::size_t(i)])].value / value[i] - 1;
+    if (trials.empty()) {
+      VectorXd z(n);
+      for (double& x : z) x = random.normal();
+      const VectorXd drawn = root.matrixL() * z;
+      const auto of_hits = covariance_of(covariance);  // the inverse, either way
+      if (!of_hits) return;
+      const auto joined = covariance_of(k.information + *of_hits);
+      if (!joined) return;
+      covariance = *joined;
+      out.error = covariance * (k.information * drawn + *of_hits * out.error);
+    }
+    out.half_width = f.half_width * covariance.diagonal().cwiseSqrt();
+    done[std::size_t(r)] = out;
+  });
+
+  DesignCheck c;
+  c.constants.resize(std::size_t(n));
+  const auto predicted = covariance_of(information);
+  for (long i = 0; i < n && predicted; ++i) c.constants[std::size_t(i)].predicted = std::sqrt((*predicted)(i, i));
+  for (const auto& r : done) {
+    if (!r) {
+      ++c.failed;
+      continue;
+    }
+    ++c.repeats;
+    for (long i = 0; i < n; ++i) {
+      DesignCheck::Constant& q = c.constants[std::size_t(i)];
+      q.scatter += r->error[i] * r->error[i];
+      q.half_width += r->half_width[i];
+      q.covered += std::abs(r->error[i]) <= r->half_width[i];
+    }
+  }
+  c.agrees = c.failed == 0 && c.repeats > 0;
+  for (DesignCheck::Constant& q : c.constants) {
+    if (c.repeats == 0) break;
+    q.scatter = std::sqrt(q.scatter / c.repeats), q.half_width /= c.repeats;
+    const double ratio = q.scatter / q.predicted;
+    c.agrees = c.agrees && plausible(ratio * ratio, c.repeats) && at_most(q.covered, c.repeats) > 1e-3;
+  }
+  return c;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,115 @@
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "common/random.hpp"
+#include "identify/design/design.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+SeaParameters<double> scaled(const Knowledge& k, const VectorXd& relative) {
+  constexpr double kLeast = 1e-6;  // of a constant: none is below 0
+  SeaParameters<double> sea = k.sea;
+  auto u = ukemi::constants(sea);
+  for (std::size_t i = 0; i < k.constants.size(); ++i)
+    u[std::size_t(k.constants[i])] *= std::max(1 + relative[long(i)], kLeast);
+  set_constants(sea, u);
+  return sea;
+}
+
+}  // namespace
+
+const char* name(HitSafety::Verdict verdict) {
+  switch (verdict) {
+    case HitSafety::Verdict::kSafe:
+      return "safe";
+    case HitSafety::Verdict::kTooFar:
+      return "beyond the largest angle";
+    case HitSafety::Verdict::kEscapes:
+      return "the link escapes";
+  }
+  return "?";
+}
+
+Trial blank_log(const Hit& hit, const HitLog& log) {
+  Trial trial;
+  const int last = int(std::lround(log.duration * log.rate));
+  for (int i = 0; i <= last; ++i) {
+    const double t = i / log.rate, s = (t - log.start) / hit.width;
+    trial.t.push_back(t);
+    trial.force.push_back(s > 0 && s < 1 ? hit.peak * std::sin(std::numbers::pi * s) : 0);
+  }
+  trial.phi.assign(trial.t.size(), 0);
+  if (log.outputs == HitLog::Outputs::kLinkAndMotor) trial.phi_motor = trial.phi;
+  return trial;
+}
+
+HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
+  // Watched more closely and longer than it will be logged: the hit itself, not its samples, moves the link.
+  constexpr double kSamplesInPulse = 40, kLongEnough = 1;
+  HitLog close = o.log;
+  close.rate = std::max(o.log.rate, kSamplesInPulse / hit.width);
+  close.duration = std::max(o.log.duration, o.log.start + hit.width + kLongEnough);
+  const Trial trial = blank_log(hit, close);
+  const PreparedTrial prepared(trial);
+  HitSafety out;
+  thread_local std::vector<double> phi, phi_m;
+  const auto stays = [&](const SeaParameters<double>& sea) {
+    if (rollout(rig, sea, {}, prepared, {}, phi, phi_m) != RolloutStatus::kDone) {
+      out.verdict = HitSafety::Verdict::kEscapes;
+      return false;
+    }
+    for (const double a : phi) out.worst_angle = std::max(out.worst_angle, std::abs(a));
+    if (out.worst_angle > o.budget.angle) out.verdict = HitSafety::Verdict::kTooFar;
+    return out.safe();
+  };
+  if (!stays(k.sea)) {
+    out.angle = out.worst_angle;
+    return out;
+  }
+  out.angle = out.worst_angle;
+  for (std::size_t i = 1; i + 1 < phi.size(); ++i) {
+    const double d = phi_m[i] - phi[i],
+                 rate = (phi_m[i + 1] - phi[i + 1] - phi_m[i - 1] + phi[i - 1]) * 0.5 * close.rate;
+    const double tau = std::abs((k.sea.k_sea + k.sea.k_sea_cubic * d * d) * d + k.sea.c_sea * rate);
+    out.torque = std::max(out.torque, tau);
+    if (tau >= k.sea.tau_max) out.limited += 1 / close.rate;
+  }
+
+  constexpr double kChiSquare95[kConstants] = {3.841, 5.991, 7.815, 9.488, 11.070};
+  const auto covariance = covariance_of(k.information);
+  assert(covariance);
+  const long n = covariance->rows();
+  const double radius = std::sqrt(kChiSquare95[n - 1]);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(*covariance);
+  const MatrixXd axes = radius * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+
+  // Where the largest angle grows fastest: C g / sqrt(g' C g).
+  thread_local std::vector<ConstantJet> dphi, dphi_m;
+  if (differentiate(rig, k.sea, k.constants, prepared, dphi, dphi_m) == RolloutStatus::kDone) {
+    const ConstantJet& farthest =
+        *std::max_element(dphi.begin(), dphi.end(),
+                          [](const ConstantJet& a, const ConstantJet& b) { return std::abs(a.a) < std::abs(b.a); });
+    const VectorXd g = axes.transpose() * farthest.v.head(n) * (farthest.a < 0 ? -1 : 1);
+    if (g.norm() > 0 && !stays(scaled(k, axes * g.normalized()))) return out;
+  }
+  for (long a = 0; a < n; ++a)
+    for (const double sign : {1.0, -1.0})
+      if (!stays(scaled(k, sign * axes.col(a)))) return out;
+  for (int draw = 0; draw < o.draws; ++draw) {
+    Random random(o.seed, std::uint64_t(draw));
+    VectorXd z(n);
+    for (double& x : z) x = random.normal();
+    if (!stays(scaled(k, axes * z.normalized()))) return out;
+  }
+  return out;
+}
+
+}  // namespace ukemi::identify

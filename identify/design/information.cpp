@@ -1,0 +1,127 @@
+#include "identify/design/information.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/error.hpp"
+#include "identify/fit/least_squares.hpp"
+#include "identify/fit/statistics.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+std::size_t slot(int constant) { return std::size_t(constant); }
+
+}  // namespace
+
+RolloutStatus differentiate(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
+                            const PreparedTrial& trial, std::vector<ConstantJet>& phi,
+                            std::vector<ConstantJet>& phi_m) {
+  auto p = sea.cast<ConstantJet>();
+  auto u = ukemi::constants(p);
+  for (std::size_t i = 0; i < constants.size(); ++i) u[slot(constants[i])].v[long(i)] = u[slot(constants[i])].a;
+  set_constants(p, u);
+  return rollout(rig, p, {}, trial, {}, phi, phi_m);
+}
+
+std::optional<MatrixXd> information_of(const Rig& rig, const SeaParameters<double>& sea,
+                                       const std::vector<int>& constants, const Trial& trial, double noise) {
+  thread_local std::vector<ConstantJet> phi, phi_m;
+  const PreparedTrial prepared(trial);
+  if (differentiate(rig, sea, constants, prepared, phi, phi_m) != RolloutStatus::kDone) return std::nullopt;
+  using Square = Eigen::Matrix<double, kSmallJet, kSmallJet>;
+  Square sum = Square::Zero();
+  for (std::size_t i = 0; i < trial.phi.size(); ++i) sum.noalias() += phi[i].v * phi[i].v.transpose();
+  for (std::size_t i = 0; i < trial.phi_motor.size(); ++i) sum.noalias() += phi_m[i].v * phi_m[i].v.transpose();
+  const long n = long(constants.size());
+  const MatrixXd out = sum.topLeftCorner(n, n) / (noise * noise);
+  if (!out.allFinite()) return std::nullopt;
+  return out;
+}
+
+std::vector<int> uncertain_constants(const Actuator& actuator) {
+  const auto u = ukemi::constants(actuator.sea);
+  const std::vector<std::string>& named = actuator.uncertain;
+  std::vector<int> out;
+  for (int c = 0; c < kConstants; ++c)
+    if (u[slot(c)] > 0 &&
+        (named.empty() || std::find(named.begin(), named.end(), kConstantNames[slot(c)]) != named.end()))
+      out.push_back(c);
+  return out;
+}
+
+Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
+                       const std::vector<Trial>& trials, double noise) {
+  const long n = long(constants.size());
+  Knowledge k{.sea = sea, .constants = constants, .information = MatrixXd::Zero(n, n)};
+  for (const Trial& t : trials) {
+    const auto tells = information_of(rig, sea, constants, t, noise);
+    if (!tells) throw InputError({t.file}, "the estimate cannot be followed through this trial: fit it first");
+    k.information += *tells;
+    k.measurements += long(t.measurements());
+  }
+  return k;
+}
+
+std::optional<Knowledge> knowledge_of(const Actuator& actuator) {
+  Knowledge k{.sea = actuator.sea, .constants = uncertain_constants(actuator), .information = {}};
+  if (actuator.uncertain.empty() || k.constants.empty()) return std::nullopt;
+  const auto u = ukemi::constants(actuator.sea);
+  std::vector<long> rows;
+  VectorXd inverse(long(k.constants.size()));
+  for (const int c : k.constants) {
+    const auto at = std::find(actuator.uncertain.begin(), actuator.uncertain.end(), kConstantNames[slot(c)]);
+    inverse[long(rows.size())] = 1 / u[slot(c)];
+    rows.push_back(at - actuator.uncertain.begin());
+  }
+  const auto information =
+      covariance_of(inverse.asDiagonal() * MatrixXd(actuator.covariance(rows, rows)) * inverse.asDiagonal());
+  if (!information) return std::nullopt;
+  k.information = *information;
+  return k;
+}
+
+std::optional<MatrixXd> covariance_of(const MatrixXd& information) {
+  // Unit diagonal first: what counts as singular then does not depend on scales.
+  if (!(information.diagonal().array() > 0).all()) return std::nullopt;
+  const VectorXd d = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(d.asDiagonal() * information * d.asDiagonal());
+  constexpr double kSingular = 1e-13;
+  const VectorXd& values = eigen.eigenvalues();
+  if (!(values[0] > kSingular * values[values.size() - 1])) return std::nullopt;
+  return MatrixXd(d.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
+                  eigen.eigenvectors().transpose() * d.asDiagonal());
+}
+
+VectorXd half_widths(const MatrixXd& information, long measurements) {
+  const auto covariance = covariance_of(information);
+  if (!covariance) return VectorXd::Constant(information.rows(), kInfinite);
+  constexpr long kMany = 1'000'000'000;
+  return t_quantile_975(measurements > 0 ? std::max(measurements - information.rows(), 1l) : kMany) *
+         covariance->diagonal().cwiseSqrt();
+}
+
+const char* name(Criterion criterion) {
+  return criterion == Criterion::kWorst ? "worst" : criterion == Criterion::kD ? "d" : "e";
+}
+double size_of(Criterion criterion, const MatrixXd& information) {
+  const auto covariance = covariance_of(information);
+  if (!covariance) return kInfinite;
+  if (criterion == Criterion::kWorst) return std::sqrt(covariance->diagonal().maxCoeff());
+  const VectorXd axes = Eigen::SelfAdjointEigenSolver<MatrixXd>(*covariance, Eigen::EigenvaluesOnly)
+                            .eigenvalues()
+                            .cwiseMax(0)
+                            .cwiseSqrt();
+  if (criterion == Criterion::kE) return axes.maxCoeff();
+  return std::exp(axes.array().log().mean());
+}
+
+}  // namespace ukemi::identify

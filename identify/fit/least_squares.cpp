@@ -1,0 +1,296 @@
+#include "identify/fit/least_squares.hpp"
+
+#include <ceres/ceres.h>
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <mutex>
+#include <optional>
+
+#include "identify/fit/covariance.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// r -> sign(r) sqrt(rho(r^2)) with Huber's rho, so that the sum of squares is the robust cost; scales the Jacobian's
+/// rows, if any.
+void robustify(double delta, Eigen::VectorXd& r, Eigen::MatrixXd& jacobian) {
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
+    const double a = std::abs(r[i]);
+    if (a <= delta) continue;
+    const double robust = std::sqrt(2 * delta * a - delta * delta), slope = delta / robust;  // d robust / d a
+    r[i] = std::copysign(robust, r[i]);
+    if (jacobian.size() > 0) jacobian.row(i) *= slope;
+  }
+}
+
+/// R of [J r] = Q R from [J r]' [J r]; a zero row where a column depends on those before it.
+Eigen::MatrixXd triangle_of(Eigen::MatrixXd square) {
+  const Eigen::Index n = square.rows();
+  const Eigen::VectorXd whole = square.diagonal();
+  constexpr double kRounding = 1e-15;
+  Eigen::MatrixXd r = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!(square(i, i) > kRounding * whole[i])) continue;
+    r.row(i).tail(n - i) = square.row(i).tail(n - i) / std::sqrt(square(i, i));
+    square.noalias() -= r.row(i).transpose() * r.row(i);
+  }
+  return r;
+}
+
+/// A block in scaled parameters, as the solver sees it. All that least squares asks of n residuals by p parameters is
+/// R of [J r] = Q R: p + 1 rows in place of n, at the same cost.
+class BlockCost final : public ceres::CostFunction {
+ public:
+  BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, const LeastSquaresOptions& options)
+      : block_(block), options_(options), globals_(int(problem.globals.size())), locals_(int(problem.locals.size())) {
+    scale_.resize(globals_ + locals_);
+    for (int i = 0; i < globals_; ++i) scale_[i] = problem.globals[std::size_t(i)].scale;
+    for (int i = 0; i < locals_; ++i) scale_[globals_ + i] = problem.locals[std::size_t(i)].scale;
+    set_num_residuals(globals_ + locals_ + 1);
+    mutable_parameter_block_sizes()->push_back(globals_);
+    if (locals_ > 0) mutable_parameter_block_sizes()->push_back(locals_);
+  }
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    // A trial step may be refused at any time; derivatives at a point that was accepted must not fail.
+    if (!jacobians && options_.stop && options_.stop()) return false;
+    const int p = globals_ + locals_;
+    Eigen::Map<Eigen::VectorXd> r(residuals, p + 1);
+    if (!jacobians) {
+      const std::optional<double> square = cost(x);
+      if (!square) return false;
+      r.setZero(), r[p] = std::sqrt(*square);
+      return true;
+    }
+    const Eigen::MatrixXd* square = square_form(x);
+    if (!square) return false;
+    const Eigen::MatrixXd triangle = triangle_of(*square);
+    r = triangle.col(p);
+    if (jacobians[0]) Eigen::Map<RowMajor>(jacobians[0], p + 1, globals_) = triangle.leftCols(globals_);
+    if (locals_ > 0 && jacobians[1])
+      Eigen::Map<RowMajor>(jacobians[1], p + 1, locals_) = triangle.middleCols(globals_, locals_);
+    return true;
+  }
+
+  /// [J r]' [J r]: globals, locals, residual; null where the block cannot be evaluated. Those of the last two points
+  /// are kept: the solver asks for cost and derivatives of one point in turn, and the covariance for the one before.
+  const Eigen::MatrixXd* square_form(double const* const* x) const {
+    const Eigen::VectorXd at = point(x);
+    if (const Eigen::MatrixXd* known = recall(at)) return known;
+    const int p = globals_ + locals_;
+    thread_local Eigen::MatrixXd jacobian;
+    jacobian.resize(block_.size, p);
+    const Eigen::VectorXd* r = rows(at, jacobian);
+    if (!r) return nullptr;
+    std::swap(known_[0], known_[1]);
+    known_[0].at = at;
+    Eigen::MatrixXd& square = known_[0].square;
+    square.resize(p + 1, p + 1);
+    const auto column = [&](int i) {
+      return Eigen::Map<const Eigen::VectorXd>(i < p ? jacobian.col(i).data() : r->data(), block_.size);
+    };
+    for (int i = 0; i <= p; ++i)  // so few columns: their own products beat the general one
+      for (int j = 0; j <= i; ++j)
+        square(i, j) = square(j, i) = (i < p ? scale_[i] : 1) * (j < p ? scale_[j] : 1) * column(i).dot(column(j));
+    return &square;
+  }
+
+ private:
+  struct Known {
+    Eigen::VectorXd at;
+    Eigen::MatrixXd square;
+  };
+  const Eigen::MatrixXd* recall(const Eigen::VectorXd& at) const {
+    for (const Known& k : known_)
+      if (k.at.size() == at.size() && k.at == at) return &k.square;
+    return nullptr;
+  }
+  std::optional<double> cost(double const* const* x) const {
+    const Eigen::VectorXd at = point(x);
+    if (const Eigen::MatrixXd* known = recall(at)) return (*known)(globals_ + locals_, globals_ + locals_);
+    Eigen::MatrixXd none;
+    const Eigen::VectorXd* r = rows(at, none);
+    return r ? std::optional(r->squaredNorm()) : std::nullopt;
+  }
+  /// The parameters in their own units, globals, then locals.
+  Eigen::VectorXd point(double const* const* x) const {
+    Eigen::VectorXd out(globals_ + locals_);
+    out.head(globals_) = Eigen::Map<const Eigen::VectorXd>(x[0], globals_);
+    if (locals_ > 0) out.tail(locals_) = Eigen::Map<const Eigen::VectorXd>(x[1], locals_);
+    return out.cwiseProduct(scale_);
+  }
+  /// The block's residuals and, unless it is empty, the Jacobian; null where it cannot be evaluated.
+  const Eigen::VectorXd* rows(const Eigen::VectorXd& at, Eigen::MatrixXd& jacobian) const {
+    thread_local Eigen::VectorXd r;
+    r.resize(block_.size);
+    if (!block_.evaluate(at.data(), at.data() + globals_, r.data(), jacobian.size() > 0 ? jacobian.data() : nullptr))
+      return nullptr;
+    if (!r.allFinite()) return nullptr;
+    if (options_.huber > 0) robustify(options_.huber, r, jacobian);
+    return &r;
+  }
+
+  const ResidualBlock& block_;
+  const LeastSquaresOptions& options_;
+  int globals_, locals_;
+  Eigen::VectorXd scale_;
+  mutable std::array<Known, 2> known_;  ///< the last first
+};
+
+/// A prior in scaled parameters.
+class PullCost final : public ceres::CostFunction {
+ public:
+  PullCost(const LeastSquaresProblem& problem, const Pull& pull)
+      : pull_(pull), scale_(problem.globals[std::size_t(pull.global)].scale), globals_(int(problem.globals.size())) {
+    set_num_residuals(1);
+    mutable_parameter_block_sizes()->push_back(globals_);
+  }
+  bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
+    *residual = (x[0][pull_.global] * scale_ - pull_.value) * pull_.weight;
+    if (jacobians && jacobians[0]) {
+      std::fill_n(jacobians[0], globals_, 0.0);
+      jacobians[0][pull_.global] = scale_ * pull_.weight;
+    }
+    return true;
+  }
+
+ private:
+  Pull pull_;
+  double scale_;
+  int globals_;
+};
+
+/// Ends the search where the caller wants it ended.
+struct Stop final : ceres::IterationCallback {
+  explicit Stop(const std::function<bool()>& asked) : stop(asked) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return stop() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+  const std::function<bool()>& stop;
+};
+
+std::vector<double> scaled_start(const std::vector<Parameter>& list) {
+  std::vector<double> x;
+  for (const Parameter& p : list) x.push_back(std::clamp(p.start, p.lower, p.upper) / p.scale);
+  return x;
+}
+
+void set_bounds(ceres::Problem& problem, double* x, const std::vector<Parameter>& list) {
+  for (int i = 0; i < int(list.size()); ++i) {
+    const Parameter& p = list[std::size_t(i)];
+    if (std::isfinite(p.lower)) problem.SetParameterLowerBound(x, i, p.lower / p.scale);
+    if (std::isfinite(p.upper)) problem.SetParameterUpperBound(x, i, p.upper / p.scale);
+  }
+}
+
+void quiet_glog() {
+  static std::once_flag once;
+  std::call_once(once, [] { FLAGS_minloglevel = 3; });
+}
+
+}  // namespace
+
+LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquaresOptions& options) {
+  quiet_glog();
+  LeastSquaresSolution out;
+  std::vector<double> x = scaled_start(problem.globals);
+  std::vector<std::vector<double>> locals(problem.blocks.size(), scaled_start(problem.locals));
+
+  std::deque<BlockCost> costs;
+  ceres::Problem::Options ours;
+  ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem ceres_problem(ours);
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
+    std::vector<double*> blocks{x.data()};
+    if (!problem.locals.empty()) blocks.push_back(locals[b].data());
+    costs.emplace_back(problem, problem.blocks[b], options);
+    ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
+    out.residuals += problem.blocks[b].size;
+  }
+  std::deque<PullCost> pulls;
+  for (const Pull& p : problem.priors) {
+    pulls.emplace_back(problem, p);
+    ceres_problem.AddResidualBlock(&pulls.back(), nullptr, x.data());
+    ++out.residuals;
+  }
+  const bool held = options.globals == LeastSquaresOptions::Globals::kHeld;
+  if (held)
+    ceres_problem.SetParameterBlockConstant(x.data());
+  else
+    set_bounds(ceres_problem, x.data(), problem.globals);
+  if (!problem.locals.empty())
+    for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
+
+  ceres::Solver::Options o;
+  o.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;  // thousands of residuals for each parameter
+  o.max_num_iterations = options.max_iterations;
+  o.function_tolerance = 1e-11;  // leaves 3e-6 sqrt(residuals) standard errors at most
+  o.parameter_tolerance = 1e-11;
+  o.gradient_tolerance = 1e-15;
+  o.max_num_consecutive_invalid_steps = 30;
+  o.initial_trust_region_radius = 100;  // the scaled start is 1: a first step of its own size
+  o.logging_type = ceres::SILENT;
+  o.num_threads = 1;  // the sum over blocks must not depend on the number of threads
+  Stop stop(options.stop);
+  if (options.stop) o.callbacks.push_back(&stop);
+  ceres::Solver::Summary summary;
+  ceres::Solve(o, &ceres_problem, &summary);
+
+  out.usable = summary.IsSolutionUsable();
+  out.converged = summary.termination_type == ceres::CONVERGENCE;
+  out.iterations = int(summary.iterations.size()) - 1;
+  out.message = summary.message;
+  out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
+  const int G = int(problem.globals.size());
+  out.globals.resize(G);
+  for (int i = 0; i < G; ++i) {
+    const Parameter& p = problem.globals[std::size_t(i)];
+    out.globals[i] = x[std::size_t(i)] * p.scale;
+    const bool low = x[std::size_t(i)] <= p.lower / p.scale, high = x[std::size_t(i)] >= p.upper / p.scale;
+    if (low) out.globals[i] = p.lower;
+    if (high) out.globals[i] = p.upper;
+    out.at_bound.push_back(low || high);
+  }
+  out.locals.resize(long(problem.blocks.size()), long(problem.locals.size()));
+  for (std::size_t b = 0; b < locals.size(); ++b)
+    for (std::size_t l = 0; l < problem.locals.size(); ++l)
+      out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
+  out.global_covariance.setConstant(G, G, std::numeric_limits<double>::quiet_NaN());
+  out.local_variance.setConstant(out.locals.rows(), out.locals.cols(), std::numeric_limits<double>::quiet_NaN());
+  if (!out.usable || held) return out;
+  std::vector<const Eigen::MatrixXd*> squares;
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const double* at[2] = {x.data(), locals[b].data()};
+    squares.push_back(costs[b].square_form(at));
+    if (!squares.back()) return out;
+  }
+  add_covariances(problem, squares, out);
+  return out;
+}
+
+double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& options, const Eigen::VectorXd& globals) {
+  std::vector<double> local(problem.locals.size());
+  for (std::size_t i = 0; i < local.size(); ++i) local[i] = problem.locals[i].start;
+  double sum = 0;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd none;
+  for (const ResidualBlock& block : problem.blocks) {
+    r.resize(block.size);
+    if (!block.evaluate(globals.data(), local.data(), r.data(), nullptr))
+      return std::numeric_limits<double>::infinity();
+    if (options.huber > 0) robustify(options.huber, r, none);
+    sum += r.squaredNorm();
+  }
+  for (const Pull& p : problem.priors) sum += std::pow((globals[p.global] - p.value) * p.weight, 2);
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace ukemi::identify

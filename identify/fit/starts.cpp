@@ -1,0 +1,92 @@
+#include "identify/fit/starts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "common/actuator.hpp"
+#include "common/random.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+/// Angular frequency of a log: rms rate over rms deviation, on differences wide enough to see past the noise [rad/s].
+double dominant_frequency(const Trial& trial) {
+  const std::vector<double>& x = trial.phi;
+  if (x.size() < 20) return 0;
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / 250);
+  double mean = 0, rate2 = 0, deviation2 = 0;
+  for (const double v : x) mean += v / double(x.size());
+  std::size_t n = 0;
+  for (std::size_t i = 0; i + stride < x.size(); i += stride, ++n) {
+    const double dx = (x[i + stride] - x[i]) / (trial.t[i + stride] - trial.t[i]), d = x[i] - mean;
+    rate2 += dx * dx, deviation2 += d * d;
+  }
+  return deviation2 > 0 ? std::sqrt(rate2 / deviation2) : 0;
+}
+
+}  // namespace
+
+Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
+  double omega = 0, num_p = 0, den_p = 0, num_d = 0;
+  int with_frequency = 0;
+  struct Moments {
+    double torque = 0, torque_t = 0, phi = 0, phi_t = 0;
+  };
+  std::vector<Moments> all;
+  for (const Trial& trial : trials) {
+    if (const double w = dominant_frequency(trial); w > 0 && std::isfinite(w)) omega += w, ++with_frequency;
+    if (trial.force.empty() || trial.phi.empty()) continue;
+    Moments m;
+    const std::vector<double> force = force_at_samples(trial);
+    for (std::size_t i = 0; i + 1 < trial.samples(); ++i) {
+      const double dt = trial.t[i + 1] - trial.t[i], t = 0.5 * (trial.t[i + 1] + trial.t[i]) - trial.t[0];
+      const double ref = trial.phi_ref.empty() ? 0 : trial.phi_ref[i];
+      const double phi = 0.5 * (trial.phi[i] + trial.phi[i + 1]) - ref;
+      const double torque =
+          0.5 * rig.length * (std::cos(trial.phi[i]) * force[i] + std::cos(trial.phi[i + 1]) * force[i + 1]);
+      m.torque += torque * dt, m.torque_t += torque * t * dt, m.phi += phi * dt, m.phi_t += phi * t * dt;
+    }
+    num_p += m.torque * m.phi, den_p += m.phi * m.phi;
+    all.push_back(m);
+  }
+  omega = with_frequency > 0 ? std::clamp(omega / with_frequency, 1.0, 1e3) : 20;
+  const double k_p = den_p > 0 ? num_p / den_p : 0;
+  for (const Moments& m : all) num_d += (k_p * m.phi_t - m.torque_t) * m.phi;
+  const double k_d = den_p > 0 ? num_d / den_p : 0;
+
+  Suggestion s;
+  const bool moments = k_p > 0 && std::isfinite(k_p);
+  const double stiffness = rig.inertia * omega * omega;
+  s.centre.k_p = moments ? k_p : stiffness;
+  s.centre.k_d = moments && k_d > 0 ? k_d : 0.3 * s.centre.k_p / omega;
+  s.centre.k_sea = 2 * std::max(stiffness, 0.5 * s.centre.k_p);
+  s.centre.c_sea = 0.3 * s.centre.k_sea / omega;
+  s.centre.i_motor = s.centre.k_p / (omega * omega);
+  s.spread_gains = moments ? 1.2 : 30;
+  s.spread_rest = 10;
+  return s;
+}
+
+std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int count, std::uint64_t seed) {
+  const std::array<double, kConstants> spread = {about.spread_gains, about.spread_gains * 1.5, about.spread_rest,
+                                                 about.spread_rest, about.spread_rest};
+  std::vector<SeaParameters<double>> out(std::size_t(std::max(count, 0)), about.centre);
+  std::vector<int> layer(out.size());
+  for (std::size_t k = 0; k < kConstants; ++k) {
+    Random random(seed, k);
+    std::iota(layer.begin(), layer.end(), 0);
+    for (std::size_t i = layer.size(); i > 1; --i)
+      std::swap(layer[i - 1], layer[std::size_t(random.uniform() * double(i))]);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      auto u = constants(out[i]);
+      u[k] *= std::pow(spread[k], 2 * (layer[i] + random.uniform()) / count - 1);
+      set_constants(out[i], u);
+    }
+  }
+  return out;
+}
+
+}  // namespace ukemi::identify

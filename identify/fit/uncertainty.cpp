@@ -1,0 +1,147 @@
+#include "identify/fit/uncertainty.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/fit/covariance.hpp"
+#include "identify/fit/statistics.hpp"
+
+namespace ukemi::identify {
+
+const char* name(Verdict v) {
+  switch (v) {
+    case Verdict::kTrusted:
+      return "trusted";
+    case Verdict::kWeak:
+      return "weak";
+    case Verdict::kNotIdentifiable:
+      return "not identifiable";
+    case Verdict::kAtBound:
+      return "at its bound";
+    case Verdict::kFixed:
+      return "fixed";
+  }
+  return "?";
+}
+
+void set_error(Estimate& e, double variance, double half_width) {
+  if (!(variance >= 0 && std::isfinite(variance))) return;
+  e.std = std::sqrt(variance);
+  e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
+}
+
+Verdict judge(const Estimate& e, double size) {
+  if (!e.free) return Verdict::kFixed;
+  if (e.at_bound) return Verdict::kAtBound;
+  if (!e.std) return Verdict::kNotIdentifiable;
+  const double width = e.half_width();
+  return width <= kTrustedWidth * size ? Verdict::kTrusted
+         : width <= kWeakWidth * size  ? Verdict::kWeak
+                                       : Verdict::kNotIdentifiable;
+}
+
+bool all_trusted(const std::vector<Estimate>& parameters) {
+  return std::all_of(parameters.begin(), parameters.end(),
+                     [](const Estimate& e) { return e.verdict == Verdict::kTrusted || e.verdict == Verdict::kFixed; });
+}
+
+void distrust(std::vector<Estimate>& parameters) {
+  for (Estimate& e : parameters)
+    if (e.verdict == Verdict::kTrusted) e.verdict = Verdict::kWeak;
+}
+
+namespace {
+
+/// The weakest direction of the constants `free` (indices of globals, off their bounds), with everything else
+/// eliminated from the information.
+std::optional<Weakest> weakest_of(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
+                                  const std::vector<double>& sizes, double variance, double half_width) {
+  std::vector<int> constants, others;
+  for (int i = 0; i < int(problem.globals.size()); ++i)
+    if (!s.at_bound[std::size_t(i)]) (i < int(sizes.size()) ? constants : others).push_back(i);
+  const int n = int(constants.size());
+  if (n < 2 || s.information.size() == 0 || !(variance > 0)) return {};
+  Eigen::VectorXd size(n);
+  for (int i = 0; i < n; ++i) size[i] = sizes[std::size_t(constants[std::size_t(i)])];
+  Eigen::MatrixXd m = s.information(constants, constants);
+  if (!others.empty()) {
+    const Eigen::MatrixXd cross = s.information(constants, others), own = s.information(others, others);
+    m -= cross * own.completeOrthogonalDecomposition().solve(cross.transpose());
+  }
+  m = size.asDiagonal() * m * size.asDiagonal();
+  if (!m.allFinite()) return {};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
+  const double stiffness = std::max(eigen.eigenvalues()[0], 0.0);  // squares per squared relative change
+  const Eigen::VectorXd v = eigen.eigenvectors().col(0);
+  // As far as the 95 % interval along it reaches, but no farther than half of a constant: beyond it nothing is linear.
+  const double farthest = 0.5 / v.cwiseAbs().maxCoeff();
+  const double step = std::min(half_width * std::sqrt(variance / std::max(stiffness, 1e-300)), farthest);
+  Weakest out;
+  for (int i = 0; i < n; ++i)
+    out.change.emplace_back(problem.globals[std::size_t(constants[std::size_t(i)])].name, step * v[i]);
+  std::sort(out.change.begin(), out.change.end(),
+            [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
+  if (out.change.front().second < 0)  // either sign is the same direction
+    for (auto& [name, change] : out.change) change = -change;
+  out.rms = step * std::sqrt(stiffness / double(s.residuals));
+  out.noise = std::sqrt(variance);
+  return out;
+}
+
+}  // namespace
+
+std::string in_words(const Weakest& w, const std::string& data, const std::string& outputs, const std::string& unit) {
+  constexpr double kTakesPart = 0.25;  // of the largest change
+  const double largest = std::abs(w.change.front().second);
+  const auto verb = [](double change) { return change > 0 ? "raising " : "lowering "; };
+  std::string names, changes;
+  std::size_t named = 0;
+  while (named < w.change.size() && std::abs(w.change[named].second) >= kTakesPart * largest) ++named;
+  for (std::size_t i = 0; i < named; ++i) {
+    const auto& [name, change] = w.change[i];
+    const char* join = i == 0 ? "" : i + 1 == named ? " and " : ", ";
+    const bool same = i > 0 && (change > 0) == (w.change[i - 1].second > 0);
+    names += join + name;
+    changes += fmt::format("{}{}{} by {:.2g} %", join, same ? "" : verb(change), name, 100 * std::abs(change));
+  }
+  if (named < w.change.size())
+    changes += fmt::format(" (the others by {:.2g} % at most)", 100 * std::abs(w.change[named].second));
+  return fmt::format("these {} {} {}: {} changes {} by {:.2g} {} rms, against a noise of {:.2g} {}", data,
+                     named > 1 ? "tell least apart" : "say least about", names, changes, outputs, w.rms, unit, w.noise,
+                     unit);
+}
+
+Uncertainty uncertainty_of(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
+                           const std::vector<double>& sizes) {
+  Uncertainty out;
+  const long dof = s.residuals - s.free_parameters;
+  const double variance = dof > 0 ? s.cost / double(dof) : std::numeric_limits<double>::quiet_NaN();
+  out.half_width = t_quantile_975(std::max(dof, 1l));
+  out.covariance = s.global_covariance * variance;
+  out.correlation = correlation_of(out.covariance);
+  out.eigenvalues = s.eigenvalues;
+  for (std::size_t g = 0; g < problem.globals.size(); ++g) {
+    const Parameter& p = problem.globals[g];
+    Estimate e{.name = p.name, .unit = p.unit, .value = s.globals[long(g)], .std = {}, .at_bound = s.at_bound[g]};
+    set_error(e, out.covariance(long(g), long(g)), out.half_width);
+    if (g < sizes.size()) e.verdict = judge(e, sizes[g]);
+    out.globals.push_back(e);
+  }
+  for (std::size_t l = 0; l < problem.locals.size(); ++l)
+    for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
+      const Parameter& p = problem.locals[l];
+      Estimate e{.name = p.name, .unit = p.unit, .value = s.locals(long(b), long(l)), .std = {}, .trial = int(b)};
+      e.at_bound = e.value <= p.lower || e.value >= p.upper;
+      set_error(e, s.local_variance(long(b), long(l)) * variance, out.half_width);
+      out.locals.push_back(e);
+    }
+  out.weakest = weakest_of(s, problem, sizes, variance, out.half_width);
+  return out;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,82 @@
+// How far the result of a least-squares fit can be relied on: standard errors, 95 % intervals, a verdict for each
+// constant, and the direction in which the data say least.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identify/fit/least_squares.hpp"
+
+namespace ukemi::identify {
+
+/// How far a constant may be relied on. The verdicts of every fit are made here.
+enum class Verdict {
+  kTrusted,          ///< the 95 % interval is at most kTrustedWidth of the value either way
+  kWeak,             ///< at most kWeakWidth, or the residual stays far above the logs' noise
+  kNotIdentifiable,  ///< wider, or not determined at all
+  kAtBound,
+  kFixed,  ///< not fitted
+};
+const char* name(Verdict verdict);
+
+/// Largest half widths of the 95 % interval, as fractions of the value.
+inline constexpr double kTrustedWidth = 0.1, kWeakWidth = 0.5;
+
+/// A residual this many times the logs' own noise is far above it: the minimum may be a bad one, or the model wrong.
+inline constexpr double kFarAboveNoise = 1.5;
+
+struct Estimate {
+  std::string name, unit;
+  double value = 0;
+  std::optional<double> std;  ///< standard error; absent where it cannot be estimated (fixed, at a bound, undetermined)
+  double ci_low = 0, ci_high = 0;  ///< 95 %, with `std`
+  bool at_bound = false, free = true;
+  int trial = -1;                     ///< of a nuisance term that each trial has; -1: one for all
+  Verdict verdict = Verdict::kFixed;  ///< of a constant
+
+  double half_width() const { return (ci_high - ci_low) / 2; }  ///< of the 95 % interval, with `std`
+};
+
+/// Standard error and 95 % interval from a variance; none where it is not a number.
+void set_error(Estimate& e, double variance, double half_width);
+
+/// The verdict by the widths above; `size` > 0 is what the interval is measured against, |value| unless that is
+/// meaningless.
+[[nodiscard]] Verdict judge(const Estimate& e, double size);
+
+/// Whether every constant that was fitted is trusted.
+[[nodiscard]] bool all_trusted(const std::vector<Estimate>& parameters);
+
+/// Where the residual is far above the noise the model does not explain the logs, and its error bars mean little:
+/// what was trusted is weak.
+void distrust(std::vector<Estimate>& parameters);
+
+/// The combination of constants that the data know least: the eigenvector of the smallest eigenvalue of the Fisher
+/// information of their logarithms, all other terms fitted along.
+struct Weakest {
+  std::vector<std::pair<std::string, double>> change;  ///< relative change of each constant, largest first
+  double rms = 0;    ///< by which this change moves the predictions, root mean square [as the residuals]
+  double noise = 0;  ///< the residuals' own standard deviation [same]
+};
+/// `data` as in "trials", `outputs` as in "the angles", `unit` of those.
+std::string in_words(const Weakest& weakest, const std::string& data, const std::string& outputs,
+                     const std::string& unit);
+
+struct Uncertainty {
+  std::vector<Estimate> globals;            ///< in the problem's order
+  std::vector<Estimate> locals;             ///< local by local, block by block
+  Eigen::MatrixXd covariance, correlation;  ///< of the globals; NaN where not determined
+  Eigen::VectorXd eigenvalues;              ///< of the scaled information, ascending, largest 1
+  double half_width = 1.96;                 ///< 95 % interval in standard errors (Student's t)
+  std::optional<Weakest> weakest;           ///< where two constants or more are free and off their bounds
+};
+
+/// What a solution says. The first sizes.size() globals are the constants, which get a verdict against these sizes; the
+/// residual variance is estimated from the residuals.
+[[nodiscard]] Uncertainty uncertainty_of(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
+                                         const std::vector<double>& sizes);
+
+}  // namespace ukemi::identify

@@ -1,0 +1,62 @@
+#include "identify/fit/weighting.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/logs/hits.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+/// phi, then phi_m where it was measured; empty where the rollout fails.
+Eigen::VectorXd predicted(const Rig& rig, const SeaParameters<double>& sea, const Nuisance<double>& nuisance,
+                          const Trial& trial, const RolloutOptions& options) {
+  std::vector<double> phi, phi_m;
+  if (rollout(rig, sea, nuisance, PreparedTrial(trial), options, phi, phi_m) != RolloutStatus::kDone) return {};
+  if (trial.phi.empty()) phi.clear();
+  if (!trial.phi_motor.empty()) phi.insert(phi.end(), phi_m.begin(), phi_m.end());
+  return Eigen::Map<const Eigen::VectorXd>(phi.data(), long(phi.size()));
+}
+
+}  // namespace
+
+Weighting weigh_force_noise(const Rig& rig, const SeaParameters<double>& sea, const Nuisance<double>& nuisance,
+                            const Trial& trial, double angle_noise, const RolloutOptions& options) {
+  constexpr std::size_t kParts = 8, kMostHits = 4;
+  constexpr double kNothing = 1e-3;  // variance beside that of the angle noise
+  Weighting out;
+  if (!(trial.force_noise > 0 && angle_noise > 0)) return out;
+  const Eigen::VectorXd at = predicted(rig, sea, nuisance, trial, options);
+  if (at.size() == 0) return out;
+  std::vector<Hit> all = hits(trial, trial.force_noise, trial.force_rest);
+  std::sort(all.begin(), all.end(), [](const Hit& a, const Hit& b) { return a.last - a.first > b.last - b.first; });
+  if (all.size() > kMostHits) all.resize(kMostHits);  // the longest carry the noise
+  std::vector<Eigen::VectorXd> moved;
+  for (const Hit& h : all) {
+    const std::size_t samples = h.last + 1 - h.first, parts = std::min(kParts, samples);
+    for (std::size_t p = 0; p < parts; ++p) {
+      const std::size_t from = h.first + samples * p / parts, to = h.first + samples * (p + 1) / parts;
+      Trial off = trial;
+      for (std::size_t i = from; i < to; ++i) off.force[i] += trial.force_noise / std::sqrt(double(to - from));
+      const Eigen::VectorXd there = predicted(rig, sea, nuisance, off, options);
+      if (there.size() == 0) return out;
+      moved.push_back((there - at) / angle_noise);
+    }
+  }
+  if (moved.empty()) return out;
+  Eigen::MatrixXd ways(at.size(), long(moved.size()));
+  for (std::size_t k = 0; k < moved.size(); ++k) ways.col(long(k)) = moved[k];
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(ways.transpose() * ways);
+  long first = 0;
+  while (first < eigen.eigenvalues().size() && eigen.eigenvalues()[first] < kNothing) ++first;
+  const long count = eigen.eigenvalues().size() - first;
+  if (count == 0) return out;
+  const Eigen::ArrayXd squares = eigen.eigenvalues().tail(count);
+  out.u = ways * eigen.eigenvectors().rightCols(count) * squares.rsqrt().matrix().asDiagonal();
+  out.shrink = 1 - (1 + squares).rsqrt();
+  return out;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,110 @@
+#include "identify/logs/columns.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace ukemi::identify {
+
+namespace {
+
+struct Unit {
+  const char* suffix;
+  double scale;  ///< to SI
+};
+
+const std::vector<Unit>& units_of(Quantity quantity) {
+  static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", std::numbers::pi / 180}, {"_mrad", 1e-3}},
+                                 force = {{"_N", 1}, {"_kN", 1e3}};
+  switch (quantity) {
+    case Quantity::kTime:
+      return time;
+    case Quantity::kAngle:
+    case Quantity::kRate:
+      return angle;
+    case Quantity::kForce:
+      return force;
+  }
+  return angle;
+}
+
+double unit_of(const std::string& column, Quantity quantity) {
+  for (const Unit& u : units_of(quantity))
+    if (column.size() > std::string(u.suffix).size() && column.ends_with(u.suffix)) return u.scale;
+  return 1;
+}
+
+/// "-0.001*Fy", "-Fy", "Fy": the scale and the column.
+Source parse_source(const std::string& option, const std::string& text) {
+  const std::size_t star = text.find('*');
+  double scale = 0;
+  if (star != std::string::npos && star + 1 < text.size()) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + star, scale);
+    if (error == std::errc() && end == text.data() + star) {
+      if (scale == 0 || !std::isfinite(scale))
+        throw InputError(option + ": " + quoted(text) + ": a finite scale other than 0 is needed");
+      return {text.substr(star + 1), scale};
+    }
+  }
+  if (text.front() == '-' && text.size() > 1) return {text.substr(1), -1};
+  return {text, 1};
+}
+
+}  // namespace
+
+ColumnMap::ColumnMap(const std::string& option, const std::string& map, std::vector<Column> known)
+    : known_(std::move(known)) {
+  for (std::size_t begin = 0; begin < map.size();) {
+    const std::size_t end = std::min(map.find(',', begin), map.size());
+    const std::string item = map.substr(begin, end - begin);
+    begin = end + 1;
+    const std::size_t equals = item.find('=');
+    if (equals == std::string::npos || equals + 1 == item.size())
+      throw InputError(option + ": " + quoted(item) + ": NAME=COLUMN is needed");
+    const std::string name = item.substr(0, equals);
+    const auto it = std::find_if(known_.begin(), known_.end(), [&](const Column& c) { return c.name == name; });
+    if (it == known_.end()) {
+      std::vector<std::string> names;
+      for (const Column& c : known_) names.push_back(c.name);
+      throw InputError(option + ": " + one_of(name, names));
+    }
+    Source s = parse_source(option, item.substr(equals + 1));
+    s.scale *= unit_of(s.column, it->quantity);
+    given_[name] = s;
+  }
+}
+
+std::vector<Source> ColumnMap::candidates(const std::string& name) const {
+  if (const auto it = given_.find(name); it != given_.end()) return {it->second};
+  std::vector<Source> out{{name, 1}};
+  for (const Column& c : known_)
+    if (c.name == name)
+      for (const Unit& u : units_of(c.quantity)) out.push_back({name + u.suffix, u.scale});
+  return out;
+}
+
+bool ColumnMap::wants(const std::string& column) const {
+  for (const Column& c : known_)
+    for (const Source& s : candidates(c.name))
+      if (s.column == column) return true;
+  return false;
+}
+
+int ColumnMap::find(const CsvTable& table, const std::string& name, Source& source) const {
+  int found = -1;
+  for (const Source& s : candidates(name)) {
+    const int c = table.find(s.column);
+    if (c < 0) continue;
+    if (found >= 0)
+      throw InputError({table.file, table.header_line, table.header_column[std::size_t(c)]},
+                       "column " + quoted(s.column) + ": '" + name + "' is given twice");
+    found = c, source = s;
+  }
+  if (const auto it = given_.find(name); found < 0 && it != given_.end())
+    throw InputError({table.file, table.header_line},
+                     "no column " + quoted(it->second.column) + hint(it->second.column, table.header));
+  return found;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,30 @@
+// One module of a HEBI log as a trial.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "identify/logs/hebilog.hpp"
+#include "identify/logs/trial.hpp"
+
+namespace ukemi::identify {
+
+struct HebiTrialOptions {
+  std::string module;  ///< name, "family/name", or number from 1; may be empty where the log has one module
+  TrialOptions::Angles angles = TrialOptions::Angles::kOneTurn;
+  std::optional<double> gear_ratio;  ///< divides the motor's position; without it phi_motor stays empty
+};
+
+/// phi: position; phi_ref: position command, held at the first position before the first command and over gaps in it;
+/// phi_motor: motor position / gear ratio, its zero (where the module was switched on) moved so that the median of
+/// phi_motor - phi is 0. What real logs bring is handled and counted in Trial::notes: samples without time or position
+/// and duplicate stamps (closer than a tenth of the nominal interval) dropped, stamps that go back by up to 1 s sorted,
+/// gaps (longer than 3 nominal intervals) kept. Throws InputError naming the file: a module that is missing (the error
+/// lists them) or that several share, fewer than two samples, a stamp further back, and an angle beyond 2 pi unless
+/// multi-turn.
+Trial hebi_trial(const HebiLog& log, const HebiTrialOptions& options);
+
+/// The module that `module` names among those with samples; throws as hebi_trial.
+const HebiModule& choose_module(const HebiLog& log, const std::string& module);
+
+}  // namespace ukemi::identify

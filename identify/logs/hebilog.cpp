@@ -1,0 +1,246 @@
+#include "identify/logs/hebilog.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/files.hpp"
+#include "identify/logs/wire.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+// Layout: big-endian; a magic number starts the header and every record. Payloads are protobuf, little-endian.
+constexpr std::uint16_t kMagic = 0x73B1;
+enum Record : std::uint16_t { kHeader = 2, kFeedback = 1, kUnknown = 4, kFeedbackAndInfo = 5 };
+constexpr std::size_t kUnknownSize = 12, kRecordHeader = 26, kAddress = 8;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+bool ends_as_hebilog(const std::string& path) {
+  constexpr std::string_view kTail = ".hebilog";
+  return path.size() >= kTail.size() &&
+         std::equal(kTail.begin(), kTail.end(), path.end() - long(kTail.size()),
+                    [](char a, char b) { return a == char(std::tolower(static_cast<unsigned char>(b))); });
+}
+
+std::string address_of(const Bytes& b, std::size_t at) {
+  const Bytes a = b.part(at, 4, "an address");
+  const auto byte = [&](std::size_t i) { return int(static_cast<unsigned char>(a.data[i])); };
+  return fmt::format("{}.{}.{}.{}", byte(0), byte(1), byte(2), byte(3));
+}
+
+/// Calls use(field) for each field of a message.
+template <class Use>
+void for_fields(const Bytes& message, Use&& use) {
+  WireReader reader(message);
+  for (WireField f; reader.next(f);) use(f);
+}
+
+/// A submessage; InputError where the field is of another wire type.
+const Bytes& submessage(const Bytes& in, const WireField& f) {
+  if (f.type != WireField::Type::kBytes) in.fail(f.at, fmt::format("field {}: a submessage is needed", f.number));
+  return f.bytes;
+}
+double float_of(const Bytes& in, const WireField& f) {
+  const auto value = f.number32();
+  if (!value) in.fail(f.at, fmt::format("field {}: a 32-bit float is needed", f.number));
+  return *value;
+}
+
+/// {1: revolutions (zigzag), 2: offset [rad]}: an angle of many turns [rad].
+double turns(const Bytes& message) {
+  double revolutions = 0, offset = kNone;
+  for_fields(message, [&](const WireField& f) {
+    if (f.number == 1 && f.type == WireField::Type::kVarint) revolutions = double(zigzag(f.value));
+    if (f.number == 2) offset = float_of(message, f);
+  });
+  return 2 * std::numbers::pi * revolutions + offset;
+}
+
+struct Sample {
+  double position = kNone, velocity = kNone, effort = kNone, deflection = kNone, motor_velocity = kNone,
+         fine_position = kNone, motor_position = kNone;
+  double position_command = kNone, velocity_command = kNone, effort_command = kNone;
+};
+
+/// 11.9: what the module measured.
+void read_feedback(const Bytes& message, Sample& s) {
+  for_fields(message, [&](const WireField& f) {
+    switch (f.number) {
+      case 1:
+        s.position = float_of(message, f);
+        break;
+      case 2:
+        s.velocity = float_of(message, f);
+        break;
+      case 3:
+        s.effort = float_of(message, f);
+        break;
+      case 4:
+        s.deflection = float_of(message, f);
+        break;
+      case 5:
+        s.motor_velocity = float_of(message, f);
+        break;
+      case 12:
+        s.fine_position = turns(submessage(message, f));
+        break;
+      case 13:
+        s.motor_position = turns(submessage(message, f));
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+/// 10.9: what it was told.
+void read_commands(const Bytes& message, Sample& s) {
+  for_fields(message, [&](const WireField& f) {
+    if (f.number == 1) s.position_command = float_of(message, f);
+    if (f.number == 2) s.velocity_command = float_of(message, f);
+    if (f.number == 3) s.effort_command = float_of(message, f);
+  });
+}
+
+HebiGains read_gains(const Bytes& message) {
+  HebiGains g;
+  for_fields(message, [&](const WireField& f) {
+    if (f.number == 1) g.k_p = float_of(message, f);
+    if (f.number == 2) g.k_i = float_of(message, f);
+    if (f.number == 3) g.k_d = float_of(message, f);
+  });
+  return g;
+}
+
+/// 20: names, controller, spring.
+void read_info(const Bytes& message, HebiModule& m) {
+  for_fields(message, [&](const WireField& f) {
+    if (f.number == 1)
+      for_fields(submessage(message, f), [&](const WireField& n) {
+        if (n.number == 1) m.name = submessage(f.bytes, n).data;
+        if (n.number == 2) m.family = submessage(f.bytes, n).data;
+      });
+    if (f.number == 3)
+      for_fields(submessage(message, f), [&](const WireField& c) {
+        if (c.number == 3) m.position_gains = read_gains(submessage(f.bytes, c));
+        if (c.number == 4) m.velocity_gains = read_gains(submessage(f.bytes, c));
+        if (c.number == 5) m.effort_gains = read_gains(submessage(f.bytes, c));
+        if (c.number == 6) m.spring_constant = float_of(f.bytes, c);
+      });
+  });
+}
+
+/// The part .9 of a message, given to `read`.
+template <class Read>
+void read_nine(const Bytes& in, const WireField& f, Read&& read) {
+  for_fields(submessage(in, f), [&](const WireField& n) {
+    if (n.number == 9) read(submessage(f.bytes, n));
+  });
+}
+
+void read_payload(const Bytes& payload, double t, HebiModule& m) {
+  Sample s;
+  for_fields(payload, [&](const WireField& f) {
+    if (f.number == 10) read_nine(payload, f, [&](const Bytes& b) { read_commands(b, s); });
+    if (f.number == 11) read_nine(payload, f, [&](const Bytes& b) { read_feedback(b, s); });
+    if (f.number == 20) read_info(submessage(payload, f), m);
+  });
+  m.t.push_back(t);
+  m.position.push_back(std::isnan(s.position) ? s.fine_position : s.position);
+  m.velocity.push_back(s.velocity);
+  m.effort.push_back(s.effort);
+  m.deflection.push_back(s.deflection);
+  m.motor_velocity.push_back(s.motor_velocity);
+  m.motor_position.push_back(s.motor_position);
+  m.position_command.push_back(s.position_command);
+  m.velocity_command.push_back(s.velocity_command);
+  m.effort_command.push_back(s.effort_command);
+}
+
+void check_magic(const Bytes& all, std::size_t at) {
+  const auto magic = all.big_endian<std::uint16_t>(at);
+  if (magic != kMagic)
+    all.fail(at, fmt::format("0x{:04x}: a record of a .hebilog starts with 0x{:04x}", magic, kMagic));
+}
+
+}  // namespace
+
+bool is_hebilog(const std::string& path) {
+  if (ends_as_hebilog(path)) return true;
+  const std::string text = read_binary_file(path, 2);
+  return text.size() == 2 && text[0] == char(kMagic >> 8) && text[1] == char(kMagic & 0xFF);
+}
+
+HebiLog read_hebilog(const std::string& path) {
+  const std::string text = read_binary_file(path);
+  HebiLog log;
+  log.file = path;
+  const Bytes all{text, 0, &path};
+  if (text.empty()) all.fail(0, "the file is empty: the header of a .hebilog is needed");
+  if (text.size() < 8) all.fail(text.size(), "the file ends inside its header");
+  check_magic(all, 0);
+  if (const auto type = all.big_endian<std::uint16_t>(2); type != kHeader)
+    all.fail(2, fmt::format("record type {}: a .hebilog starts with its header, type {}", type, int(kHeader)));
+  const auto count = all.big_endian<std::uint32_t>(4);
+  if (count == 0) all.fail(4, "0 modules: at least one is needed");
+  if (count > (text.size() - 8) / kAddress)
+    all.fail(4, fmt::format("{} modules: the file has room for {}", count, (text.size() - 8) / kAddress));
+  for (std::size_t i = 0; i < count; ++i) {
+    HebiModule m;
+    m.port = all.big_endian<std::uint32_t>(8 + kAddress * i);
+    m.address = address_of(all, 12 + kAddress * i);
+    log.modules.push_back(m);
+  }
+
+  bool stamped = false;
+  std::uint64_t first = 0;
+  std::size_t samples = 0, at = 8 + kAddress * count;
+  while (at < text.size()) {
+    const std::size_t left = text.size() - at;
+    if (left >= 2) check_magic(all, at);
+    std::size_t size = 4;
+    std::uint16_t type = 0;
+    if (left >= 4) {
+      type = all.big_endian<std::uint16_t>(at + 2);
+      if (type != kFeedback && type != kFeedbackAndInfo && type != kUnknown)
+        all.fail(at + 2, fmt::format("record type {}: 1, 4 or 5 is needed", type));
+      size = type == kUnknown ? kUnknownSize : kRecordHeader;
+    }
+    if (type != kUnknown && left >= kRecordHeader) {
+      const auto length = all.big_endian<std::uint32_t>(at + 12);
+      const auto payload = all.big_endian<std::uint16_t>(at + 24);
+      if (length != payload + 2u)
+        all.fail(at + 12, fmt::format("length {} beside a payload of {} bytes: it must be 2 more", length, payload));
+      size += payload;
+    }
+    if (size > left) {
+      log.notes.push_back(fmt::format("the file ends inside its last record (byte {}): {} bytes left out", at, left));
+      break;
+    }
+    if (type != kUnknown) {
+      const auto port = all.big_endian<std::uint32_t>(at + 4);
+      const std::string address = address_of(all, at + 8);
+      const auto m = std::find_if(log.modules.begin(), log.modules.end(),
+                                  [&](const HebiModule& k) { return k.port == port && k.address == address; });
+      if (m == log.modules.end())
+        all.fail(at + 4, fmt::format("module {}:{}: the file's header does not list it", address, port));
+      const auto stamp = all.big_endian<std::uint64_t>(at + 16);
+      if (!stamped) first = stamp, stamped = true;
+      const double t = 1e-6 * double(std::int64_t(stamp - first));
+      read_payload(all.part(at + kRecordHeader, size - kRecordHeader, "a payload"), t, *m);
+      ++samples;
+    }
+    at += size;
+  }
+  if (samples == 0) all.fail(at, "the file ends before its first whole feedback record");
+  return log;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,161 @@
+#include "identify/logs/trial.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/csv.hpp"
+#include "common/median.hpp"
+#include "identify/logs/columns.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+const std::vector<Column> kColumns = {{"t", Quantity::kTime},        {"phi", Quantity::kAngle},
+                                      {"force", Quantity::kForce},   {"phi_ref", Quantity::kAngle},
+                                      {"dphi_ref", Quantity::kRate}, {"phi_motor", Quantity::kAngle}};
+
+bool constant(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [&](double v) { return v == x.front(); });
+}
+bool zero(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double v) { return v == 0; });
+}
+
+}  // namespace
+
+Trial read_trial(const std::string& path, const TrialOptions& options) {
+  const ColumnMap map("--columns", options.columns, kColumns);
+  const CsvTable table = read_csv(path, [&](const std::string& column) { return map.wants(column); });
+  Trial trial;
+  trial.file = path;
+  int time_column = -1;
+  const auto load = [&](const Column& which, std::vector<double>& out) {
+    Source s;
+    const int c = map.find(table, which.name, s);
+    if (which.quantity == Quantity::kTime) time_column = c;
+    if (c < 0) return;
+    const bool one_turn = which.quantity == Quantity::kAngle && options.angles == TrialOptions::Angles::kOneTurn;
+    const double gear = which.name == "phi_motor" ? options.gear_ratio : 1;
+    table.require_full(c);
+    const auto& column = table.columns[std::size_t(c)];
+    out.resize(column.size());
+    for (std::size_t i = 0; i < column.size(); ++i) {
+      out[i] = column[i] * s.scale / gear;
+      if (one_turn && std::abs(out[i]) > 2 * std::numbers::pi)
+        throw InputError(table.at(c, i),
+                         fmt::format("column '{}': {}: an angle beyond 2 pi rad; are these degrees? then name "
+                                     "the column {}_deg (or --columns {}=..._deg); --multi-turn if it is meant",
+                                     s.column, shortest(column[i]), which.name, which.name));
+    }
+  };
+  std::vector<double>* const targets[] = {&trial.t,       &trial.phi,      &trial.force,
+                                          &trial.phi_ref, &trial.dphi_ref, &trial.phi_motor};
+  for (std::size_t k = 0; k < kColumns.size(); ++k) load(kColumns[k], *targets[k]);
+
+  const auto missing = [&](const std::string& name) {
+    throw InputError({path, table.header_line}, "no column '" + name + "'" + hint(name, table.header));
+  };
+  if (trial.t.empty()) missing("t");
+  if (options.require_phi && trial.phi.empty()) missing("phi");
+  const bool elsewhere = options.force == TrialOptions::Force::kElsewhere;
+  if (trial.force.empty() && trial.phi_ref.empty() && !elsewhere)
+    throw InputError({path, table.header_line},
+                     "no column 'force' or 'phi_ref': at least one excitation is needed" + hint("force", table.header));
+  if (!trial.dphi_ref.empty() && trial.phi_ref.empty()) missing("phi_ref");
+  if (trial.samples() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
+  table.require_increasing(time_column, trial.t);
+  return trial;
+}
+
+void require_excitation(const Trial& trial) {
+  if (!zero(trial.force) || !constant(trial.phi_ref) || !zero(trial.dphi_ref)) return;
+  throw InputError({trial.file}, fmt::format("no excitation: {} and {}: a force or a moving reference is needed",
+                                             trial.force.empty() ? "no force" : "a force of 0 throughout",
+                                             trial.phi_ref.empty() ? "no reference" : "a reference that stays"));
+}
+
+bool same_content(const Trial& a, const Trial& b) {
+  return a.phi == b.phi && a.force == b.force && a.t == b.t && a.force_t == b.force_t && a.phi_ref == b.phi_ref &&
+         a.dphi_ref == b.dphi_ref && a.phi_motor == b.phi_motor;
+}
+
+std::vector<double> force_at_samples(const Trial& trial) {
+  if (trial.force_t.empty()) return trial.force;
+  const std::vector<double>&ft = trial.force_t, &f = trial.force;
+  std::vector<double> out;
+  for (const double t : trial.t) {
+    const auto after = std::lower_bound(ft.begin(), ft.end(), t);
+    if (after == ft.end() || t < ft.front()) {
+      out.push_back(0);
+    } else if (after == ft.begin()) {
+      out.push_back(f.front());
+    } else {
+      const std::size_t i = std::size_t(after - ft.begin());
+      out.push_back(f[i - 1] + (f[i] - f[i - 1]) * (t - ft[i - 1]) / (ft[i] - ft[i - 1]));
+    }
+  }
+  return out;
+}
+
+int shortest_pulse(const Trial& trial) {
+  double peak = 0;
+  for (const double f : trial.force) peak = std::max(peak, std::abs(f));
+  if (peak == 0) return 0;
+  int fewest = 0, run = 0;
+  for (std::size_t i = 0; i <= trial.force.size(); ++i) {
+    if (i < trial.force.size() && std::abs(trial.force[i]) > 0.05 * peak) {
+      ++run;
+    } else if (run > 0) {
+      fewest = fewest == 0 ? run : std::min(fewest, run);
+      run = 0;
+    }
+  }
+  return fewest;
+}
+
+double noise_level(const std::vector<double>& x) {
+  if (x.size() < 9) return 0;
+  std::vector<double> d(x.size() - 4);
+  for (std::size_t i = 0; i + 4 < x.size(); ++i)
+    d[i] = std::abs(x[i] - 4 * x[i + 1] + 6 * x[i + 2] - 4 * x[i + 3] + x[i + 4]);
+  const double white =
+      median(std::move(d)) / (0.6744897501960817 * std::sqrt(70.0));  // that of |normal|; 1 + 16 + 36 + 16 + 1 = 70
+  // A coarsely quantised log stands still most of the time: then its step, spread evenly, is the noise.
+  double step = 0;
+  std::size_t still = 0;
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    const double change = std::abs(x[i + 1] - x[i]);
+    if (change < 1e-12)
+      ++still;
+    else
+      step = step == 0 ? change : std::min(step, change);
+  }
+  return 2 * still > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
+}
+
+long measurements(const std::vector<Trial>& trials) {
+  long n = 0;
+  for (const Trial& t : trials) n += long(t.measurements());
+  return n;
+}
+
+double noise_level(const std::vector<const Trial*>& trials) {
+  double sum = 0, n = 0;
+  for (const Trial* t : trials)
+    for (const std::vector<double>* column : {&t->phi, &t->phi_motor}) {
+      const double noise = noise_level(*column);
+      sum += double(column->size()) * noise * noise, n += double(column->size());
+    }
+  return n > 0 ? std::sqrt(sum / n) : 0;
+}
+double noise_level(const std::vector<Trial>& trials) {
+  std::vector<const Trial*> all;
+  for (const Trial& t : trials) all.push_back(&t);
+  return noise_level(all);
+}
+
+}  // namespace ukemi::identify

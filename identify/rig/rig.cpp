@@ -1,0 +1,29 @@
+#include "identify/rig/rig.hpp"
+
+#include "common/actuator.hpp"
+#include "common/toml.hpp"
+
+namespace ukemi::identify {
+
+Rig read_rig(const std::string& path) {
+  TomlFile file(path);
+  TomlSection s = file.require("rig");
+  Rig rig;
+  rig.length = s.number("length", Range::positive());
+  const auto joint = s.optional_number("inertia_joint", Range::positive());
+  const auto mass = s.optional_number("mass", Range::positive());
+  const auto com = s.optional_number("inertia_com", Range::positive());
+  if (joint && (mass || com))
+    s.fail("inertia_joint", "given beside mass and inertia_com: one of the two forms is needed");
+  if (!joint && !(mass && com))
+    s.fail("inertia_joint", "the key is missing: inertia_joint, or mass and inertia_com, is needed");
+  rig.inertia = joint ? *joint : *com + *mass * 0.25 * rig.length * rig.length;
+  rig.tau_max = s.optional_number("tau_max", Range::non_negative());
+  rig.speed_max = s.optional_number("speed_max", Range::positive());
+  rig.gear_ratio = s.optional_number("gear_ratio", Range::positive());
+  rig.feedback = read_feedback(s);
+  file.finish();
+  return rig;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,98 @@
+#include "identify/rollout/rollout.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/median.hpp"
+#include "identify/rollout/roll.hpp"
+
+namespace ukemi::identify {
+
+const char* name(RolloutStatus status) {
+  switch (status) {
+    case RolloutStatus::kDone:
+      return "done";
+    case RolloutStatus::kEscaped:
+      return "the link escapes";
+    case RolloutStatus::kDiverged:
+      return "the motion diverges";
+  }
+  return "?";
+}
+
+PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cut(0)) {
+  const std::vector<double>& t = source.t;
+  phi_start = source.phi_ref.empty() ? 0 : source.phi_ref[0];
+  std::vector<double> intervals;
+  for (std::size_t i = 0; i + 1 < t.size(); ++i) intervals.push_back(t[i + 1] - t[i]);
+  spacing = intervals.empty() ? 0 : median(std::move(intervals));
+}
+
+std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
+  const std::vector<double>&t = trial->t, &f = trial->force, &r = trial->phi_ref, &d = trial->dphi_ref;
+  const std::vector<double>& force_t = trial->force_t.empty() ? t : trial->force_t;
+  std::vector<Stretch> out;
+  constexpr double kNow = 1e-12;  // times that differ by rounding are one [s]
+  double force_end = 0;
+  std::size_t j = 0;  // the force's samples up to here are behind
+  for (std::size_t i = 0; i + 1 < t.size(); ++i) {
+    for (double from = t[i]; from < t[i + 1];) {
+      while (j < f.size() && force_t[j] + shift <= from + kNow) ++j;
+      double to = j < f.size() ? std::min(t[i + 1], force_t[j] + shift) : t[i + 1];
+      if (t[i + 1] - to < kNow) to = t[i + 1];
+      Excitation<double> e{.t = from};
+      if (j > 0 && j < f.size()) {
+        e.force_rate = (f[j] - f[j - 1]) / (force_t[j] - force_t[j - 1]);
+        e.force = f[j - 1] + e.force_rate * (from - shift - force_t[j - 1]);
+      }
+      e.pushed = e.force != 0 || e.force_rate != 0;
+      if (!r.empty()) e.phi_ref = r[i];
+      if (!d.empty()) {
+        const double dt = t[i + 1] - t[i];
+        e.dphi_ref_rate = (d[i + 1] - d[i]) / dt, e.dphi_ref = d[i] + e.dphi_ref_rate * (from - t[i]);
+        e.phi_ref_rate = (r[i + 1] - r[i]) / dt, e.phi_ref += e.phi_ref_rate * (from - t[i]);
+      }
+      const bool reference_jumps = i > 0 && from == t[i] && !r.empty() && d.empty() && r[i] != r[i - 1];
+      const bool jumps = reference_jumps || std::abs(e.force - force_end) > 1e-9 * (1 + std::abs(force_end));
+      const auto still = [](const Excitation<double>& x) {
+        return !x.pushed && x.phi_ref_rate == 0 && x.dphi_ref == 0 && x.dphi_ref_rate == 0;
+      };
+      if (!out.empty() && !jumps && still(e) && still(out.back().input))
+        out.back().t_end = to;
+      else
+        out.push_back({e, to, jumps});
+      force_end = e.force + e.force_rate * (to - from);
+      from = to;
+    }
+  }
+  return out;
+}
+
+template <class T>
+RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
+                      const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
+                      std::vector<T>& phi_m) {
+  const bool extended =
+      present(sea.friction) || present(sea.viscous) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
+  if constexpr (kDerivatives<T> <= kSmallJet)
+    if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m);
+  // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening
+  // only hits are integrated, from sample to sample: no place for long steps.
+  if constexpr (kDerivatives<T> <= kSmallJet)
+    if (!extended)
+      return Roll<integrate::DormandPrince54, SeaTerms{true, false}, T>(rig, sea, nuisance, trial, options, phi, phi_m)
+          .run();
+  return Roll<integrate::DormandPrince853, SeaTerms{true, true}, T>(rig, sea, nuisance, trial, options, phi, phi_m)
+      .run();
+}
+
+template RolloutStatus rollout(const Rig&, const SeaParameters<double>&, const Nuisance<double>&, const PreparedTrial&,
+                               const RolloutOptions&, std::vector<double>&, std::vector<double>&);
+using Small = ceres::Jet<double, kSmallJet>;
+using Large = ceres::Jet<double, kLargeJet>;
+template RolloutStatus rollout(const Rig&, const SeaParameters<Small>&, const Nuisance<Small>&, const PreparedTrial&,
+                               const RolloutOptions&, std::vector<Small>&, std::vector<Small>&);
+template RolloutStatus rollout(const Rig&, const SeaParameters<Large>&, const Nuisance<Large>&, const PreparedTrial&,
+                               const RolloutOptions&, std::vector<Large>&, std::vector<Large>&);
+
+}  // namespace ukemi::identify

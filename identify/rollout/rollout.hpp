@@ -1,0 +1,96 @@
+// From constants to predicted angles: one trial on the rig, for double or ceres::Jet.
+#pragma once
+
+#include <ceres/jet.h>
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/integrate/method.hpp"
+#include "identify/rig/one_link.hpp"
+#include "identify/rig/rig.hpp"
+#include "identify/logs/trial.hpp"
+
+namespace ukemi::identify {
+
+using integrate::Method;
+
+/// A trial cut where its inputs bend: between cuts force and reference are linear in time.
+struct PreparedTrial {
+  explicit PreparedTrial(const Trial& trial);
+
+  struct Stretch {
+    Excitation<double> input;
+    double t_end;  ///< [s]
+    bool jumps;    ///< force or reference jumps where it starts
+  };
+  /// The cuts with the force moved later by `shift` [s]; it is 0 outside its log.
+  std::vector<Stretch> cut(double shift) const;
+
+  const Trial* trial;
+  std::vector<Stretch> stretches;  ///< of shift 0
+  double phi_start;                ///< phi_ref at the first sample, else 0 [rad]
+  double spacing;                  ///< median interval between samples [s]
+};
+
+/// What may differ from trial to trial besides the hit; each may be a nuisance of the fit. A trial starts at rest at
+/// its reference, and is measured as it is, but for these.
+template <class T>
+struct Nuisance {
+  T angle{0};           ///< at the start; moves phi_1 and phi_m together: the spring starts relaxed [rad]
+  T rate{0};            ///< dphi_1 at the start [rad/s]
+  T force_gain{1};      ///< F_e = force_gain F_log(t - time_shift) + force_bias
+  T force_bias{0};      ///< [N]
+  T time_shift{0};      ///< of the force's log, positive: the hit came later than logged [s]
+  T encoder_offset{0};  ///< phi as measured minus phi_1 [rad]
+};
+
+/// Beyond this |phi_1| from the start the trial has escaped (turns past any useful angle) [rad].
+inline constexpr double kEscape = 3.14159265358979;
+
+enum class RolloutStatus { kDone, kEscaped, kDiverged };
+const char* name(RolloutStatus status);
+
+/// What several rollouts may spend together, in integrated steps and intervals followed one by one. Counted, not
+/// timed: the same whatever the machine.
+struct Budget {
+  double left = 0;
+  double overdraft = 0;  ///< how far below 0 a rollout may take it before it diverges
+  bool spent() const { return left <= 0; }
+};
+
+struct RolloutOptions {
+  double accuracy = 1e-9;  ///< relative tolerance of each step
+  double max_step = 0.05;  ///< longest step; the step of a fixed-step method [s]
+  /// Absent: the explicit one that suits the trial's kernel. The others are for comparison, and kAuto for values of
+  /// stiff constants; derivatives are explicit only, and with another method only in a Jet of kSmallJet.
+  std::optional<Method> method;
+  /// Where the rig is linear: exactly (linear.hpp), or integrated like the rest, for comparison and other methods.
+  enum class Linear { kExact, kIntegrated } linear = Linear::kExact;
+  integrate::Counters* work = nullptr;  ///< receives the work done by integrating
+  double escape = kEscape;              ///< infinite for multi-turn trials [rad]
+  long max_steps = 10'000;   ///< beyond it, and two for each stretch, the constants are too stiff to follow: diverged
+  Budget* budget = nullptr;  ///< what is spent is taken from it; once it is empty every rollout diverges
+};
+
+/// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives
+/// pass through its events without a jump); a Jet's phi_m stays empty where the trial did not log phi_motor. Exact
+/// where the rig is linear. On kEscaped or kDiverged the outputs are not complete.
+template <class T>
+[[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
+                                    const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
+                                    std::vector<T>& phi_m);
+
+/// `rollout` with the method that the options name, on one kernel for every trial. double or a Jet of kSmallJet.
+template <class T>
+[[nodiscard]] RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
+                                             const PreparedTrial& trial, const RolloutOptions& options,
+                                             std::vector<T>& phi, std::vector<T>& phi_m);
+
+/// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole
+/// registers.
+inline constexpr int kSmallJet = 6, kLargeJet = 14;
+
+}  // namespace ukemi::identify

@@ -1,0 +1,270 @@
+#include "identify/trust/diagnostics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "common/parallel.hpp"
+#include "identify/fit/covariance.hpp"
+#include "identify/fit/statistics.hpp"
+#include "identify/fit/trial_problem.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Residuals of one output of one trial, white but for the weight, and the log they are of.
+struct Series {
+  std::vector<double> residual;
+  const std::vector<double>* measured;
+};
+
+std::vector<Series> residuals(const Fit& fit, const std::vector<Trial>& trials) {
+  std::vector<Series> out;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const Trial& log = trials[m];
+    const TrialResult& r = fit.trials[m];
+    if (r.phi.empty() && r.phi_m.empty()) continue;
+    Eigen::VectorXd all(long(log.measurements()));
+    long i = 0;
+    for (std::size_t k = 0; k < log.phi.size(); ++k) all[i++] = r.phi[k] - log.phi[k];
+    for (std::size_t k = 0; k < log.phi_motor.size(); ++k) all[i++] = r.phi_m[k] - log.phi_motor[k];
+    r.weighting.whiten(all);
+    const double* from = all.data();
+    for (const std::vector<double>* measured : {&log.phi, &log.phi_motor}) {
+      if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
+      from += measured->size();
+    }
+  }
+  return out;
+}
+
+/// The smallest step of a log: its quantum, where it is quantised.
+double smallest_step(const std::vector<double>& x) {
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < x.size(); ++i)
+    if (const double change = std::abs(x[i] - x[i - 1]); change > 1e-12) step = std::min(step, change);
+  return step;
+}
+
+double root_mean_square(const std::vector<double>& x) {
+  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / double(x.size()));
+}
+
+/// Widens e to a variance that is at least its own.
+void widen(Estimate& e, double variance, double half_width) {
+  if (e.std) set_error(e, std::max(variance, *e.std * *e.std), half_width);
+}
+
+}  // namespace
+
+Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials) {
+  Whiteness out;
+  double q = 0, tested = 0;
+  for (const Series& s : residuals(fit, trials)) {
+    const double of_series = ljung_box(s.residual, kWhitenessLags);
+    if (of_series == 0) continue;
+    const std::vector<double>& r = s.residual;
+    const double square = std::inner_product(r.begin(), r.end(), r.begin(), 0.0);
+    q += of_series, ++tested;
+    out.correlation += std::inner_product(r.begin() + 1, r.end(), r.begin(), 0.0) / square;
+  }
+  if (tested == 0) return out;
+  out.correlation /= tested;
+  out.p = chi_squared_tail(q, tested * kWhitenessLags);
+  return out;
+}
+
+Normality normality(const Fit& fit, const std::vector<Trial>& trials) {
+  Normality out;
+  Moments pooled;
+  for (const Series& s : residuals(fit, trials)) {
+    if (smallest_step(*s.measured) > root_mean_square(s.residual)) {
+      ++out.coarse;
+      continue;
+    }
+    const Moments m = moments(s.residual);
+    pooled.count += m.count;
+    pooled.skewness += m.count * m.skewness, pooled.kurtosis += m.count * m.kurtosis;
+    ++out.tested;
+  }
+  if (!(pooled.count > 0)) return out;
+  pooled.skewness /= pooled.count, pooled.kurtosis /= pooled.count;
+  out.skewness = pooled.skewness, out.kurtosis = pooled.kurtosis;
+  out.p = chi_squared_tail(jarque_bera(pooled), 2);
+  return out;
+}
+
+namespace {
+
+/// Replaces the linear gains of the rejected terms that promise most by those of fits: a term that is far from its
+/// absence explains more, or less, than its slope there says. Of many trials eight stand for all.
+void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
+  constexpr std::size_t kMostTerms = 4, kMostTrials = 8;
+  const auto worth = [&](std::size_t i) {
+    return tests.lacks[i].gain / tests.score->variance - tests.lacks[i].degrees * std::log(tests.samples);
+  };
+  std::vector<std::size_t> candidates;
+  for (std::size_t i = 0; i < tests.lacks.size(); ++i)
+    if (tests.lack_rejected[i]) candidates.push_back(i);
+  if (candidates.size() < 2) return;
+  std::sort(candidates.begin(), candidates.end(), [&](std::size_t a, std::size_t b) { return worth(a) > worth(b); });
+  candidates.resize(std::min(candidates.size(), kMostTerms));
+  const std::vector<Trial>& all = experiment.trials;
+  std::vector<Trial> some;
+  for (std::size_t k = 0; k < std::min(kMostTrials, all.size()); ++k)
+    some.push_back(all[k * all.size() / std::min(kMostTrials, all.size())]);
+  const double plain =
+      some.size() == all.size() ? fit.cost : refit(experiment.rig, some, fit.sea, experiment.options).cost;
+  const double share = double(measurements(all)) / double(measurements(some));
+  std::vector<double> gain(candidates.size(), 0.0);
+  parallel_for(int(candidates.size()), experiment.options.threads, [&](int i) {
+    FitOptions with = experiment.options;
+    with.nuisance.push_back(tests.lacks[candidates[std::size_t(i)]].term);
+    const Fit f = refit(experiment.rig, some, fit.sea, with);
+    if (!f.fitted.empty()) gain[std::size_t(i)] = std::max(plain - f.cost, 0.0) * share;
+  });
+  for (std::size_t i = 0; i < candidates.size(); ++i) tests.lacks[candidates[i]].gain = gain[i];
+}
+
+}  // namespace
+
+bool ResidualTests::model_rejected() const {
+  return whiteness.rejected || std::find(lack_rejected.begin(), lack_rejected.end(), true) != lack_rejected.end();
+}
+
+const Lack* ResidualTests::missed() const {
+  const auto worth = [&](const Lack& l) { return l.gain / score->variance - l.degrees * std::log(samples); };
+  const Lack* best = nullptr;
+  for (std::size_t i = 0; i < lacks.size(); ++i)
+    if (lack_rejected[i] && (!best || worth(lacks[i]) > worth(*best))) best = &lacks[i];
+  return best;
+}
+
+double ResidualTests::rms_with(const Lack& lack) const {
+  return std::sqrt(std::max(score->variance - lack.gain / samples, 0.0));
+}
+
+ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
+  ResidualTests out;
+  out.samples = double(measurements(experiment.trials));
+  out.whiteness = whiteness(fit, experiment.trials);
+  out.normality = normality(fit, experiment.trials);
+  out.score = score_of(experiment, fit);
+  if (out.score) out.lacks = lacks(*out.score);
+  std::vector<double> p{out.whiteness.p, out.normality.p};
+  for (const Lack& l : out.lacks) p.push_back(l.p);
+  const std::vector<bool> rejected = holm(p, kTestLevel);
+  out.whiteness.rejected = rejected[0], out.normality.rejected = rejected[1];
+  out.lack_rejected.assign(rejected.begin() + 2, rejected.end());
+  if (out.score) fit_gains(experiment, fit, out);
+  return out;
+}
+
+void heed(const ResidualTests& tests, Fit& fit) {
+  if (!tests.model_rejected()) return;
+  if (tests.score) {
+    const std::vector<int>& free = tests.score->free;
+    Eigen::MatrixXd covariance = sandwich(*tests.score);
+    Eigen::VectorXd wider(covariance.rows());
+    double widest = 1;
+    for (long i = 0; i < covariance.rows(); ++i) {
+      const double own = fit.covariance(free[std::size_t(i)], free[std::size_t(i)]);
+      wider[i] = covariance(i, i) < own ? std::sqrt(own / covariance(i, i)) : 1;
+      if (own > 0) widest = std::max(widest, covariance(i, i) / own);
+    }
+    covariance = wider.asDiagonal() * covariance * wider.asDiagonal();
+    for (long i = 0; i < covariance.rows(); ++i)
+      for (long j = 0; j < covariance.cols(); ++j) {
+        double& c = fit.covariance(free[std::size_t(i)], free[std::size_t(j)]);
+        if (std::isfinite(c)) c = covariance(i, j);
+      }
+    fit.correlation = correlation_of(fit.covariance);
+    const long parts = long(tests.score->parts.size());
+    fit.half_width = std::max(fit.half_width, t_quantile_975(parts - 1));
+    for (std::size_t g = 0; g < fit.fitted.size(); ++g)
+      for (std::vector<Estimate>* list : {&fit.parameters, &fit.nuisance})
+        for (Estimate& e : *list)
+          if (e.trial < 0 && e.free && e.name == fit.fitted[g])
+            widen(e, fit.covariance(long(g), long(g)), fit.half_width);
+    for (Estimate& e : fit.nuisance)
+      if (e.trial >= 0 && e.std) widen(e, *e.std * *e.std * widest, fit.half_width);
+    for (Estimate& e : fit.parameters)
+      if (e.verdict != Verdict::kFixed) e.verdict = judge(e, std::abs(e.value));
+  }
+  distrust(fit.parameters);
+}
+
+std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {
+  trials.erase(trials.begin() + long(one));
+  return trials;
+}
+
+Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from, FitOptions options) {
+  options.restarts = options.explore = 0;
+  options.monitor.tell = nullptr;
+  return fit(rig, trials, from, from, options);
+}
+
+double deviance(const Fit& fit, const std::vector<Trial>& trials, const FitOptions& options) {
+  if (options.weights == FitOptions::Weights::kEqual) {
+    const double n = double(measurements(trials));
+    return n * std::log(fit.cost / n);
+  }
+  double sum = 0;
+  for (std::size_t m = 0; m < trials.size(); ++m)
+    sum += double(trials[m].measurements()) * 2 * std::log(fit.trials[m].rms);
+  return sum;
+}
+
+double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const FitOptions& options) {
+  const std::vector<Trial> one{trial};
+  const std::vector<PreparedTrial> prepared{PreparedTrial(one.front())};
+  const std::vector<Weighting> weights(1);
+  LeastSquaresProblem problem =
+      make_problem(rig, prepared, weights, fit.sea, suggest(rig, one), Layout(options), options, options.rollout());
+  problem.priors.clear();  // they pull what is held
+  const auto fitted = fit.globals();
+  Eigen::VectorXd globals(long(fitted.size()));
+  for (std::size_t g = 0; g < fitted.size(); ++g) problem.globals[g].start = globals[long(g)] = fitted[g]->value;
+  double cost = kNaN;
+  if (problem.locals.empty()) {
+    cost = cost_at(problem, {}, globals);
+  } else if (const auto s = solve(problem, {.globals = LeastSquaresOptions::Globals::kHeld}); s.usable) {
+    cost = s.cost;
+  }
+  return std::isfinite(cost) ? std::sqrt(cost / double(trial.measurements())) : kNaN;
+}
+
+std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit, int threads) {
+  const std::vector<Trial>& trials = experiment.trials;
+  const FitOptions& options = experiment.options;
+  if (trials.size() < 2) return {};
+  std::vector<LeftOut> out(trials.size());
+  parallel_for(int(trials.size()), threads, [&](int i) {
+    const auto m = std::size_t(i);
+    LeftOut& l = out[m];
+    l.file = trials[m].file;
+    const std::vector<Trial> others = without(trials, m);
+    l.fit = refit(experiment.rig, others, fit.sea, options);
+    for (std::size_t k = 0; k < kConstants; ++k)
+      l.shift.push_back(fit.parameters[k].std
+                            ? (l.fit.parameters[k].value - fit.parameters[k].value) / *fit.parameters[k].std
+                            : kNaN);
+    l.held_out = held_out_rms(experiment.rig, trials[m], l.fit, options);
+    const std::vector<Trial> alone{trials[m]};
+    const Fit own = refit(experiment.rig, alone, fit.sea, options);
+    const double together = deviance(fit, trials, options), n = double(measurements(trials));
+    const double apart = options.weights == FitOptions::Weights::kEqual  // one variance for both
+                             ? n * std::log((l.fit.cost + own.cost) / n)
+                             : deviance(l.fit, others, options) + deviance(own, alone, options);
+    if (std::isfinite(apart)) l.p = chi_squared_tail(together - apart, double(fit.fitted.size()));
+    l.disagrees = l.p * double(trials.size()) < kTestLevel;
+  });
+  return out;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,101 @@
+// What the residuals of a fit say of its model: whether they are white and normal, whether they ask for a term that the
+// model lacks, and whether a trial disagrees with the others. With nothing wrong, all tests of the residuals together
+// speak up with probability kTestLevel.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/trust/score.hpp"
+
+namespace ukemi::identify {
+
+/// Probability of a false alarm of all tests of the residuals together; of --diagnose's, of each.
+inline constexpr double kTestLevel = 0.01;
+
+/// Ljung and Box's test over the lags 1 .. kWhitenessLags, the statistics of all trials and outputs summed. Coloured
+/// residuals: the standard errors, which take every sample for news, are too small.
+struct Whiteness {
+  double p = 1;
+  double correlation = 0;  ///< of neighbouring residuals, the mean over the trials
+  bool rejected = false;   ///< see test_residuals
+};
+inline constexpr int kWhitenessLags = 20;
+[[nodiscard]] Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials);
+
+/// Jarque and Bera's test, each trial's residuals in units of its own standard deviation. A log that is quantised more
+/// coarsely than its residual is left out: its residuals are not normal, whatever the model.
+struct Normality {
+  double p = 1;
+  double skewness = 0, kurtosis = 0;  ///< kurtosis of the normal distribution: 0
+  int coarse = 0;                     ///< logs left out
+  int tested = 0;
+  bool rejected = false;  ///< see test_residuals
+};
+[[nodiscard]] Normality normality(const Fit& fit, const std::vector<Trial>& trials);
+
+/// The tests of a fit's residuals: whiteness, normality, and the score of every term that the fit lacks. Which are
+/// rejected is Holm's procedure's to say, over all of them. Of several that are, the gains are those of fits.
+struct ResidualTests {
+  Whiteness whiteness;
+  Normality normality;
+  std::vector<Lack> lacks;
+  std::vector<bool> lack_rejected;
+  double samples = 0;          ///< measured angles
+  std::optional<Score> score;  ///< where the fit has a minimum to look at
+
+  /// Whether the model does not explain the logs: the residuals are not white, or ask for a term.
+  bool model_rejected() const;
+  /// Of the terms that the residuals ask for, the one that explains most: the largest fall of the cost in units of the
+  /// residual variance, less log(samples) for each parameter that it takes.
+  const Lack* missed() const;
+  /// rms of the residuals with that term, to first order [rad].
+  double rms_with(const Lack& lack) const;
+};
+[[nodiscard]] ResidualTests test_residuals(const Experiment& experiment, const Fit& fit);
+
+/// What it costs that the model is rejected: standard errors and intervals from the sandwich estimate wherever it is
+/// wider (those of a trial's own terms by the largest such factor), and nothing is trusted. Else nothing changes.
+void heed(const ResidualTests& tests, Fit& fit);
+
+/// An optional term of the model ladder; 0, its bound, is its absence.
+struct LadderTerm {
+  NuisanceTerm term;
+  double SeaParameters<double>::*value;
+};
+inline constexpr LadderTerm kLadderTerms[] = {{NuisanceTerm::kFriction, &SeaParameters<double>::friction},
+                                              {NuisanceTerm::kStiffening, &SeaParameters<double>::k_sea_cubic}};
+
+/// The fit without one of its trials.
+struct LeftOut {
+  std::string file;
+  Fit fit;                    ///< of the others
+  std::vector<double> shift;  ///< of each constant, in standard errors of the whole fit; NaN where there is none
+  double held_out = 0;  ///< rms of the trial's residual under that fit, its own terms fitted [rad]; NaN: no rollout
+  /// Of Chow's test, that one set of constants serves this trial and the others, by the log-likelihood of both fitted
+  /// apart against together.
+  double p = 1;
+  bool disagrees = false;  ///< p below kTestLevel / number of trials
+};
+/// Each trial in turn, on `threads` threads (0: all); two trials at least, else nothing.
+[[nodiscard]] std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit, int threads = 1);
+
+// --- what the ladder and the profile share ---
+
+/// The trials but for one.
+[[nodiscard]] std::vector<Trial> without(std::vector<Trial> trials, std::size_t one);
+
+/// A fit from one start, where another ended; what is not fitted stays as it is there.
+[[nodiscard]] Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from,
+                        FitOptions options);
+
+/// -2 log-likelihood of normal residuals of unknown variance, one for all trials or, with weights by trial, one each;
+/// robust where the fit is. Up to a constant of the data.
+[[nodiscard]] double deviance(const Fit& fit, const std::vector<Trial>& trials, const FitOptions& options);
+
+/// rms of a trial's residual with the constants and shared terms of `fit`, the trial's own terms fitted; NaN where the
+/// rollout fails [rad].
+[[nodiscard]] double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const FitOptions& options);
+
+}  // namespace ukemi::identify

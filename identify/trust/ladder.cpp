@@ -1,0 +1,88 @@
+#include "identify/trust/ladder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "common/parallel.hpp"
+#include "identify/fit/statistics.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+/// rms over all trials, each predicted by a fit of the others.
+double held_out_error(const Experiment& experiment, const Rung& rung) {
+  const std::vector<Trial>& trials = experiment.trials;
+  if (trials.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0, n = 0;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const Fit fit = refit(experiment.rig, without(trials, m), rung.fit.sea, rung.options);
+    const double rms = held_out_rms(experiment.rig, trials[m], fit, rung.options);
+    sum += double(trials[m].measurements()) * rms * rms, n += double(trials[m].measurements());
+  }
+  return std::sqrt(sum / n);
+}
+
+bool better(const Fit& a, const Fit& b) { return a.converged != b.converged ? a.converged : a.cost < b.cost; }
+
+}  // namespace
+
+Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads) {
+  constexpr unsigned kTerms = std::size(kLadderTerms), kRungs = 1u << kTerms;
+  const double samples = double(measurements(experiment.trials));
+  Ladder out;
+  out.rungs.resize(kRungs);
+  for (unsigned i = 0; i < kRungs; ++i) {
+    Rung& r = out.rungs[i];
+    r.options = experiment.options;
+    for (unsigned t = 0; t < kTerms; ++t) {
+      std::erase(r.options.nuisance, kLadderTerms[t].term);
+      if (!(i >> t & 1)) continue;
+      r.options.nuisance.push_back(kLadderTerms[t].term);
+      r.name += (r.terms++ ? " and " : "") + std::string(name(kLadderTerms[t].term));
+    }
+    if (r.name.empty()) r.name = "plain";
+  }
+  const auto start_of = [&](int i) {
+    SeaParameters<double> from = fit.sea;
+    for (unsigned t = 0; t < kTerms; ++t)
+      if (!(unsigned(i) >> t & 1)) from.*kLadderTerms[t].value = 0;
+    return from;
+  };
+  parallel_for(int(kRungs), threads, [&](int i) {
+    Rung& r = out.rungs[std::size_t(i)];
+    r.fit = refit(experiment.rig, experiment.trials, start_of(i), r.options);
+  });
+  if (const Fit& full = out.rungs.back().fit; !full.converged || full.far_above_noise) {
+    const auto& free = experiment.options.free;
+    const bool some_held = std::find(free.begin(), free.end(), false) != free.end();
+    parallel_for(int(kRungs) - 1, threads, [&](int i) {
+      Rung& r = out.rungs[std::size_t(i + 1)];
+      const SeaParameters<double> from = start_of(i + 1);
+      Fit fresh = identify::fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from,
+                                r.options);
+      if (better(fresh, r.fit)) r.fit = std::move(fresh);
+    });
+  }
+  parallel_for(int(kRungs), threads, [&](int i) {
+    Rung& r = out.rungs[std::size_t(i)];
+    const auto of_trial =
+        std::count_if(r.fit.nuisance.begin(), r.fit.nuisance.end(), [](const Estimate& e) { return e.trial >= 0; });
+    r.deviance = deviance(r.fit, experiment.trials, r.options);
+    r.bic = r.deviance + double(long(r.fit.fitted.size()) + of_trial) * std::log(samples);
+    r.held_out = std::numeric_limits<double>::quiet_NaN();
+    if (held_out == HeldOut::kCompute && r.fit.converged) r.held_out = held_out_error(experiment, r);
+  });
+  for (std::size_t i = 1; i < kRungs; ++i) {
+    Rung& r = out.rungs[i];
+    if (!r.fit.converged) continue;
+    r.p = at_bound_tail(out.rungs[0].deviance - r.deviance, r.terms);
+    out.p_plain = std::min({1.0, out.p_plain, r.p * double(kRungs - 1)});
+    if (r.bic < out.rungs[out.preferred].bic || !out.rungs[out.preferred].fit.converged) out.preferred = i;
+  }
+  return out;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,31 @@
+// Profile likelihood: one constant held on a grid, everything else refitted. Where it is not a parabola the linear
+// interval misleads, and this one, unsymmetric, holds.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/trust/diagnostics.hpp"
+
+namespace ukemi::identify {
+
+struct Profile {
+  std::string constant, unit;
+  std::vector<double> value;  ///< increasing
+  std::vector<double> rise;   ///< of the deviance above its minimum; infinite where no rollout is possible
+  double threshold = 0;       ///< rise at the ends of the 95 % interval: the squared half width in standard errors
+  std::optional<double> low, high;  ///< of that interval; absent where the grid ends before
+};
+
+struct ProfileOptions {
+  int points = 25;        ///< of the grid, odd, 5 at least
+  double reach = 3;       ///< standard errors to either side, > 0, cut at the bounds
+  void validate() const;  ///< throws InputError
+};
+
+/// The profile of a constant of `fit`, which must have a standard error (InputError otherwise).
+[[nodiscard]] Profile profile(const Experiment& experiment, const Fit& fit, const std::string& constant,
+                              const ProfileOptions& options = {});
+
+}  // namespace ukemi::identify

@@ -1,0 +1,194 @@
+// One landing in scalars with P derivatives, from event to event, and who watches it. Private to landing's sources that
+// compile it (gradient.cpp, drop_rollout.cpp). The law of the saltation stands in gradient.hpp.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/integrate/tableaus.hpp"
+#include "landing/model/release.hpp"
+#include "landing/run/rest.hpp"
+#include "landing/derivatives/seeds.hpp"
+
+namespace ukemi::landing {
+
+/// The landing and, in the same mode, the same system in plain doubles for all that asks for values alone.
+///
+/// An observer sees, in this order of time:
+///   flight(landing, y, until)               the closed-form flight from the state y at release, where there is one
+///   begin(landing, t, y)                    where the integration starts
+///   step(landing, driver)                   a step of positive length, in the mode before its event
+///   before(landing, t, y, dy, shift)        the left limit of an event; `shift` is dt*/dp of its time t*
+///   behind(landing, t, y, shift, event)     the right limit, in the mode beyond guard `event`
+///   cut(landing, t, y, dy, shift)           the time limit
+///   finish(landing)
+/// and says by running() the largest |ddr_0|^2 so far, which rest is judged by (asked for with Rest::kStop alone).
+template <int P, LandingTerms kTerms>
+class DifferentiatedLanding {
+ public:
+  using Jet = ceres::Jet<double, P>;
+  using Derivatives = Eigen::Matrix<double, P, 1>;
+  using System = LandingSystem<kTerms, false, Jet, double>;
+  using Plain = LandingSystem<kTerms, false>;
+  using State = typename System::State;
+  using Values = typename Plain::State;
+  using Driver = integrate::Integrator<integrate::DormandPrince853, System>;
+  using Dual = ceres::Jet<double, 1>;  ///< a value and its rate along the motion
+
+  /// How it ended.
+  struct Outcome {
+    double t_end = 0;
+    End end = End::kFailed;
+    integrate::Status status = integrate::Status::kStepped;
+    integrate::Counters work;
+  };
+
+  /// Derivatives by the P parameters from `first` on. Scene and options must outlive it.
+  DifferentiatedLanding(const Scene& scene, const SeaParameters<double>& sea, const Motion& m,
+                        const SimulateOptions& options, Parameter first)
+      : scene_(scene),
+        options_(options),
+        seed_(first),
+        motion_(seed_(m)),
+        system_(scene.robot, seed_(scene.floor.value_or(Floor<double>{1, 0, 0})), seed_(sea), motion_),
+        plain_(scene, sea, m) {
+    system_.present = plain_.present;
+  }
+
+  template <class Observer>
+  Outcome run(Observer& observer) {
+    State y = released(system_, scene_, seed_(scene_.drop), motion_);
+    double t = 0, limit = flight_limit(scene_);
+    const bool ballistic = is_ballistic(scene_);
+    if (ballistic) {
+      const double fall = fall_time(scene_);
+      t = std::min(fall, limit);
+      observer.flight(*this, y, t);
+      fly(system_, scene_, t, y);
+      if (t < fall) return {.t_end = t, .end = End::kNoContact, .work = {}};
+    }
+    return follow(t, y, limit, ballistic, observer);
+  }
+
+  const Scene& scene() const { return scene_; }
+  const System& system() const { return system_; }
+  const Plain& plain() const { return plain_; }
+  const ContactOrder& contacts() const { return contacts_; }
+  /// What a derivative counts, by slot.
+  const Eigen::Array<double, P, 1>& unit() const { return seed_.unit(); }
+
+  static Values values(const State& y) {
+    Values v;
+    for (int k = 0; k < kMechanical; ++k) v[k] = value_of(y[k]);
+    return v;
+  }
+  /// ddr_0 with its derivatives at a fixed time.
+  Vec2<Jet> acceleration(const State& y, const State& dy) const {
+    return thigh_acceleration(system_.link, system_.pose(y), {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
+  }
+  /// ddr_0 with its rate.
+  Vec2<Dual> acceleration_rate(double t, const Values& y, const Values& dy) const {
+    const LandingSystem<kTerms, false, Dual, double> dual(plain_);
+    Eigen::Matrix<Dual, kMechanical, 1> x, dx;
+    for (int k = 0; k < kMechanical; ++k) x[k].a = y[k], x[k].v[0] = dy[k];
+    dual.derivative(Dual(t, 0), x, dx);
+    return thigh_acceleration(dual.link, dual.pose(x), {dx[kVx], dx[kVy], dx[kOmega0], dx[kOmega1]});
+  }
+
+ private:
+  /// From event to event, as landing/run/follow.hpp does. The motion is played even where phi_I = phi_F: the derivatives
+  /// need it.
+  template <class Observer>
+  Outcome follow(double t, const State& start, double limit, bool ballistic, Observer& observer) {
+    Driver driver(system_, t, start,
+                  {.accuracy = options_.accuracy,
+                   .first_step = std::min(options_.max_step, ballistic ? 1e-3 : 1e-2),
+                   .max_step = options_.max_step});
+    Outcome out;
+    const double impact = impact_energy(plain_), duration = value_of(motion_.duration);
+    double motion_end = std::numeric_limits<double>::infinity();
+    bool touched = false;
+    observer.begin(*this, t, start);
+    for (long n = 0;; ++n) {
+      if (system_.phase == Phase::kMoving) driver.limit_next_step(0.125 * duration);
+      const integrate::Outcome outcome = driver.step(std::min(limit, motion_end));
+      t = driver.time();
+      out.status = outcome.status;
+      if (outcome.status > integrate::Status::kEvent || n >= options_.max_steps || options_.stopped(n)) break;
+      if (!outcome.immediate && driver.step().h > 0) observer.step(*this, driver);
+      if (outcome.event >= 0) {
+        const int event = outcome.event;
+        const Derivatives shift = event_shift(t, driver, event);
+        if (!shift.allFinite()) {
+          out.status = integrate::Status::kNotFinite;
+          break;
+        }
+        observer.before(*this, t, driver.state(), driver.slope(), shift);
+        if (event < kPoints) {
+          const bool touchdown = system_.contact[event] == Contact::kClear;
+          touchdown ? contacts_.touchdown(Point(event), t) : contacts_.liftoff(Point(event), t);
+          if (touchdown && !touched) {
+            touched = true;
+            system_.motion_start = Jet(t, shift);
+            system_.phase = Phase::kMoving;
+            motion_end = t + duration;
+            if (!scene_.t_end) limit = t + Scene::kFollow;
+          }
+        }
+        pass(t, driver, event, shift);
+        observer.behind(*this, t, driver.state(), shift, event);
+        continue;
+      }
+      if (outcome.status == integrate::Status::kReached) {
+        if (t >= motion_end - 1e-14) {
+          system_.phase = plain_.phase = Phase::kAfter;
+          motion_end = std::numeric_limits<double>::infinity();
+        }
+        if (t >= limit - 1e-14) {
+          out.end = touched ? End::kTimeLimit : End::kNoContact;
+          const Derivatives shift = scene_.t_end || !touched ? Derivatives::Zero() : system_.motion_start.v;
+          observer.cut(*this, t, driver.state(), driver.slope(), shift);
+          break;
+        }
+      }
+      if (options_.rest == SimulateOptions::Rest::kStop &&
+          at_rest(plain_, values(driver.state()), observer.running(), impact)) {
+        out.end = End::kRest;
+        break;
+      }
+    }
+    observer.finish(*this);
+    out.t_end = t;
+    out.work = driver.counters();
+    return out;
+  }
+
+  /// dt*/dp of the event that guard `i` reports: -(dg/dp) / (dg/dt).
+  Derivatives event_shift(double t, const Driver& driver, int i) const {
+    integrate::Guards<System::kGuards, Jet> guards;
+    system_.guards(t, driver.state(), driver.slope(), guards);
+    return guards.value[i].v / -value_of(guards.rate[i]);
+  }
+
+  /// Into the mode beyond guard `i`, with the saltation y_p += (f(-) - f(+)) dt*/dp.
+  void pass(double t, Driver& driver, int i, const Derivatives& shift) {
+    system_.cross(i);
+    plain_.contact = system_.contact, plain_.saturation = system_.saturation, plain_.phase = system_.phase;
+    plain_.motion_start = value_of(system_.motion_start);
+    State y = driver.state();
+    const Values before = values(driver.slope()), after = plain_.derivative(t, values(y));
+    for (int k = 0; k < kMechanical; ++k) y[k].v += (before[k] - after[k]) * shift;
+    driver.refresh(y);
+  }
+
+  const Scene& scene_;
+  const SimulateOptions& options_;
+  Seeds<P> seed_;
+  MotionOf<Jet> motion_;
+  System system_;
+  Plain plain_;
+  ContactOrder contacts_;
+};
+
+}  // namespace ukemi::landing

@@ -1,0 +1,86 @@
+// Exact gradients of every local maximum of |ddr_0| of a landing, through its events.
+//
+// f of Eq. 6 is the largest of the local maxima a_k of |ddr_0|; near a minimum several of them are equal and f has a
+// kink, while each a_k stays smooth as long as the order of the events does. What is integrated are the derivatives of
+// the state with respect to the parameters p at a fixed time, y_p. At an event, where the guard g falls through zero,
+//
+//     dt*/dp = -(dg/dp) / (dg/dt),      y_p(+) = y_p(-) + (f(-) - f(+)) dt*/dp                           (saltation)
+//
+// with f the field before and behind. A maximum that is a right or a left limit at an event has the total derivative
+// at the moving time t*; one inside a smooth phase has the partial derivative at its fixed time (envelope theorem).
+// Events at one instant are taken in the order in which they happen: the gradient is one-sided there.
+// Sources: Hiskens, Pai, "Trajectory sensitivity analysis of hybrid systems", IEEE Trans. Circuits Syst. I 47 (2000);
+// Danskin (1966) for the maximum. Tests: test/property/gradient.cpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "landing/run/simulate.hpp"
+
+namespace ukemi::landing {
+
+/// What a landing may be differentiated by; the motion comes first, so that its gradient is the head of the whole one.
+enum class Parameter {
+  kPhiI,               ///< [rad]
+  kPhiF,               ///< [rad]
+  kDuration,           ///< [s]
+  kHeight,             ///< [m]
+  kForwardSpeed,       ///< [m/s]
+  kPitch,              ///< [rad]
+  kStiffness,          ///< [N/m]
+  kDampingNormal,      ///< [N/(m/s)]
+  kDampingTangential,  ///< [N/(m/s)]
+  kKp,                 ///< [Nm/rad]
+  kKd,                 ///< [Nm/(rad/s)]
+  kKSea,               ///< [Nm/rad]
+  kCSea,               ///< [Nm/(rad/s)]
+  kIMotor,             ///< [kg m^2]
+};
+inline constexpr int kMotionParameters = 3, kParameters = 14;
+inline constexpr std::array<const char*, kParameters> kParameterNames = {
+    "motion.phi_i",    "motion.phi_f",         "motion.duration",
+    "drop.height",     "drop.forward_speed",   "drop.pitch",
+    "floor.stiffness", "floor.damping_normal", "floor.damping_tangential",
+    "actuator.k_p",    "actuator.k_d",         "actuator.k_sea",
+    "actuator.c_sea",  "actuator.i_motor"};
+
+/// Where a local maximum lies, and so how its derivative is taken.
+enum class PeakKind : unsigned char {
+  kInside,      ///< in a smooth phase: at a fixed time
+  kRightLimit,  ///< just behind an event, at the event's moving time
+  kLeftLimit,   ///< just before an event or the end of the run, likewise
+};
+
+/// One local maximum of |ddr_0| and its gradient, in the order of Parameter.
+template <int P>
+struct PeakGradient {
+  double t;                       ///< from release [s]
+  double value;                   ///< [m/s^2]
+  Eigen::Matrix<double, P, 1> d;  ///< by each parameter [m/s^2 per unit]
+  PeakKind kind;
+  int contact;  ///< which touchdown came last before it, see LandingPeak::peak_contact
+};
+
+/// The local maxima of one landing.
+template <int P>
+struct PeakGradients {
+  std::vector<PeakGradient<P>> peaks;  ///< the largest first; the first is f
+  double t_end = 0;                    ///< how long the run was followed, from release [s]
+  End end = End::kFailed;
+  integrate::Status status = integrate::Status::kStepped;  ///< with kFailed; an event met at no speed: kNotFinite
+  integrate::Counters work;
+};
+
+/// The `most` largest local maxima with their gradients by the motion. Of the options, accuracy, max_step, max_steps
+/// rest and over count: a run is never abandoned and knows no limits. A failure is a status, never an exception; what
+/// was found until then is kept.
+[[nodiscard]] PeakGradients<kMotionParameters> motion_peaks(const Scene& scene, const SeaParameters<double>& sea,
+                                                            const Motion& motion, const SimulateOptions& options,
+                                                            int most);
+
+/// The same by all of Parameter. Without a floor, derivatives by its constants are 0.
+[[nodiscard]] PeakGradients<kParameters> all_gradients(const Scene& scene, const SeaParameters<double>& sea,
+                                                       const Motion& motion, const SimulateOptions& options, int most);
+
+}  // namespace ukemi::landing

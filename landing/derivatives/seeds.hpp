@@ -1,0 +1,52 @@
+// The parameters of landing/derivatives/gradient.hpp as scalars that carry derivatives.
+#pragma once
+
+#include <cmath>
+
+#include "landing/derivatives/gradient.hpp"
+
+namespace ukemi::landing {
+
+/// Turns P of Parameter, from `first` on, into scalars that carry derivatives. Constants of the floor and the actuator
+/// are differentiated by their share, so that the error control sees derivatives of one size.
+template <int P>
+class Seeds {
+ public:
+  using Jet = ceres::Jet<double, P>;
+  explicit Seeds(Parameter first) : first_(int(first)) {}
+  Jet operator()(double x, Parameter which) {
+    const int i = int(which) - first_;
+    Jet seeded(x);
+    if (i < 0 || i >= P) return seeded;
+    unit_[i] = which >= Parameter::kStiffness && x != 0 ? std::abs(x) : 1;
+    seeded.v[i] = unit_[i];
+    return seeded;
+  }
+  MotionOf<Jet> operator()(const Motion& m) {
+    return {(*this)(m.phi_i, Parameter::kPhiI), (*this)(m.phi_f, Parameter::kPhiF),
+            (*this)(m.duration, Parameter::kDuration)};
+  }
+  DropOf<Jet> operator()(const Drop& d) {
+    return {(*this)(d.height, Parameter::kHeight), (*this)(d.forward_speed, Parameter::kForwardSpeed),
+            (*this)(d.pitch, Parameter::kPitch), Jet(d.pitch_rate)};
+  }
+  Floor<Jet> operator()(const Floor<double>& f) {
+    return {(*this)(f.stiffness, Parameter::kStiffness), (*this)(f.damping_normal, Parameter::kDampingNormal),
+            (*this)(f.damping_tangential, Parameter::kDampingTangential)};
+  }
+  SeaParameters<Jet> operator()(const SeaParameters<double>& sea) {
+    SeaParameters<Jet> s = sea.template cast<Jet>();
+    s.k_p = (*this)(sea.k_p, Parameter::kKp), s.k_d = (*this)(sea.k_d, Parameter::kKd);
+    s.k_sea = (*this)(sea.k_sea, Parameter::kKSea), s.c_sea = (*this)(sea.c_sea, Parameter::kCSea);
+    s.i_motor = (*this)(sea.i_motor, Parameter::kIMotor);
+    return s;
+  }
+  /// What a derivative counts, by slot.
+  const Eigen::Array<double, P, 1>& unit() const { return unit_; }
+
+ private:
+  int first_;
+  Eigen::Array<double, P, 1> unit_ = Eigen::Array<double, P, 1>::Ones();
+};
+
+}  // namespace ukemi::landing

@@ -1,0 +1,107 @@
+#include "landing/drops/drop_rollout.hpp"
+
+#include <cassert>
+#include <cmath>
+
+#include "landing/derivatives/differentiated_landing.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+/// Samples the landing at given times.
+template <LandingTerms kTerms>
+class SampleObserver {
+  using Landing = DifferentiatedLanding<kDropParameters, kTerms>;
+  using Jet = typename Landing::Jet;
+  using State = typename Landing::State;
+  using Values = typename Landing::Values;
+
+ public:
+  explicit SampleObserver(const std::vector<double>& times) : times_(times) { out.samples.reserve(times.size()); }
+
+  void flight(const Landing& l, const State& released, double until) {
+    for (; waiting() && next() <= until;) {
+      State y = released;
+      fly(l.system(), l.scene(), next(), y);
+      sample(l, y);
+    }
+  }
+  void begin(const Landing&, double, const State&) {}
+  void step(const Landing& l, typename Landing::Driver& driver) {
+    const auto& step = driver.step();
+    for (; waiting() && next() <= step.t + step.h;)
+      sample(l, driver.dense().at(step.place_of(std::max(next(), step.t))));
+  }
+  void before(const Landing&, double, const State&, const State&, const typename Landing::Derivatives&) {}
+  void behind(const Landing&, double t, const State&, const typename Landing::Derivatives&, int event) {
+    if (event < kPoints) out.jumps.push_back(t);
+  }
+  void cut(const Landing& l, double, const State& y, const State&, const typename Landing::Derivatives&) {
+    while (waiting()) sample(l, y);  // the last time, where it differs from the limit by rounding
+  }
+  void finish(const Landing&) {}
+  double running() const { return 0; }  // a drop is never left at rest
+
+  DropRollout out;  ///< derivatives by the landing's units
+
+ private:
+  bool waiting() const { return out.samples.size() < times_.size(); }
+  double next() const { return times_[out.samples.size()]; }
+
+  void sample(const Landing& l, const State& y) {
+    using std::sqrt;
+    const double t = next();
+    const Values v = Landing::values(y), dv = l.plain().derivative(t, v);
+    const Vec2<Jet> a = l.acceleration(y, l.system().derivative(t, y));
+    const auto da = l.acceleration_rate(t, v, dv);
+    const Pose<Jet> pose = l.system().pose(y);
+    const Vec2<Jet> r = thigh_position(l.system().link, pose), dr = thigh_velocity(l.system().link, pose);
+    DropSample s;
+    const auto set = [&](DropOutput o, const Jet& value, double rate) {
+      s.value[o] = value.a, s.rate[o] = rate, s.slope[o] = value.v;
+    };
+    set(kAccX, a.x(), da.x().v[0]), set(kAccY, a.y(), da.y().v[0]);
+    set(kThighX, r.x(), dr.x().a), set(kThighY, r.y(), dr.y().a);
+    set(kThighAngle, y[kTheta0], v[kOmega0]);
+    const Jet square = a.x() * a.x() + a.y() * a.y();
+    if (square.a > 0)
+      set(kAcc, sqrt(square), (a.x().a * s.rate[kAccX] + a.y().a * s.rate[kAccY]) / sqrt(square.a));
+    else
+      set(kAcc, Jet(0), 0);  // weightless: |ddr_0| has no derivative there
+    out.samples.push_back(s);
+  }
+
+  const std::vector<double>& times_;
+};
+
+template <LandingTerms kTerms>
+DropRollout roll(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                 const std::vector<double>& times, const SimulateOptions& options) {
+  DifferentiatedLanding<kDropParameters, kTerms> landing(scene, sea, motion, options, Parameter::kHeight);
+  SampleObserver<kTerms> observer(times);
+  const auto outcome = landing.run(observer);
+  DropRollout out = std::move(observer.out);
+  out.status = outcome.status;
+  out.complete = out.samples.size() == times.size();
+  for (DropSample& s : out.samples)
+    for (DropDerivatives& d : s.slope) d.array() /= landing.unit();
+  return out;
+}
+
+}  // namespace
+
+DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                      const std::vector<double>& times, const SimulateOptions& options) {
+  if (times.empty()) return {.complete = true};
+  assert(times.front() >= 0);
+  Scene until = scene;
+  until.t_end = times.back();
+  SimulateOptions through = options;
+  through.rest = SimulateOptions::Rest::kIgnore;
+  constexpr LandingTerms kLimited{SeaTerms{true, false}}, kExtended{SeaTerms{true, true}};
+  if (is_extended(sea)) return roll<kExtended>(until, sea, motion, times, through);
+  return roll<kLimited>(until, sea, motion, times, through);
+}
+
+}  // namespace ukemi::landing

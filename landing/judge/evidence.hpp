@@ -1,0 +1,48 @@
+// What a motion is worth beside its peak: how wide its basin is, and what small deviations do to it.
+#pragma once
+
+#include <array>
+
+#include "common/monitor.hpp"
+#include "landing/search/robust.hpp"
+#include "landing/run/work.hpp"
+
+namespace ukemi::landing {
+
+struct EvidenceOptions {
+  double accuracy = 1e-9;     ///< of the landings
+  int tolerance_samples = 0;  ///< random points inside the execution box
+  std::uint64_t seed = 1;     ///< of those
+  int threads = 0;            ///< 0: all cores; without influence on the result
+  long work = kCheckWork;     ///< left out where it would take more, see Evidence::complete
+  Monitor monitor;            ///< told of the landings
+};
+
+/// How the peak holds when one thing at a time is not as planned. A peak is infinite where the landing could not be
+/// followed, NaN where it was not played.
+struct Evidence {
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  double peak = 0;  ///< of the motion [m/s^2]
+  /// How far phi_I, phi_F [rad] and the duration [s] may move down and up before the peak rises by kRise; at most to
+  /// the end of the search range.
+  std::array<std::array<double, 2>, 3> width{{{kUnknown, kUnknown}, {kUnknown, kUnknown}, {kUnknown, kUnknown}}};
+  double one_degree = kUnknown;        ///< worst peak with both angles off by up to 1 deg (corners and faces) [m/s^2]
+  double ten_milliseconds = kUnknown;  ///< with the duration off by 10 ms either way
+  double one_centimetre = kUnknown;    ///< with the drop's height off by 1 cm either way
+  double pitch_one_degree = kUnknown;  ///< with the drop's pitch off by 1 deg either way
+  double damping_ten_percent = kUnknown;  ///< with both of the floor's damping constants off by 10 % either way
+  TolerantPeak tolerant;                  ///< within the scene's execution tolerance
+  /// False where it was stopped, or where EvidenceOptions::work was spent or would not do for kLandings landings as
+  /// long as the motion's own: what was not played is NaN.
+  bool complete = false;
+  long work = 0;  ///< that it would take, as far as is known, see work_of
+  static constexpr double kRise = 0.05;
+  static constexpr long kLandings = 420;
+};
+
+/// Works it out: the deviations first, then the widths. A width is found on a geometric grid from 1e-7 of the range up
+/// and then between its last good and first bad point, so it is that of the part that hangs together with the motion.
+[[nodiscard]] Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                                const EvidenceOptions& options);
+
+}  // namespace ukemi::landing

@@ -1,0 +1,87 @@
+#include "landing/lanes/batch.hpp"
+
+#include <algorithm>
+#include <atomic>
+
+#include "common/error.hpp"
+#include "common/parallel.hpp"
+#include "landing/lanes/batch_entry.hpp"
+
+namespace ukemi::landing {
+
+InstructionSet widest_instruction_set() {
+#if defined(__x86_64__)
+  static const InstructionSet set = [] {
+    __builtin_cpu_init();
+    const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                        __builtin_cpu_supports("avx512vl");
+    return avx512 ? InstructionSet::kAvx512 : avx2 ? InstructionSet::kAvx2 : InstructionSet::kBaseline;
+  }();
+  return set;
+#else
+  return InstructionSet::kBaseline;
+#endif
+}
+
+InstructionSet quickest_instruction_set(std::size_t landings) {
+  constexpr std::size_t kWide = 12;
+  return landings < kWide ? std::min(widest_instruction_set(), InstructionSet::kAvx2) : widest_instruction_set();
+}
+
+void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set) {
+  switch (std::min(set, widest_instruction_set())) {
+    case InstructionSet::kAvx512:
+      return run_batch_avx512(source, options);
+    case InstructionSet::kAvx2:
+      return run_batch_avx2(source, options);
+    case InstructionSet::kBaseline:
+      return run_batch_baseline(source, options);
+  }
+}
+
+namespace {
+/// The cases in order, to whichever lane of whichever thread is free.
+class Queue : public BatchSource {
+ public:
+  Queue(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, std::atomic<std::size_t>& next,
+        const std::function<bool()>* over)
+      : cases_(cases), peaks_(peaks), next_(next), over_(over) {}
+  bool next(int lane, BatchCase& c) override {
+    const std::size_t i = in_lane_[lane] = next_++;
+    if (i >= cases_.size() || over()) return false;
+    c = cases_[i];
+    return true;
+  }
+  void done(int lane, const LandingPeak& peak) override { peaks_[in_lane_[lane]] = peak; }
+  bool over() override { return over_ && (*over_)(); }
+
+ private:
+  std::span<const BatchCase> cases_;
+  std::span<LandingPeak> peaks_;
+  std::atomic<std::size_t>& next_;
+  const std::function<bool()>* over_;
+  std::array<std::size_t, lanes(InstructionSet::kAvx512)> in_lane_{};
+};
+}  // namespace
+
+void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
+                 int threads, InstructionSet set) {
+  BatchOptions o = options;
+  std::size_t motor_side = 0;
+  for (const BatchCase& c : cases) {
+    o.extended = o.extended || is_extended(*c.sea);
+    motor_side += c.sea->feedback == Feedback::kMotor;
+  }
+  o.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
+  constexpr std::size_t kPart = 256;  // a thread is not worth its start for fewer
+  const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
+  std::fill(peaks.begin(), peaks.end(), LandingPeak{.end = End::kStopped});
+  std::atomic<std::size_t> next{0};
+  parallel_for(parts, parts, [&](int) {
+    Queue queue(cases, peaks, next, options.over);
+    run_batch(queue, o, set);
+  });
+}
+
+}  // namespace ukemi::landing

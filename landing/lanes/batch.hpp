@@ -1,0 +1,63 @@
+// Many landings at once: one in each lane of the machine's SIMD registers.
+//
+// Every lane has its own motion, drop, floor and actuator, its own step size, events, rest test and peak; a lane that
+// finishes takes the next landing at once. The equations are those of the scalar path (landing_system.hpp, rest.hpp),
+// with Pack as their scalar. Which instruction set runs is chosen when the program runs.
+#pragma once
+
+#include <span>
+
+#include "landing/run/simulate.hpp"
+
+namespace ukemi::landing {
+
+/// One landing to be followed. What it points to must outlive the run.
+struct BatchCase {
+  const Scene* scene;
+  const SeaParameters<double>* sea;
+  Motion motion;
+  double abandon_above = std::numeric_limits<double>::infinity();  ///< [m/s^2], see SimulateOptions
+};
+
+/// What runs in a lane next, decided as the lanes become free. Lanes do not influence each other's results: a source
+/// that gives each lane work of its own gets the same results whatever the number of lanes.
+class BatchSource {
+ public:
+  virtual ~BatchSource() = default;
+  /// The lane's next landing; false if there is none (it is then not asked again).
+  virtual bool next(int lane, BatchCase& c) = 0;
+  /// The lane's landing has ended.
+  virtual void done(int lane, const LandingPeak& peak) = 0;
+  /// Asked every few dozen steps: true ends the run, and nobody is told of the landings under way.
+  virtual bool over() { return false; }
+};
+
+struct BatchOptions {
+  double accuracy = 1e-5;                 ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
+  Limits limits;                          ///< see SimulateOptions
+  bool extended = false;                  ///< some actuator has friction, a stiffening spring or motor-side feedback
+  Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
+  enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
+  long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit
+  const std::function<bool()>* over = nullptr;  ///< of batch_peaks: see SimulateOptions
+};
+
+/// Instruction sets, and the widest that this machine has.
+enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
+inline constexpr std::array<const char*, 3> kInstructionSetNames = {"baseline", "avx2", "avx512"};
+InstructionSet widest_instruction_set();
+/// Landings side by side: 2, 4, 8.
+constexpr int lanes(InstructionSet s) { return 2 << int(s); }
+/// The quickest for so many landings: eight lanes of which half stand empty are slower than four.
+InstructionSet quickest_instruction_set(std::size_t landings);
+
+/// Runs a source until every lane is without work, or the source is over. `set` must be one that the machine has.
+/// Allocates nothing.
+void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
+
+/// The peaks of many landings, by the kernel that holds the terms of all of them; `threads` as everywhere: 0 for all
+/// cores, and without influence on the results. Those that `over` cut off come back with End::kStopped.
+void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
+                 int threads = 1, InstructionSet set = widest_instruction_set());
+
+}  // namespace ukemi::landing

@@ -1,0 +1,424 @@
+// The lockstep driver of batch.hpp: every lane attempts a step of its own length at the same time. Included by the
+// files of the instruction sets alone, which define UKEMI_BATCH_TARGET: a stage and all that is inlined into it is
+// compiled for that set. What is not inlined is compiled for the baseline, so nothing here can end up, through the
+// linker, in a program for a lesser machine; and packs are passed in memory, so the two understand each other.
+//
+// The rules at and after events are those of hybrid.hpp, made cheaper for accuracies of 1e-7 and looser: a zero is
+// placed by the cubic through the guard at both ends of the step, the step is retaken up to there, and what is left is
+// made up along the field. What only some lanes need (events, the ends of landings) is worked out lane by lane in
+// doubles, with the very functions of the scalar path.
+#pragma once
+
+#include <cmath>
+
+#include "common/integrate/runge_kutta.hpp"
+#include "landing/lanes/batch.hpp"
+#include "landing/lanes/lane_mode.hpp"
+#include "landing/model/release.hpp"
+#include "landing/run/rest.hpp"
+
+/// A piece of the driver for one instruction set: called, not inlined, with everything below it inside.
+#define UKEMI_BATCH_STAGE [[gnu::noinline, gnu::flatten]] UKEMI_BATCH_TARGET
+
+namespace ukemi::landing {
+
+template <LandingTerms kTerms, int W>
+class BatchEngine {
+  using T = Pack<W>;
+  using M = Mask<W>;
+  using System = LandingSystem<kTerms, false, T>;
+  using Single = LandingSystem<kTerms, false, double>;
+  using State = typename System::State;
+  using Node = integrate::Node;
+  static constexpr int kGuards = System::kGuards;
+
+ public:
+  BatchEngine(BatchSource& source, const BatchOptions& options) : source_(source), options_(options) {
+    system_.sea.feedback = options.feedback;
+  }
+
+  void run() {
+    for (int i = 0; i < W; ++i) load(i);
+    constexpr int kAsked = 32;  // steps between two questions whether it is over: some tens of microseconds
+    for (int n = 1; any(active_) && !(n % kAsked == 0 && source_.over()); ++n) {
+      settle();
+      attempt();
+      judge();
+      look();
+      move_on();
+    }
+  }
+
+ private:
+  // --- one lane, in doubles ---
+
+  /// Takes the next landing into a lane; landings that need no engine are ended on the spot.
+  [[gnu::noinline]] void load(int i) {
+    for (BatchCase c;;) {
+      active_.set(i, false);
+      if (!source_.next(i, c)) {
+        step_.h.set(i, 0), h_next_.set(i, 0), cut_.set(i, false);
+        empty(i);
+        return;
+      }
+      case_[i] = c;
+      const Scene& scene = *c.scene;
+      const double g = scene.robot.gravity, limit = flight_limit(scene);
+      if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || c.sea->feedback != options_.feedback) {
+        hand_over(i);
+        continue;
+      }
+      Single single(scene, *c.sea, c.motion);
+      auto y = released(single, scene, scene.drop, c.motion);
+      LandingPeak& out = out_[i] = {};
+      double t = 0;
+      square_.set(i, 0), t_peak_.set(i, 0);
+      if (is_ballistic(scene)) {
+        t = std::min(fall_time(scene), limit);
+        fly(single, scene, t, y);
+        square_.set(i, g * g);
+        if (t < fall_time(scene)) {
+          out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y;
+          source_.done(i, out);
+          continue;
+        }
+      }
+      const auto set = [i](T& lanes, double x) { lanes.set(i, x); };
+      TwoLinkDynamics<T>::for_each(system_.link, single.link, set);
+      Floor<T>::for_each(system_.floor, single.floor, set);
+      SeaParameters<T>::for_each(system_.sea, single.sea, set);
+      MotionOf<T>::for_each(system_.motion, single.motion, set);
+      for (int j = 0; j < kPoints; ++j)
+        system_.present[j].set(i, single.present[j]), set_lane(system_.contact[j], i, Contact::kClear);
+      set_lane(system_.saturation, i, single.saturation);
+      set_lane(system_.phase, i, Phase::kBefore);
+      system_.motion_start.set(i, 0);
+      for (int k = 0; k < kMechanical; ++k) {
+        step_.y[k].set(i, y[k]);
+        unit_[k].set(i, single.tolerance_unit(k));
+      }
+      step_.t.set(i, t);
+      h_next_.set(i, is_ballistic(scene) ? 1e-3 : 1e-2);
+      rest_scale_.set(i, impact_energy(single));
+      limit_.set(i, limit), motion_end_.set(i, kNever);
+      abandon_square_.set(i, c.abandon_above * c.abandon_above), steps_.set(i, 0);
+      active_.set(i, true), stale_.set(i, true), cut_.set(i, false), rejected_.set(i, false);
+      t_event_[i] = -1, immediate_[i] = 0, cuts_[i] = 0;
+      return;
+    }
+  }
+
+  /// A state for a lane without a landing that costs its neighbours nothing: angles that are no numbers, or large, do.
+  void empty(int i) {
+    for (int k = 0; k < kMechanical; ++k) step_.y[k].set(i, 0), step_.slope[k].set(i, 0), unit_[k].set(i, 1);
+  }
+
+  /// The scalar path follows the lane's landing.
+  void hand_over(int i) {
+    const BatchCase& c = case_[i];
+    const LandingPeak peak = peak_acceleration(
+        *c.scene, *c.sea, c.motion,
+        {.accuracy = options_.accuracy, .abandon_above = c.abandon_above, .limits = options_.limits, .over = &over_});
+    if (peak.end != End::kStopped) source_.done(i, peak);
+  }
+
+  [[gnu::noinline]] void finish(int i, End end) {
+    LandingPeak& out = out_[i];
+    if (end == End::kTimeLimit && out.contacts.size() == 0) end = End::kNoContact;
+    if (end == End::kFailed && options_.too_long == BatchOptions::Long::kScalar) {
+      hand_over(i);
+    } else {
+      if (end == End::kFailed) out.failure = Failure::kSteps;
+      out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
+      out.work.steps = long(steps_[i]);
+      for (int k = 0; k < kMechanical; ++k) out.state[k] = step_.y[k][i];
+      source_.done(i, out);
+    }
+    load(i);
+  }
+
+  /// The mode beyond guard g; false where the landing ends there.
+  [[gnu::noinline]] bool cross(int i, int g) {
+    const double t = step_.t[i];
+    if (g < kPoints) {
+      const Contact now = lane(system_.contact[g], i);
+      const bool touchdown = now == Contact::kClear;
+      if (touchdown && options_.limits.forbidden[g]) return false;
+      if (touchdown && !any(M(system_.phase.moving | system_.phase.after), i)) {
+        const Motion& m = case_[i].motion;
+        const bool moves = m.phi_i != m.phi_f;
+        system_.motion_start.set(i, t);
+        set_lane(system_.phase, i, moves ? Phase::kMoving : Phase::kAfter);
+        if (moves) motion_end_.set(i, t + m.duration);
+        if (!case_[i].scene->t_end) limit_.set(i, t + Scene::kFollow);
+        h_next_.set(i, std::min(h_next_[i], kMotionParts * m.duration));
+      }
+      touchdown ? out_[i].contacts.touchdown(Point(g), t) : out_[i].contacts.liftoff(Point(g), t);
+      set_lane(system_.contact[g], i, crossed(now));
+    } else if (g < System::kTorqueUpper) {
+      auto& c = system_.contact[g - kPoints];
+      set_lane(c, i, loosened(lane(c, i)));
+    } else {
+      const bool held = system_.saturation.upper[i] || system_.saturation.lower[i];
+      set_lane(system_.saturation, i, held ? 0 : g == System::kTorqueUpper ? 1 : -1);
+    }
+    stale_.set(i, true);
+    return true;
+  }
+  static bool any(const M& m, int i) { return m[i]; }
+  static bool any(const M& m) { return ukemi::any(m); }
+
+  struct Crossing {
+    int guard = -1;
+    double s = 2;  ///< where in the step, 0..1
+  };
+  static constexpr double kPlaced = 1e-5;  ///< how exactly, in parts of a step; the rest is made up along the field
+  /// The earliest zero of a guard's cubic in the lane's step.
+  Crossing first_crossing(int i) const {
+    Crossing first;
+    for (int g = 0; g < kGuards; ++g) {
+      if (!near_[g][i]) continue;
+      const Node a = integrate::start_node(start_.value[g][i], start_.rate[g][i] * step_.h[i]),
+                 b{1, end_.value[g][i], end_.rate[g][i] * step_.h[i]};
+      const double s = integrate::zero_between(
+          a, b, [&](double x) { return cubic(a, b, x); }, kPlaced);
+      if (s < first.s) first = {g, s};
+    }
+    return first;
+  }
+
+  /// Times nearer than this are one [s].
+  static double resolution(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::max(t, 1e-10); }
+
+  enum class Verdict { kPlain, kCut, kEvent };
+  /// What a step with a guard near its zero is: an event if the zero is within reach of its end, else cut there.
+  [[gnu::noinline]] Verdict verdict(int i) {
+    constexpr double kReach = 3e-4;  // of the step, however short it was cut: made up along the field
+    constexpr int kMaxCuts = 12;
+    if (!cut_[i]) cuts_[i] = 0;
+    Crossing c = first_crossing(i);
+    if (c.guard < 0 && cut_[i]) c = {target_[i], 1};  // the cubic placed it a little early
+    if (c.guard < 0) return Verdict::kPlain;
+    const double g = end_.value[c.guard][i], rate = end_.rate[c.guard][i], shift = -g / rate;
+    const double reach = std::max(kReach * step_.h[i], resolution(step_.t[i]));
+    target_[i] = c.guard;
+    if (rate < 0 && (std::abs(shift) <= reach || (cuts_[i] >= kMaxCuts && g <= 0))) {
+      shift_.set(i, std::max(shift, -step_.h[i]));
+      return Verdict::kEvent;
+    }
+    if (c.s >= 1 || cuts_[i] >= kMaxCuts) return Verdict::kPlain;
+    ++cuts_[i];
+    cut_h_.set(i, c.s * step_.h[i]);
+    return Verdict::kCut;
+  }
+
+  // --- every lane at once ---
+
+  UKEMI_INLINE static T peak_square(const System& s, const State& y, const State& dy) {
+    const Vec2<T> a = thigh_acceleration(s.link, s.pose(y), {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
+    return a.x() * a.x() + a.y() * a.y();
+  }
+  UKEMI_INLINE void consider(const M& where, const T& q, const T& t) {
+    const M higher = where & (q > square_);
+    if (!any(higher)) return;
+    assign(square_, higher, q), assign(t_peak_, higher, t);
+    for (int i = 0; i < W; ++i)
+      if (higher[i]) out_[i].peak_contact = out_[i].contacts.size() - 1;
+  }
+
+  /// The field where it has jumped, and the events that take no time.
+  UKEMI_BATCH_STAGE void settle() {
+    while (any(stale_)) {
+      State dy;
+      typename System::GuardValues g;
+      field(step_.t, step_.y, dy);
+      guards(step_.t, step_.y, dy, g);
+      M violated(false);
+      for (int k = 0; k < kMechanical; ++k) assign(step_.slope[k], stale_, dy[k]);
+      for (int k = 0; k < kGuards; ++k) {
+        assign(start_.value[k], stale_, g.value[k]), assign(start_.rate[k], stale_, g.rate[k]);
+        violated |= stale_ & (g.value[k] <= T(0.0)) & (g.rate[k] < T(0.0));
+      }
+      const M settled = stale_ & !violated;
+      const T q = peak_square(system_, step_.y, dy);
+      assign(q_start_, settled, q);
+      consider(settled, q, step_.t);
+      stale_ = M(false);
+      if (!any(violated)) return;
+      for (int i = 0; i < W; ++i)
+        if (violated[i]) take_immediate(i);
+    }
+  }
+  [[gnu::noinline]] void take_immediate(int i) {
+    constexpr int kMaxImmediate = 64;
+    if (step_.t[i] != t_event_[i]) t_event_[i] = step_.t[i], immediate_[i] = 0;
+    if (++immediate_[i] > kMaxImmediate) return finish(i, End::kFailed);
+    for (int k = 0; k < kGuards; ++k)
+      if (start_.value[k][i] <= 0 && start_.rate[k][i] < 0) {
+        if (!cross(i, k)) finish(i, End::kBroken);
+        return;
+      }
+  }
+
+  UKEMI_BATCH_STAGE void attempt() {
+    const T stop = min(limit_, motion_end_);
+    last_ = step_.t + T(1.001) * h_next_ >= stop;
+    const T h = select(last_, T(stop - step_.t), h_next_);
+    step_.h = select(cut_, cut_h_, select(active_, h, T(0.0)));
+    last_ &= !cut_;
+    assign(whole_, !cut_, step_.h);
+    step_.advance([this](const T& t, const State& y, State& dy) UKEMI_INLINE_LAMBDA { field(t, y, dy); });
+  }
+  UKEMI_BATCH_STAGE void field(const T& t, const State& y, State& dy) const { system_.derivative(t, y, dy); }
+  UKEMI_BATCH_STAGE void guards(const T& t, const State& y, const State& dy, typename System::GuardValues& g) const {
+    system_.guards(t, y, dy, g);
+  }
+
+  /// Accepted, rejected, cut short or ended by an event.
+  UKEMI_BATCH_STAGE void judge() {
+    const State e = step_.error_rate();
+    T sum(0.0), check(0.0);
+    for (int k = 0; k < kMechanical; ++k) {
+      const T size = unit_[k] + max(abs(step_.y[k]), abs(step_.y_end[k])), r = e[k] / size;
+      sum += r * r;
+      check += step_.slope_end[k];
+    }
+    const T error2 = sum * step_.h * step_.h * T(1 / (double(kMechanical) * options_.accuracy * options_.accuracy));
+    accepted_ = active_ & (error2 <= T(1.0)) & finite(check);
+    const T factor = select(finite(error2), T(0.9) * inverse_tenth_root(max(error2, T(1e-24))), T(0.1));
+    const T growth = max(T(0.2), min(factor, select(rejected_ | !accepted_, T(1.0), T(8.0))));
+    T next = min(step_.h * growth, T(kMaxStep));
+    next = select(system_.phase.moving, min(next, T(kMotionParts) * system_.motion.duration), next);
+    const M fresh = active_ & !(cut_ & accepted_);
+    assign(h_next_, fresh, select(accepted_ & last_, max(next, h_next_), next));
+    rejected_ = active_ & !accepted_;
+
+    guards(step_.t + step_.h, step_.y_end, step_.slope_end, end_);
+    M near = cut_;
+    for (int k = 0; k < kGuards; ++k) {
+      const T third(1.0 / 3), a = start_.value[k], b = end_.value[k];
+      const T inner = min(a + step_.h * third * start_.rate[k], b - step_.h * third * end_.rate[k]);
+      near |= near_[k] = (b <= T(0.0)) | (inner <= T(0.0));
+    }
+    near &= accepted_;
+    event_ = M(false), shift_ = T(0.0);
+    M cut(false);
+    if (any(near))
+      for (int i = 0; i < W; ++i)
+        if (near[i]) {
+          const Verdict v = verdict(i);
+          event_.set(i, v == Verdict::kEvent), cut.set(i, v == Verdict::kCut);
+        }
+    // A cut step without an event: the cubic of so long a step says nothing of what lies ahead.
+    constexpr double kAfterCut = 8;  // times the cut length, at most
+    const M missed = cut_ & accepted_ & !event_ & !cut;
+    assign(h_next_, missed, min(h_next_, T(kAfterCut) * step_.h));
+    cut_ = cut;
+    accepted_ &= !cut;
+  }
+
+  /// The peak at the end of the accepted steps, and inside those that could hold a higher one.
+  UKEMI_BATCH_STAGE void look() {
+    const T q_rate = peak_square(system_, step_.y_end, step_.slope_end);
+    const T q_end = select(event_, q_rate + (q_rate - q_start_) * shift_ / max(step_.h, T(1e-12)), q_rate);
+    consider(accepted_, q_end, step_.t + step_.h + shift_);
+    constexpr double kInside = 0.5, kNear = 0.9;  // as squares; see peak_tracker.hpp
+    const M inside = accepted_ & (max(q_start_, q_end) > T(kInside) * square_);
+    if (any(inside)) {
+      const auto at = [&](const T& s) UKEMI_INLINE_LAMBDA {
+        const State y = step_.at(s);
+        State dy;
+        const T t = step_.t + s * step_.h;
+        field(t, y, dy);
+        return peak_square(system_, y, dy);
+      };
+      T a(0.0), b(0.5), c(1.0), qa = q_start_, qb = at(b), qc = q_rate;
+      consider(inside, qb, step_.t + b * step_.h);
+      for (int n = 0; n < 3; ++n) {
+        const T u = (qb - qa) / (b - a), v = (qc - qb) / (c - b), bend = (v - u) / (c - a);
+        const T top = T(0.5) * (a + b - u / bend);
+        const M open = inside & (bend < T(0.0)) & (top > a) & (top < c) & (abs(top - b) > T(1e-4)) &
+                       (max(qa, max(qb, qc)) > T(kNear) * square_);
+        if (!any(open)) break;
+        const T s = select(open, top, b), q = at(s);
+        consider(open, q, step_.t + s * step_.h);
+        const M left = s<b, better = q> qb;
+        assign(a, open & (left & (!better)), s), assign(qa, open & (left & (!better)), q);
+        assign(c, open & ((!left) & (!better)), s), assign(qc, open & ((!left) & (!better)), q);
+        assign(c, open & left & better, b), assign(qc, open & left & better, qb);
+        assign(a, open & (!left) & better, b), assign(qa, open & (!left) & better, qb);
+        assign(b, open & better, s), assign(qb, open & better, q);
+      }
+    }
+    assign(q_start_, accepted_, q_end);
+  }
+
+  /// Begins the next step of every lane where this one ended, or the next landing.
+  UKEMI_BATCH_STAGE void move_on() {
+    const T h = step_.h + shift_;
+    assign(step_.t, accepted_, step_.t + h);
+    for (int k = 0; k < kMechanical; ++k) {
+      assign(step_.y[k], accepted_, step_.y_end[k] + shift_ * step_.slope_end[k]);
+      assign(step_.slope[k], accepted_, step_.slope_end[k]);
+    }
+    for (int k = 0; k < kGuards; ++k)
+      assign(start_.value[k], accepted_, end_.value[k]), assign(start_.rate[k], accepted_, end_.rate[k]);
+
+    const M plain = accepted_ & !event_, reached = plain & last_;
+    const M played = reached & (step_.t >= motion_end_ - T(1e-14));
+    if (any(played)) {
+      system_.phase.moving &= !played, system_.phase.after |= played;
+      assign(motion_end_, played, T(kNever));
+    }
+    const M over = reached & (step_.t >= limit_ - T(1e-14));
+    const M abandoned = accepted_ & (square_ > abandon_square_);
+    M broken(false);
+    if (options_.limits.rated()) {
+      const T torque = system_.motor_torque_of(System::sea_state(step_.y), system_.reference(step_.t));
+      broken = accepted_ & ((abs(step_.y[kOmegaM]) > T(options_.limits.motor_speed)) |
+                            (abs(torque) > T(options_.limits.motor_torque)));
+    }
+    const M rest = plain & at_rest(system_, step_.y, square_, rest_scale_);
+    const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
+    steps_ += select(active_, T(1.0), T(0.0));
+    const M failed = tiny | (active_ & (steps_ > T(double(options_.max_steps))));
+    if (!any(event_ | over | abandoned | broken | rest | failed)) return;
+    for (int i = 0; i < W; ++i) {
+      if (!active_[i]) continue;
+      if (failed[i])
+        finish(i, End::kFailed);
+      else if (abandoned[i])
+        finish(i, End::kAbandoned);
+      else if (broken[i])
+        finish(i, End::kBroken);
+      else if (rest[i])
+        finish(i, End::kRest);
+      else if (over[i])
+        finish(i, End::kTimeLimit);
+      else if (event_[i] && !cross(i, target_[i]))
+        finish(i, End::kBroken);
+    }
+  }
+
+  static constexpr double kNever = std::numeric_limits<double>::infinity(), kMaxStep = 0.1;
+  static constexpr double kMotionParts = 0.125;  ///< a motion is never passed over in a few steps
+
+  BatchSource& source_;
+  const BatchOptions options_;
+  const std::function<bool()> over_ = [this] { return source_.over(); };
+  System system_{TwoLink<T>{{T(1.0), T(1.0)}, {T(1.0), T(1.0)}, T(1.0), T(0.0)}, Floor<T>{T(1.0), T(0.0), T(0.0)},
+                 SeaParameters<T>{T(0.0), T(0.0), T(0.0), T(0.0), T(1.0)}, MotionOf<T>{T(0.0), T(0.0), T(1.0)}};
+  integrate::Step<integrate::DormandPrince54, T, kMechanical> step_;
+  typename System::GuardValues start_, end_;
+  T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, limit_{0.0}, motion_end_{0.0}, abandon_square_{0.0};
+  T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, rest_scale_{0.0}, steps_{0.0};
+  M active_, stale_, cut_, rejected_, accepted_, event_, last_;
+  std::array<T, kMechanical> unit_;
+  std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step
+  std::array<int, W> target_{}, immediate_{}, cuts_{};
+  std::array<double, W> t_event_{};  ///< the instant that immediate_ counts at
+  std::array<BatchCase, W> case_{};
+  std::array<LandingPeak, W> out_{};
+};
+
+}  // namespace ukemi::landing

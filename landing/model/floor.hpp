@@ -1,0 +1,60 @@
+// The floor of Sec. 2.4 of [1]: a linear spring and damper normal to it that cannot pull, viscous friction along it.
+//
+//     F_x = -C_fx v_x                     if p_y < 0, else 0        (acts also while F_y = 0: the paper's own form)
+//     F   = -K_f p_y - C_fy v_y;  F_y = F if p_y < 0 and F > 0, else 0
+//
+// The two inequalities are the mode of a point, held by the driver between events.
+#pragma once
+
+#include "landing/model/two_link.hpp"
+
+namespace ukemi::landing {
+
+/// Constants of the floor.
+template <class T>
+struct Floor {
+  T stiffness;           ///< K_f [N/m], > 0
+  T damping_normal;      ///< C_fy [N/(m/s)], >= 0
+  T damping_tangential;  ///< C_fx [N/(m/s)], >= 0
+
+  /// The same floor in another scalar.
+  template <class U>
+  Floor<U> cast() const {
+    return {U(stiffness), U(damping_normal), U(damping_tangential)};
+  }
+  /// f(a's, b's) of every constant.
+  template <class A, class B, class F>
+  static void for_each(A& a, const B& b, F&& f) {
+    f(a.stiffness, b.stiffness), f(a.damping_normal, b.damping_normal), f(a.damping_tangential, b.damping_tangential);
+  }
+};
+
+/// Mode of a contact point.
+enum class Contact : unsigned char {
+  kClear,    ///< above the floor
+  kPressed,  ///< below y = 0 and the floor pushes
+  kLoose,    ///< below y = 0, but the damper outweighs the spring: no normal force
+};
+inline bool below(Contact c) { return c != Contact::kClear; }
+inline bool pressed(Contact c) { return c == Contact::kPressed; }
+/// The mode beyond its guard: through y = 0, and where the normal force changes between none and some.
+inline Contact crossed(Contact c) { return c == Contact::kClear ? Contact::kPressed : Contact::kClear; }
+inline Contact loosened(Contact c) { return c == Contact::kPressed ? Contact::kLoose : Contact::kPressed; }
+
+/// F = -K_f p_y - C_fy v_y [N].
+template <class T>
+T normal_force(const Floor<T>& f, const T& height, const T& velocity) {
+  return -f.stiffness * height - f.damping_normal * velocity;
+}
+/// dF/dt [N/s].
+template <class T>
+T normal_force_rate(const Floor<T>& f, const T& velocity, const T& acceleration) {
+  return -f.stiffness * velocity - f.damping_normal * acceleration;
+}
+/// F_x = -C_fx v_x [N].
+template <class T>
+T tangential_force(const Floor<T>& f, const T& velocity) {
+  return -f.damping_tangential * velocity;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,250 @@
+// The landing robot as a hybrid system: Eq. 1 with the actuator of Eq. 2-4 and the floor of Sec. 2.4, one smooth mode
+// at a time. State: see Component; with kAccounts three further components integrate the work of the joint torque, of
+// the floor and on the motor, for the energy check.
+#pragma once
+
+#include "common/integrate/hybrid.hpp"
+#include "common/trigonometry.hpp"
+#include "landing/model/motion.hpp"
+#include "landing/model/scene.hpp"
+
+namespace ukemi::landing {
+
+/// Work accounts behind the mechanical components [J].
+enum Account { kWorkJoint = kMechanical, kWorkFloor, kWorkMotor, kWithAccounts };
+
+/// The mode of a system in a scalar: one for a double and all its derivatives; lanes of it in batch.hpp.
+template <class T>
+struct ModeOf {
+  using Contact = landing::Contact;
+  using Saturation = int;
+  using Phase = landing::Phase;
+};
+
+/// Which terms a kernel is compiled with. A kernel without a term pays nothing for it.
+struct LandingTerms {
+  SeaTerms sea;
+  bool floor;  ///< contact points that may touch
+  constexpr LandingTerms(SeaTerms s, bool f = true) : sea(s), floor(f) {}
+};
+
+/// `Constant` is the scalar of the robot's constants: a double spares a T that carries no derivatives by them.
+template <LandingTerms kAllTerms, bool kAccounts, Scalar T = double, Scalar Constant = T>
+class LandingSystem {
+  static constexpr SeaTerms kTerms = kAllTerms.sea;
+
+ public:
+  static constexpr int kControlled = kMechanical, kPositions = kVx, kGuards = 2 * kPoints + 2;
+  static constexpr int kTorqueUpper = 2 * kPoints, kTorqueLower = kTorqueUpper + 1;
+  using State = Eigen::Matrix<T, kAccounts ? int(kWithAccounts) : int(kMechanical), 1>;
+  using Lane = typename MaskOf<T>::type;
+  using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
+  using GuardValues = integrate::Guards<kGuards, Value>;
+
+  /// Torques and forces of a state.
+  struct Field {
+    Pose<T> pose;
+    SeaState<T> sea;
+    T tau_sea;
+    Reference<T> reference;
+    std::array<Vec2<T>, kPoints> force;
+  };
+
+  LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const MotionOf<T>& played)
+      : LandingSystem(scene.robot.template cast<Constant>(),
+                      scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(), actuator, played) {
+    for (int j = 0; j < kPoints; ++j) present[j] = scene.floor && scene.contacts[j];
+  }
+  /// With constants that may carry derivatives; no point may touch until `present` says so.
+  LandingSystem(const TwoLink<Constant>& robot, const Floor<T>& f, const SeaParameters<T>& actuator,
+                const MotionOf<T>& played)
+      : link(robot), floor(f), sea(actuator), motion(played) {
+    if constexpr (kTerms.torque_limit && !kIsPack<T>)
+      if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
+  }
+
+  /// The same system, in its present mode, in another scalar.
+  template <class U, class UConstant>
+  explicit LandingSystem(const LandingSystem<kAllTerms, kAccounts, U, UConstant>& o)
+      : link(o.link.template cast<Constant>()),
+        floor(o.floor.template cast<T>()),
+        sea(o.sea.template cast<T>()),
+        motion(o.motion.template cast<T>()),
+        present(o.present),
+        contact(o.contact),
+        saturation(o.saturation),
+        phase(o.phase),
+        motion_start(o.motion_start) {}
+
+  TwoLinkDynamics<Constant> link;
+  Floor<T> floor;
+  SeaParameters<T> sea;
+  MotionOf<T> motion;
+  std::array<Lane, kPoints> present{};
+
+  // The mode.
+  std::array<typename ModeOf<T>::Contact, kPoints> contact{};
+  typename ModeOf<T>::Saturation saturation{};
+  typename ModeOf<T>::Phase phase{};
+  T motion_start{0};  ///< time of the first touchdown [s]
+
+  /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
+  /// turn.
+  UKEMI_INLINE Pose<T> pose(const State& y) const {
+    // Angles that compare equal may still differ in their derivatives.
+    if (kDerivatives < T >> 0 || any((y[kTheta0] != theta0_) | (y[kTheta1] != theta1_))) {
+      theta0_ = y[kTheta0], theta1_ = y[kTheta1];
+      turn_ = sin_cos(theta0_, theta1_);
+    }
+    return {y[kX],        y[kY],        y[kVx],       y[kVy],     turn_[0].sin,
+            turn_[0].cos, turn_[1].sin, turn_[1].cos, y[kOmega0], y[kOmega1]};
+  }
+
+  template <class Time>
+  Reference<T> reference(const Time& t) const {
+    const Reference<T> held{select(after(phase), motion.phi_f, motion.phi_i), T(0)};
+    if (!any(moving(phase))) return held;
+    const Reference<T> played = quintic(motion.phi_i, motion.phi_f, motion.duration, T(t - motion_start));
+    return {select(moving(phase), played.phi, held.phi), select(moving(phase), played.dphi, held.dphi)};
+  }
+
+  static SeaState<T> sea_state(const State& y) {
+    return {y[kTheta1] - y[kTheta0], y[kPhiM], y[kOmega1] - y[kOmega0], y[kOmegaM]};
+  }
+
+  /// Force of the floor on a point that is below y = 0, in its present mode [N].
+  UKEMI_INLINE Vec2<T> force(const Pose<T>& p, int j) const {
+    return {tangential_force(floor, velocity_x(link, p, j)),
+            select(pressed(contact[j]), normal_force(floor, height(link, p, j), velocity_y(link, p, j)), T(0))};
+  }
+
+  /// Eq. 1-4 and Sec. 2.4 in the present mode.
+  State derivative(double t, const State& y) const {
+    State dy;
+    derivative(t, y, dy);
+    return dy;
+  }
+  /// `t` may be a double or, to differentiate by it, a T.
+  template <class Time>
+  void derivative(const Time& t, const State& y, State& dy) const {
+    const Pose<T> p = pose(y);
+    Loads<T> load;
+    [[maybe_unused]] T floor_power(0);
+    if constexpr (kAllTerms.floor)
+      for (int j = 0; j < kPoints; ++j)
+        if (any(below(contact[j]))) {
+          const Vec2<T> f = force(p, j);
+          load.add(link, p, j, select(below(contact[j]), f.x(), T(0)), f.y());
+          if constexpr (kAccounts) floor_power += f.x() * velocity_x(link, p, j) + f.y() * velocity_y(link, p, j);
+        }
+    const SeaState<T> joint = sea_state(y);
+    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, joint), saturation);
+    const Accelerations<T> acc = solve(link, p, tau, load);
+    for (int i = 0; i < kVx; ++i) dy[i] = y[kVx + i];
+    dy[kVx] = acc.x, dy[kVy] = acc.y, dy[kOmega0] = acc.theta0, dy[kOmega1] = acc.theta1;
+    dy[kOmegaM] = motor_acceleration<kTerms>(sea, joint, reference(t), tau);
+    if constexpr (kAccounts) {
+      dy[kWorkJoint] = tau * joint.dphi;
+      dy[kWorkFloor] = floor_power;
+      dy[kWorkMotor] = sea.i_motor * dy[kOmegaM] * y[kOmegaM];
+    }
+  }
+
+  /// d(dy/dt)/dy and d(dy/dt)/dt of the present mode, exact.
+  template <class Matrix>
+  void linearize(double t, const State& y, Matrix& jacobian, State& rate) const {
+    constexpr int n = State::RowsAtCompileTime;
+    using Dual = ceres::Jet<double, n + 1>;
+    const LandingSystem<kAllTerms, kAccounts, Dual> dual(*this);
+    Eigen::Matrix<Dual, n, 1> x, dx;
+    for (int i = 0; i < n; ++i) x[i] = Dual(y[i], i);
+    dual.derivative(Dual(t, n), x, dx);
+    for (int i = 0; i < n; ++i) jacobian.row(i) = dx[i].v.template head<n>().transpose(), rate[i] = dx[i].v[n];
+  }
+
+  /// The torques and forces of a state, for reports.
+  Field evaluate(double t, const State& y) const {
+    Field f{pose(y), sea_state(y), T(0), reference(t), {}};
+    for (int j = 0; j < kPoints; ++j) f.force[j] = below(contact[j]) ? force(f.pose, j) : Vec2<T>(T(0), T(0));
+    f.tau_sea = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, f.sea), saturation);
+    return f;
+  }
+
+  /// |Torque| on the motor that gains and spring leave were everything at a standstill in the angles of y, beyond what
+  /// dry friction holds [Nm].
+  T unheld_motor_torque(const State& y) const {
+    using std::abs;
+    const SeaState<T> still{y[kTheta1] - y[kTheta0], y[kPhiM], T(0), T(0)};
+    const Reference<T> held{select(after(phase), motion.phi_f, motion.phi_i), T(0)};
+    const T torque = abs(T(motor_torque<kTerms>(sea, still, held) - spring_torque<kTerms>(sea, still)));
+    if constexpr (!kTerms.extended) return torque;
+    return select(torque > sea.friction, T(torque - sea.friction), T(0));
+  }
+
+  T motor_torque_of(const SeaState<T>& s, const Reference<T>& r) const { return motor_torque<kTerms>(sea, s, r); }
+
+  /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y. The driver asks for their
+  /// values alone; in a T they keep their derivatives.
+  template <class Time, class Out>
+  void guards(const Time&, const State& y, const State& dy, integrate::Guards<kGuards, Out>& out) const {
+    out = {};
+    const Accelerations<T> acc{dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]};
+    if constexpr (kAllTerms.floor) contact_guards(pose(y), acc, out);
+    if constexpr (kTerms.torque_limit) {
+      const Out limit = narrowed<Out>(sea.tau_max), infinite(std::numeric_limits<double>::infinity());
+      const auto limited = (limit > Out(0)) & (limit < infinite);
+      if (!any(limited)) return;
+      const SeaState<T> s = sea_state(y);
+      const Out tau = narrowed<Out>(spring_torque<kTerms>(sea, s)),
+                rate = narrowed<Out>(spring_torque_rate<kTerms>(sea, s, T(acc.theta1 - acc.theta0), dy[kOmegaM]));
+      const auto upper = at_upper(saturation), lower = at_lower(saturation);
+      out.set(kTorqueUpper, select(upper, tau - limit, limit - tau), select(upper, rate, -rate), limited & !lower);
+      out.set(kTorqueLower, select(lower, -limit - tau, limit + tau), select(lower, -rate, rate), limited & !upper);
+    }
+  }
+
+  template <class Out>
+  void contact_guards(const Pose<T>& p, const Accelerations<T>& acc, integrate::Guards<kGuards, Out>& out) const {
+    for (int j = 0; j < kPoints; ++j) {
+      if (!any(present[j])) continue;
+      const T h = height(link, p, j), v = velocity_y(link, p, j);
+      const auto under = below(contact[j]);
+      const Out height_value = narrowed<Out>(h), speed = narrowed<Out>(v);
+      out.set(j, select(under, -height_value, height_value), select(under, -speed, speed), present[j]);
+      const auto damped = under & (value_of(floor.damping_normal) != Value(0));
+      if (!any(damped)) continue;
+      const auto pushes = pressed(contact[j]);
+      const Out force = narrowed<Out>(normal_force(floor, h, v)),
+                rate = narrowed<Out>(normal_force_rate(floor, v, acceleration_y(link, p, acc, j)));
+      out.set(kPoints + j, select(pushes, force, -force), select(pushes, rate, -rate), damped & present[j]);
+    }
+  }
+
+  /// The mode beyond the zero of guard `i`.
+  void cross(int i) {
+    if (i < kPoints)
+      contact[i] = crossed(contact[i]);
+    else if (i < kTorqueUpper)
+      contact[i - kPoints] = loosened(contact[i - kPoints]);
+    else
+      saturation = saturation ? 0 : (i == kTorqueUpper ? 1 : -1);
+  }
+
+  /// Sizes below which a component need not be relatively exact: a link's length, 1 rad, and those at 10 1/s.
+  Value tolerance_unit(int i) const {
+    constexpr double kRate = 10;
+    const Value length = Value(2) * value_of(link.a);
+    const Value unit = i == kX || i == kY || i == kVx || i == kVy ? length : Value(1);
+    return i >= kVx ? unit * Value(kRate) : unit;
+  }
+
+  /// Potential and kinetic energy of the links, and the motor's kinetic energy [J].
+  T link_energy(const State& y) const { return kinetic_energy(link, pose(y)) + link.total_mass * link.gravity * y[kY]; }
+  T motor_energy(const State& y) const { return T(0.5) * sea.i_motor * y[kOmegaM] * y[kOmegaM]; }
+
+ private:
+  mutable T theta0_{std::numeric_limits<double>::quiet_NaN()}, theta1_{};
+  mutable std::array<SinCos<T>, 2> turn_{};
+};
+
+}  // namespace ukemi::landing

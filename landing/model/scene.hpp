@@ -1,0 +1,52 @@
+// A scene: the robot, the floor, the drop, and what a motion may be. Everything but the actuator and the motion.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "landing/model/floor.hpp"
+#include "landing/model/two_link.hpp"
+
+namespace ukemi::landing {
+
+/// How the robot is thrown (Sec. 4 of [1]): at rest relative to itself, from `height`.
+template <class T>
+struct DropOf {
+  T height;                ///< h, clearance of the lowest contact point at release [m], >= 0
+  T forward_speed = T(0);  ///< V_H = dx_0 [m/s]
+  T pitch = T(0);          ///< phi_0, thigh pitch; 0: vertical with the knee below the hip [rad]
+  T pitch_rate = T(0);     ///< d phi_0 at release [rad/s]; 0 in [1]
+};
+using Drop = DropOf<double>;
+
+/// Ranges of Eq. 6 / Table 3 of [1]: -90..0 deg for both angles, 0.1..1 s.
+struct SearchRange {
+  std::array<double, 2> phi{-1.5707963267948966, 0};  ///< of phi_I and phi_F [rad]
+  std::array<double, 2> duration{0.1, 1.0};           ///< [s]
+};
+
+/// How exactly the robot plays a motion; half sides of the box of the tolerant peak. Ours: 0.2 deg, 2 ms.
+struct ExecutionTolerance {
+  double phi = 0.2 * 0.017453292519943295;  ///< of phi_I and phi_F [rad], >= 0
+  double duration = 0.002;                  ///< [s], >= 0
+};
+
+struct Scene {
+  std::string name;
+  TwoLink<double> robot;
+  std::array<bool, kPoints> contacts{};  ///< which points may touch
+  std::optional<Floor<double>> floor;    ///< absent: nothing to touch
+  std::string floor_source;              ///< where the floor's constants come from
+  Drop drop;
+  SearchRange search;
+  ExecutionTolerance execution;
+  std::optional<double> t_end;  ///< upper bound of a run, from release [s]; absent: 10 s after the first touchdown
+
+  /// A run lasts at most this long after the first touchdown where t_end is absent [s].
+  static constexpr double kFollow = 10;
+
+  bool touches() const { return floor.has_value() && (contacts[kHip] || contacts[kKnee] || contacts[kFoot]); }
+};
+
+}  // namespace ukemi::landing

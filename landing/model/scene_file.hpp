@@ -1,0 +1,24 @@
+// Scenes and motions as files.
+#pragma once
+
+#include <string>
+
+#include "landing/model/motion.hpp"
+#include "landing/model/scene.hpp"
+
+namespace ukemi::landing {
+
+/// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run] optional; an absent table
+/// or key is an absent term. Throws InputError with file:line:column.
+Scene read_scene(const std::string& path);
+
+/// The text of a scene.toml that `read_scene` reads back; `comments` goes in front, each line behind "# ".
+std::string to_toml(const Scene& scene, const std::string& comments);
+
+/// Reads motion.toml: [motion] phi_i_deg, phi_f_deg (or phi_i, phi_f in rad), duration.
+Motion read_motion(const std::string& path);
+
+/// The text of a motion.toml; `comments` goes in front, each line behind "# ".
+std::string to_toml(const Motion& motion, const std::string& comments);
+
+}  // namespace ukemi::landing

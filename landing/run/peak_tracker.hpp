@@ -1,0 +1,99 @@
+// Finds the largest |ddr_0| of a run: at both limits of every step, and inside the steps that could hold a larger one.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "landing/model/landing_system.hpp"
+
+namespace ukemi::landing {
+
+/// Keeps the largest |ddr_0|^2 of what it is shown.
+class PeakTracker {
+ public:
+  double square = 0, t = 0;
+
+  void consider(double q, double time) {
+    if (q > square) square = q, t = time;
+  }
+  void reset() { square = 0; }
+  /// The field has jumped: the next step's start is not the last one's end.
+  void jump() { known_ = false; }
+
+  template <class System>
+  static double at_state(const System& system, const typename System::State& y, const typename System::State& dy) {
+    const auto p = system.pose(y);
+    return thigh_acceleration(system.link, p, {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]}).squaredNorm();
+  }
+
+  /// Both ends of the step (their limits from inside it) and its interior where that could hold a larger value. False
+  /// where the interior holds what the ends rule out: forces do not rise and fall so within a step that resolves them.
+  template <class System, class Integrator>
+  [[nodiscard]] bool step(const System& system, Integrator& integrator) {
+    const auto& step = integrator.step();
+    const double q1 = at_state(system, step.y_end, step.slope_end),
+                 q0 = known_ ? last_ : at_state(system, step.y, step.slope);
+    known_ = true, last_ = q1;
+    const double before = square;
+    consider(q0, step.t);
+    consider(q1, step.t + step.h);
+    if (kDoubles * kDoubles * std::max(q0, q1) < square || step.h <= 0) return true;
+    const auto f = [&](double s) {
+      const auto y = integrator.dense().at(s);
+      const double time = step.t + s * step.h;
+      const double q = at_state(system, y, system.derivative(time, y));
+      consider(q, time);
+      return q;
+    };
+    std::array<Node, 6> node{{{0, q0}, {0.125, 0}, {0.25, 0}, {0.5, 0}, {0.75, 0}, {1, q1}}};
+    for (int i = 1; i < 5; ++i) node[i].q = f(node[i].s);
+    for (int i = 0; i + 2 < 6; ++i) {
+      const double top = vertex(node[i], node[i + 1], node[i + 2]);
+      if (top > node[i].s && top < node[i + 2].s &&
+          std::max({node[i].q, node[i + 1].q, node[i + 2].q}) > kNear * square)
+        polish(node[i], node[i + 1], node[i + 2], f);
+    }
+    return square <= before || square <= kUnresolved * kUnresolved * std::max({q0, q1, kUnit * kUnit});
+  }
+
+ private:
+  bool known_ = false;
+  double last_ = 0;                      ///< at the end of the last step
+  static constexpr double kDoubles = 4;  ///< a resolved step that holds a new peak ends above a quarter of the old one
+  static constexpr double kUnresolved = 100;  ///< times the larger end: no peak of a resolved step
+  static constexpr double kUnit = 10;         ///< below it |ddr_0| is small whatever its ratio to the ends [m/s^2]
+  static constexpr double kNear = 0.9;        ///< and its nodes come this near, as squares
+
+  struct Node {
+    double s, q;
+  };
+  /// Where the parabola through three nodes has its top; NaN or outside where it has none.
+  static double vertex(const Node& a, const Node& b, const Node& c) {
+    const double u = (b.q - a.q) / (b.s - a.s), v = (c.q - b.q) / (c.s - b.s), bend = (v - u) / (c.s - a.s);
+    return bend < 0 ? 0.5 * (a.s + b.s - u / bend) : -1;
+  }
+  /// Successive parabolas: the value at the top is exact to the square of the last move.
+  template <class F>
+  static void polish(Node a, Node b, Node c, F&& f) {
+    for (int i = 0; i < 8; ++i) {
+      const double s = vertex(a, b, c);
+      if (!(s > a.s && s < c.s) || std::abs(s - b.s) < 1e-6) return;
+      const Node n{s, f(s)};
+      if (std::abs(n.q - b.q) < 1e-13 * b.q) return;
+      if (s < b.s) {
+        if (n.q > b.q)
+          c = b, b = n;
+        else
+          a = n;
+      } else {
+        if (n.q > b.q)
+          a = b, b = n;
+        else
+          c = n;
+      }
+    }
+  }
+};
+
+}  // namespace ukemi::landing

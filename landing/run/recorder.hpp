@@ -1,0 +1,138 @@
+// What a report needs of a run beside its peak. Private to simulate.cpp.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "landing/run/peak_tracker.hpp"
+#include "landing/run/simulate.hpp"
+
+namespace ukemi::landing {
+
+/// Collects touches, peaks, demands, work and the trajectory; the fast path has none of it.
+template <class System>
+class Recorder {
+ public:
+  Recorder(Landing* out, double rate) : out_(*out), rate_(rate) {}
+
+  void start(const System& system, double t, const typename System::State& y) {
+    energy_start_ = system.link_energy(y), motor_start_ = system.motor_energy(y);
+    turned_ = kinetic_energy(system.link, system.pose(y));
+    work_.setZero();
+    out_.demands.phi_min = out_.demands.phi_max = y[kTheta1] - y[kTheta0];
+    touch_.t = t;
+  }
+
+  void jump() { touch_.jump(); }
+  void row(const System& system, double t, const typename System::State& y) {
+    if (rate_ > 0) out_.trajectory.push_back(sample(system, t, y));
+  }
+
+  /// Rows before `until` of a ballistic flight from release, in closed form; the integrated run starts where it ends.
+  void ballistic(const System& system, const Drop& drop, typename System::State y, double until) {
+    const double y0 = y[kY], x0 = y[kX], vx = y[kVx];
+    for (; rate_ > 0 && next_row() < until; ++rows_) {
+      const double t = next_row();
+      y[kX] = x0 + vx * t, y[kY] = y0 - 0.5 * system.link.gravity * t * t;
+      y[kVy] = -system.link.gravity * t;
+      row(system, t, y);
+    }
+    turned_ += system.link.total_mass * system.link.gravity * drop.height;
+    touch_.consider(system.link.gravity * system.link.gravity, 0);
+  }
+
+  template <class Integrator>
+  void step(const System& system, Integrator& integrator) {
+    (void)touch_.step(system, integrator);  // the run has judged the step
+    const auto& step = integrator.step();
+    for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0})
+      observe(system.evaluate(step.t + s * step.h, integrator.dense().at(s)), system);
+    for (; rate_ > 0 && next_row() <= step.t + step.h; ++rows_)
+      if (next_row() >= step.t) row(system, next_row(), integrator.dense().at(step.place_of(next_row())));
+    for (int i = kWorkJoint; i < kWithAccounts; ++i) turned_ += std::abs(step.y_end[i] - work_[i - kWorkJoint]);
+    work_ = step.y_end.template tail<3>();
+    const double links =
+        system.link_energy(step.y_end) - energy_start_ - step.y_end[kWorkJoint] - step.y_end[kWorkFloor];
+    const double motor = system.motor_energy(step.y_end) - motor_start_ - step.y_end[kWorkMotor];
+    mismatch_ = std::max({mismatch_, std::abs(links), std::abs(motor)});
+  }
+
+  void touchdown(Point point, double t) {
+    bool chatter = false;
+    for (auto it = out_.touches.rbegin(); it != out_.touches.rend(); ++it)
+      if (it->point == point) {
+        chatter = t - it->t_liftoff < kChatter;
+        break;
+      }
+    close_touch();
+    if (!chatter) close_interval(point);
+    out_.touches.push_back({point, t, std::numeric_limits<double>::quiet_NaN()});
+    open_[point] = int(out_.touches.size()) - 1;
+  }
+  void liftoff(Point point, double t) {
+    if (open_[point] >= 0) out_.touches[open_[point]].t_liftoff = t;
+    open_[point] = -1;
+  }
+
+  void finish() {
+    close_touch();
+    close_interval(-1);
+    out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
+  }
+
+ private:
+  Landing& out_;
+  double rate_;
+  long rows_ = 0;
+  double energy_start_ = 0, motor_start_ = 0, turned_ = 0, mismatch_ = 0;
+  Eigen::Vector3d work_;
+  std::array<int, kPoints> open_{-1, -1, -1};
+  PeakTracker touch_;  ///< since the last touchdown
+  Peak interval_{0, 0, -1};
+
+  double next_row() const { return double(rows_) / rate_; }
+
+  /// The next touchdown, or the end of the run, ends what the last one began; an interval holds several of these. Of
+  /// points that touch at one instant each gets what follows.
+  void close_touch() {
+    const double peak = std::sqrt(touch_.square);
+    for (auto it = out_.touches.rbegin();
+         peak > 0 && it != out_.touches.rend() && it->t_touchdown == out_.touches.back().t_touchdown; ++it)
+      it->peak_acc = peak;
+    if (peak > interval_.acceleration) interval_.t = touch_.t, interval_.acceleration = peak;
+    touch_.reset();
+  }
+  void close_interval(int next) {
+    if (interval_.acceleration > 0) out_.peaks.push_back(interval_);
+    interval_ = {0, 0, next};
+  }
+
+  void observe(const typename System::Field& f, const System& system) {
+    for (int j = 0; j < kPoints; ++j)
+      if (open_[j] >= 0) {
+        double& peak = out_.touches[open_[j]].peak_force;
+        peak = std::max(peak, f.force[j].norm());
+      }
+    Demands& d = out_.demands;
+    d.motor_speed = std::max(d.motor_speed, std::abs(f.sea.dphi_m));
+    d.motor_torque = std::max(d.motor_torque, std::abs(system.motor_torque_of(f.sea, f.reference)));
+    d.sea_torque = std::max(d.sea_torque, std::abs(f.tau_sea));
+    d.phi_min = std::min(d.phi_min, f.sea.phi), d.phi_max = std::max(d.phi_max, f.sea.phi);
+  }
+
+  static Sample sample(const System& system, double t, const typename System::State& y) {
+    const auto f = system.evaluate(t, y);
+    const auto dy = system.derivative(t, y);
+    const Vec2<double> r = thigh_position(system.link, f.pose), v = thigh_velocity(system.link, f.pose),
+                       a = thigh_acceleration(system.link, f.pose, {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
+    return {t,          r.x(),      r.y(), y[kTheta0], f.sea.phi, f.sea.phi_m, v.x(),           v.y(),  y[kOmega0],
+            f.sea.dphi, y[kOmegaM], a.x(), a.y(),      a.norm(),  f.tau_sea,   f.reference.phi, f.force};
+  }
+};
+
+/// The fast path's: nothing is recorded.
+struct NoRecorder {
+  NoRecorder(Landing*, double) {}
+};
+
+}  // namespace ukemi::landing

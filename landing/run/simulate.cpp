@@ -1,0 +1,61 @@
+#include "landing/run/simulate.hpp"
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+#include "landing/run/kernels.hpp"
+
+namespace ukemi::landing {
+
+const char* name(End end) {
+  switch (end) {
+    case End::kRest:
+      return "rest";
+    case End::kTimeLimit:
+      return "t_end";
+    case End::kNoContact:
+      return "no contact";
+    case End::kAbandoned:
+      return "abandoned";
+    case End::kStopped:
+      return "stopped";
+    case End::kBroken:
+      return "limit broken";
+    case End::kFailed:
+      return "failed";
+  }
+  return "?";
+}
+
+const char* reason(const LandingPeak& landing) {
+  switch (landing.failure) {
+    case Failure::kNone:
+      return "it did not fail";
+    case Failure::kIntegration:
+      return name(landing.status);
+    case Failure::kSteps:
+      return "the run needs more steps than are allowed (is the scene stiff?)";
+    case Failure::kUnresolved:
+      return "the acceleration inside a step is far above its ends: the steps do not resolve it";
+    case Failure::kUnbalanced:
+      return "the energy balance does not close";
+  }
+  return "?";
+}
+
+void SimulateOptions::validate() const {
+  if (!(accuracy >= 1e-14 && accuracy <= 1e-2))
+    throw InputError("accuracy: " + shortest(accuracy) + ": a relative tolerance from 1e-14 to 1e-2 is needed");
+  if (!(max_step > 0)) throw InputError("max_step: " + shortest(max_step) + ": above 0 is needed");
+  if (max_steps < 1) throw InputError("max_steps: " + std::to_string(max_steps) + ": at least 1 is needed");
+}
+
+Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                 const SimulateOptions& options, double rate) {
+  Landing out;
+  dispatch<true>(scene, sea, motion, options, out, &out, rate);
+  if (out.end != End::kFailed && !(out.energy_residual <= energy_tolerance(options.accuracy)))
+    out.end = End::kFailed, out.failure = Failure::kUnbalanced;
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,168 @@
+// One landing: released, in flight, through its contacts, to rest.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/integrate/hybrid.hpp"
+#include "common/integrate/method.hpp"
+#include "landing/model/motion.hpp"
+#include "landing/model/scene.hpp"
+
+namespace ukemi::landing {
+
+/// Why a run ended.
+enum class End {
+  kRest,       ///< at rest (landing/run/rest.hpp): no later peak can exceed the running one
+  kTimeLimit,  ///< at t_end
+  kNoContact,  ///< at t_end, and no point has touched the floor: `peak` is that of a flight
+  kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
+  kStopped,    ///< SimulateOptions::over said so: `peak` is a lower bound
+  kBroken,     ///< a limit of SimulateOptions::limits was passed: `peak` says nothing
+  kFailed,     ///< the numbers did not work out; `failure` says why, the result so far is kept
+};
+const char* name(End end);
+/// Whether a run that ended so says nothing of a landing's peak.
+constexpr bool no_landing(End end) { return end == End::kNoContact || end == End::kBroken || end == End::kFailed; }
+
+/// Why a run failed.
+enum class Failure : unsigned char {
+  kNone,
+  kIntegration,  ///< the integrator stopped; LandingPeak::status says why
+  kSteps,        ///< more than SimulateOptions::max_steps
+  kUnresolved,   ///< |ddr_0| inside a step is far above its ends: a peak that the step does not resolve
+  kUnbalanced,   ///< the energy balance does not close: motion and forces do not belong together
+};
+
+using integrate::Method;
+
+/// A touchdown of a point within this time of its last lift-off is chatter: it opens no interval of Peak [s].
+inline constexpr double kChatter = 0.01;
+
+/// What a landing must not do. A run ends where it first does.
+struct Limits {
+  std::array<bool, kPoints> forbidden{};                          ///< points that must never touch
+  double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s]
+  double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm]
+  bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
+  bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
+};
+
+struct SimulateOptions {
+  double accuracy = 1e-9;  ///< relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why
+  double abandon_above =
+      std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2]
+  long max_steps = 200'000;                     ///< steps and events before a run is given up
+  double max_step = 0.1;                        ///< longest step; the step of a fixed-step method [s]
+  Limits limits;
+  Method method = Method::kAuto;                          ///< `simulate` always uses auto
+  std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
+  const std::function<bool()>* over = nullptr;            ///< asked every few dozen steps, if set: true ends the run
+  enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: follow to t_end whatever happens
+  void validate() const;                                  ///< throws InputError
+  /// Asks `over` at every so many steps, some tens of microseconds.
+  bool stopped(long step) const { return over && step % 32 == 31 && (*over)(); }
+};
+
+/// The points in the order in which they touch, without chatter (kChatter); as many as fit.
+class ContactOrder {
+ public:
+  static constexpr int kCapacity = 30;
+  int size() const { return size_; }
+  Point operator[](int i) const { return Point(code_ >> (2 * i) & 3); }
+  void touchdown(Point p, double t) {
+    touched_[p] = true;
+    if (size_ < kCapacity && !(t - lifted_[p] < kChatter)) code_ |= std::uint64_t(p) << (2 * size_++);
+  }
+  void liftoff(Point p, double t) { lifted_[p] = t; }
+  /// Whether a point touched at all, chatter and what no longer fits included.
+  bool touched(Point p) const { return touched_[p]; }
+
+ private:
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
+  std::uint64_t code_ = 0;
+  int size_ = 0;
+  std::array<double, kPoints> lifted_{kNever, kNever, kNever};
+  std::array<bool, kPoints> touched_{};
+};
+
+/// What a search needs of a landing. Nothing in it allocates.
+struct LandingPeak {
+  double peak = 0;    ///< f(x) of Eq. 6: max over time of |ddr_0| [m/s^2]
+  double t_peak = 0;  ///< when, from release [s]
+  double t_end = 0;   ///< how long the run was followed, from release [s]
+  End end = End::kFailed;
+  Failure failure = Failure::kNone;                        ///< with kFailed
+  integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
+  integrate::Counters work;
+  ContactOrder contacts;  ///< touchdowns
+  int peak_contact = -1;  ///< which of them opened the interval that holds the peak; -1: before the first
+  Eigen::Matrix<double, kMechanical, 1> state =
+      Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
+};
+
+/// Why a landing failed, in words.
+const char* reason(const LandingPeak& landing);
+
+/// A point meets the floor and leaves it.
+struct Touch {
+  Point point;
+  double t_touchdown;     ///< from release [s]
+  double t_liftoff;       ///< when it rises through y = 0 again [s]; NaN if it never does
+  double peak_force = 0;  ///< largest |F_j| of this contact [N]
+  double peak_acc = 0;    ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
+};
+
+/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Chatter
+/// opens none.
+struct Peak {
+  double t;             ///< [s]
+  double acceleration;  ///< [m/s^2]
+  int point;            ///< Point that opened the interval; -1: before the first touchdown
+};
+
+/// One row of a trajectory, SI units; phi_0, phi_1 as in [1], r_0 the thigh's centre of mass.
+struct Sample {
+  double t, x0, y0, phi0, phi1, phi_m, dx0, dy0, dphi0, dphi1, dphi_m, ddx0, ddy0, acc, tau_sea, phi_ref;
+  std::array<Vec2<double>, kPoints> force;
+};
+
+/// Largest values that an actuator must stand, over the whole run.
+struct Demands {
+  double motor_speed = 0;           ///< max |dphi_m| [rad/s]
+  double motor_torque = 0;          ///< max |tau_mot| [Nm]
+  double sea_torque = 0;            ///< max |tau_SEA| [Nm]
+  double phi_min = 0, phi_max = 0;  ///< range of the joint phi_1 [rad]
+};
+
+/// A landing with everything that a report needs.
+struct Landing : LandingPeak {
+  std::vector<Touch> touches;
+  std::vector<Peak> peaks;
+  std::vector<Sample> trajectory;  ///< empty unless a rate was given
+  Demands demands;
+  double energy_residual = 0;  ///< mismatch of the energy check over the energy turned over
+};
+/// The largest energy residual of a landing that counts as right: steps that keep to the accuracy stay far below it.
+inline double energy_tolerance(double accuracy) { return std::clamp(1e3 * accuracy, 1e-6, 1.0); }
+
+/// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are
+/// taken at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
+[[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                                            const SimulateOptions& options = {});
+
+/// `peak_acceleration` with a single method: the comparison's, on one kernel for every scene.
+void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                        const SimulateOptions& options, LandingPeak& out);
+
+/// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every
+/// 1/rate s from release and two at each event, its left and right limits. A run whose energy balance does not close
+/// has failed.
+[[nodiscard]] Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                               const SimulateOptions& options = {}, double rate = 0);
+
+}  // namespace ukemi::landing

@@ -1,0 +1,179 @@
+#include "landing/search/objective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/parallel.hpp"
+
+namespace ukemi::landing {
+
+Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
+    : deadline(options.deadline),
+      watch(options.time),
+      stop(options.stop),
+      scene_(scene),
+      sea_(sea),
+      options_(options),
+      extended_(is_extended(sea)) {
+  std::iota(order_.begin(), order_.end(), 0);
+  // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
+  // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.
+  constexpr long kUsual = 300, kTimes = 20;
+  constexpr double kShare = 0.1;  // of the time that may go into finding that out
+  deadline *= kShare;
+  const LandingPeak middle = peak_acceleration(
+      scene, sea, motion({}), {.accuracy = options.accuracy, .max_steps = 2 * kUsual * kTimes, .over = &over_});
+  deadline = options.deadline;
+  landing_time_ = watch.seconds();
+  const long steps = middle.work.steps;
+  patient_ = steps > kUsual * kTimes || middle.end == End::kStopped;
+  max_steps_ = kTimes * std::max(kUsual, steps);
+}
+
+Motion Objective::motion(const Point3& p) const {
+  const SearchRange& r = scene_.search;
+  const auto in = [](const std::array<double, 2>& range, double s) {
+    return std::clamp(range[0] + s * (range[1] - range[0]), range[0], range[1]);
+  };
+  return {in(r.phi, p.u[0]), in(r.phi, p.u[1]), in(r.duration, p.u[2])};
+}
+
+/// Motions raced over their execution boxes: each lane takes a motion of its own and plays its box until the first
+/// landing above the bound; lanes without a motion of their own help with those that are left.
+class Objective::Race : public BatchSource {
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  Race(const Objective& o, std::span<Point3> points, Goal goal, long granted)
+      : o_(o), points_(points), granted_(granted), corners_(goal == Goal::kPeak ? 1 : kExecutionPoints) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].value = 0;
+      const double rate = peak_reference_rate(o.motion(points[i]));
+      if (rate > o.options_.reference_rate) fail(i, kNoMotion * (1 + rate));
+    }
+  }
+
+  bool next(int lane, BatchCase& c) override {
+    if (over()) return false;
+    int& mine = motion_[lane];
+    if (mine < 0 || !open(std::size_t(mine))) mine = take();
+    if (mine < 0) return false;
+    const auto i = std::size_t(mine);
+    const Point3& p = points_[i];
+    const int k = corner(p, step_[i]++);
+    corner_[lane] = k;
+    const Motion m = o_.motion(p);
+    c = {&o_.scene_, &o_.sea_, k == 0 ? m : execution_point(m, o_.scene_.execution, k), p.bound};
+    return true;
+  }
+
+  void done(int lane, const LandingPeak& peak) override {
+    const auto i = std::size_t(motion_[lane]);
+    ++landings, ++ended_[i];
+    flights += peak.end == End::kNoContact;
+    work += work_of(peak.work);
+    if (no_landing(peak.end))
+      fail(i, kNoMotion);
+    else if (peak.peak > points_[i].value) {
+      points_[i].value = peak.peak, points_[i].worst = corner_[lane];
+      if (peak.peak > points_[i].bound) failed_[i] = true;
+    }
+  }
+
+  bool over() override { return late_ = late_ || work >= granted_ || o_.late(); }
+
+  /// Motions that were cut off.
+  void close() {
+    for (std::size_t i = 0; late_ && i < points_.size(); ++i)
+      if (ended_[i] < corners_ && !failed_[i]) fail(i, kNoMotion);
+  }
+
+  long landings = 0, flights = 0, work = 0;
+
+ private:
+  bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners_; }
+  void fail(std::size_t i, double value) {
+    failed_[i] = true;
+    points_[i].value = std::max(points_[i].value, value);
+  }
+  /// The one that was this motion's worst comes first, then those that were the worst of the most motions.
+  int corner(const Point3& p, int step) const {
+    if (corners_ == 1) return 0;
+    const int first = first_[std::size_t(&p - points_.data())];
+    if (step == 0) return first;
+    const auto& order = o_.order_;
+    const auto place = std::find(order.begin(), order.end(), first) - order.begin();
+    return order[std::size_t(step <= place ? step - 1 : step)];
+  }
+  int take() {
+    while (fresh_ < points_.size()) {
+      const std::size_t i = fresh_++;
+      first_[i] = points_[i].worst;
+      if (open(i)) return int(i);
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (open(i)) return int(i);
+    return -1;
+  }
+
+  const Objective& o_;
+  std::span<Point3> points_;
+  const long granted_;  ///< work
+  const int corners_;
+  std::size_t fresh_ = 0;
+  std::array<bool, kMost> failed_{};
+  std::array<int, kMost> step_{}, first_{}, ended_{};
+  bool late_ = false;
+  std::array<int, lanes(InstructionSet::kAvx512)> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, corner_{};
+};
+
+void Objective::evaluate(std::span<Point3> points, Goal goal) {
+  const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
+  const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
+  std::atomic<long> landings{0}, flights{0}, work{0};
+  const long granted = granted_ == kUnbounded ? kUnbounded : std::max(0L, granted_ - work_) / std::max(1, parts);
+  const BatchOptions batch{.accuracy = options_.accuracy,
+                           .limits = options_.limits,
+                           .extended = extended_,
+                           .feedback = sea_.feedback,
+                           .too_long = patient_ ? BatchOptions::Long::kScalar : BatchOptions::Long::kFail,
+                           .max_steps = patient_ ? BatchOptions().max_steps : max_steps_};
+  parallel_for(parts, options_.threads, [&](int i) {
+    const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
+                      b = n * (std::size_t(i) + 1) / std::size_t(parts);
+    Race race(*this, points.subspan(a, b - a), goal, granted);
+    run_batch(race, batch, quickest_instruction_set((b - a) * (goal == Goal::kPeak ? 1 : kExecutionPoints)));
+    race.close();
+    landings += race.landings, flights += race.flights, work += race.work;
+  });
+  if (goal == Goal::kTolerant) {
+    for (const Point3& p : points) ++failures_[std::size_t(p.worst)];
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) {
+      const long fa = failures_[std::size_t(a)], fb = failures_[std::size_t(b)];
+      return fa != fb ? fa > fb : a < b;
+    });
+  }
+  motions_ += long(points.size());
+  landings_ += landings, flights_ += flights, work_ += work;
+}
+
+double Objective::verified(const Motion& m, double accuracy, double bound) {
+  double worst = 0;
+  const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
+  // A deadline has no time for a landing that chatters without end.
+  const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
+  if (peak_reference_rate(m) > options_.reference_rate) return kNoMotion;
+  for (int k = 0; k < n && !late(); ++k) {
+    const LandingPeak p = peak_acceleration(
+        scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
+        {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits, .over = &over_});
+    work_ += work_of(p.work);
+    if (no_landing(p.end)) return kNoMotion;
+    worst = std::max(worst, p.peak);
+    if (worst > bound) break;
+  }
+  return worst;
+}
+
+}  // namespace ukemi::landing

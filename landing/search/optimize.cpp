@@ -1,0 +1,109 @@
+#include "landing/search/optimize.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+#include "landing/search/planner.hpp"
+#include "landing/search/solvers.hpp"
+
+namespace ukemi::landing {
+
+void OptimizeOptions::validate() const {
+  if (evaluations && *evaluations < 1)
+    throw InputError("evaluations: " + std::to_string(*evaluations) + ": at least 1 is needed");
+  if (deadline) check_deadline(*deadline);
+  if (!(tolerance >= 0 && tolerance < 1))
+    throw InputError("tolerance: " + shortest(tolerance) + ": at least 0 and below 1 is needed");
+  check_solver(solver);
+}
+
+namespace {
+
+/// Why nothing was found; else why the search ended early; else nothing.
+std::string message_of(const OptimizeOptions& options, const Objective& objective, bool found, bool exhausted) {
+  if (!found && options.monitor.stopped()) return "interrupted before a motion was found";
+  const std::string bound = fmt::format(
+      "the landings of this scene are long ({} of them took {} steps): the search ended at its bound of work",
+      objective.landings(), objective.work());
+  if (found) return exhausted ? bound : "";
+  if (objective.flights() > 0 && objective.flights() == objective.landings())
+    return "no point of the robot touches the floor: there is no landing to plan";
+  if (options.deadline) return fmt::format("no motion could be followed in the {:g} s given", *options.deadline);
+  const bool limited = options.limits.any_forbidden() || options.limits.rated() || options.reference_rate < kNoMotion;
+  const std::string none = limited ? "no motion of the search range was found that keeps the limits"
+                                   : "no motion of the search range could be followed";
+  return exhausted ? none + "; " + bound : none;
+}
+
+}  // namespace
+
+Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const OptimizeOptions& options) {
+  options.validate();
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double deadline = options.deadline.value_or(kNever);
+  Objective objective(scene, sea,
+                      {.goal = options.goal,
+                       .accuracy = options.search_accuracy,
+                       .limits = options.limits,
+                       .reference_rate = options.reference_rate,
+                       .threads = options.threads,
+                       .time = options.time,
+                       .deadline = deadline,
+                       .stop = options.monitor.stop});
+  Budget budget;
+  double last = 0;  // what the landing and the execution box of the result take
+  if (options.deadline) {
+    last = std::min(0.2 * deadline, (1 + kExecutionPoints) * kTightLanding * objective.landing_time());
+    budget.seconds =
+        deadline - objective.watch.seconds() - last - verification_time(deadline, objective.landing_time());
+  }
+  if (options.evaluations || !options.deadline)
+    budget.motions = options.evaluations.value_or(default_evaluations(options.goal));
+  budget.work = work_allowed(options.goal, budget.motions);
+  budget.tolerance = options.tolerance;
+  Optimum out;
+  out.solver = options.solver;
+  constexpr std::size_t kKept = 4096;
+  out.progress.reserve(kKept);
+  Search search(objective, budget, options.seed, &out.progress);
+  search.tell = options.monitor.tell;
+  run_solver(options.solver, search);
+  out.evaluations = search.motions();
+  out.work = objective.work();
+  const bool exhausted = objective.exhausted();
+  double until = deadline;
+  const auto leave = [&] {  // once: what follows may still take a moment
+    if (!objective.stop || !options.monitor.stopped()) return;
+    objective.stop = nullptr;
+    until = std::min(until, objective.watch.seconds() + OptimizeOptions::kLeave);
+    last = 0.5 * (until - objective.watch.seconds());
+  };
+  leave();
+  const Point3 best = search.settle(options.accuracy, until - last);
+  out.seconds = objective.watch.seconds();
+  out.motion = objective.motion(best);
+  out.landings = objective.landings();
+  out.found = best.value < kNoMotion;
+  out.message = message_of(options, objective, out.found, exhausted);
+  if (!out.found) return out;
+  leave();
+  objective.deadline = until;
+  objective.grant(kUnbounded);
+  const SimulateOptions tight{.accuracy = options.accuracy, .over = objective.over()};
+  const bool peak = options.goal == Goal::kPeak;
+  out.landing = peak_acceleration(scene, sea, out.motion, tight);
+  out.verified = out.landing.end != End::kStopped;
+  if (!out.verified)
+    out.landing.peak = peak ? std::max(out.landing.peak, best.value) : std::numeric_limits<double>::quiet_NaN();
+  const int samples = std::isfinite(until) ? 0 : options.tolerance_samples;
+  out.tolerant = tolerant_peak(scene, sea, out.motion, tight, samples, options.seed, options.threads);
+  if (!out.tolerant.complete) out.tolerant.value = std::max(out.tolerant.value, peak ? out.landing.peak : best.value);
+  out.value = peak ? out.landing.peak : out.tolerant.value;
+  return out;
+}
+
+}  // namespace ukemi::landing

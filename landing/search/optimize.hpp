@@ -1,0 +1,61 @@
+// Eq. 6 of [1]: the motion with the smallest peak acceleration of the thigh, or with the smallest tolerant peak.
+//
+//     min f(x) = max over time of |ddr_0|,   x = [phi_I phi_F t],   within the scene's search range.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/monitor.hpp"
+#include "landing/search/robust.hpp"
+#include "landing/search/search.hpp"
+
+namespace ukemi::landing {
+
+struct OptimizeOptions {
+  std::string solver = "auto";      ///< one of solver_names()
+  Goal goal = Goal::kPeak;          ///< what is minimised
+  std::optional<long> evaluations;  ///< motions in all; absent: default_evaluations(goal), or no bound with a deadline
+  std::optional<double> deadline;   ///< [s], > 0: `optimize` returns by then, whatever has been found
+  Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that the deadline is counted in; kProcessor: on one thread
+  double tolerance = 0;                           ///< see Budget::tolerance; 0: never
+  Limits limits;                                  ///< what no landing may do
+  double reference_rate = kNoMotion;              ///< largest |dphi_ref| of a motion [rad/s]
+  double search_accuracy = 1e-6;                  ///< of the landings that are searched
+  double accuracy = 1e-9;                         ///< of the result
+  std::uint64_t seed = 1;
+  int threads = 0;               ///< 0: all cores; with a number of evaluations the result does not depend on it
+  int tolerance_samples = 2000;  ///< random points inside the execution box of the result; with a deadline none
+  Monitor monitor;               ///< told of the motions spent; where it stops, the best so far is judged in kLeave
+  void validate() const;         ///< throws InputError
+  static constexpr double kLeave = 0.15;  ///< [s]
+};
+/// A motion's tolerant peak costs several landings.
+constexpr long default_evaluations(Goal goal) { return goal == Goal::kPeak ? 40'000 : 10'000; }
+
+struct Optimum {
+  Motion motion{};
+  LandingPeak landing;             ///< of the motion, at OptimizeOptions::accuracy
+  TolerantPeak tolerant;           ///< the same within the execution tolerance
+  double value = kNoMotion;        ///< the goal, at OptimizeOptions::accuracy
+  long evaluations = 0;            ///< motions that were searched
+  long landings = 0;               ///< followed for them, abandoned ones and the verification included
+  double seconds = 0;              ///< from the call to the motion
+  long work = 0;                   ///< that the search took, see work_of
+  std::vector<Progress> progress;  ///< how the best came about, in the search's accuracy
+  std::string solver;              ///< that found it
+  bool found = false;              ///< false: no motion of the range could be followed within the limits
+  bool verified = false;  ///< `landing` was played to its end; else its peak is what the search knows of it, or NaN
+  std::string message;    ///< why nothing was found, or why the search ended before all was spent
+};
+
+/// Searches with one of the solvers of solvers.hpp, then judges the best at a tight accuracy. Deterministic for a seed
+/// and a number of evaluations, whatever the number of threads; with a deadline the clock decides, and what judging
+/// takes is kept back from it: some landings as long as that in the middle of the box, whose time is measured. However
+/// stiff the scene, a search of a number of motions ends with work_allowed, counted and not timed.
+[[nodiscard]] Optimum optimize(const Scene& scene, const SeaParameters<double>& sea,
+                               const OptimizeOptions& options = {});
+
+}  // namespace ukemi::landing

@@ -1,0 +1,54 @@
+// The search as a part of a robot's control program: an answer by a deadline, again and again.
+#pragma once
+
+#include "landing/search/auto_search.hpp"
+
+namespace ukemi::landing {
+
+/// What a planner answers with.
+struct Plan {
+  Motion motion{};
+  double value = kNoMotion;  ///< the goal, as Search::settle judges it [m/s^2]
+  long motions = 0;          ///< evaluated
+  bool found = false;        ///< false: nothing could be followed within the limits in the time given
+};
+
+/// Owns a scene, an actuator and all the memory that a search needs; `plan` allocates nothing and starts no thread.
+/// Not to be called from two threads at once.
+class Planner {
+ public:
+  struct Options {
+    Goal goal = Goal::kTolerant;
+    double accuracy = 1e-6;             ///< of the search
+    double verified = 1e-8;             ///< of the scalar path, which judges the answer as far as the time goes
+    Limits limits;                      ///< what no landing may do
+    double reference_rate = kNoMotion;  ///< [rad/s]
+  };
+
+  Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
+  Planner(const Scene& scene, const SeaParameters<double>& sea) : Planner(scene, sea, Options()) {}
+  Planner(const Planner&) = delete;
+  Planner& operator=(const Planner&) = delete;
+
+  /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0; the
+  /// answer comes 3 ms after it at most, however stiff the scene: landings are cut off). Throws InputError for a
+  /// deadline that is not above 0.
+  [[nodiscard]] Plan plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
+
+ private:
+  Scene scene_;
+  SeaParameters<double> sea_;
+  Options options_;
+  Objective objective_;
+  AutoSearch search_;
+};
+
+/// A landing at the accuracy that judges takes up to so many times as long as one of the search.
+inline constexpr double kTightLanding = 3;
+/// How much of a time budget is kept back to verify what was found, where one landing of the search takes `landing`; at
+/// most 0.45 of it [s].
+double verification_time(double budget, double landing);
+/// Throws InputError unless it is above 0 [s].
+void check_deadline(double deadline);
+
+}  // namespace ukemi::landing

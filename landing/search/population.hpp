@@ -1,0 +1,96 @@
+// Pieces that the solvers with populations share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "common/random.hpp"
+#include "landing/search/objective.hpp"
+
+namespace ukemi::landing {
+
+inline Point3 random_point(Random& r) {
+  Point3 p;
+  for (double& u : p.u) u = r.uniform();
+  return p;
+}
+/// An index below n.
+inline int random_index(Random& r, int n) { return std::min(n - 1, int(r.uniform() * n)); }
+/// An index below n (0 where n is 0), the lower the likelier.
+inline std::size_t low_index(Random& r, std::size_t n) { return std::size_t(r.uniform() * r.uniform() * double(n)); }
+
+/// Largest difference of two points in any variable, in parts of the box.
+inline double distance(const Point3& a, const Point3& b) {
+  double d = 0;
+  for (int k = 0; k < 3; ++k) d = std::max(d, std::abs(a.u[std::size_t(k)] - b.u[std::size_t(k)]));
+  return d;
+}
+/// Side of the smallest cube that holds them all.
+inline double spread(std::span<const Point3> points) {
+  double widest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    double low = 1, high = 0;
+    for (const Point3& p : points) low = std::min(low, p.u[k]), high = std::max(high, p.u[k]);
+    widest = std::max(widest, high - low);
+  }
+  return widest;
+}
+
+/// A point beside another, to be followed whatever comes: normal, `size` in parts of the box.
+inline Point3 beside(Point3 p, double size, Random& r) {
+  p.bound = kNoMotion;
+  for (double& u : p.u) u = std::clamp(u + size * r.normal(), 0.0, 1.0);
+  return p;
+}
+
+/// A population close by a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
+inline void scatter(const Point3& centre, Random& r, std::vector<Point3>& population) {
+  for (Point3& p : population)
+    p = beside(centre, &p == &population.front() ? 0 : 0.02 * std::pow(10.0, -2 * r.uniform()), r);
+}
+
+/// Differential evolution's choices for one generation.
+struct Differential {
+  double factor_low = 0.2, factor_high = 0.8;  ///< F is drawn between them for every trial (dither)
+  double crossover = 0.9;                      ///< CR
+  int leaders = 1;                             ///< the base is one of this many best
+};
+
+/// One generation of best/1/bin: a trial for every member, played only until it is worse than its parent, and taken in
+/// its place if it is not. `trials` is scratch of the population's size; nothing is allocated. `play` evaluates them.
+template <class Play>
+void evolve(Play&& play, Random& r, std::span<Point3> population, std::span<Point3> trials,
+            const Differential& choice) {
+  const int n = int(population.size());
+  std::partial_sort(population.begin(), population.begin() + std::min(n, choice.leaders), population.end());
+  for (int i = 0; i < n; ++i) {
+    const Point3& parent = population[std::size_t(i)];
+    Point3& trial = trials[std::size_t(i)] = parent;
+    const double f = r.uniform(choice.factor_low, choice.factor_high);
+    const auto& base = population[std::size_t(random_index(r, choice.leaders))].u;
+    int a = 0, b = 0;
+    do a = random_index(r, n);
+    while (a == i);
+    do b = random_index(r, n);
+    while (b == i || b == a);
+    const auto& ua = population[std::size_t(a)].u;
+    const auto& ub = population[std::size_t(b)].u;
+    const auto sure = std::size_t(random_index(r, 3));
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k != sure && r.uniform() >= choice.crossover) continue;
+      const double x = base[k] + f * (ua[k] - ub[k]);
+      trial.u[k] = x < 0   ? 0.5 * parent.u[k]
+                   : x > 1 ? 0.5 * (1 + parent.u[k])
+                           : x;  // back inside, half way to the edge
+    }
+    trial.bound = parent.value;
+  }
+  play(trials);
+  for (int i = 0; i < n; ++i)
+    if (trials[std::size_t(i)].value <= population[std::size_t(i)].value)
+      population[std::size_t(i)] = trials[std::size_t(i)];
+}
+
+}  // namespace ukemi::landing

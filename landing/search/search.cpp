@@ -1,0 +1,127 @@
+#include "landing/search/search.hpp"
+
+#include <algorithm>
+
+#include "landing/search/population.hpp"
+
+namespace ukemi::landing {
+
+long work_allowed(Goal goal, long motions) {
+  constexpr long kMotion = 1'500;  // of one landing
+  const long each = kMotion * (goal == Goal::kPeak ? 1 : kExecutionPoints);
+  return motions < kUnbounded / each ? std::max(kCheckWork, each * motions) : kUnbounded;
+}
+
+Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, std::vector<Progress>* progress)
+    : seed(seed_),
+      objective_(objective),
+      budget_(budget),
+      start_(objective.watch.seconds()),
+      first_motion_(objective.motions()),
+      progress_(progress) {
+  objective.deadline = start_ + budget.seconds;
+  objective.grant(budget.work);
+}
+
+double Search::share() const {
+  const double time = std::isfinite(budget_.seconds) ? seconds() / budget_.seconds : 0;
+  return std::min(1.0, std::max(time, double(motions()) / double(budget_.motions)));
+}
+
+void Search::evaluate(std::span<Point3> points) { evaluate(points, objective_.options().goal); }
+
+void Search::evaluate(std::span<Point3> points, Goal goal) {
+  const auto n = std::size_t(std::clamp<long>(budget_.motions - motions(), 0, long(points.size())));
+  for (Point3& p : points.subspan(n)) p.value = kNoMotion;
+  if (n == 0) return;
+  if (goal == objective_.options().goal) {
+    play(points.first(n));
+  } else {
+    objective_.evaluate(points.first(n), goal);
+    for (const Point3& p : points.first(n))
+      if (p.value <= p.bound && p < screened_) screened_ = p;
+  }
+  report();
+}
+
+void Search::report() const {
+  if (!tell) return;
+  constexpr double kMilli = 1e3;
+  if (budget_.motions < kUnbounded)
+    tell(motions(), budget_.motions);
+  else if (std::isfinite(budget_.seconds))
+    tell(long(kMilli * seconds()), long(kMilli * budget_.seconds));
+}
+
+void Search::play(std::span<Point3> points) {
+  objective_.evaluate(points, objective_.options().goal);
+  for (const Point3& p : points)
+    if (p.value <= p.bound && p.value < few_.back().value) keep(p);
+}
+
+void Search::keep(const Point3& p) {
+  constexpr double kSame = 1e-3;  // of the box: of neighbours only the best is kept
+  const bool better = p.value < few_[0].value;
+  std::size_t i = few_.size() - 1;
+  for (std::size_t n = 0; n < few_.size(); ++n)
+    if (few_[n].value < kNoMotion && distance(few_[n], p) < kSame) {
+      if (few_[n].value <= p.value) return;
+      i = n;
+      break;
+    }
+  for (; i > 0 && p.value < few_[i - 1].value; --i) few_[i] = few_[i - 1];
+  few_[i] = p;
+  if (better && p.value < milestone_ * (1 - budget_.tolerance)) milestone_ = p.value, milestone_motions_ = motions();
+  if (better && progress_ && progress_->size() < progress_->capacity())
+    progress_->push_back({motions(), objective_.landings(), seconds(), p});
+}
+
+Point3 Search::settle(double accuracy, double deadline) {
+  constexpr double kFallen = 1e-3, kTight = 1e-9;
+  constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
+  if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) {
+    objective_.deadline = std::max(deadline, objective_.watch.seconds() + kLast);
+    objective_.grant(kCheckWork);
+    screened_.bound = kNoMotion;
+    play({&screened_, 1});
+  }
+  objective_.deadline = deadline;
+  objective_.grant(kCheckWork);
+  if (few_[0].value >= kNoMotion) return few_[0];
+  const double searched = objective_.accuracy();
+  const Few found = few_;
+  objective_.set_accuracy(kTight);
+  few_.fill({});
+  // A tolerant peak fills the lanes by itself.
+  const std::size_t at_once = objective_.options().goal == Goal::kPeak ? 4 : 1;
+  Few again = found;
+  for (std::size_t i = 0; i < again.size() && found[i].value < few_[0].value && !objective_.late(); i += at_once) {
+    const auto part = std::span(again).subspan(i, at_once);
+    for (Point3& p : part) p.bound = few_[0].value;
+    play(part);
+  }
+  if (few_[0].value > found[0].value * (1 + kFallen)) {
+    // Back from the edge: a population about the place where it seemed to be, from a hundredth of the box down to its
+    // rounding, that converges on ground that holds.
+    constexpr int kGenerations = 80;
+    constexpr double kConverged = 1e-8;
+    Random random(seed, 0x5e77);
+    std::array<Point3, 24> population, trials;
+    for (Point3& p : population) p = beside(found[0], std::pow(10.0, random.uniform(-7, -2)), random);
+    play(population);
+    for (int n = 0; n < kGenerations && spread(population) > kConverged && !objective_.late(); ++n)
+      evolve([this](std::span<Point3> p) { play(p); }, random, population, trials, {});
+  }
+  objective_.set_accuracy(searched);
+  objective_.grant(kCheckWork);
+  Point3 best;
+  // Where nothing stood in the lanes, or the deadline came before, what was found is judged.
+  for (Point3 p : few_[0].value < kNoMotion ? few_ : found) {
+    if (p.value >= best.value) break;
+    p.value = std::max(p.value, objective_.verified(objective_.motion(p), accuracy, best.value));
+    if (p < best) best = p;
+  }
+  return best;
+}
+
+}  // namespace ukemi::landing

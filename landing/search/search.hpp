@@ -1,0 +1,82 @@
+// The bookkeeping that all solvers share: what may still be spent, the best so far, and how it came about.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "landing/search/objective.hpp"
+
+namespace ukemi::landing {
+
+struct Budget {
+  long motions = std::numeric_limits<long>::max();           ///< evaluated in all
+  double seconds = std::numeric_limits<double>::infinity();  ///< from the start of the search; a clock is never exact
+  long work = kUnbounded;  ///< see work_of; what settling the result takes is granted apart
+  double tolerance = 0;    ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
+  long patience = 5'000;   ///< [motions]
+};
+
+/// What a search of so many motions may take: five times what ordinary landings do, each motion followed to its end,
+/// and seconds at least. Where landings take a thousand times as long as usual, it ends there and not in hours.
+long work_allowed(Goal goal, long motions);
+
+/// A moment at which the best became better.
+struct Progress {
+  long motions, landings;
+  double seconds;
+  Point3 best;
+};
+
+class Search {
+ public:
+  /// `progress` receives the moments, up to its capacity; null where nobody asks.
+  Search(Objective& objective, const Budget& budget, std::uint64_t seed, std::vector<Progress>* progress = nullptr);
+
+  /// True once nothing may be spent any more.
+  bool over() const { return motions() >= budget_.motions || objective_.late() || stalled(); }
+  double seconds() const { return objective_.watch.seconds() - start_; }
+  long motions() const { return objective_.motions() - first_motion_; }
+  const Budget& budget() const { return budget_; }
+  /// How much is spent, 0..1: of the motions or of the time, whichever is more.
+  double share() const;
+
+  /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion.
+  void evaluate(std::span<Point3> points);
+  /// The same for another goal than the search's own: what only screens is no result until it is played again.
+  void evaluate(std::span<Point3> points, Goal goal);
+  const Point3& best() const { return few_[0]; }
+
+  /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
+  /// be beside it: the best few are evaluated anew at 1e-9, and where they have fallen, the search steps back from the
+  /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where there was time for screening
+  /// alone, the best of that is played first, for 3 ms if need be. All else until `deadline` on the objective's watch:
+  /// what it cuts off is not judged, and where it comes first of all, the search's own value stands. Of work, settling
+  /// has twice kCheckWork.
+  Point3 settle(double accuracy, double deadline = std::numeric_limits<double>::infinity());
+
+  const std::uint64_t seed;
+  std::function<void(long done, long total)> tell;  ///< told of the motions spent, else of the milliseconds, if set
+  const Objective& objective() const { return objective_; }
+  /// Landings that a solver played by itself.
+  void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }
+
+ private:
+  /// Evaluates, and keeps what is good enough.
+  void play(std::span<Point3> points);
+  void keep(const Point3& p);
+  void report() const;
+  bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }
+
+  Objective& objective_;
+  Budget budget_;
+  double start_;  ///< on the objective's watch [s]
+  long first_motion_;
+  long milestone_motions_ = 0;    ///< when the best last became better by more than the tolerance
+  double milestone_ = kNoMotion;  ///< and what it was then
+  std::vector<Progress>* progress_;
+  using Few = std::array<Point3, 12>;
+  Few few_;          ///< the best that are apart, in order
+  Point3 screened_;  ///< the best by another goal
+};
+
+}  // namespace ukemi::landing

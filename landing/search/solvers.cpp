@@ -1,0 +1,60 @@
+#include "landing/search/solvers.hpp"
+
+#include <algorithm>
+
+#include "common/error.hpp"
+#include "common/random.hpp"
+#include "landing/search/nlopt_solver.hpp"
+#include "landing/search/population.hpp"
+
+namespace ukemi::landing {
+
+const std::vector<std::string>& solver_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> n = {"auto", "sqp", "pattern", "ga", "de"};
+    n.insert(n.end(), nlopt_names().begin(), nlopt_names().end());
+    n.push_back("random");
+    return n;
+  }();
+  return names;
+}
+
+void check_solver(const std::string& name) {
+  const auto& names = solver_names();
+  if (std::find(names.begin(), names.end(), name) == names.end()) throw InputError("solver: " + one_of(name, names));
+}
+
+void run_solver(const std::string& name, Search& search) {
+  check_solver(name);
+  if (name == "auto") return auto_search(search);
+  if (name == "sqp") return sequential_quadratic(search);
+  if (name == "pattern") return pattern_search(search);
+  if (name == "ga") return genetic_algorithm(search);
+  if (name == "de") return differential_evolution(search);
+  if (name == "random") return random_search(search);
+  nlopt_search(name, search);
+}
+
+void nlopt_search(const std::string& name, Search& search) {
+  for (std::uint64_t restart = 0; !search.over(); ++restart) {
+    Random random(search.seed, restart);
+    const Point3 start = restart == 0 ? Point3{} : random_point(random);
+    NloptProblem problem{[&](const double* u) {
+                           Point3 p;
+                           std::copy(u, u + 3, p.u.begin());
+                           search.evaluate({&p, 1});
+                           return p.value;
+                         },
+                         {0, 0, 0},
+                         {1, 1, 1},
+                         {start.u.begin(), start.u.end()},
+                         {0.1, 0.1, 0.1}};
+    const long left = std::min<long>(search.budget().motions - search.motions(), 1'000'000'000);
+    const long before = search.motions();
+    minimize(name, problem, {.evaluations = left, .x_tolerance = 1e-6, .over = [&] { return search.over(); }},
+             search.seed + restart);
+    if (search.motions() == before) return random_search(search);  // it refuses this box: never an endless loop
+  }
+}
+
+}  // namespace ukemi::landing

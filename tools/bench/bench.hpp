@@ -1,0 +1,36 @@
+// The benches: error against run time, the stability map, what omission saves. Each is one function.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tools/program/output.hpp"
+
+namespace ukemi::tools {
+
+/// The scenes that the benches run, of datasets/scenes.
+inline constexpr std::array<const char*, 10> kShippedScenes = {
+    "paper", "paper_rough_a", "paper_rough_b", "paper_soft", "low", "high", "straight", "fast", "tilted", "hard"};
+
+struct BenchArguments {
+  int repetitions = 30;              ///< timed runs of each entry
+  int random = 400;                  ///< stability: seeded combinations
+  int motions = 200, scenes = 1000;  ///< stability: followed three ways: motions of each shipped scene, random scenes
+  int draws = 20;                    ///< identify: noise draws
+  int calls = 1000;                  ///< batch: of a planner
+  int seeds = 1;                     ///< optimizers: of each search
+  std::vector<double> times;         ///< optimizers: budgets of one core [s]; empty: the quick mode's
+  std::vector<std::string> solvers;  ///< optimizers: empty: all
+  std::vector<std::string> with;     ///< optimizers: files of earlier runs, whose searches are not run again
+  std::string only;                  ///< scenes: one side of one omission, for the instruction count
+};
+
+int bench_integrators(const BenchArguments& arguments, const CommonOptions& common);
+int bench_batch(const BenchArguments& arguments, const CommonOptions& common);
+int bench_identify(const BenchArguments& arguments, const CommonOptions& common);
+int bench_stability(const BenchArguments& arguments, const CommonOptions& common);
+int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common);
+int bench_scenes(const BenchArguments& arguments, const CommonOptions& common);
+
+}  // namespace ukemi::tools

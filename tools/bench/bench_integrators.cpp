@@ -1,0 +1,297 @@
+// ukemi bench integrators: every method on a ladder of steps or tolerances, over the paper's scene, a stiff one and the
+// impact rig.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include "common/actuator.hpp"
+#include "common/median.hpp"
+#include "common/stopwatch.hpp"
+#include "identify/rollout/rollout.hpp"
+#include "tools/bench/reference.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/run/simulate.hpp"
+#include "tools/bench/bench.hpp"
+#include "tools/report/report.hpp"
+#include "tools/verbs/verbs.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kTight = 1e-13;
+
+/// Largest errors over the cases of a scene.
+struct Errors {
+  double peak = 0;       ///< relative
+  double touchdown = 0;  ///< [s]; infinite where one is missing or there is one too many
+  double state = 0;      ///< of the final positions [m, rad]
+  void worst(const Errors& o) {
+    peak = std::max(peak, o.peak), touchdown = std::max(touchdown, o.touchdown), state = std::max(state, o.state);
+  }
+};
+
+/// One rung: a method at a step [s] (fixed-step methods) or an accuracy.
+struct Entry {
+  Method method;
+  double setting;
+  Errors errors;
+  double seconds = 0, rhs = 0, events = 0;  ///< a case, mean; seconds: the median over the repetitions
+  int failed = 0;
+};
+
+/// A scene's cases behind one face: `run(i, method, setting, errors)` follows case i, returns its work, and fills the
+/// errors where they are asked for.
+struct Bench {
+  std::string name, reference;
+  int cases = 0;
+  std::vector<double> euler, rk4, accuracies;
+  std::function<bool(int, Method, double, integrate::Counters&, Errors*)> run;
+};
+
+struct LandingCase {
+  Scene scene;
+  SeaParameters<double> sea;
+  Motion motion;
+  double peak;
+  std::vector<double> touchdowns;
+  Eigen::Matrix<double, kVx, 1> place;
+};
+
+SimulateOptions options_for(Method method, double setting) {
+  SimulateOptions o{.method = method, .rest = SimulateOptions::Rest::kIgnore};
+  if (fixed_step(method))
+    o.max_step = setting;
+  else
+    o.accuracy = setting;
+  o.max_steps = 2'000'000;
+  return o;
+}
+
+double time_error(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size()) return kInfinite;
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
+  return worst;
+}
+
+/// Landings of the reference set, as `change` makes them; where it does, their reference is our own tightest run.
+template <class Change>
+Bench landings(const std::string& name, std::size_t count, Change&& change) {
+  auto cases = std::make_shared<std::vector<LandingCase>>();
+  const std::vector<ReferenceCase> all = read_reference(dataset("reference"));
+  double agreement = 0;
+  bool own = false;
+  for (std::size_t i = 0; i < all.size() && cases->size() < count; i += 2) {
+    LandingCase c{all[i].scene, all[i].sea, all[i].motion, all[i].peak, all[i].touchdowns, {}};
+    own = change(c);
+    std::vector<double> touchdowns;
+    SimulateOptions tight = options_for(Method::kDormandPrince853, kTight);
+    tight.touchdowns = &touchdowns;
+    const LandingPeak reference = peak_acceleration(c.scene, c.sea, c.motion, tight);
+    tight.touchdowns = nullptr, tight.accuracy = kTight / 2;
+    const LandingPeak half = peak_acceleration(c.scene, c.sea, c.motion, tight);
+    c.place = reference.state.head<kVx>();
+    agreement = std::max(agreement, (half.state.head<kVx>() - c.place).cwiseAbs().maxCoeff());
+    if (own) {
+      c.peak = reference.peak, c.touchdowns = touchdowns;
+      agreement = std::max(agreement, std::abs(half.peak / reference.peak - 1));
+    }
+    cases->push_back(c);
+  }
+  Bench b;
+  b.name = name, b.cases = int(cases->size());
+  b.reference =
+      fmt::format("{} from our own run at {:g}; halving that moves them by {:.1e} at most",
+                  own ? "peaks, touchdown times and final positions"
+                      : "peaks and touchdown times in extended precision (datasets/reference), final positions",
+                  kTight, agreement);
+  b.run = [cases](int i, Method method, double setting, integrate::Counters& work, Errors* errors) {
+    const LandingCase& c = (*cases)[std::size_t(i)];
+    SimulateOptions o = options_for(method, setting);
+    std::vector<double> touchdowns;
+    if (errors) o.touchdowns = &touchdowns;
+    const LandingPeak p = peak_acceleration(c.scene, c.sea, c.motion, o);
+    work = p.work;
+    if (errors)
+      *errors = {std::abs(p.peak / c.peak - 1), time_error(touchdowns, c.touchdowns),
+                 (p.state.head<kVx>() - c.place).cwiseAbs().maxCoeff()};
+    return p.end != End::kFailed;
+  };
+  return b;
+}
+
+/// The eight shipped impact trials under Table 2: the largest angle, and the angle at every sample.
+Bench rig_trials(Run& run) {
+  struct Data {
+    identify::Rig rig;
+    std::vector<identify::Trial> trials;
+    std::vector<identify::PreparedTrial> prepared;
+    std::vector<std::vector<double>> phi;
+    SeaParameters<double> sea;
+  };
+  auto d = std::make_shared<Data>();
+  d->rig = identify::read_rig(dataset("rigs/paper.toml"));
+  std::vector<std::string> files;
+  for (int i = 1; i <= 8; ++i) files.push_back(dataset(fmt::format("impact/trial_{}.csv", i)));
+  d->trials = read_trials(files, {}, d->rig, {}, run).trials;
+  for (const identify::Trial& t : d->trials) d->prepared.emplace_back(t);
+  d->sea = read_actuator(dataset("actuators/table2.toml")).sea;
+  const auto roll = [](const Data& data, int i, const identify::RolloutOptions& o, std::vector<double>& phi) {
+    std::vector<double> phi_m;
+    return identify::rollout(data.rig, data.sea, {}, data.prepared[std::size_t(i)], o, phi, phi_m) ==
+           identify::RolloutStatus::kDone;
+  };
+  double agreement = 0;
+  for (int i = 0; i < 8; ++i) {
+    std::vector<double> phi, half;
+    (void)roll(*d, i, {.accuracy = kTight, .max_steps = 1'000'000}, phi);
+    (void)roll(*d, i, {.accuracy = kTight / 2, .max_steps = 1'000'000}, half);
+    for (std::size_t k = 0; k < phi.size(); ++k) agreement = std::max(agreement, std::abs(phi[k] - half[k]));
+    d->phi.push_back(phi);
+  }
+  Bench b;
+  b.name = "impact rig", b.cases = 8;
+  b.reference =
+      fmt::format("angles from our own run at {:g}; halving that moves them by {:.1e} at most", kTight, agreement);
+  b.run = [d, roll](int i, Method method, double setting, integrate::Counters& work, Errors* errors) {
+    identify::RolloutOptions o{.method = method, .work = &work, .max_steps = 1'000'000};
+    if (fixed_step(method))
+      o.max_step = setting;
+    else
+      o.accuracy = setting;
+    std::vector<double> phi;
+    if (!roll(*d, i, o, phi)) return false;
+    if (errors) {
+      const std::vector<double>& truth = d->phi[std::size_t(i)];
+      double largest = 0, peak = 0;
+      *errors = {};
+      for (std::size_t k = 0; k < phi.size(); ++k) {
+        errors->state = std::max(errors->state, std::abs(phi[k] - truth[k]));
+        largest = std::max(largest, std::abs(phi[k])), peak = std::max(peak, std::abs(truth[k]));
+      }
+      errors->peak = std::abs(largest / peak - 1);
+    }
+    return true;
+  };
+  return b;
+}
+
+std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
+  std::vector<Entry> entries;
+  for (const Method m : integrate::kMethods)
+    for (const double s : m == Method::kSemiImplicitEuler ? b.euler : m == Method::kRungeKutta4 ? b.rk4 : b.accuracies)
+      entries.push_back({m, s, {}, 0, 0, 0, 0});
+  for (Entry& e : entries)
+    for (int i = 0; i < b.cases; ++i) {
+      integrate::Counters work;
+      Errors errors;
+      if (b.run(i, e.method, e.setting, work, &errors))
+        e.errors.worst(errors);
+      else
+        ++e.failed;
+      e.rhs += double(work.derivatives) / b.cases, e.events += double(work.events) / b.cases;
+    }
+  // Every entry in turn, again and again: a slow moment of the machine meets all of them.
+  std::vector<std::vector<double>> seconds(entries.size());
+  for (int r = 0; r < repetitions; ++r) {
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      const Entry& e = entries[k];
+      integrate::Counters work;
+      const Stopwatch watch(Stopwatch::Time::kProcess);
+      for (int i = 0; i < b.cases; ++i) (void)b.run(i, e.method, e.setting, work, nullptr);
+      seconds[k].push_back(watch.seconds() / b.cases);
+    }
+    run.progress(b.name, r + 1, repetitions);
+  }
+  for (std::size_t k = 0; k < entries.size(); ++k) entries[k].seconds = median(std::move(seconds[k]));
+  return entries;
+}
+
+}  // namespace
+
+int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
+  Run run("bench-integrators", common);
+  std::vector<Bench> benches;
+  benches.push_back(landings("paper", 12, [](LandingCase&) { return false; }));
+  benches.back().euler = {1e-3, 3e-4, 1e-4, 3e-5}, benches.back().rk4 = {4e-3, 2e-3, 1e-3, 5e-4, 2e-4};
+  benches.back().accuracies = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
+  benches.push_back(landings("stiff", 3, [](LandingCase& c) {
+    c.scene.floor = Floor<double>{2e5, 2e3, 1e2};
+    c.sea.c_sea = 20, c.sea.k_sea = 1e3, c.sea.i_motor = 1e-3, c.sea.k_d = 0.02, c.sea.k_p = 5;
+    return true;
+  }));
+  benches.back().euler = {1e-4, 3e-5, 1e-5}, benches.back().rk4 = {1e-4, 5e-5, 2e-5};
+  benches.back().accuracies = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9};
+  benches.push_back(rig_trials(run));
+  benches.back().euler = {1e-3, 3e-4, 1e-4, 3e-5}, benches.back().rk4 = {1e-3, 5e-4, 2.5e-4, 1e-4};
+  benches.back().accuracies = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
+
+  CsvWriter csv = run.csv();
+  csv.comment(
+      "setting: the step [s] of semi_implicit_euler and rk4, else the accuracy. Errors are the largest over the "
+      "scene's "
+      "cases: peak relative, touchdown [s], state [m, rad]; rhs, events and time a case, the time a median.");
+  csv.header({"scene", "method", "setting", "peak_error", "touchdown_error", "state_error", "time_us", "rhs", "events",
+              "failed"});
+  Report report("Integrators: error against run time");
+  Json summary;
+  for (const Bench& b : benches) {
+    const std::vector<Entry> entries = measure(b, a.repetitions, run);
+    report.heading(b.name);
+    report.paragraph(fmt::format("{} cases, {} timed passes of each entry, in turn, one core. Reference: {}.", b.cases,
+                                 a.repetitions, b.reference));
+    std::vector<Series> peaks, states;
+    std::vector<std::vector<std::string>> rows;
+    run.say(""), run.say(fmt::format("{} ({})", b.name, b.reference));
+    run.say(fmt::format("{:<20} {:>8} {:>10} {:>10} {:>10} {:>10} {:>9}", "method", "setting", "peak", "touchdown",
+                        "state", "time [us]", "rhs"));
+    for (const Entry& e : entries) {
+      const std::string method = name(e.method);
+      csv.cell(b.name).cell(method).cell(e.setting).cell(e.errors.peak).cell(e.errors.touchdown).cell(e.errors.state);
+      csv.cell(e.seconds * 1e6).cell(e.rhs).cell(e.events).cell(e.failed);
+      csv.end_row();
+      if (peaks.empty() || peaks.back().name != method)
+        peaks.push_back({method, {}, {}}), states.push_back({method, {}, {}});
+      if (e.failed == 0) {
+        peaks.back().x.push_back(e.seconds * 1e6), peaks.back().y.push_back(e.errors.peak);
+        states.back().x.push_back(e.seconds * 1e6), states.back().y.push_back(e.errors.state);
+      }
+      const std::vector<std::string> row = {
+          method,
+          fmt::format("{:g}", e.setting),
+          e.failed ? fmt::format("{} failed", e.failed) : fmt::format("{:.1e}", e.errors.peak),
+          e.failed ? "" : fmt::format("{:.1e}", e.errors.touchdown),
+          e.failed ? "" : fmt::format("{:.1e}", e.errors.state),
+          fmt::format("{:.1f}", e.seconds * 1e6),
+          fmt::format("{:.0f}", e.rhs)};
+      run.say(fmt::format("{:<20} {:>8} {:>10} {:>10} {:>10} {:>10} {:>9}", row[0], row[1], row[2], row[3], row[4],
+                          row[5], row[6]));
+      rows.push_back(row);
+      summary[b.name].push_back({{"method", method},
+                                 {"setting", e.setting},
+                                 {"peak_error", number(e.errors.peak)},
+                                 {"touchdown_error", number(e.errors.touchdown)},
+                                 {"state_error", number(e.errors.state)},
+                                 {"rhs", e.rhs},
+                                 {"failed", e.failed},
+                                 {"time_s", e.seconds}});
+    }
+    report.plot("time a case [us]", "error of the peak", peaks, Axes::kLogarithmic);
+    report.plot("time a case [us]", "error of the final state", states, Axes::kLogarithmic);
+    report.table({"method", "step or accuracy", "peak", "touchdown [s]", "state", "time [us]", "right-hand sides"},
+                 rows);
+  }
+  run.add("integrators.csv", csv.text());
+  run.add("report.html", report.html(run.provenance()));
+  return run.finish(summary, kDone);
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,71 @@
+#include "tools/program/arguments.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "common/actuator.hpp"
+#include "common/error.hpp"
+
+namespace ukemi::tools {
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> out;
+  std::stringstream s(list);
+  for (std::string item; std::getline(s, item, ',');) out.push_back(item);
+  return out;
+}
+
+double to_number(const std::string& option, const std::string& text) {
+  try {
+    std::size_t end = 0;
+    const double v = std::stod(text, &end);
+    if (end == text.size() && std::isfinite(v)) return v;
+  } catch (const std::exception&) {
+  }
+  throw InputError(option + ": " + quoted(text) + ": a finite number is needed");
+}
+
+std::uint64_t to_seed(const std::string& option, const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size()) return value;
+  throw InputError(fmt::format("{}: {}: a whole number from 0 to {} is needed", option, quoted(text),
+                               std::numeric_limits<std::uint64_t>::max()));
+}
+
+Assignment assignment(const std::string& option, const std::string& item) {
+  const std::size_t equals = item.rfind('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == item.size())
+    throw InputError(option + ": " + quoted(item) + ": NAME=VALUE is needed");
+  return {item.substr(0, equals), item.substr(equals + 1)};
+}
+
+NamedPrior named_prior(const std::string& option, const std::string& item) {
+  const std::size_t equals = item.rfind('='), colon = item.rfind(':');
+  if (equals == std::string::npos || colon == std::string::npos || colon < equals)
+    throw InputError(option + ": " + quoted(item) + ": NAME=VALUE:STD is needed");
+  return {item.substr(0, equals), to_number(option, item.substr(equals + 1, colon - equals - 1)),
+          to_number(option, item.substr(colon + 1))};
+}
+
+std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices) {
+  const auto at = std::find(choices.begin(), choices.end(), text);
+  if (at != choices.end()) return std::size_t(at - choices.begin());
+  throw InputError(fmt::format("{}: {}: {} or {} is needed{}", option, quoted(text),
+                               fmt::join(choices.begin(), choices.end() - 1, ", "), choices.back(),
+                               hint(text, choices)));
+}
+
+std::size_t constant_index(const std::string& option, const std::string& name) {
+  const auto at = std::find(kConstantNames.begin(), kConstantNames.end(), name);
+  if (at != kConstantNames.end()) return std::size_t(at - kConstantNames.begin());
+  throw InputError(option + ": " + one_of(name, {kConstantNames.begin(), kConstantNames.end()}));
+}
+
+}  // namespace ukemi::tools

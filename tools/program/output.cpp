@@ -1,0 +1,178 @@
+#include "tools/program/output.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+
+#include "common/error.hpp"
+#include "tools/program/interrupt.hpp"
+#include "tools/program/terminal.hpp"
+
+namespace ukemi::tools {
+
+namespace {
+
+std::string command_line;
+
+/// Every file that a verb may write beside summary.json and report.html; '#' stands for a number.
+std::vector<std::string> result_names(const std::string& verb) {
+  static const std::map<std::string, std::vector<std::string>> kNames = {
+      {"identify", {"actuator.toml", "fit.csv", "profile.csv"}},
+      {"predict", {"fit.csv"}},
+      {"simulate", {"trajectory.csv", "contacts.csv"}},
+      {"optimize", {"motion.toml", "motion.csv", "solvers.csv", "progress.csv"}},
+      {"calibrate", {"scene.toml", "fit.csv", "validation.csv"}},
+      {"compare", {"parameters.csv", "trajectories.csv"}},
+      {"design", {"hit_#.csv", "hits.csv"}},
+      {"demo", {}},
+      {"map", {"map.csv", "basins.csv"}},
+      {"bench batch", {"batch.csv", "planner.csv"}},
+      {"bench-identify", {"identify.csv"}},
+      {"bench-integrators", {"integrators.csv"}},
+      {"bench optimizers",
+       {"optimizers.csv", "gaps.csv", "best_known.csv", "peak_time.svg", "peak_motions.svg", "tolerant_time.svg",
+        "tolerant_motions.svg"}},
+      {"bench-scenes", {"scenes.csv"}},
+      {"bench-stability", {"stability.csv", "three_ways.csv", "stability_identify.csv"}}};
+  std::vector<std::string> names = kNames.at(verb);
+  names.push_back("report.html");
+  return names;
+}
+
+std::string folder_of(const std::string& verb, const CommonOptions& options) {
+  return options.folder.empty() ? "ukemi-out/" + verb : options.folder;
+}
+
+}  // namespace
+
+void set_command_line(int argc, char** argv) {
+  command_line = "ukemi";
+  for (int i = 1; i < argc; ++i) command_line += " " + shell_quoted(argv[i]);
+}
+
+Run::Run(std::string verb, const CommonOptions& options)
+    : verb_(std::move(verb)),
+      options_(options),
+      folder_(folder_of(verb_, options), result_names(verb_)),
+      watch_([this](const ReadFile& file) { note(file); }),
+      started_(std::time(nullptr)),
+      start_(std::chrono::steady_clock::now()) {
+  options_.folder = folder_.path();
+}
+
+void Run::note(const ReadFile& file) {
+  folder_.refuse_as_input(file);
+  if (checksums_.emplace(file.path, file.checksum).first->second != file.checksum)
+    throw InputError({file.path}, "changed while this run read it");
+}
+void Run::input(const std::string& path) {
+  if (std::find(inputs_.begin(), inputs_.end(), path) == inputs_.end()) inputs_.push_back(path);
+}
+void Run::add(const std::string& name, std::string content) {
+  if (!folder_.owns(name)) throw std::logic_error(name + ": not among the files that " + verb_ + " may write");
+  files_[name] = std::move(content);
+}
+void Run::warn(const std::string& message) {
+  warnings_.push_back(shown(message));
+  tell("ukemi " + verb_ + ": warning: " + message);
+}
+void Run::info(const std::string& message) const {
+  if (options_.messages == CommonOptions::Messages::kShow) tell(message);
+}
+void Run::say(const std::string& line) const {
+  if (options_.out == CommonOptions::Stdout::kText) print_line(line);
+}
+void Run::progress(const std::string& what, long done, long total) const {
+  if (options_.messages == CommonOptions::Messages::kQuiet || total <= 0) return;
+  constexpr double kBar = 0.1, kLine = 10;  // between two sights of it [s]
+  const std::lock_guard lock(progress_mutex_);
+  const bool terminal = isatty(fileno(stderr));
+  const double elapsed = seconds(), rate = elapsed > 0 ? double(done) / elapsed : 0;
+  if (elapsed - shown_ < (terminal ? kBar : kLine) && !(terminal && done >= total)) return;
+  shown_ = elapsed;
+  const double left = rate > 0 ? double(total - done) / rate : 0;
+  if (!terminal) {
+    tell(fmt::format("{}: {} of {}, {:.3g}/s, {:.0f} s left", what, done, total, rate, left));
+    return;
+  }
+  const int filled = int(30 * double(std::min(done, total)) / double(total));
+  const std::string bar =
+      fmt::format("\r{} [{}{}] {:.3g}/s, {:.0f} s left  ", what, std::string(std::size_t(filled), '#'),
+                  std::string(std::size_t(30 - filled), ' '), rate, left);
+  tell_raw((bar + (done >= total ? "\n" : "")).c_str());
+}
+Monitor Run::monitor(const std::string& what) const {
+  catch_interrupts();
+  return {[this, what](long done, long total) { progress(what, done, total); }, interrupted};
+}
+double Run::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+std::vector<std::pair<std::string, std::string>> Run::provenance() const {
+  std::vector<std::pair<std::string, std::string>> p = {
+      {"program", "ukemi " UKEMI_VERSION}, {"command", command_line}, {"seed", std::to_string(options_.seed)}};
+  for (const std::string& path : inputs_)
+    if (const auto read = checksums_.find(path); read != checksums_.end())
+      p.emplace_back("checksum " + shown(path), "fnv1a-64 " + read->second);
+  p.emplace_back("time", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(started_)));
+  return p;
+}
+std::string Run::provenance_text() const {
+  std::string text;
+  for (const auto& [key, value] : provenance()) text += key + ": " + value + "\n";
+  return text;
+}
+CsvWriter Run::csv() const {
+  CsvWriter csv;
+  csv.comment(provenance_text());
+  return csv;
+}
+
+int Run::finish(Json summary, int exit_code) {
+  if (interrupted()) {
+    warn("interrupted: these results are of what was finished until then");
+    summary["interrupted"] = true;
+    exit_code = kInterrupted;
+  }
+  Json provenance_block;
+  for (const auto& [key, value] : provenance()) provenance_block[key] = value;
+  summary["warnings"] = warnings_;
+  summary["time_s"] = seconds();
+  summary["provenance"] = provenance_block;
+  if (options_.report == CommonOptions::Report::kSkip) files_.erase("report.html");
+  add(kSummaryFile, "");
+  for (const auto& [name, content] : files_) summary["files"].push_back(name);
+  summary_ = std::move(summary);
+  // A file name may be no UTF-8: it is shown with replacement characters, never an error.
+  const std::string text = summary_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  add(kSummaryFile, text);
+  folder_.replace(files_);
+  info("wrote " + options_.folder + "/");
+  if (options_.out == CommonOptions::Stdout::kJson) print_raw(text);
+  return exit_code;
+}
+
+std::string dataset(const std::string& relative) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> roots;
+  if (const char* given = std::getenv("UKEMI_DATASETS")) roots.emplace_back(given);
+  std::error_code ec;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  if (!ec) roots.push_back(program.parent_path().parent_path() / "share/ukemi/datasets");
+  roots.emplace_back(UKEMI_SOURCE_DATASETS);
+  for (const fs::path& root : roots)
+    if (fs::exists(root / relative, ec)) return (root / relative).string();
+  throw InputError("the shipped data are not found: " + relative +
+                   ": set UKEMI_DATASETS to the project's datasets folder");
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+}  // namespace ukemi::tools

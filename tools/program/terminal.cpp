@@ -1,0 +1,45 @@
+#include "tools/program/terminal.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+
+#include "common/text.hpp"
+
+namespace ukemi::tools {
+
+namespace {
+
+int stdout_error = 0;  ///< errno of the first failure
+
+void note_failure(bool failed) {
+  if (failed && stdout_error == 0) stdout_error = errno;
+}
+
+}  // namespace
+
+void prepare_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDONLY);  // takes the lowest number; a write to it fails
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void print_raw(const std::string& text) {
+  note_failure(std::fwrite(text.data(), 1, text.size(), stdout) != text.size());
+}
+void print_line(const std::string& line) { print_raw(shown(line) + "\n"); }
+
+std::optional<std::string> stdout_failure() {
+  note_failure(std::fflush(stdout) != 0);
+  return stdout_error == 0 ? std::nullopt : std::optional<std::string>(std::strerror(stdout_error));
+}
+
+void tell_raw(const char* text) { std::fputs(text, stderr); }
+void tell(const std::string& line) { tell_raw((shown(line) + "\n").c_str()); }
+
+}  // namespace ukemi::tools

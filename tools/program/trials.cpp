@@ -1,0 +1,156 @@
+#include "tools/program/trials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+#include "identify/logs/hebi_trial.hpp"
+#include "identify/logs/hits.hpp"
+#include "tools/program/arguments.hpp"
+
+namespace ukemi::tools {
+
+namespace {
+
+Json gains_json(const std::optional<identify::HebiGains>& g) {
+  if (!g) return nullptr;
+  return {{"kp", number(g->k_p)}, {"ki", number(g->k_i)}, {"kd", number(g->k_d)}};
+}
+
+/// What the log says of the module, for the record.
+Json module_json(const std::string& file, const identify::HebiModule& m) {
+  return {{"file", file},
+          {"name", m.name},
+          {"family", m.family},
+          {"address", m.address},
+          {"samples", m.t.size()},
+          {"spring_constant", number(m.spring_constant)},
+          {"position_gains", gains_json(m.position_gains)},
+          {"velocity_gains", gains_json(m.velocity_gains)},
+          {"effort_gains", gains_json(m.effort_gains)}};
+}
+
+/// A trial of any kind; what a HEBI log says of its module goes to `modules`.
+identify::Trial read_any(const std::string& path, const TrialArguments& a, const identify::TrialOptions& csv,
+                         const identify::Rig& rig, Json& modules) {
+  const bool binary = identify::is_hebilog(path);
+  if (!binary && (!a.columns.empty() || !identify::is_hebi_csv(path))) return identify::read_trial(path, csv);
+  const identify::HebiLog log = binary ? identify::read_hebilog(path) : identify::read_hebi_csv(path);
+  identify::Trial trial =
+      identify::hebi_trial(log, {.module = a.module, .angles = a.angles, .gear_ratio = rig.gear_ratio});
+  modules.push_back(module_json(path, identify::choose_module(log, a.module)));
+  return trial;
+}
+
+}  // namespace
+
+void add_trial_options(CLI::App& verb, TrialArguments& a) {
+  verb.add_option("--columns", a.columns,
+                  "t=Time,phi=-defl_deg,force=0.001*Fy,...: a CSV trial's columns by other names; a minus flips the "
+                  "sign, a number scales; suffixes _ms, _deg, _mrad, _N, _kN convert");
+  verb.add_option("--module", a.module, "module of the HEBI logs: name, FAMILY/NAME or number [the only one]");
+  verb.add_flag_callback(
+      "--multi-turn", [&a] { a.angles = identify::TrialOptions::Angles::kMultiTurn; }, "angles beyond 2 pi are meant");
+  verb.add_option("--force-log", a.force_logs,
+                  "CSV with t [s], force [N]: one for all trials, or the option once for each")
+      ->allow_extra_args(false);
+  verb.add_option("--force-columns", a.force_columns, "t=Time,force=-Fy: the force log's columns by other names");
+  verb.add_option_function<std::string>(
+      "--force-clock",
+      [&a](const std::string& name) {
+        using identify::ForceClock;
+        a.force_clock =
+            choice<ForceClock>("--force-clock", name, {{"own", ForceClock::kOwn}, {"shared", ForceClock::kShared}});
+      },
+      "own: the force log is shifted so that its onset meets the motion's; shared: it is not [own]");
+  verb.add_option(
+      "--force-noise", a.force_noise,
+      "noise of the load cell [N], standard deviation: between hits the force is then at rest, within them it "
+      "counts for the errors [estimated before the first hit]");
+  verb.add_option("--gains", a.gains, "HEBI gains (XML), listed in summary.json for the record");
+}
+
+double escape_of(const TrialArguments& a) {
+  return a.angles == identify::TrialOptions::Angles::kMultiTurn ? identify::FitOptions::kInfinity : identify::kEscape;
+}
+
+TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& a, const identify::Rig& rig,
+                        const TrialNeeds& needs, Run& run) {
+  if (paths.empty()) throw InputError("no trials: at least one trial file is needed");
+  if (a.force_logs.empty() && !a.force_columns.empty()) throw InputError("--force-columns: --force-log is needed");
+  if (a.force_logs.size() > 1 && a.force_logs.size() != paths.size())
+    throw InputError(fmt::format("--force-log: {} files for {} trials: one for all or one for each is needed",
+                                 a.force_logs.size(), paths.size()));
+  const identify::TrialOptions csv{.columns = a.columns,
+                                   .require_phi = needs.phi == TrialNeeds::Angle::kRequired,
+                                   .force = a.force_logs.empty() ? identify::TrialOptions::Force::kInFile
+                                                                 : identify::TrialOptions::Force::kElsewhere,
+                                   .angles = a.angles,
+                                   .gear_ratio = rig.gear_ratio.value_or(1)};
+  TrialInputs out;
+  Json modules = Json::array(), forces = Json::array();
+  for (const std::string& path : paths) {
+    run.input(path);
+    out.trials.push_back(read_any(path, a, csv, rig, modules));
+  }
+  if (!a.module.empty() && modules.empty())
+    throw InputError("--module: " + quoted(a.module) + ": no trial is a HEBI log");
+  for (std::size_t m = 0; m < out.trials.size() && !a.force_logs.empty(); ++m) {
+    identify::Trial& trial = out.trials[m];
+    const std::string& path = a.force_logs[a.force_logs.size() > 1 ? m : 0];
+    run.input(path);
+    const bool own = a.force_clock == identify::ForceClock::kOwn;
+    const double shift =
+        identify::attach_force(trial, identify::read_force_log(path, a.force_columns), rig, a.force_clock);
+    forces.push_back(
+        {{"trial", trial.file}, {"file", path}, {"clock", own ? "own" : "shared"}, {"shift", number(shift)}});
+  }
+  if (a.force_noise && !(*a.force_noise >= 0 && std::isfinite(*a.force_noise)))
+    throw InputError(fmt::format("--force-noise: {}: at least 0 N is needed", *a.force_noise));
+  Json noises = Json::array();
+  double noisiest = 0;
+  for (identify::Trial& t : out.trials) {
+    identify::rest_between_hits(t, a.force_noise);
+    noises.push_back(number(t.force_noise)), noisiest = std::max(noisiest, t.force_noise);
+  }
+  if (noisiest > 0) out.summary["force_noise"] = noises;
+  if (needs.excitation == TrialNeeds::Excitation::kRequired)
+    for (const identify::Trial& t : out.trials) identify::require_excitation(t);
+  if (!modules.empty()) out.summary["modules"] = modules;
+  if (!forces.empty()) out.summary["force_logs"] = forces;
+  if (!a.gains.empty()) {
+    run.input(a.gains);
+    out.summary["gains"] = read_gains(a.gains);
+  }
+
+  // Warnings last: a refusal is one line.
+  if (noisiest > 0)
+    run.say(
+        fmt::format("force noise {:.3g} N{}: between hits the force is at rest, within them its noise weighs the "
+                    "residuals",
+                    noisiest, a.force_noise ? "" : " at most, estimated before each first hit"));
+  for (const identify::Trial& t : out.trials)
+    if (t.force_rest != 0)
+      run.warn(fmt::format("{}: the load cell reads {:.3g} N at rest: tare it, or --nuisance force_bias", t.file,
+                           t.force_rest));
+  for (const identify::Trial& t : out.trials)
+    for (const std::string& note : t.notes) run.warn(t.file + ": " + note);
+  for (const Json& f : forces)
+    if (f["clock"] == "own")
+      run.say(fmt::format("{}: moved by {:.6g} s onto the clock of {}", f["file"].get<std::string>(),
+                          f["shift"].get<double>(), f["trial"].get<std::string>()));
+  if (!a.gains.empty())
+    run.warn(a.gains + ": HEBI's kp is in the vendor's own units, not K_p in Nm/rad: listed for the record, not used");
+  for (std::size_t i = 0; i < out.trials.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (identify::same_content(out.trials[j], out.trials[i])) {
+        run.warn(fmt::format("trials {} ({}) and {} ({}) have the same content: they count twice", j + 1,
+                             out.trials[j].file, i + 1, out.trials[i].file));
+        break;
+      }
+  return out;
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,53 @@
+// Trials for the verbs: CSV, HEBI logs, force logs of their own, and the gains file that goes with them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "identify/fit/fit.hpp"
+#include "identify/logs/force_log.hpp"
+#include "tools/program/output.hpp"
+
+namespace ukemi::tools {
+
+/// How the trial files are to be read.
+struct TrialArguments {
+  std::string columns;  ///< of CSV trials
+  std::string module;   ///< of HEBI logs
+  identify::TrialOptions::Angles angles = identify::TrialOptions::Angles::kOneTurn;
+  std::vector<std::string> force_logs;  ///< none, one for all trials, or one each
+  std::string force_columns;
+  identify::ForceClock force_clock = identify::ForceClock::kOwn;
+  std::string gains;                  ///< XML, for the record
+  std::optional<double> force_noise;  ///< of the load cell [N]; else estimated before each first hit
+};
+
+struct TrialInputs {
+  std::vector<identify::Trial> trials;
+  Json summary =
+      Json::object();  ///< "force_logs", "force_noise", "modules", "gains", each where there is something to say
+};
+
+/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise, --gains.
+void add_trial_options(CLI::App& verb, TrialArguments& arguments);
+
+/// Beyond which angle a rollout has escaped [rad]: infinite where many turns are meant.
+double escape_of(const TrialArguments& arguments);
+
+/// What a verb cannot do without.
+struct TrialNeeds {
+  enum class Angle { kRequired, kOptional } phi = Angle::kRequired;
+  enum class Excitation { kRequired, kOptional } excitation = Excitation::kOptional;
+};
+
+/// Reads the trials the way the rig says, with their forces, which are at rest between hits; warns of what was handled
+/// while reading and of trials with the same content. Throws InputError.
+TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& arguments,
+                        const identify::Rig& rig, const TrialNeeds& needs, Run& run);
+
+/// HEBI's gains file: every value of every controller, numbers where they are numbers. Throws InputError with
+/// file:line:column where it is no XML or not headed <group_gains>.
+Json read_gains(const std::string& path);
+
+}  // namespace ukemi::tools
