@@ -64,7 +64,7 @@ TEST_CASE("stability: the scalar path, a hundred times tighter, and lanes give o
     refused += c.verdict == Verdict::kRefused, sensitive += c.verdict == Verdict::kSensitive;
   }
   CAPTURE(refused, sensitive);
-  CHECK(refused <= 8);     // points that hover on y = 0 (README, limits)
+  CHECK(refused <= 8);     // points that hover on y = 0 (tools/docs/limits.md)
   CHECK(sensitive <= 30);  // drives that whirl the robot for seconds
 }
 

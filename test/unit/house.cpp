@@ -1,11 +1,14 @@
-// The house: the direction of the includes, the top level.
+// The house: the direction of the includes, the top level, where the pages lead.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <regex>
 #include <set>
 #include <sstream>
+#include <vector>
 
 namespace fs = std::filesystem;
 
@@ -31,6 +34,41 @@ std::map<std::string, std::set<std::string>> rooms() {
       // What follows the rooms is the room's thought.
       for (std::string word; words >> word && (word.find('/') != word.npos || word == "common");) targets.insert(word);
     }
+  return out;
+}
+
+/// README, the changelog and every page of tools/docs.
+std::vector<fs::path> pages() {
+  const fs::path source(UKEMI_SOURCE);
+  std::vector<fs::path> out = {source / "README.md", source / "CHANGELOG.md"};
+  for (const auto& entry : fs::directory_iterator(source / "tools/docs"))
+    if (entry.path().extension() == ".md") out.push_back(entry.path());
+  return out;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What the regex's first group finds in a text.
+std::vector<std::string> found(const std::string& text, const char* regex) {
+  const std::regex r(regex);
+  std::vector<std::string> out;
+  for (std::sregex_iterator i(text.begin(), text.end(), r), end; i != end; ++i) out.push_back((*i)[1]);
+  return out;
+}
+
+/// The anchors that a page's headings give: lower case, blanks as '-', letters, digits and '-' alone.
+std::set<std::string> anchors(const std::string& page) {
+  std::set<std::string> out;
+  for (const std::string& heading : found("\n" + page, "\n#+ ([^\n]*)")) {
+    std::string anchor;
+    for (const char c : heading)
+      if (std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == ' ' || c == '_')
+        anchor += c == ' ' ? '-' : char(std::tolower(static_cast<unsigned char>(c)));
+    out.insert(anchor);
+  }
   return out;
 }
 
@@ -69,7 +107,9 @@ TEST_CASE("includes follow the arrows that the page of the architecture draws") 
         INFO(line);
         if (std::regex_search(line, m, own)) {
           const std::string target = room_of(m[1].str());
-          if (target != room) CHECK(allowed.at(room).count(target) == 1), used[room].insert(target);
+          if (target == room) continue;
+          CHECK(allowed.at(room).count(target) == 1);
+          used[room].insert(target);
         }
         if (!std::regex_search(line, m, system)) continue;
         const std::string header = m[1];
@@ -101,4 +141,37 @@ TEST_CASE("the top level has no strangers") {
     INFO(name);
     CHECK(known.count(name) == 1);
   }
+}
+
+TEST_CASE("every link and every path of the pages leads somewhere") {
+  REQUIRE(pages().size() > 10);
+  for (const fs::path& page : pages()) {
+    INFO(page);
+    const std::string text = text_of(page), prose = std::regex_replace(text, std::regex("\n    [^\n]*"), "");
+    for (const std::string& link : found(prose, "\\]\\(([^)\\s]+)\\)")) {
+      if (link.rfind("http", 0) == 0) continue;
+      INFO(link);
+      const std::size_t hash = std::min(link.find('#'), link.size());
+      const fs::path target = hash == 0 ? page : page.parent_path() / link.substr(0, hash);
+      CHECK(fs::exists(target));
+      if (hash < link.size()) CHECK(anchors(text_of(target)).count(link.substr(hash + 1)) == 1);
+    }
+    // Files anywhere in the text, folders between backticks.
+    for (const char* path : {"(?:^|[^\\w/.-])((?:common|identify|landing|tools|test|datasets)/[\\w./-]+\\.[a-z]+)\\b",
+                             "`((?:common|identify|landing|tools|test|datasets)(?:/[\\w.-]+)+/?)`"})
+      for (const std::string& file : found(text, path)) {
+        INFO(file);
+        CHECK(fs::exists(fs::path(UKEMI_SOURCE) / file));
+      }
+  }
+}
+
+TEST_CASE("README is read in five minutes, and every page of tools/docs is reached from it") {
+  const std::string readme = text_of(fs::path(UKEMI_SOURCE) / "README.md");
+  CHECK(std::count(readme.begin(), readme.end(), '\n') <= 150);
+  for (const auto& entry : fs::directory_iterator(fs::path(UKEMI_SOURCE) / "tools/docs"))
+    if (entry.path().extension() == ".md") {
+      INFO(entry.path());
+      CHECK(readme.find("tools/docs/" + entry.path().filename().string()) != readme.npos);
+    }
 }

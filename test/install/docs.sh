@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Runs the commands of README.md and of tools/docs as they stand there, in a copy of the shipped data: the ```sh blocks (but those
+# under a line "<!-- not run: why -->"), the table of results, the picture. And tools/docs/verbs.md names the options that there are.
+set -euo pipefail
+source_dir=$1 build_dir=$2
+work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
+ln -s "$source_dir/datasets" "$source_dir/test" "$work"
+cd "$work"
+export PATH="$build_dir:$PATH"
+
+for page in README own_actuator own_robot benchmarks; do
+  file="$source_dir/tools/docs/$page.md"; [ $page = README ] && file="$source_dir/README.md"
+  awk '/^<!-- not run: [^ ]/ { skip = 1; next }
+       /^```sh$/ { inside = !skip; skip = 0; next }
+       /^```/ { inside = 0; next }
+       inside' "$file" > $page.sh
+  sed -i "s#^ukemi #echo \"$page: line \$LINENO\" >&2; ukemi #" $page.sh
+  [ "$(grep -c 'ukemi ' $page.sh)" -ge 2 ]
+  bash -euo pipefail $page.sh > $page.log 2> $page.err || { tail -n 5 $page.err; exit 1; }
+done
+pages_with_commands=$(cd "$source_dir" && grep -l '^```sh$' README.md tools/docs/*.md | wc -l)
+[ "$pages_with_commands" = 4 ]
+for d in demo/compare identify predict optimize simulate design compare calibrate plan watch hold_it map hold five_seeds twenty_seeds; do
+  [ -s "out/$d/summary.json" ]
+done
+
+sed -n 's/^| .*| `\(ukemi [^`]*\)`.*/\1 -o out\/table --quiet/p' "$source_dir/README.md" |
+  sed 's#PAPER#datasets/scenes/paper.toml --actuator datasets/actuators/table2.toml#' > table.sh
+[ "$(wc -l < table.sh)" = 5 ]
+bash -euo pipefail table.sh > table.log 2>&1 || { tail -n 5 table.log; exit 1; }
+grep '^peak' table.log
+
+"$source_dir/tools/docs/landing.sh" landing.svg 2> picture.err
+for peak in 466 186; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s" "$source_dir/tools/docs/landing.svg"; done
+
+verbs="identify predict design simulate optimize map compare calibrate demo"
+for v in $verbs; do ukemi "$v" --help; done > help.txt
+for b in integrators identify optimizers batch stability scenes; do ukemi bench $b --help; done >> help.txt
+options() { grep -o -e '--[a-z][a-z-]*' "$1" | sort -u; }
+diff <(sed '/^Example/d' help.txt | grep -o '^ *\(-., *\)\?\(-.,\)\?--[a-z][a-z-]*' | grep -o -e '--[a-z-]*' | grep -v -e '--help' | sort -u) \
+     <(options "$source_dir/tools/docs/verbs.md" | grep -v -e '--help' -e '--version')
