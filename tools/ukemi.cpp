@@ -8,27 +8,12 @@
 #include <stdexcept>
 
 #include "common/error.hpp"
+#include "tools/bench/bench.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/terminal.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
-
-void add_common(CLI::App& verb, CommonOptions& o) {
-  verb.add_option("-o,--output", o.folder, "folder for the results [./ukemi-out/VERB]")->type_name("DIR");
-  verb.add_flag_callback(
-      "--json", [&o] { o.out = CommonOptions::Stdout::kJson; }, "stdout carries one JSON object, nothing else");
-  verb.add_option("--threads", o.threads, "threads [all cores]; results do not depend on it")
-      ->check(CLI::Range(1, 4096));
-  verb.add_option_function<std::string>(
-          "--seed", [&o](const std::string& text) { o.seed = to_seed("--seed", text); },
-          "seed of every random draw [1]")
-      ->type_name("N");
-  verb.add_flag_callback(
-      "--quiet", [&o] { o.messages = CommonOptions::Messages::kQuiet; }, "no messages on stderr but warnings");
-  verb.add_flag_callback(
-      "--no-report", [&o] { o.report = CommonOptions::Report::kSkip; }, "no report.html");
-}
 
 namespace {
 

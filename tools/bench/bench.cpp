@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "common/error.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 

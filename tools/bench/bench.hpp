@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/output.hpp"
+#include "tools/program/command.hpp"
 
 namespace ukemi::tools {
 
@@ -26,6 +26,7 @@ struct BenchArguments {
   std::string only;                  ///< scenes: one side of one omission, for the instruction count
 };
 
+void add_bench(CLI::App& app, Action& chosen);
 int bench_integrators(const BenchArguments& arguments, const CommonOptions& common);
 int bench_batch(const BenchArguments& arguments, const CommonOptions& common);
 int bench_identify(const BenchArguments& arguments, const CommonOptions& common);

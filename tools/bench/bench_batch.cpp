@@ -1,6 +1,5 @@
 // ukemi bench batch: landings a second in SIMD lanes against the scalar path, and how late a planner answers.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +8,10 @@
 #include "common/random.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/lanes/batch.hpp"
-#include "landing/search/planner.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/search/planner.hpp"
 #include "tools/bench/bench.hpp"
 #include "tools/report/report.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -27,17 +25,51 @@ constexpr double kAbandon = 200;  ///< what a search on the paper's scene cares 
 struct Row {
   std::string path;
   double accuracy, seconds = std::numeric_limits<double>::infinity(), abandoning = seconds, worst = 0, off = 0;
+  double scalar = seconds;  ///< the scalar path's seconds
+};
+const Quantities<Row> kRowQuantities = {
+    {"path", "path", "path", "", {}, &Row::path},
+    {"accuracy", "accuracy", "accuracy", "", "{:g}", &Row::accuracy},
+    {"landings_per_second", "landings_per_second", "landings/s", "", "{:.0f}",
+     [](auto& r) { return kLandings / r.seconds; }},
+    {"abandoning_per_second", "", fmt::format("abandoned above {:g}", kAbandon), "", "{:.0f}",
+     [](auto& r) { return kLandings / r.abandoning; }},
+    {"ratio_to_scalar", "ratio", "times scalar", "", "{:.2f}", [](auto& r) { return r.scalar / r.seconds; }},
+    {"worst_error", "", "worst error", "", "{:.1e}", &Row::worst},
+    {"off_1e4", "", "off by > 1e-4", "", "{:.0f}", &Row::off},
 };
 
-}  // namespace
+/// How late a planner answers, against one deadline.
+struct Lateness {
+  const char* objective;
+  double deadline;
+  std::vector<double> over, own;  ///< late by the clock, sorted, and by the time that the core was ours [s]
+  long found = 0;
 
-int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
-  Run run("bench batch", common);
-  const Scene scene = read_scene(dataset("scenes/paper.toml"));
-  const SeaParameters<double> sea = read_actuator(dataset("actuators/table2.toml")).sea;
+  double at(double quantile) const {  ///< [ms]
+    return 1e3 * over[std::min(over.size() - 1, std::size_t(quantile * double(over.size())))];
+  }
+};
+double within_5ms(const std::vector<double>& times) {
+  return double(std::count_if(times.begin(), times.end(), [](double x) { return x <= 5e-3; })) / double(times.size());
+}
+const Quantities<Lateness> kLatenessQuantities = {
+    {"objective", "objective", "objective", "", {}, &Lateness::objective},
+    {"deadline_s", "deadline", "deadline", "s", "{:g}", &Lateness::deadline},
+    {"calls", "", "calls", "", {}, [](auto& l) { return l.over.size(); }},
+    {"median_late_ms", "", "late, median", "ms", "{:.2f}", [](auto& l) { return l.at(0.5); }},
+    {"q999_late_ms", "", "99.9 %", "ms", "{:.2f}", [](auto& l) { return l.at(0.999); }},
+    {"worst_late_ms", "worst_late_ms", "worst", "ms", "{:.2f}", [](auto& l) { return l.at(1); }},
+    {"within_5ms", "within_5ms", "within 5 ms", "", "{:.3f}", [](auto& l) { return within_5ms(l.over); }},
+    {"own_within_5ms", "own_within_5ms", "by the core's own time", "", "{:.3f}",
+     [](auto& l) { return within_5ms(l.own); }},
+    {"found", "found", "answered", "", {}, &Lateness::found},
+};
+
+std::vector<Row> throughput(const Scene& scene, const SeaParameters<double>& sea, int repetitions, const Run& run) {
   std::vector<BatchCase> cases;
   for (int i = 0; i < kLandings; ++i) {
-    Random r(common.seed, std::uint64_t(i));
+    Random r(run.options().seed, std::uint64_t(i));
     const auto [phi, duration] = scene.search;
     cases.push_back(
         {&scene, &sea, {r.uniform(phi[0], phi[1]), r.uniform(phi[0], phi[1]), r.uniform(duration[0], duration[1])}});
@@ -67,7 +99,7 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
           batch_peaks(which, peaks, {.accuracy = row.accuracy}, 1, InstructionSet(s));
     return watch.seconds();
   };
-  const int passes = std::max(3, arguments.repetitions / 6);
+  const int passes = std::max(3, repetitions / 6);
   for (int pass = 0; pass < passes; ++pass)
     for (Row& row : rows) {
       run.progress("batch", pass, passes);
@@ -80,73 +112,45 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
         if (error < 0.01) row.worst = std::max(row.worst, error);
       }
     }
-  CsvWriter csv = run.csv();
-  csv.comment("worst_error: of the peaks that are off by less than 1 %; off_1e4: how many are off by more than 1e-4.");
-  csv.header({"path", "accuracy", "landings_per_second", "abandoning_per_second", "ratio_to_scalar", "worst_error",
-              "off_1e4"});
-  std::vector<std::vector<std::string>> table;
   double scalar = 0;
-  Json summary;
-  for (const Row& row : rows) {
-    if (row.path == "scalar") scalar = row.seconds;
-    csv.cell(row.path).cell(row.accuracy).cell(kLandings / row.seconds).cell(kLandings / row.abandoning);
-    csv.cell(scalar / row.seconds).cell(row.worst).cell(row.off).end_row();
-    table.push_back({row.path, fmt::format("{:g}", row.accuracy), fmt::format("{:.0f}", kLandings / row.seconds),
-                     fmt::format("{:.0f}", kLandings / row.abandoning), fmt::format("{:.2f}", scalar / row.seconds),
-                     fmt::format("{:.1e}", row.worst), fmt::format("{:.0f}", row.off)});
-    run.say(fmt::format("  {}", fmt::join(table.back(), "  ")));
-    summary["throughput"].push_back({{"path", row.path},
-                                     {"accuracy", row.accuracy},
-                                     {"landings_per_second", kLandings / row.seconds},
-                                     {"ratio", scalar / row.seconds}});
-  }
-  run.add("batch.csv", csv.text());
-  Report report("Landings in lanes");
-  report.table({"path", "accuracy", "landings/s", fmt::format("abandoned above {:g}", kAbandon), "times scalar",
-                "worst error", "off by > 1e-4"},
-               table);
+  for (Row& row : rows) row.scalar = scalar = row.path == "scalar" ? row.seconds : scalar;
+  return rows;
+}
 
-  CsvWriter late = run.csv();
-  late.header({"objective", "deadline_s", "calls", "median_late_ms", "q999_late_ms", "worst_late_ms", "within_5ms",
-               "own_within_5ms", "found"});
+Lateness lateness(Goal goal, double deadline, const Scene& scene, const SeaParameters<double>& sea, int calls,
+                  const Run& run) {
+  Planner planner(scene, sea, {.goal = goal});
+  Lateness out{goal == Goal::kPeak ? "peak" : "tolerant", deadline, {}, {}};
+  for (int i = 0; i < calls; ++i) {
+    Random r(run.options().seed, std::uint64_t(i));
+    Drop drop = scene.drop;
+    drop.height += r.uniform(-0.1, 0.1), drop.pitch += r.uniform(-0.1, 0.1);
+    drop.forward_speed += r.uniform(-0.2, 0.2);
+    const Stopwatch watch(Stopwatch::Time::kWall), processor(Stopwatch::Time::kProcessor);
+    out.found += planner.plan(drop, deadline, std::uint64_t(i)).found;
+    out.over.push_back(watch.seconds() - deadline), out.own.push_back(processor.seconds() - deadline);
+    run.progress("planner", i, calls);
+  }
+  std::sort(out.over.begin(), out.over.end());
+  return out;
+}
+
+}  // namespace
+
+int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
+  Run run("bench batch", common);
+  const Scene scene = read_scene(dataset("scenes/paper.toml"));
+  const SeaParameters<double> sea = read_actuator(dataset("actuators/table2.toml")).sea;
+  Report report("Landings in lanes");
+  Json summary;
+  summary["throughput"] =
+      tell(Table(kRowQuantities, throughput(scene, sea, arguments.repetitions, run)), report, run, "batch.csv",
+           "worst_error: of the peaks that are off by less than 1 %; off_1e4: how many are off by more than 1e-4.");
+  std::vector<Lateness> late;
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant})
-    for (const double deadline : {0.05, 0.1}) {
-      Planner planner(scene, sea, {.goal = goal});
-      std::vector<double> over, own;  // late by the clock, and by the time that the core was ours
-      long found = 0;
-      for (int i = 0; i < arguments.calls; ++i) {
-        Random r(common.seed, std::uint64_t(i));
-        Drop drop = scene.drop;
-        drop.height += r.uniform(-0.1, 0.1), drop.pitch += r.uniform(-0.1, 0.1);
-        drop.forward_speed += r.uniform(-0.2, 0.2);
-        const Stopwatch watch(Stopwatch::Time::kWall), processor(Stopwatch::Time::kProcessor);
-        found += planner.plan(drop, deadline, std::uint64_t(i)).found;
-        over.push_back(watch.seconds() - deadline), own.push_back(processor.seconds() - deadline);
-        run.progress("planner", i, arguments.calls);
-      }
-      std::sort(over.begin(), over.end());
-      const auto at = [&](double q) {
-        return 1e3 * over[std::min(over.size() - 1, std::size_t(q * double(over.size())))];
-      };
-      const auto within = [](const std::vector<double>& times) {
-        return double(std::count_if(times.begin(), times.end(), [](double x) { return x <= 5e-3; })) /
-               double(times.size());
-      };
-      const char* name = goal == Goal::kPeak ? "peak" : "tolerant";
-      late.cell(name).cell(deadline).cell(arguments.calls).cell(at(0.5)).cell(at(0.999)).cell(at(1)).cell(within(over));
-      late.cell(within(own)).cell(found).end_row();
-      run.say(
-          fmt::format("planner, {}, {:g} s: {} calls, late by {:.2f} ms at most, {:.3f} within 5 ms ({:.3f} by the "
-                      "time that the core was ours), {} answered",
-                      name, deadline, arguments.calls, at(1), within(over), within(own), found));
-      summary["planner"].push_back({{"objective", name},
-                                    {"deadline", deadline},
-                                    {"within_5ms", within(over)},
-                                    {"own_within_5ms", within(own)},
-                                    {"worst_late_ms", at(1)},
-                                    {"found", found}});
-    }
-  run.add("planner.csv", late.text());
+    for (const double deadline : {0.05, 0.1})
+      late.push_back(lateness(goal, deadline, scene, sea, arguments.calls, run));
+  summary["planner"] = tell(Table(kLatenessQuantities, late), report, run, "planner.csv");
   run.add("report.html", report.html(run.provenance()));
   return run.finish(summary, kDone);
 }

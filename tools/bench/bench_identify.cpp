@@ -11,8 +11,8 @@
 #include "common/stopwatch.hpp"
 #include "identify/fit/fit.hpp"
 #include "tools/bench/bench.hpp"
+#include "tools/program/trials.hpp"
 #include "tools/report/report.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -49,118 +49,139 @@ std::vector<Dual> sensitivities(const Rig& rig, const SeaParameters<double>& sea
   return all;
 }
 
+using Values = Eigen::Array<double, kConstants, 1>;
+
+struct Rung {
+  std::optional<Method> method;
+  std::vector<double> settings;
+};
+const std::vector<Rung> kRungs = {{Method::kSemiImplicitEuler, {1e-3, 2e-4}},
+                                  {Method::kRungeKutta4, {1e-3, 5e-4, 2.5e-4}},
+                                  {Method::kDormandPrince54, {1e-4, 1e-6, 1e-8}},
+                                  {Method::kDormandPrince853, {1e-4, 1e-6, 1e-8, 1e-9, 1e-11}},
+                                  {{}, {1e-5, 1e-7, 1e-11, 1e-9}}};
+
+/// Fits of so many trials, over noise draws.
+struct Entry {
+  std::string method;
+  double setting;
+  int trials;
+  double derivative_error = 0;  ///< of d phi / d ln U, relative to the largest
+  double bias = 0, scatter = 0, bias_z = 0, seconds = 0;
+  int converged = 0;
+};
+const Quantities<Entry> kEntryQuantities = {
+    {"method", "method", "method", "", {}, &Entry::method},
+    {"setting", "setting", "step or accuracy", "", "{:g}", &Entry::setting},
+    {"trials", "trials", "trials", "", {}, &Entry::trials},
+    {"bias", "bias", "bias", "", "{:.1e}", &Entry::bias},
+    {"scatter", "", "scatter", "", "{:.1e}", &Entry::scatter},
+    {"bias_z", "bias_z", "bias in standard errors", "", "{:.2f}", &Entry::bias_z},
+    {"derivative_error", "derivative_error", "derivative error", "", "{:.1e}", &Entry::derivative_error},
+    {"time_ms", "", "time", "ms", "{:.1f}", [](auto& e) { return 1e3 * e.seconds; }},
+    {"converged", "converged", "", "", {}, &Entry::converged},
+    {"", "time_s", "", "", {}, &Entry::seconds},
+};
+
+/// The shipped rig, its logs, and what they would be without noise under Table 2.
+struct Bench {
+  Rig rig;
+  SeaParameters<double> truth;
+  std::vector<Trial> logs;
+  std::vector<PreparedTrial> prepared;
+  std::vector<std::vector<double>> exact;
+  std::vector<Dual> derivatives;
+  Values scale = Values::Zero();
+
+  explicit Bench(Run& run)
+      : rig(read_rig(dataset("rigs/paper.toml"))), truth(read_actuator(dataset("actuators/table2.toml")).sea) {
+    std::vector<std::string> files;
+    for (int i = 1; i <= 8; ++i) files.push_back(dataset(fmt::format("impact/trial_{}.csv", i)));
+    logs = read_trials(files, {}, rig, {}, run).trials;
+    prepared = {logs.begin(), logs.end()};
+    for (const PreparedTrial& t : prepared) {
+      std::vector<double> phi_m;
+      (void)rollout(rig, truth, {}, t, {.accuracy = 1e-13, .max_steps = 1'000'000}, exact.emplace_back(), phi_m);
+    }
+    derivatives = sensitivities(rig, truth, prepared, with(Method::kDormandPrince853, 1e-13));
+    for (const Dual& d : derivatives) scale = scale.max(d.v.head<kConstants>().array().abs());
+  }
+
+  double derivative_error(const RolloutOptions& options) const {
+    const std::vector<Dual> d = sensitivities(rig, truth, prepared, options);
+    double worst = d.empty() ? NAN : 0;
+    for (std::size_t i = 0; i < d.size(); ++i)
+      worst = std::max(worst, ((d[i].v - derivatives[i].v).head<kConstants>().array().abs() / scale).maxCoeff());
+    return worst;
+  }
+
+  std::vector<Trial> noisy(int count, int draw, std::uint64_t seed) const {
+    std::vector<Trial> out(logs.begin(), logs.begin() + count);
+    for (int m = 0; m < count; ++m) {
+      Random random(seed, std::uint64_t(draw * 8 + m));
+      out[std::size_t(m)].phi = exact[std::size_t(m)];
+      for (double& x : out[std::size_t(m)].phi) x += kNoise * random.normal();
+    }
+    return out;
+  }
+
+  /// Adds bias, scatter and time to the entry.
+  void fit(Entry& e, std::optional<Method> method, const RolloutOptions& rolled, int draws, std::uint64_t seed) const {
+    const auto u_of = [](const SeaParameters<double>& sea) -> Values { return Values(constants(sea).data()); };
+    const Values u = u_of(truth);
+    Values sum = Values::Zero(), squares = Values::Zero(), error = Values::Zero();
+    std::vector<double> seconds;
+    FitOptions options;
+    options.restarts = 0, options.method = method;
+    options.accuracy = rolled.accuracy, options.max_step = rolled.max_step;
+    for (int draw = 0; draw < draws; ++draw) {
+      const std::vector<Trial> trials = noisy(e.trials, draw, seed);
+      const Stopwatch watch(Stopwatch::Time::kProcess);
+      const Fit fit = identify::fit(rig, trials, truth, {.tau_max = truth.tau_max}, options);
+      seconds.push_back(watch.seconds());
+      e.converged += fit.converged;
+      const Values off = u_of(fit.sea) / u - 1;
+      sum += off, squares += off.square();
+      for (int k = 0; k < kConstants; ++k) error[k] += fit.parameters[std::size_t(k)].std.value_or(NAN) / u[k] / draws;
+    }
+    const Values bias = (sum / draws).abs();
+    e.bias = bias.maxCoeff(), e.bias_z = (bias / error).maxCoeff();
+    e.scatter = (squares / draws - (sum / draws).square()).max(0.0).sqrt().maxCoeff();
+    e.seconds = median(std::move(seconds));
+  }
+};
+
 }  // namespace
 
 int bench_identify(const BenchArguments& a, const CommonOptions& common) {
-  Run run("bench-identify", common);
-  const Rig rig = read_rig(dataset("rigs/paper.toml"));
-  const SeaParameters<double> truth = read_actuator(dataset("actuators/table2.toml")).sea;
-  std::vector<std::string> files;
-  for (int i = 1; i <= 8; ++i) files.push_back(dataset(fmt::format("impact/trial_{}.csv", i)));
-  const std::vector<Trial> logs = read_trials(files, {}, rig, {}, run).trials;
-  std::vector<PreparedTrial> prepared(logs.begin(), logs.end());
-  std::vector<std::vector<double>> exact;
-  for (const PreparedTrial& t : prepared) {
-    std::vector<double> phi, phi_m;
-    (void)rollout(rig, truth, {}, t, {.accuracy = 1e-13, .max_steps = 1'000'000}, phi, phi_m);
-    exact.push_back(phi);
+  Run run("bench identify", common);
+  const Bench bench(run);
+  std::vector<Entry> entries;
+  std::vector<Series> plot;
+  for (const Rung& rung : kRungs) {
+    plot.push_back({name_of(rung.method), {}, {}});
+    for (const double setting : rung.settings) {
+      const RolloutOptions options = with(rung.method, setting);
+      const double derivative_error = bench.derivative_error(options);
+      for (const int count : {1, 2, 4, 8}) {
+        if (count != 8 && setting != rung.settings.back()) continue;
+        Entry& e = entries.emplace_back(Entry{name_of(rung.method), setting, count, derivative_error});
+        bench.fit(e, rung.method, options, a.draws, run.options().seed);
+        if (count == 8) plot.back().x.push_back(1e3 * e.seconds), plot.back().y.push_back(e.derivative_error);
+      }
+    }
   }
-  const std::vector<Dual> derivatives = sensitivities(rig, truth, prepared, with(Method::kDormandPrince853, 1e-13));
-  Eigen::Array<double, kConstants, 1> scale = Eigen::Array<double, kConstants, 1>::Zero();
-  for (const Dual& d : derivatives) scale = scale.max(d.v.head<kConstants>().array().abs());
-
-  struct Rung {
-    std::optional<Method> method;
-    std::vector<double> settings;
-  };
-  const std::vector<Rung> ladder = {{Method::kSemiImplicitEuler, {1e-3, 2e-4}},
-                                    {Method::kRungeKutta4, {1e-3, 5e-4, 2.5e-4}},
-                                    {Method::kDormandPrince54, {1e-4, 1e-6, 1e-8}},
-                                    {Method::kDormandPrince853, {1e-4, 1e-6, 1e-8, 1e-9, 1e-11}},
-                                    {{}, {1e-5, 1e-7, 1e-11, 1e-9}}};
-  CsvWriter csv = run.csv();
-  csv.comment(
-      "Over noise draws (0.2 mrad): bias and scatter of the fitted constants, the largest over the five, relative; "
-      "bias_z in "
-      "standard errors of one fit; derivative_error: of d phi / d ln U, relative to the largest; time_ms of a fit, "
-      "median.");
-  csv.header({"method", "setting", "trials", "bias", "scatter", "bias_z", "derivative_error", "time_ms", "converged"});
   Report report("Identification: error against run time");
   report.paragraph(fmt::format(
       "Simulated logs (Table 2 is the truth), {} noise draws of 0.2 mrad, each fit from Table 2's constants.",
       a.draws));
-  std::vector<std::vector<std::string>> rows;
-  std::vector<Series> plot;
-  Json summary = Json::array();
-  run.say(fmt::format("{:<20} {:>8} {:>6} {:>9} {:>9} {:>7} {:>11} {:>9}", "method", "setting", "trials", "bias",
-                      "scatter", "bias/se", "derivative", "time [ms]"));
-  for (const Rung& rung : ladder) {
-    plot.push_back({name_of(rung.method), {}, {}});
-    for (const double setting : rung.settings) {
-      const RolloutOptions options = with(rung.method, setting);
-      double derivative_error = 0;
-      const std::vector<Dual> d = sensitivities(rig, truth, prepared, options);
-      for (std::size_t i = 0; i < d.size(); ++i)
-        derivative_error = std::max(derivative_error,
-                                    ((d[i].v - derivatives[i].v).head<kConstants>().array().abs() / scale).maxCoeff());
-      if (d.empty()) derivative_error = NAN;
-      for (const int count : {1, 2, 4, 8}) {
-        if (count != 8 && setting != rung.settings.back()) continue;
-        using Values = Eigen::Array<double, kConstants, 1>;
-        Values sum = Values::Zero(), squares = Values::Zero(), error = Values::Zero();
-        const Values u{truth.k_p, truth.k_d, truth.k_sea, truth.c_sea, truth.i_motor};
-        std::vector<double> seconds;
-        int converged = 0;
-        for (int draw = 0; draw < a.draws; ++draw) {
-          std::vector<Trial> noisy(logs.begin(), logs.begin() + count);
-          for (int m = 0; m < count; ++m) {
-            Random random(run.options().seed, std::uint64_t(draw * 8 + m));
-            noisy[std::size_t(m)].phi = exact[std::size_t(m)];
-            for (double& x : noisy[std::size_t(m)].phi) x += kNoise * random.normal();
-          }
-          FitOptions fit_options;
-          fit_options.restarts = 0, fit_options.method = rung.method;
-          fit_options.accuracy = options.accuracy, fit_options.max_step = options.max_step;
-          const Stopwatch watch(Stopwatch::Time::kProcess);
-          const Fit fit = identify::fit(rig, noisy, truth, {.tau_max = truth.tau_max}, fit_options);
-          seconds.push_back(watch.seconds());
-          converged += fit.converged;
-          const Values v{fit.sea.k_p, fit.sea.k_d, fit.sea.k_sea, fit.sea.c_sea, fit.sea.i_motor};
-          sum += v / u - 1, squares += (v / u - 1).square();
-          for (int k = 0; k < kConstants; ++k)
-            error[k] += fit.parameters[std::size_t(k)].std.value_or(NAN) / u[k] / a.draws;
-        }
-        const Values bias = (sum / a.draws).abs(),
-                     scatter = (squares / a.draws - (sum / a.draws).square()).max(0.0).sqrt();
-        const double ms = median(seconds) * 1e3, z = (bias / error).maxCoeff();
-        csv.cell(name_of(rung.method)).cell(setting).cell(count).cell(bias.maxCoeff()).cell(scatter.maxCoeff()).cell(z);
-        csv.cell(derivative_error).cell(ms).cell(converged);
-        csv.end_row();
-        rows.push_back({name_of(rung.method), fmt::format("{:g}", setting), std::to_string(count),
-                        fmt::format("{:.1e}", bias.maxCoeff()), fmt::format("{:.1e}", scatter.maxCoeff()),
-                        fmt::format("{:.2f}", z), fmt::format("{:.1e}", derivative_error), fmt::format("{:.1f}", ms)});
-        const auto& r = rows.back();
-        run.say(fmt::format("{:<20} {:>8} {:>6} {:>9} {:>9} {:>7} {:>11} {:>9}", r[0], r[1], r[2], r[3], r[4], r[5],
-                            r[6], r[7]));
-        if (count == 8) plot.back().x.push_back(ms), plot.back().y.push_back(derivative_error);
-        summary.push_back({{"method", name_of(rung.method)},
-                           {"setting", setting},
-                           {"trials", count},
-                           {"bias", number(bias.maxCoeff())},
-                           {"bias_z", number(z)},
-                           {"derivative_error", number(derivative_error)},
-                           {"converged", converged},
-                           {"time_s", ms * 1e-3}});
-      }
-    }
-  }
   report.plot("time of a fit [ms]", "error of the derivatives", plot, Axes::kLogarithmic);
-  report.table({"method", "step or accuracy", "trials", "bias", "scatter", "bias in standard errors",
-                "derivative error", "time [ms]"},
-               rows);
-  run.add("identify.csv", csv.text());
+  const Json rungs = tell(Table(kEntryQuantities, entries), report, run, "identify.csv",
+                          "Over noise draws (0.2 mrad): bias and scatter of the fitted constants, the largest over the "
+                          "five, relative; bias_z in standard errors of one fit; derivative_error: of d phi / d ln U, "
+                          "relative to the largest; time_ms of a fit, median.");
   run.add("report.html", report.html(run.provenance()));
-  return run.finish({{"rungs", summary}}, kDone);
+  return run.finish({{"rungs", rungs}}, kDone);
 }
 
 }  // namespace ukemi::tools

@@ -12,12 +12,12 @@
 #include "common/median.hpp"
 #include "common/stopwatch.hpp"
 #include "identify/rollout/rollout.hpp"
-#include "tools/bench/reference.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
 #include "tools/bench/bench.hpp"
+#include "tools/bench/reference.hpp"
+#include "tools/program/trials.hpp"
 #include "tools/report/report.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -40,12 +40,37 @@ struct Errors {
 
 /// One rung: a method at a step [s] (fixed-step methods) or an accuracy.
 struct Entry {
+  std::string scene;
   Method method;
   double setting;
   Errors errors;
   double seconds = 0, rhs = 0, events = 0;  ///< a case, mean; seconds: the median over the repetitions
   int failed = 0;
 };
+
+const Quantities<Entry> kEntryQuantities = {
+    {"scene", "", "", "", {}, &Entry::scene},
+    {"method", "method", "method", "", {}, [](auto& e) { return name(e.method); }},
+    {"setting", "setting", "step or accuracy", "", "{:g}", &Entry::setting},
+    {"peak_error", "peak_error", "peak", "", "{:.1e}", [](auto& e) { return e.errors.peak; }},
+    {"touchdown_error", "touchdown_error", "touchdown", "s", "{:.1e}", [](auto& e) { return e.errors.touchdown; }},
+    {"state_error", "state_error", "state", "", "{:.1e}", [](auto& e) { return e.errors.state; }},
+    {"time_us", "", "time", "us", "{:.1f}", [](auto& e) { return e.seconds * 1e6; }},
+    {"", "time_s", "", "", {}, &Entry::seconds},
+    {"rhs", "rhs", "right-hand sides", "", "{:.0f}", &Entry::rhs},
+    {"events", "", "", "", {}, &Entry::events},
+    {"failed", "failed", "failed", "", {}, &Entry::failed},
+};
+
+/// An error against time, a curve a method.
+std::vector<Series> curves(const std::vector<Entry>& entries, double Errors::*error) {
+  std::vector<Series> out;
+  for (const Entry& e : entries) {
+    if (out.empty() || out.back().name != name(e.method)) out.push_back({name(e.method), {}, {}});
+    if (e.failed == 0) out.back().x.push_back(e.seconds * 1e6), out.back().y.push_back(e.errors.*error);
+  }
+  return out;
+}
 
 /// A scene's cases behind one face: `run(i, method, setting, errors)` follows case i, returns its work, and fills the
 /// errors where they are asked for.
@@ -188,7 +213,7 @@ std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
   std::vector<Entry> entries;
   for (const Method m : integrate::kMethods)
     for (const double s : m == Method::kSemiImplicitEuler ? b.euler : m == Method::kRungeKutta4 ? b.rk4 : b.accuracies)
-      entries.push_back({m, s, {}, 0, 0, 0, 0});
+      entries.push_back({b.name, m, s, {}});
   for (Entry& e : entries)
     for (int i = 0; i < b.cases; ++i) {
       integrate::Counters work;
@@ -218,7 +243,7 @@ std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
 }  // namespace
 
 int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
-  Run run("bench-integrators", common);
+  Run run("bench integrators", common);
   std::vector<Bench> benches;
   benches.push_back(landings("paper", 12, [](LandingCase&) { return false; }));
   benches.back().euler = {1e-3, 3e-4, 1e-4, 3e-5}, benches.back().rk4 = {4e-3, 2e-3, 1e-3, 5e-4, 2e-4};
@@ -234,62 +259,26 @@ int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
   benches.back().euler = {1e-3, 3e-4, 1e-4, 3e-5}, benches.back().rk4 = {1e-3, 5e-4, 2.5e-4, 1e-4};
   benches.back().accuracies = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
 
-  CsvWriter csv = run.csv();
-  csv.comment(
-      "setting: the step [s] of semi_implicit_euler and rk4, else the accuracy. Errors are the largest over the "
-      "scene's "
-      "cases: peak relative, touchdown [s], state [m, rad]; rhs, events and time a case, the time a median.");
-  csv.header({"scene", "method", "setting", "peak_error", "touchdown_error", "state_error", "time_us", "rhs", "events",
-              "failed"});
+  std::vector<Entry> all;
   Report report("Integrators: error against run time");
   Json summary;
   for (const Bench& b : benches) {
     const std::vector<Entry> entries = measure(b, a.repetitions, run);
+    all.insert(all.end(), entries.begin(), entries.end());
     report.heading(b.name);
     report.paragraph(fmt::format("{} cases, {} timed passes of each entry, in turn, one core. Reference: {}.", b.cases,
                                  a.repetitions, b.reference));
-    std::vector<Series> peaks, states;
-    std::vector<std::vector<std::string>> rows;
+    report.plot("time a case [us]", "error of the peak", curves(entries, &Errors::peak), Axes::kLogarithmic);
+    report.plot("time a case [us]", "error of the final state", curves(entries, &Errors::state), Axes::kLogarithmic);
     run.say(""), run.say(fmt::format("{} ({})", b.name, b.reference));
-    run.say(fmt::format("{:<20} {:>8} {:>10} {:>10} {:>10} {:>10} {:>9}", "method", "setting", "peak", "touchdown",
-                        "state", "time [us]", "rhs"));
-    for (const Entry& e : entries) {
-      const std::string method = name(e.method);
-      csv.cell(b.name).cell(method).cell(e.setting).cell(e.errors.peak).cell(e.errors.touchdown).cell(e.errors.state);
-      csv.cell(e.seconds * 1e6).cell(e.rhs).cell(e.events).cell(e.failed);
-      csv.end_row();
-      if (peaks.empty() || peaks.back().name != method)
-        peaks.push_back({method, {}, {}}), states.push_back({method, {}, {}});
-      if (e.failed == 0) {
-        peaks.back().x.push_back(e.seconds * 1e6), peaks.back().y.push_back(e.errors.peak);
-        states.back().x.push_back(e.seconds * 1e6), states.back().y.push_back(e.errors.state);
-      }
-      const std::vector<std::string> row = {
-          method,
-          fmt::format("{:g}", e.setting),
-          e.failed ? fmt::format("{} failed", e.failed) : fmt::format("{:.1e}", e.errors.peak),
-          e.failed ? "" : fmt::format("{:.1e}", e.errors.touchdown),
-          e.failed ? "" : fmt::format("{:.1e}", e.errors.state),
-          fmt::format("{:.1f}", e.seconds * 1e6),
-          fmt::format("{:.0f}", e.rhs)};
-      run.say(fmt::format("{:<20} {:>8} {:>10} {:>10} {:>10} {:>10} {:>9}", row[0], row[1], row[2], row[3], row[4],
-                          row[5], row[6]));
-      rows.push_back(row);
-      summary[b.name].push_back({{"method", method},
-                                 {"setting", e.setting},
-                                 {"peak_error", number(e.errors.peak)},
-                                 {"touchdown_error", number(e.errors.touchdown)},
-                                 {"state_error", number(e.errors.state)},
-                                 {"rhs", e.rhs},
-                                 {"failed", e.failed},
-                                 {"time_s", e.seconds}});
-    }
-    report.plot("time a case [us]", "error of the peak", peaks, Axes::kLogarithmic);
-    report.plot("time a case [us]", "error of the final state", states, Axes::kLogarithmic);
-    report.table({"method", "step or accuracy", "peak", "touchdown [s]", "state", "time [us]", "right-hand sides"},
-                 rows);
+    summary[b.name] = tell(Table(kEntryQuantities, entries), report, run);
   }
-  run.add("integrators.csv", csv.text());
+  run.add("integrators.csv",
+          Table(kEntryQuantities, all)
+              .csv(run,
+                   "setting: the step [s] of semi_implicit_euler and rk4, else the accuracy. Errors are the largest "
+                   "over the scene's cases: peak relative, touchdown [s], state [m, rad]; rhs, events and time a case, "
+                   "the time a median."));
   run.add("report.html", report.html(run.provenance()));
   return run.finish(summary, kDone);
 }

@@ -15,13 +15,12 @@
 #include "common/error.hpp"
 #include "common/median.hpp"
 #include "common/parallel.hpp"
-#include "landing/search/optimize.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/search/optimize.hpp"
 #include "landing/search/solvers.hpp"
-#include "tools/program/arguments.hpp"
 #include "tools/bench/bench.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/report/report.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 

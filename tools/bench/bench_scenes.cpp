@@ -17,7 +17,6 @@
 #include "landing/run/simulate.hpp"
 #include "tools/bench/bench.hpp"
 #include "tools/report/report.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -125,7 +124,7 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
     }
     throw InputError("--only: " + quoted(a.only) + ": no such omission");
   }
-  Run run("bench-scenes", common);
+  Run run("bench scenes", common);
   CsvWriter csv = run.csv();
   csv.comment(
       "A landing each: instructions (callgrind), time_us (median, processor time); difference: largest relative, of "

@@ -13,10 +13,9 @@
 #include "identify/design/design.hpp"
 #include "identify/fit/fit.hpp"
 #include "landing/model/scene_file.hpp"
-#include "tools/bench/stability.hpp"
 #include "tools/bench/bench.hpp"
+#include "tools/bench/stability.hpp"
 #include "tools/report/report.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -279,7 +278,7 @@ Json fits(Run& run, Report& report) {
 }  // namespace
 
 int bench_stability(const BenchArguments& a, const CommonOptions& common) {
-  Run run("bench-stability", common);
+  Run run("bench stability", common);
   Report report("Stability: stiff and extreme cases");
   const Json of_landings = landings(a, run, report), three = three_ways(a, run, report), of_fits = fits(run, report);
   const int wrong = of_landings["wrong"].get<int>() + three["wrong"].get<int>() + of_fits["wrong"].get<int>();

@@ -8,8 +8,8 @@
 
 #include "common/parallel.hpp"
 #include "common/random.hpp"
-#include "landing/lanes/batch.hpp"
 #include "landing/judge/sensitivity.hpp"
+#include "landing/lanes/batch.hpp"
 
 namespace ukemi::landing {
 

@@ -34,20 +34,24 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"demo", {}},
       {"map", {"map.csv", "basins.csv"}},
       {"bench batch", {"batch.csv", "planner.csv"}},
-      {"bench-identify", {"identify.csv"}},
-      {"bench-integrators", {"integrators.csv"}},
+      {"bench identify", {"identify.csv"}},
+      {"bench integrators", {"integrators.csv"}},
       {"bench optimizers",
        {"optimizers.csv", "gaps.csv", "best_known.csv", "peak_time.svg", "peak_motions.svg", "tolerant_time.svg",
         "tolerant_motions.svg"}},
-      {"bench-scenes", {"scenes.csv"}},
-      {"bench-stability", {"stability.csv", "three_ways.csv", "stability_identify.csv"}}};
+      {"bench scenes", {"scenes.csv"}},
+      {"bench stability", {"stability.csv", "three_ways.csv", "stability_identify.csv"}}};
   std::vector<std::string> names = kNames.at(verb);
   names.push_back("report.html");
   return names;
 }
 
+/// Where a verb writes; for `ukemi bench batch`, ukemi-out/bench-batch.
 std::string folder_of(const std::string& verb, const CommonOptions& options) {
-  return options.folder.empty() ? "ukemi-out/" + verb : options.folder;
+  if (!options.folder.empty()) return options.folder;
+  std::string name = verb;
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return "ukemi-out/" + name;
 }
 
 }  // namespace

@@ -2,36 +2,75 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace ukemi::tools {
 
-Json estimate_json(const identify::Estimate& e) {
-  Json j;
-  j["value"] = number(e.value);
-  j["std"] = number(e.std);
-  j["ci95"] = e.std ? Json{e.ci_low, e.ci_high} : Json(nullptr);
-  j["unit"] = e.unit;
-  j["at_bound"] = e.at_bound;
-  j["free"] = e.free;
-  return j;
+using identify::Estimate;
+
+std::string words(const Estimate& e) {
+  const std::string note = !e.free ? " (fixed)" : e.at_bound ? " (at bound)" : " (not determined)";
+  const bool error = e.std && e.free && !e.at_bound;
+  std::string text = fmt::format("{:.6g}{} {}", e.value, error ? fmt::format(" ± {:.2g}", *e.std) : note, e.unit);
+  if (e.unit == "rad" && std::isfinite(e.value))
+    text += e.std ? fmt::format(" ({:.5g} ± {:.2g} deg)", e.value * kDegrees, *e.std * kDegrees)
+                  : fmt::format(" ({:.5g} deg)", e.value * kDegrees);
+  return text;
 }
 
-std::string text_of(const identify::Estimate& e) {
-  if (!e.free) return fmt::format("{:.6g} (fixed)", e.value);
-  if (e.at_bound) return fmt::format("{:.6g} (at bound)", e.value);
-  if (!e.std) return fmt::format("{:.6g} (not determined)", e.value);
-  return fmt::format("{:.6g} ± {:.2g}", e.value, *e.std);
+Quantities<Estimate> estimate_quantities() {
+  return {
+      {"",
+       "",
+       "constant",
+       "",
+       {},
+       [](auto& e) { return e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1); }},
+      {"", "value", "", "", {}, &Estimate::value},
+      {"", "std", "", "", {}, [](auto& e) { return number(e.std); }},
+      {"",
+       "ci95",
+       "",
+       "",
+       {},
+       [](auto& e) {
+         return e.std ? Json{e.ci_low, e.ci_high} : Json();
+       }},
+      {"", "unit", "", "", {}, &Estimate::unit},
+      {"", "at_bound", "", "", {}, &Estimate::at_bound},
+      {"", "free", "", "", {}, &Estimate::free},
+      {"", "", "value ± standard error", "", {}, words},
+      {"",
+       "",
+       "95 % interval",
+       "",
+       {},
+       [](auto& e) { return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : ""; }},
+  };
+}
+Quantities<Estimate> constant_quantities() {
+  Quantities<Estimate> out = estimate_quantities();
+  out.push_back(
+      {"", "verdict", "verdict", "", {}, [](auto& e) { return e.trial < 0 ? identify::name(e.verdict) : ""; }});
+  return out;
 }
 
-std::string interval_of(const identify::Estimate& e) {
-  return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "";
+Json nuisance_json(const std::vector<Estimate>& nuisance) {
+  Json out = Json::object();
+  const Table table(estimate_quantities(), nuisance);
+  for (std::size_t i = 0; i < nuisance.size(); ++i)
+    if (Json& j = out[nuisance[i].name]; nuisance[i].trial < 0)
+      j = table.object(i);
+    else
+      j.push_back(table.object(i));
+  return out;
 }
 
 Json matrix_json(const Eigen::MatrixXd& m) {
   Json rows = Json::array();
   for (long i = 0; i < m.rows(); ++i) {
-    Json row = Json::array();
-    for (long j = 0; j < m.cols(); ++j) row.push_back(number(m(i, j)));
-    rows.push_back(row);
+    rows.push_back(Json::array());
+    for (long j = 0; j < m.cols(); ++j) rows.back().push_back(number(m(i, j)));
   }
   return rows;
 }

@@ -204,4 +204,11 @@ void Report::heatmap(const Heatmap& m) {
   html_ += svg + "</svg>\n";
 }
 
+Json tell(const Table& table, Report& report, Run& run, const std::string& csv, const std::string& comment) {
+  say(table, run);
+  report.table(table);
+  if (!csv.empty()) run.add(csv, table.csv(run, comment));
+  return table.objects();
+}
+
 }  // namespace ukemi::tools

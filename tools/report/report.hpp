@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "tools/report/table.hpp"
+
 namespace ukemi::tools {
 
 struct Series {
@@ -27,6 +29,7 @@ class Report {
   void paragraph(const std::string& text);
   void list(const std::vector<std::string>& items);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
+  void table(const Table& table) { this->table(table.headings(), table.shown()); }
   /// Lines; on logarithmic axes only what is above zero. Returns them as an SVG that stands alone; empty where there is
   /// no range to draw.
   std::string plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
@@ -39,5 +42,8 @@ class Report {
  private:
   std::string html_;
 };
+
+/// Tells a table on the terminal and in the report, with a name as that file too; the value is for the summary.
+Json tell(const Table& table, Report& report, Run& run, const std::string& csv = "", const std::string& comment = "");
 
 }  // namespace ukemi::tools

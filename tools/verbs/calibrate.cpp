@@ -10,7 +10,7 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/report/calibrate_report.hpp"
+#include "tools/report/calibrate.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -23,7 +23,7 @@ struct CalibrateArguments {
   std::vector<std::string> drops, validate, motion_of, height_of, speed_of, priors;
   std::string scene, actuator, motion, free, nuisance, lower, upper;
   double accuracy = 1e-9;
-  enum class Doubt { kReport, kFail } doubt = Doubt::kReport;
+  Doubt doubt = Doubt::kReport;
 };
 
 /// A term among [first, last), and the unit that its name asks for: a pitch may be given as pitch_deg.
@@ -160,58 +160,16 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   run.info(fmt::format("fitting {} drops", drops.size()));
   Calibration c = calibrate(scene, actuator.sea, drops, options);
   c.scene.floor_source = "calibrated from drop logs by ukemi";
-  for (const std::string& w : c.warnings) run.warn(w);
-  if (!c.converged && !options.monitor.stopped())
-    run.warn("not converged: " + c.message + "; try another start in the scene, --prior, or fewer --free constants");
-  std::optional<Calibration> validation;
-  if (!unseen.empty() && !options.monitor.stopped()) {
-    validation = validate(c.scene, actuator.sea, unseen, options);
-    for (const std::string& w : validation->warnings) run.warn("validation: " + w);
-    if (!validation->converged) run.warn("validation: " + validation->message);
-  }
-
-  Json summary;
-  for (const auto& e : c.parameters) {
-    Json j = estimate_json(e);
-    j["verdict"] = identify::name(e.verdict);
-    summary["parameters"][e.name] = j;
-    run.say(fmt::format("{:18} {:50} {}", e.name, words(e), identify::name(e.verdict)));
-  }
-  for (const auto& e : c.nuisance)
-    run.say(fmt::format("{:18} {}", fmt::format("{}[{}]", e.name, e.trial + 1), words(e)));
-  summary["nuisance"] = nuisance_json(c);
-  summary["cost"] = number(c.cost);
-  summary["converged"] = c.converged;
-  summary["trusted"] = c.trusted();
-  summary["iterations"] = c.iterations;
-  summary["starts"] = c.starts;
-  summary["fitted"] = c.fitted;
-  summary["correlation"] = matrix_json(c.correlation);
-  summary["eigenvalues"] = std::vector<double>(c.eigenvalues.begin(), c.eigenvalues.end());
-  summary["outputs"] = outputs_json(c);
-  summary["drops"] = drops_json(c);
-  say_drops(run, c);
-  if (validation) {
-    summary["validation"] = {{"outputs", outputs_json(*validation)},
-                             {"nuisance", nuisance_json(*validation)},
-                             {"drops", drops_json(*validation)}};
-    run.say("not fitted:");
-    say_drops(run, *validation);
-    run.add("validation.csv", samples_csv(run, unseen, validation->drops));
-  }
-  run.add("scene.toml", scene_toml(run, c));
-  run.add("fit.csv", samples_csv(run, drops, c.drops));
-  run.add("report.html", calibration_html(run, drops, c, unseen, validation ? &*validation : nullptr));
-  const bool failed = !c.converged || (validation && !validation->converged);
-  return run.finish(summary,
-                    failed || (a.doubt == CalibrateArguments::Doubt::kFail && !c.trusted()) ? kNumbers : kDone);
+  std::optional<CalibratedDrops> validation;
+  if (!unseen.empty() && !options.monitor.stopped())
+    validation = {unseen, validate(c.scene, actuator.sea, unseen, options)};
+  return report({drops, c}, validation, a.doubt, run);
 }
 
 }  // namespace
 
 void add_calibrate(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<CalibrateArguments>();
-  auto common = std::make_shared<CommonOptions>();
   CLI::App* verb = app.add_subcommand("calibrate", "fit the floor's constants and the pitch to logs of drops");
   verb->add_option("DROP", args->drops,
                    "drop logs (CSV: t [s] from release; any of acc, ax, ay [m/s^2], x_0, y_0 [m], phi_0 [rad] of the "
@@ -240,13 +198,13 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   verb->add_option("--validate", args->validate, "drop logs that are not fitted: measured against simulated");
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
   verb->add_flag_callback(
-      "--strict", [args] { args->doubt = CalibrateArguments::Doubt::kFail; },
+      "--strict", [args] { args->doubt = Doubt::kFail; },
       "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
-  add_common(*verb, *common);
-  verb->footer(
-      "Example: ukemi calibrate drop_1.csv drop_2.csv --scene scene.toml --actuator actuator.toml --motion motion.toml "
-      "--height-of drop_2=0.25 --validate drop_3.csv -o out");
-  verb->callback([args, common, &chosen] { chosen = [args, common] { return run_calibrate(*args, *common); }; });
+  add_action<CalibrateArguments>(
+      *verb, args,
+      "ukemi calibrate drop_1.csv drop_2.csv --scene scene.toml --actuator actuator.toml --motion motion.toml "
+      "--height-of drop_2=0.25 --validate drop_3.csv -o out",
+      chosen, run_calibrate);
 }
 
 }  // namespace ukemi::tools

@@ -1,0 +1,116 @@
+#include "landing/judge/answer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ukemi::landing {
+
+double Answer::held_peak() const {
+  return held.end == End::kStopped ? std::numeric_limits<double>::quiet_NaN() : held.peak;
+}
+
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// When each part has to end for the answer to be there by the deadline; without one, and until it is stopped, never.
+class Schedule {
+ public:
+  Schedule(const Scene& scene, const Actuator& actuator, const AnswerOptions& options)
+      : scene_(scene), sea_(actuator.sea), options_(options) {}
+
+  /// Plays the held reference, and rehearses with it what follows the search: so the time that has to be kept back is
+  /// measured. Of a deadline the held reference takes a tenth at most, or its peak is not known.
+  void begin(Answer& a) {
+    const double start = now();
+    if (deadline()) until_ = start + 0.1 * (*deadline() - start);
+    a.held = play(kHeld);
+    until_ = kNever;
+    if (!deadline()) return;
+    landing_ = 2 * (now() - start);
+    a.landing = a.held;
+    a.best.motion = {scene_.search.phi[0], scene_.search.phi[1], scene_.search.duration[1]};  // the longest file
+    if (options_.rehearse) handing_over_ = options_.rehearse(a);
+    rehearsed_ = true;
+  }
+  /// What is left for the search [s]; at least a little, for a refusal with its reason.
+  double search() const { return std::max(1e-3, *deadline() - landing_ - handing_over_ - now()); }
+
+  /// A landing for the report, as far as the time goes; once it is stopped, a moment.
+  Landing play(const Motion& motion) {
+    constexpr double kMoment = 0.1;  // [s]
+    const bool leaving = options_.search.monitor.stopped();
+    if (leaving)
+      until_ = std::min(until_, now() + kMoment);
+    else if (rehearsed_)
+      until_ = *deadline() - handing_over_;
+    const std::function<bool()> over = [&] {
+      return now() >= until_ || (!leaving && options_.search.monitor.stopped());
+    };
+    return simulate(scene_, sea_, motion, {.accuracy = options_.search.accuracy, .over = &over}, options_.rate);
+  }
+
+ private:
+  double now() const { return options_.used + watch_.seconds(); }
+  const std::optional<double>& deadline() const { return options_.search.deadline; }
+
+  const Stopwatch watch_{Stopwatch::Time::kWall};
+  const Scene& scene_;
+  const SeaParameters<double>& sea_;
+  const AnswerOptions& options_;
+  double until_ = kNever, landing_ = 0, handing_over_ = 0;  // [s]
+  bool rehearsed_ = false;
+};
+
+/// Every solver with the same budget, until it is stopped; progress is told of all of them together.
+std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea, OptimizeOptions options,
+                            std::vector<std::string> solvers) {
+  if (solvers.empty()) solvers = {options.solver};
+  const Monitor whole = options.monitor;
+  std::vector<Optimum> out;
+  for (const std::string& solver : solvers) {
+    if (!out.empty() && whole.stopped()) break;
+    options.solver = solver;
+    options.monitor.tell = [&](long done, long total) {
+      whole.progress(long(out.size()) * total + done, long(solvers.size()) * total);
+    };
+    out.push_back(optimize(scene, sea, options));
+  }
+  return out;
+}
+
+}  // namespace
+
+Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions& options) {
+  OptimizeOptions searched = options.search;
+  searched.validate();
+  Answer a;
+  Schedule schedule(scene, actuator, options);
+  schedule.begin(a);
+  if (searched.deadline) searched.deadline = schedule.search();
+  a.tried = search(scene, actuator.sea, searched, options.solvers);
+  Optimum& best = a.best;
+  best = *std::min_element(a.tried.begin(), a.tried.end(),
+                           [](const Optimum& x, const Optimum& y) { return x.value < y.value; });
+  if (!best.found) return a;
+  a.landing = schedule.play(best.motion);
+  const bool always = options.evidence == AnswerOptions::Extras::kAlways;
+  if ((always || !searched.deadline) && !searched.monitor.stopped()) {
+    const Stopwatch watch(Stopwatch::Time::kWall);
+    a.evidence = evidence(scene, actuator.sea, best.motion,
+                          {.accuracy = searched.accuracy,
+                           .tolerance_samples = searched.deadline ? searched.tolerance_samples : 0,
+                           .seed = searched.seed,
+                           .threads = searched.threads,
+                           .work = always ? kUnbounded : kCheckWork,
+                           .monitor = options.evidence_monitor});
+    a.evidence_seconds = watch.seconds();
+    if (searched.deadline && a.evidence->tolerant.complete) best.tolerant = a.evidence->tolerant;
+  }
+  a.tolerant_known = best.tolerant.complete || searched.goal == Goal::kTolerant;
+  if (a.played()) a.ratings = ratings(actuator, best.motion, a.landing);
+  a.instability = instability(scene, actuator.sea, best.motion);
+  return a;
+}
+
+}  // namespace ukemi::landing

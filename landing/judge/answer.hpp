@@ -1,0 +1,55 @@
+// The answer to Eq. 6 as a robot's programmer wants it: the best motion, its landing beside that of the held reference,
+// what small deviations do to it, and whether the actuator can follow it; all of it by a deadline, where one is given.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "landing/judge/evidence.hpp"
+#include "landing/judge/ratings.hpp"
+#include "landing/search/optimize.hpp"
+
+namespace ukemi::landing {
+
+/// The reference that others are compared with: it holds the middle of Fig. 5's range, -45 deg.
+inline constexpr Motion kHeld{-0.7853981633974483, -0.7853981633974483, 1};
+
+struct Answer;
+
+struct AnswerOptions {
+  OptimizeOptions search;            ///< its deadline is that of the whole answer, handed over
+  std::vector<std::string> solvers;  ///< tried in turn, each with the whole budget; empty: search.solver alone
+  double rate = 0;                   ///< rows of the trajectories a second [Hz]; 0: none
+  enum class Extras {
+    kWithoutDeadline,  ///< evidence is worked out where there is no deadline and landings are not too long
+    kAlways,           ///< whatever it takes, beyond the deadline too
+  } evidence = Extras::kWithoutDeadline;
+  Monitor evidence_monitor;  ///< told of the evidence's landings
+  double used = 0;           ///< of the deadline, before the call [s]
+  /// Hands an answer over, for practice (the landing is that of the held reference), and returns how long that takes
+  /// [s]: so much of the deadline is kept back. Called only with a deadline.
+  std::function<double(const Answer&)> rehearse;
+};
+
+struct Answer {
+  Optimum best;
+  std::vector<Optimum> tried;  ///< what each solver came to; one where one was asked for
+  Landing landing, held;       ///< of `best.motion` and kHeld; End::kStopped where there was no time to play them
+  std::optional<Evidence> evidence;
+  double evidence_seconds = 0;     ///< that it took
+  std::optional<Ratings> ratings;  ///< where the landing was played
+  std::optional<Instability> instability;
+  bool tolerant_known = false;  ///< best.tolerant was played whole, or was what the search minimised
+
+  bool played() const { return landing.end != End::kStopped; }
+  double peak() const { return played() ? landing.peak : best.landing.peak; }  ///< [m/s^2]
+  double held_peak() const;                                                    ///< [m/s^2]; NaN where it is not known
+  double reduction() const { return 1 - peak() / held_peak(); }
+};
+
+/// Throws InputError on options that are none; else see Optimum::found, without which the rest is empty.
+[[nodiscard]] Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions& options = {});
+
+}  // namespace ukemi::landing

@@ -1,0 +1,20 @@
+#include "landing/judge/ratings.hpp"
+
+#include "common/drive_stability.hpp"
+
+namespace ukemi::landing {
+
+Ratings ratings(const Actuator& actuator, const Motion& motion, const Landing& landing) {
+  return {peak_reference_rate(motion), landing.demands, actuator.speed_max, actuator.sea.tau_max};
+}
+
+std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
+  const TwoLinkDynamics<double> links(scene.robot);
+  std::optional<Instability> worst;
+  for (const double phi : {motion.phi_i, motion.phi_f})
+    if (const double rate = growth_rate(sea, joint_inertia(links, phi)); rate > (worst ? worst->rate : 0))
+      worst = {phi, rate};
+  return worst;
+}
+
+}  // namespace ukemi::landing

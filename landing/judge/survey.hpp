@@ -1,0 +1,27 @@
+// The box of motions surveyed: its map, the basins that the map shows, and what each of them is worth.
+#pragma once
+
+#include "landing/judge/map.hpp"
+
+namespace ukemi::landing {
+
+struct SurveyOptions {
+  MapOptions map;            ///< its monitor is told of the grid's rows
+  Monitor basins, evidence;  ///< told of the basins that are found, and judged
+};
+
+struct JudgedBasin {
+  Basin basin;
+  Evidence evidence;
+};
+
+struct Survey {
+  PeakMap map;
+  double map_seconds = 0;           ///< that the map took
+  long failed = 0, missing = 0;     ///< landings of the grid that could not be followed, that were not played
+  std::vector<JudgedBasin> basins;  ///< the best first
+};
+
+[[nodiscard]] Survey survey(const Scene& scene, const SeaParameters<double>& sea, const SurveyOptions& options = {});
+
+}  // namespace ukemi::landing

@@ -1,0 +1,28 @@
+// A verb as a subcommand, and the options that all share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "tools/program/output.hpp"
+
+namespace ukemi::tools {
+
+using Action = std::function<int()>;  ///< returns the exit code
+
+/// -o, --json, --threads, --seed, --quiet, --no-report.
+void add_common(CLI::App& verb, CommonOptions& options);
+
+/// The common options, the example at the end of the help, and what the verb does when it is chosen.
+template <class Arguments>
+void add_action(CLI::App& verb, const std::shared_ptr<Arguments>& arguments, const std::string& example, Action& chosen,
+                int (*run)(const Arguments&, const CommonOptions&)) {
+  auto common = std::make_shared<CommonOptions>();
+  add_common(verb, *common);
+  verb.footer("Example: " + example);
+  verb.callback([=, &chosen] { chosen = [=] { return run(*arguments, *common); }; });
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,123 @@
+#include "tools/report/calibrate.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "landing/model/scene_file.hpp"
+#include "tools/program/interrupt.hpp"
+#include "tools/report/estimates.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+/// An output that some drop measured, over all drops.
+Quantities<std::size_t> output_quantities(const Calibration& c) {
+  return {
+      {"", "", "output", "", {}, [](auto& o) { return kOutputNames[o]; }},
+      {"", "rms", "residual rms", "", "{:.3g}", [&c](auto& o) { return c.rms[o]; }},
+      {"", "noise", "the logs' noise", "", "{:.3g}", [&c](auto& o) { return c.noise[o]; }},
+      {"", "unit", "unit", "", {}, [](auto& o) { return kOutputUnits[o]; }},
+  };
+}
+std::vector<std::size_t> measured(const Calibration& c) {
+  std::vector<std::size_t> out;
+  for (std::size_t o = 0; o < kOutputs; ++o)
+    if (std::isfinite(c.noise[o])) out.push_back(o);
+  return out;
+}
+
+Quantities<DropResult> drop_quantities(const Calibration& c) {
+  Quantities<DropResult> out = {{"", "file", "drop", "", {}, &DropResult::file},
+                                {"", "simulated", "", "", {}, &DropResult::simulated}};
+  for (const std::size_t o : measured(c))
+    out.push_back({"", std::string("rms/") + kOutputNames[o], std::string(kOutputNames[o]) + " rms", kOutputUnits[o],
+                   "{:.3g}", [o](auto& d) { return d.rms[o]; }});
+  out.push_back({"", "peak_measured", "peak measured", "m/s^2", "{:.4g}", &DropResult::peak_measured});
+  out.push_back({"", "peak_simulated", "simulated at the samples", "m/s^2", "{:.4g}", &DropResult::peak_simulated});
+  out.push_back({"", "peak_between_samples", "and between them", "m/s^2", "{:.4g}", &DropResult::peak_between});
+  return out;
+}
+
+std::string samples_csv(const Run& run, const CalibratedDrops& c) {
+  CsvWriter csv = run.csv();
+  csv.comment(
+      "residual = simulated - measured; drop counts from 1; t as in the log; used 0: left out, an acceleration "
+      "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.");
+  csv.header({"drop", "t", "output", "measured", "simulated", "residual", "used"});
+  for (std::size_t m = 0; m < c.drops.size(); ++m)
+    for (std::size_t o = 0; o < kOutputs; ++o) {
+      const DropResult& result = c.result.drops[m];
+      for (std::size_t i = 0; i < result.value[o].size(); ++i) {
+        const double log = c.drops[m].log.output[o][i], simulated = result.value[o][i];
+        if (!std::isfinite(log) || !std::isfinite(simulated)) continue;
+        csv.cell(long(m + 1)).cell(c.drops[m].log.t[i]).cell(kOutputNames[o]).cell(log).cell(simulated);
+        csv.cell(simulated - log).cell(int(result.used[o][i])).end_row();
+      }
+    }
+  return csv.text();
+}
+
+/// The scene with the fitted constants.
+std::string scene_toml(const Run& run, const Calibration& c) {
+  std::string comments = run.provenance_text();
+  for (const auto& e : c.parameters)
+    comments += fmt::format("{}: {}: {}\n", e.name, words(e), identify::name(e.verdict));
+  if (!c.converged) comments += "not converged: these constants are not a minimum\n";
+  return to_toml(c.scene, comments);
+}
+
+/// "outputs" and "drops" of the summary, as tables and, drop by drop, as plots.
+void tell_drops(const CalibratedDrops& c, Report& report, Json& summary, const Run& run) {
+  const std::vector<std::size_t> some = measured(c.result);
+  const Table outputs(output_quantities(c.result), some), drops(drop_quantities(c.result), c.result.drops);
+  for (std::size_t i = 0; i < some.size(); ++i) summary["outputs"][kOutputNames[some[i]]] = outputs.object(i);
+  summary["drops"] = drops.objects();
+  for (const Table* table : {&outputs, &drops}) say(*table, run), report.table(*table);
+  for (std::size_t m = 0; m < c.drops.size() && m < 12; ++m)
+    for (std::size_t o = 0; o < kOutputs; ++o) {
+      const DropLog& log = c.drops[m].log;
+      const std::vector<double>& simulated = c.result.drops[m].value[o];
+      if (simulated.empty()) continue;
+      report.paragraph(log.file + ": " + kOutputNames[o]);
+      report.plot("t [s]", fmt::format("{} [{}]", kOutputNames[o], kOutputUnits[o]),
+                  {{"measured", log.t, log.output[o]}, {"simulated", log.t, simulated}});
+    }
+}
+
+}  // namespace
+
+int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run) {
+  const Calibration& c = fitted.result;
+  for (const std::string& w : c.warnings) run.warn(w);
+  if (!c.converged && !interrupted())
+    run.warn("not converged: " + c.message + "; try another start in the scene, --prior, or fewer --free constants");
+  Report report("Calibration");
+  Json summary;
+  bool converged = c.converged;
+  if (validation) {
+    for (const std::string& w : validation->result.warnings) run.warn("validation: " + w);
+    if (!validation->result.converged) run.warn("validation: " + validation->result.message), converged = false;
+  }
+  begin(c, constant_quantities(), report, summary, run);
+  summary["trusted"] = c.trusted();
+  report.heading("Fitted drops");
+  tell_drops(fitted, report, summary, run);
+  if (validation) {
+    run.say("not fitted:");
+    report.heading("Validation: drops that were not fitted");
+    Json& j = summary["validation"];
+    j["nuisance"] = nuisance_json(validation->result.nuisance);
+    tell_drops(*validation, report, j, run);
+    run.add("validation.csv", samples_csv(run, *validation));
+  }
+  run.add("scene.toml", scene_toml(run, c));
+  run.add("fit.csv", samples_csv(run, fitted));
+  run.add("report.html", report.html(run.provenance()));
+  return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
+}
+
+}  // namespace ukemi::tools

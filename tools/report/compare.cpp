@@ -1,0 +1,136 @@
+#include "tools/report/compare.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tools/report/landing.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+std::string signed_percent(double percent) { return fmt::format("{:+.1f} %", percent); }
+
+const Quantities<ConstantDifference> kConstantQuantities = {
+    {"parameter", "", "constant", "", {}, &ConstantDifference::name},
+    {"unit", "", "", "", {}, &ConstantDifference::unit},
+    {"nominal", "nominal", "nominal", "", "{:.5g}", [](auto& c) { return c.value[0]; }},
+    {"identified", "identified", "identified", "", "{:.5g}", [](auto& c) { return c.value[1]; }},
+    {"difference", "difference", "", "", {}, &ConstantDifference::difference},
+    {"difference_percent", "difference_percent", "difference", "", signed_percent, &ConstantDifference::percent},
+    {"std", "std", "", "", {}, [](auto& c) { return number(c.std); }},
+    {"z", "z", "in standard errors", "", "{:+.1f}", [](auto& c) { return number(c.z()); }},
+    {"inside_ci95",
+     "inside_ci95",
+     "nominal inside the 95 % interval",
+     "",
+     {},
+     [](auto& c) { return c.inside() ? Json(*c.inside()) : Json(); }},
+};
+
+struct Residual {
+  std::string file;
+  OfSets<double> rms;
+};
+const Quantities<Residual> kResidualQuantities = {
+    {"", "file", "trial", "", {}, &Residual::file},
+    {"", "nominal", "nominal", "rad", "{:.4g}", [](auto& r) { return r.rms[0]; }},
+    {"", "identified", "identified", "rad", "{:.4g}", [](auto& r) { return r.rms[1]; }},
+};
+
+const Quantities<ComparedMotion> kPeakQuantities = {
+    {"",
+     "",
+     "motion",
+     "",
+     {},
+     [](auto& m) { return fmt::format("best for {}: {}", m.set, motion_words(m.best.motion)); }},
+    {"", "nominal", "peak with nominal", "m/s^2", "{:.5g}", [](auto& m) { return m.landings[0]->peak; }},
+    {"", "identified", "peak with identified", "m/s^2", "{:.5g}", [](auto& m) { return m.landings[1]->peak; }},
+};
+
+std::vector<Residual> residuals(const Comparison& c, const RigTrials& measured) {
+  std::vector<Residual> out;
+  for (std::size_t m = 0; m < measured.trials.size(); ++m) {
+    out.push_back({measured.trials[m].file, {}});
+    for (std::size_t s = 0; s < 2; ++s) {
+      const identify::TrialResult& t = (*c.predictions)[s].trials[m];
+      out.back().rms[s] = t.status == identify::RolloutStatus::kDone ? t.rms : NAN;
+    }
+  }
+  return out;
+}
+
+void warn(const Comparison& c, Run& run) {
+  for (std::size_t s = 0; s < 2 && c.predictions; ++s)
+    if (const identify::Fit& fit = (*c.predictions)[s]; !fit.converged)
+      run.warn(std::string(kSets[s]) + ": " + fit.message);
+  for (const ComparedMotion& m : c.motions)
+    if (!m.best.message.empty()) run.warn(m.set + ": " + m.best.message);
+  for (const ComparedMotion& m : c.motions)
+    for (const std::optional<Landing>& l : m.landings)
+      if (l && no_landing(l->end)) run.warn(failure_words(*l));
+}
+
+std::string trajectories_csv(const Comparison& c, const Run& run) {
+  CsvWriter csv = run.csv();
+  csv.comment("Each set's best motion under its own actuator. t = 0 at release. Units: s, m/s^2, rad.");
+  csv.header({"set", "t", "acc", "phi_1", "phi_ref"});
+  for (std::size_t s = 0; s < 2; ++s)
+    for (const Sample& x : c.motions[s].landings[s]->trajectory)
+      csv.cell(kSets[s]).cell(x.t).cell(x.acc).cell(x.phi1).cell(x.phi_ref).end_row();
+  return csv.text();
+}
+
+}  // namespace
+
+int report(const CompareQuestion& question, const Comparison& c, Json summary, Run& run) {
+  warn(c, run);
+  Report report("Identified against nominal");
+  report.paragraph("nominal: " + question.sets[0].name + "; identified: " + question.sets[1].name);
+
+  const Table constants(kConstantQuantities, c.constants);
+  for (std::size_t i = 0; i < c.constants.size(); ++i) summary["parameters"][c.constants[i].name] = constants.object(i);
+  run.add("parameters.csv", constants.csv(run,
+                                          "z: difference in standard errors of the identified constant; inside_ci95: "
+                                          "the nominal value inside its 95 % interval."));
+  say(constants, run);
+  report.heading("Constants");
+  report.table(constants);
+
+  if (c.predictions) {
+    const Table rows(kResidualQuantities, residuals(c, *question.measured));
+    summary["residuals"] = rows.objects();
+    run.say(fmt::format("residual rms over {} trials: nominal {:.4g} rad, identified {:.4g} rad",
+                        question.measured->trials.size(), (*c.predictions)[0].rms, (*c.predictions)[1].rms));
+    report.heading("Residuals on the trials, rms");
+    report.table(rows);
+  }
+
+  for (const ComparedMotion& m : c.motions) {
+    if (!m.best.found) continue;
+    summary["motions"][m.set] = motion_json(m.best.motion);
+    summary["tolerant_peaks"][m.set] = m.best.tolerant.complete ? number(m.best.tolerant.value) : Json();
+  }
+  if (c.landed()) {
+    const Table peaks(kPeakQuantities, c.motions);
+    for (std::size_t m = 0; m < 2; ++m) summary["peaks"][c.motions[m].set + "_motion"] = peaks.object(m);
+    say(peaks, run);
+    report.heading("Peak |ddr_0| on " + question.scene->name);
+    floor_source(report, *question.scene);
+    report.table(peaks);
+    run.add("trajectories.csv", trajectories_csv(c, run));
+    std::vector<Series> series;
+    for (std::size_t s = 0; s < 2; ++s)
+      series.push_back(curve(kSets[s], c.motions[s].landings[s]->trajectory, &Sample::acc));
+    report.plot("t [s] after release", "|ddr_0| [m/s²], each best motion under its own actuator", series);
+  }
+  report.list(run.warnings());
+  run.add("report.html", report.html(run.provenance()));
+  return run.finish(summary, c.complete ? kDone : kNumbers);
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,154 @@
+#include "tools/report/identify.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tools/report/estimates.hpp"
+
+namespace ukemi::tools {
+
+using identify::Fit;
+using identify::Trial;
+
+namespace {
+
+Quantities<identify::Minimum> minimum_quantities() {
+  Quantities<identify::Minimum> out = {
+      {"", "cost", "minimum of cost", "rad^2", "{:.9g}", &identify::Minimum::cost},
+      {"", "found", "found by", "starts", "{}", &identify::Minimum::found},
+  };
+  for (std::size_t k = 0; k < kConstants; ++k)
+    out.push_back(
+        {"", kConstantNames[k], kConstantNames[k], "", "{:.5g}", [k](auto& m) { return constants(m.sea)[k]; }});
+  return out;
+}
+
+const Quantities<identify::TrialResult> kTrialQuantities = {
+    {"", "file", "file", "", {}, &identify::TrialResult::file},
+    {"", "samples", "samples", "", {}, &identify::TrialResult::samples},
+    {"", "rms", "residual rms", "rad", "{:.4g}", &identify::TrialResult::rms},
+    {"", "noise", "log's own noise", "rad", "{:.4g}", &identify::TrialResult::noise},
+    {"", "", "rollout", "", {}, [](auto& t) { return name(t.status); }},
+};
+
+std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit& fit) {
+  CsvWriter csv = run.csv();
+  bool motor = false;
+  for (const Trial& t : trials) motor = motor || !t.phi_motor.empty();
+  csv.comment("residual = phi_sim - phi; trial counts from 1. Units: s, rad.");
+  std::vector<std::string> header = {"trial", "t", "phi", "phi_sim", "residual"};
+  if (motor) header.insert(header.end(), {"phi_motor", "phi_motor_sim", "residual_motor"});
+  csv.header(header);
+  const auto at = [](const std::vector<double>& v, std::size_t i) { return v.empty() ? NAN : v[i]; };
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const Trial& t = trials[m];
+    const identify::TrialResult& r = fit.trials[m];
+    for (std::size_t i = 0; i < t.samples(); ++i) {
+      csv.cell(long(m + 1)).cell(t.t[i]).cell(at(t.phi, i)).cell(at(r.phi, i)).cell(at(r.phi, i) - at(t.phi, i));
+      if (motor) csv.cell(at(t.phi_motor, i)).cell(at(r.phi_m, i)).cell(at(r.phi_m, i) - at(t.phi_motor, i));
+      csv.end_row();
+    }
+  }
+  return csv.text();
+}
+
+void plot_trials(Report& report, const std::vector<Trial>& trials, const Fit& fit) {
+  for (std::size_t m = 0; m < trials.size() && m < 12; ++m) {
+    const Trial& t = trials[m];
+    std::vector<Series> series;
+    const auto add = [&](const char* name, const std::vector<double>& phi) {
+      if (!phi.empty()) series.push_back({name, t.t, phi});
+    };
+    add("measured", t.phi), add("predicted", fit.trials[m].phi);
+    if (!t.phi_motor.empty()) add("motor, measured", t.phi_motor), add("motor, predicted", fit.trials[m].phi_m);
+    report.heading(t.file);
+    report.plot("t [s]", "phi_1 [rad]", series);
+  }
+}
+
+/// Where the torque limit and the feedback come from.
+std::string assumptions(const IdentifyQuestion& q) {
+  return fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
+                     std::isfinite(q.base.tau_max)
+                         ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
+                         : std::string("no limit (neither rig nor actuator names one)"),
+                     name(q.base.feedback),
+                     q.rig.feedback ? "rig"
+                     : q.given      ? "actuator"
+                                    : "default");
+}
+
+void warn(const IdentifyQuestion& q, const Fit& fit, const std::optional<Trust>& trust, Run& run) {
+  const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
+  for (const std::string& w : fit.warnings) run.warn(w);
+  if (!fit.converged && predict) run.warn(fit.message);
+  if (!fit.converged && !predict && !fit.interrupted)
+    run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
+  if (!q.found(fit)) run.warn("nothing was found: no actuator.toml is written");
+  if (trust && !fit.interrupted) warn(*trust, fit, run);
+}
+
+}  // namespace
+
+Actuator actuator_of(const IdentifyQuestion& q, const Fit& fit) {
+  Actuator out;
+  out.name = fmt::format("identified from {} trials", q.trials.size());
+  out.sea = fit.sea;
+  if (q.given) out.speed_max = q.given->speed_max;
+  if (q.rig.speed_max) out.speed_max = q.rig.speed_max;
+  for (const identify::Estimate& e : fit.parameters) out.verdicts.emplace_back(e.name, identify::name(e.verdict));
+  // Only what was determined goes into the covariance, of the actuator: a file holds numbers, not gaps.
+  std::vector<long> determined;
+  for (long i = 0; i < fit.covariance.rows(); ++i) {
+    const std::string& term = fit.fitted[std::size_t(i)];
+    if (!std::isfinite(fit.covariance(i, i)) || term == name(identify::NuisanceTerm::kForceGain)) continue;
+    determined.push_back(i);
+    out.uncertain.push_back(term == name(identify::NuisanceTerm::kStiffening) ? "k_sea_cubic" : term);
+  }
+  out.covariance = fit.covariance(determined, determined);
+  return out;
+}
+
+int report(const IdentifyQuestion& q, const Fit& fit, const std::optional<Trust>& trust, Doubt doubt, Json summary,
+           Run& run) {
+  const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
+  warn(q, fit, trust, run);
+  Report report(predict ? "Prediction" : "Identification");
+  begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
+  run.say(assumptions(q));
+  if (q.options.fits(identify::NuisanceTerm::kFriction) || q.base.friction > 0)
+    run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
+  const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
+  if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);
+  run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, q.trials.size()));
+  if (fit.correlation.rows() > 1) {
+    std::string eigenvalues = "Eigenvalues of the scaled Fisher information, largest 1:";
+    for (const double e : fit.eigenvalues) eigenvalues += fmt::format(" {:.3g}", e);
+    report.paragraph(eigenvalues);
+  }
+  summary["rms"] = number(fit.rms);
+  summary["identifiable"] = fit.identifiable;
+  if (!predict) summary["trusted"] = fit.trusted();
+  if (trust) tell(*trust, fit, report, summary, run);
+  summary["minima"] = minima.objects();
+  summary["assumed"] = assumptions(q);
+  summary["friction_speed"] = kFrictionSpeed;
+  summary["trials"] = trials.objects();
+  report.heading("Trials");
+  report.table(trials);
+  plot_trials(report, q.trials, fit);
+  if (!predict && q.found(fit)) {
+    Actuator actuator = actuator_of(q, fit);
+    actuator.provenance = run.provenance();
+    actuator.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");
+    run.add("actuator.toml", to_toml(actuator, fit.half_width));
+  }
+  run.add("fit.csv", fit_csv(run, q.trials, fit));
+  run.add("report.html", report.html(run.provenance()));
+  const bool doubted = !predict && doubt == Doubt::kFail && !fit.trusted();
+  return run.finish(summary, fit.converged && !doubted ? kDone : kNumbers);
+}
+
+}  // namespace ukemi::tools

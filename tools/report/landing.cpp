@@ -1,0 +1,137 @@
+#include "tools/report/landing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+std::string peak_to(int digits, double peak) {
+  return std::isnan(peak)   ? "not played"
+         : std::isinf(peak) ? "not to be followed"
+                            : fmt::format("{:.{}g}", peak, digits);
+}
+}  // namespace
+std::string peak_words(double peak) { return peak_to(6, peak); }
+std::string short_peak_words(double peak) { return peak_to(4, peak); }
+std::string percent_words(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
+
+Quantities<Motion> motion_quantities() {
+  return {
+      {"phi_i_deg", "phi_i_deg", "phi_I", "deg", "{:.6g}", [](auto& m) { return m.phi_i * kDegrees; }},
+      {"phi_f_deg", "phi_f_deg", "phi_F", "deg", "{:.6g}", [](auto& m) { return m.phi_f * kDegrees; }},
+      {"duration", "duration", "duration", "s", "{:.6g}", &Motion::duration},
+  };
+}
+Json motion_json(const Motion& motion) { return Table::of(motion_quantities(), motion).object(); }
+std::string motion_words(const Motion& motion) { return Table::of(motion_quantities(), motion).line(); }
+
+Quantities<Touch> contact_quantities() {
+  return {
+      {"point", "point", "point", "", {}, [](auto& t) { return kPointNames[t.point]; }},
+      {"t_touchdown", "t", "touchdown", "s", "{:.6f}", &Touch::t_touchdown},
+      {"t_liftoff", "", "lift-off", "s", "{:.6f}", &Touch::t_liftoff},
+      {"peak_force", "", "peak force", "N", "{:.4g}", &Touch::peak_force},
+      {"peak_acc", "", "peak |ddr_0|", "m/s^2", "{:.4g}", &Touch::peak_acc},
+  };
+}
+Json contacts_json(const Landing& l) { return Table(contact_quantities(), l.touches).objects(); }
+
+Json peaks_json(const Landing& l) {
+  Json out = Json::array();
+  for (const Peak& p : l.peaks)
+    if (p.point >= 0)
+      out.push_back({{"n", out.size() + 1},
+                     {"t", p.t},
+                     {"acceleration", p.acceleration},
+                     {"contact", kPointNames[std::size_t(p.point)]}});
+  return out;
+}
+std::string contact_order(const Landing& l) {
+  std::string s;
+  for (const Peak& p : l.peaks)
+    if (p.point >= 0) s += (s.empty() ? "" : ", ") + std::string(kPointNames[std::size_t(p.point)]);
+  return s.empty() ? "none" : s;
+}
+std::string failure_words(const LandingPeak& p) {
+  if (p.end == End::kNoContact) return fmt::format("no point touches the floor within {:.4g} s", p.t_end);
+  return fmt::format("{}, at t = {:.6g} s after {} steps", reason(p), p.t_end, p.work.steps);
+}
+
+Quantities<Evidence> deviation_quantities() {
+  const auto peak = [](const char* key, const char* words, double Evidence::*value) {
+    return Quantity<Evidence>{key, key, words, "m/s^2", short_peak_words, value};
+  };
+  return {peak("one_degree", "with the angles off by 1 deg", &Evidence::one_degree),
+          peak("ten_milliseconds", "with the duration off by 10 ms", &Evidence::ten_milliseconds),
+          peak("one_centimetre", "with the height off by 1 cm", &Evidence::one_centimetre),
+          peak("pitch_one_degree", "with the pitch off by 1 deg", &Evidence::pitch_one_degree),
+          peak("damping_ten_percent", "with the floor's damping off by 10 %", &Evidence::damping_ten_percent)};
+}
+
+Quantities<Evidence> evidence_quantities() {
+  Quantities<Evidence> out;
+  const Quantities<Motion> variables = motion_quantities();
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    for (const std::size_t side : {0, 1}) {
+      // "phi_i_deg" is "phi_i_down_deg" and "phi_i_up_deg", in JSON a pair.
+      const Quantity<Motion>& v = variables[k];
+      const bool degrees = v.unit == "deg";
+      const std::string name = degrees ? v.csv.substr(0, v.csv.size() - 4) : v.csv, way = side == 0 ? "down" : "up";
+      out.push_back({name + "_" + way + (degrees ? "_deg" : ""), "width_of_5_percent/" + v.json + (side ? "/1" : "/0"),
+                     v.words + " " + way, v.unit, "{:.2g}",
+                     [=](const Evidence& e) { return e.width[k][side] * (degrees ? kDegrees : 1); }});
+    }
+  out.push_back({"tolerant_peak", "tolerant_peak", "tolerant peak", "m/s^2", peak_words,
+                 [](const Evidence& e) { return e.tolerant.value; }});
+  append(out, deviation_quantities(), std::identity());
+  out.push_back({"", "complete", "", "", {}, &Evidence::complete});
+  return out;
+}
+
+Json ratings_json(const Ratings& r) {
+  return {{"peak_reference_rate", r.reference_rate},
+          {"motor_speed", r.demands.motor_speed},
+          {"speed_max", number(r.speed_max)},
+          {"motor_torque", r.demands.motor_torque},
+          {"sea_torque", r.demands.sea_torque},
+          {"tau_max", number(r.tau_max)},
+          {"phi_1_deg", {r.demands.phi_min * kDegrees, r.demands.phi_max * kDegrees}}};
+}
+void warn_of(const Ratings& r, Run& run) {
+  if (r.too_fast())
+    run.warn(fmt::format(
+        "the robot could not follow: reference rate {:.3g} rad/s, motor speed {:.3g} rad/s; rated {:.3g} rad/s",
+        r.reference_rate, r.demands.motor_speed, *r.speed_max));
+  if (r.too_strong())
+    run.warn(fmt::format("the motor torque reaches {:.3g} Nm; its limit tau_max is {:.3g} Nm", r.demands.motor_torque,
+                         r.tau_max));
+}
+void warn_of(const std::optional<Instability>& i, double tau_max, Run& run) {
+  if (i)
+    run.warn(fmt::format(
+        "the drive is unstable on this robot: in flight, at {:.4g} deg, a disturbance grows e-fold every {:.2g} s{}",
+        i->phi * kDegrees, 1 / i->rate,
+        std::isfinite(tau_max) ? ", up to the torque limit" : ", and no torque limit stops it"));
+}
+
+Series curve(const std::string& name, const std::vector<Sample>& trajectory, double Sample::*column, double unit) {
+  Series out{name, {}, {}};
+  for (const Sample& s : trajectory) out.x.push_back(s.t), out.y.push_back(s.*column * unit);
+  return out;
+}
+void plot_landing(Report& report, const std::vector<Sample>& trajectory) {
+  report.plot("t [s] after release", "|ddr_0| [m/s²]", {curve("|ddr_0|", trajectory, &Sample::acc)});
+  report.plot(
+      "t [s] after release", "joint [deg]",
+      {curve("phi_1", trajectory, &Sample::phi1, kDegrees), curve("phi_ref", trajectory, &Sample::phi_ref, kDegrees)});
+}
+void floor_source(Report& report, const Scene& scene) {
+  if (!scene.floor_source.empty()) report.paragraph("Floor constants: " + scene.floor_source + ".");
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,53 @@
+// What the verbs tell of motions and landings, each quantity once.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "landing/judge/evidence.hpp"
+#include "landing/judge/ratings.hpp"
+#include "tools/report/report.hpp"
+#include "tools/report/table.hpp"
+
+namespace ukemi::tools {
+
+inline constexpr std::array<const char*, 2> kGoalNames = {"peak", "tolerant"};  ///< of landing::Goal
+
+/// A peak for a reader: NaN is one that was not played, infinity one that could not be followed.
+std::string peak_words(double peak);
+std::string short_peak_words(double peak);  ///< to 4 digits
+std::string percent_words(double fraction);
+
+Quantities<landing::Motion> motion_quantities();
+Quantities<landing::Touch> contact_quantities();
+/// The worst peaks under one deviation each.
+Quantities<landing::Evidence> deviation_quantities();
+/// How wide the motion's basin is, its tolerant peak, the deviations.
+Quantities<landing::Evidence> evidence_quantities();
+
+Json motion_json(const landing::Motion& motion);
+/// A motion on one line.
+std::string motion_words(const landing::Motion& motion);
+Json contacts_json(const landing::Landing& landing);
+Json peaks_json(const landing::Landing& landing);
+/// "foot, knee, hip": the points in the order of their peaks; chatter left out.
+std::string contact_order(const landing::Landing& landing);
+/// Why there is no landing.
+std::string failure_words(const landing::LandingPeak& landing);
+
+Json ratings_json(const landing::Ratings& ratings);
+/// Warns where the actuator could not follow.
+void warn_of(const landing::Ratings& ratings, Run& run);
+/// Warns of an unstable drive; `tau_max` may end the growth.
+void warn_of(const std::optional<landing::Instability>& instability, double tau_max, Run& run);
+
+/// A column of a trajectory over time, in `unit`s.
+Series curve(const std::string& name, const std::vector<landing::Sample>& trajectory, double landing::Sample::*column,
+             double unit = 1);
+/// Acceleration and joint over time.
+void plot_landing(Report& report, const std::vector<landing::Sample>& trajectory);
+/// Where the floor's constants come from, if the scene says so.
+void floor_source(Report& report, const landing::Scene& scene);
+
+}  // namespace ukemi::tools

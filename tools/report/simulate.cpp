@@ -1,0 +1,112 @@
+#include "tools/report/simulate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/report/landing.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+const Quantities<CheckedLanding> kQuantities = {
+    {"", "peak_acceleration", "peak |ddr_0|", "m/s^2", "{:.10g}", [](auto& c) { return c.landing.peak; }},
+    {"", "peak_time", "at t =", "s", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
+    {"", "error_estimate", "estimated relative error", "", "{:.1g}",
+     [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.error_estimate) : Json(); }},
+    {"", "sensitive", "sensitive", "", {}, [](auto& c) { return c.sensitivity.sensitive; }},
+    {"", "sensitivity", "", "", {}, [](auto& c) { return c.sensitivity.change; }},
+    {"", "", "contacts", "", {}, [](auto& c) { return contact_order(c.landing); }},
+    {"", "end", "end", "", {}, [](auto& c) { return name(c.landing.end); }},
+    {"", "t_end", "at t =", "s", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
+    {"", "energy_residual", "energy residual", "", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
+    {"", "steps", "", "", {}, [](auto& c) { return c.landing.work.steps; }},
+    {"", "implicit_steps", "", "", {}, [](auto& c) { return c.landing.work.implicit; }},  // where a phase is stiff
+};
+
+Quantities<Sample> trajectory_quantities() {
+  Quantities<Sample> out;
+  const auto add = [&](const std::string& name, const std::function<Json(const Sample&)>& value) {
+    out.push_back({name, "", "", "", {}, value});
+  };
+  const std::pair<const char*, double Sample::*> columns[] = {{"t", &Sample::t},
+                                                              {"x_0", &Sample::x0},
+                                                              {"y_0", &Sample::y0},
+                                                              {"phi_0", &Sample::phi0},
+                                                              {"phi_1", &Sample::phi1},
+                                                              {"phi_m", &Sample::phi_m},
+                                                              {"dx_0", &Sample::dx0},
+                                                              {"dy_0", &Sample::dy0},
+                                                              {"dphi_0", &Sample::dphi0},
+                                                              {"dphi_1", &Sample::dphi1},
+                                                              {"dphi_m", &Sample::dphi_m},
+                                                              {"ddx_0", &Sample::ddx0},
+                                                              {"ddy_0", &Sample::ddy0},
+                                                              {"acc", &Sample::acc},
+                                                              {"tau_sea", &Sample::tau_sea},
+                                                              {"phi_ref", &Sample::phi_ref}};
+  for (const auto& [name, value] : columns) add(name, value);
+  for (std::size_t j = 0; j < std::size_t(kPoints); ++j) {
+    add(fmt::format("f_{}_x", kPointNames[j]), [j](const Sample& s) { return s.force[j].x(); });
+    add(fmt::format("f_{}_y", kPointNames[j]), [j](const Sample& s) { return s.force[j].y(); });
+  }
+  return out;
+}
+
+void warn(const CheckedLanding& c, Run& run) {
+  const Landing& l = c.landing;
+  const bool failed = l.end == End::kFailed;
+  warn_of(c.instability, c.ratings.tau_max, run);
+  if (failed) run.warn("refused: " + failure_words(l) + "; what was computed so far is kept");
+  if (l.end == End::kNoContact) run.warn(failure_words(l) + ": the peak is that of a flight");
+  if (!c.sensitivity.checked && !failed)
+    run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
+  if (c.joint_lost())
+    run.warn(fmt::format("the joint turns from {:.4g} to {:.4g} deg: the drive has lost it",
+                         l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees));
+  if (c.wrong())
+    run.warn(
+        fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
+                    c.sensitivity.error_estimate, std::max(1e-14, c.accuracy / 100)));
+  if (c.sensitivity.sensitive)
+    run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff",
+                         c.sensitivity.change));
+  warn_of(c.ratings, run);
+}
+
+}  // namespace
+
+int report(const Scene& scene, const CheckedLanding& c, Run& run) {
+  const Landing& l = c.landing;
+  warn(c, run);
+  const Table told = Table::of(kQuantities, c), contacts(contact_quantities(), l.touches);
+  Json summary = told.object();
+  if (l.end == End::kFailed) summary["failed"] = failure_words(l);
+  summary["motion"] = motion_json(c.motion);
+  summary["peaks"] = peaks_json(l);
+  summary["contacts"] = contacts.objects();
+  summary["ratings"] = ratings_json(c.ratings);
+  run.say(told.line());
+  run.add("trajectory.csv", Table(trajectory_quantities(), l.trajectory)
+                                .csv(run,
+                                     "t = 0 at release. Two rows with one t: left and right limit of an event. Units: "
+                                     "s, m, rad, N, Nm; acc = |ddr_0|, m/s^2."));
+  run.add(
+      "contacts.csv",
+      contacts.csv(run, "t = 0 at release; t_liftoff: when the point rises through y = 0 again. Units: s, N, m/s^2."));
+  Report report("Landing: " + scene.name);
+  report.table({"", "value"}, told.pairs());
+  floor_source(report, scene);
+  report.list(run.warnings());
+  plot_landing(report, l.trajectory);
+  report.plot("t [s] after release", "tau_SEA [Nm]", {curve("tau_SEA", l.trajectory, &Sample::tau_sea)});
+  report.table(contacts);
+  run.add("report.html", report.html(run.provenance()));
+  return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
+}
+
+}  // namespace ukemi::tools

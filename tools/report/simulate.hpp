@@ -1,0 +1,12 @@
+// What `ukemi simulate` tells.
+#pragma once
+
+#include "landing/judge/checked.hpp"
+#include "tools/program/output.hpp"
+
+namespace ukemi::tools {
+
+/// Tells it on the terminal, in the summary and in the files; returns the exit code.
+int report(const landing::Scene& scene, const landing::CheckedLanding& result, Run& run);
+
+}  // namespace ukemi::tools

@@ -1,0 +1,93 @@
+// A result, told once: each of its quantities has its names in files, its words, unit and format for a reader, and how
+// it is taken from the result. JSON, CSV, the lines on the terminal and the tables of a report are made from that.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "tools/program/output.hpp"
+
+namespace ukemi::tools {
+
+/// How a value is shown to a reader: a format of fmt, or words for a number. What is not known is shown as "", by
+/// words as they like: they are given NaN.
+class Format {
+ public:
+  Format(const char* format = "{}") : format_(format) {}
+  Format(std::string (*words)(double)) : words_(words) {}
+  std::string operator()(const Json& value) const;
+
+ private:
+  const char* format_ = nullptr;
+  std::string (*words_)(double) = nullptr;
+};
+
+/// A quantity of a result or of a row. An empty name: it is not told there.
+template <class T>
+struct Quantity {
+  std::string csv;    ///< column
+  std::string json;   ///< key, or path as in "hold/peak_acceleration"
+  std::string words;  ///< for a reader
+  std::string unit;
+  Format format;
+  std::function<Json(const T&)> value;
+};
+template <class T>
+using Quantities = std::vector<Quantity<T>>;
+
+/// The quantities of a part, as those of the whole; in JSON under `path`, as "motion/".
+template <class T, class U, class Part>
+void append(Quantities<T>& to, const Quantities<U>& quantities, Part part, const std::string& path = "") {
+  for (const Quantity<U>& q : quantities)
+    to.push_back({q.csv, q.json.empty() ? "" : path + q.json, q.words, q.unit, q.format,
+                  [value = q.value, part](const T& whole) { return value(std::invoke(part, whole)); }});
+}
+
+/// Rows of such quantities; a result by itself is one row.
+class Table {
+ public:
+  template <class T>
+  Table(const Quantities<T>& quantities, const std::vector<std::type_identity_t<T>>& rows) : Table(quantities) {
+    for (const T& row : rows) add(quantities, row);
+  }
+  template <class T>
+  static Table of(const Quantities<T>& quantities, const T& result) {
+    Table out(quantities);
+    out.add(quantities, result);
+    return out;
+  }
+
+  Json objects() const;                    ///< an array, an object a row
+  Json object(std::size_t row = 0) const;  ///< one row
+  std::string csv(const Run& run, const std::string& comment = "") const;
+  std::vector<std::string> headings() const;                               ///< "words [unit]"
+  std::vector<std::vector<std::string>> shown() const;                     ///< as `headings`
+  std::vector<std::string> lines() const;                                  ///< headings and rows, aligned
+  std::string line(std::size_t row = 0) const;                             ///< one row: "words value unit; ..."
+  std::vector<std::vector<std::string>> pairs(std::size_t row = 0) const;  ///< one row: heading and value of each
+
+ private:
+  struct Head {
+    std::string csv, json, words, unit;
+    Format format;
+  };
+  template <class T>
+  explicit Table(const Quantities<T>& quantities) {
+    for (const Quantity<T>& q : quantities) heads_.push_back({q.csv, q.json, q.words, q.unit, q.format});
+  }
+  template <class T>
+  void add(const Quantities<T>& quantities, const T& row) {
+    rows_.emplace_back();
+    for (const Quantity<T>& q : quantities) rows_.back().push_back(q.value(row));
+  }
+
+  std::vector<Head> heads_;
+  std::vector<std::vector<Json>> rows_;
+};
+
+/// Its lines on the terminal.
+void say(const Table& table, const Run& run);
+
+}  // namespace ukemi::tools

@@ -1,0 +1,76 @@
+#include "tools/study/comparison.hpp"
+
+#include <cmath>
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+std::optional<double> ConstantDifference::z() const {
+  return std && *std > 0 ? std::optional(difference() / *std) : std::nullopt;
+}
+std::optional<bool> ConstantDifference::inside() const {
+  constexpr double kHalfWidth = 1.959963984540054;
+  return z() ? std::optional(std::abs(*z()) <= kHalfWidth) : std::nullopt;
+}
+
+namespace {
+
+std::vector<ConstantDifference> differences(const OfSets<Actuator>& sets) {
+  std::vector<ConstantDifference> out;
+  const auto a = constants(sets[0].sea), b = constants(sets[1].sea);
+  for (std::size_t i = 0; i < kConstants; ++i)
+    out.push_back({kConstantNames[i], kConstantUnits[i], {a[i], b[i]}, sets[1].standard_error(kConstantNames[i])});
+  return out;
+}
+
+OfSets<identify::Fit> predictions(const OfSets<Actuator>& sets, const RigTrials& measured, double escape) {
+  identify::FitOptions options;
+  options.escape = escape;
+  OfSets<identify::Fit> out;
+  for (std::size_t s = 0; s < 2; ++s) {
+    SeaParameters<double> sea = sets[s].sea;
+    sea.tau_max = measured.rig.tau_max.value_or(sea.tau_max);
+    sea.feedback = measured.rig.feedback.value_or(sea.feedback);
+    out[s] = identify::predict(measured.rig, measured.trials, sea, options);
+  }
+  return out;
+}
+
+/// Adds each set's best motion, then lands each under both actuators; false where one could not be or was stopped.
+bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
+                     std::vector<ComparedMotion>& motions) {
+  OptimizeOptions search = options.search;
+  for (std::size_t s = 0; s < 2; ++s) {
+    if (options.monitor) search.monitor = options.monitor(kSets[s]);
+    const bool known = s == 1 && options.identified_best;
+    motions.push_back({kSets[s], known ? *options.identified_best : optimize(scene, sets[s].sea, search), {}});
+    if (!motions.back().best.found || search.monitor.stopped()) return false;
+  }
+  bool landed = true;
+  const SimulateOptions tight{.accuracy = search.accuracy, .over = &search.monitor.stop};
+  for (ComparedMotion& m : motions)
+    for (std::size_t s = 0; s < 2; ++s) {
+      const Landing landing = simulate(scene, sets[s].sea, m.best.motion, tight, options.rate);
+      if (landing.end == End::kStopped) return false;
+      landed = landed && !no_landing(landing.end);
+      m.landings[s] = landing;
+    }
+  return landed;
+}
+
+}  // namespace
+
+Comparison compare(const OfSets<Actuator>& sets, const std::optional<RigTrials>& measured,
+                   const std::optional<Scene>& scene, const ComparisonOptions& options) {
+  Comparison out;
+  out.constants = differences(sets);
+  if (measured) {
+    out.predictions = predictions(sets, *measured, options.escape);
+    for (const identify::Fit& fit : *out.predictions) out.complete = out.complete && fit.converged;
+  }
+  if (scene) out.complete = compare_motions(sets, *scene, options, out.motions) && out.complete;
+  return out;
+}
+
+}  // namespace ukemi::tools

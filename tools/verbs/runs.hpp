@@ -1,0 +1,50 @@
+// The verbs that the demo runs one after the other. Each computes and writes its files; `result` receives what it
+// found.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "landing/judge/answer.hpp"
+#include "tools/program/output.hpp"
+#include "tools/program/trials.hpp"
+#include "tools/study/comparison.hpp"
+#include "tools/verbs/trust.hpp"
+
+namespace ukemi::tools {
+
+struct IdentifyArguments {
+  std::vector<std::string> trials;
+  std::string rig, start, actuator;  ///< start: identify; actuator: predict
+  std::string free, nuisance, prior, lower, upper, loss = "none", weights = "equal";
+  TrialArguments reading;
+  double accuracy = 1e-9;
+  int starts = 0;        ///< explored; 0: as few as needed
+  TrustArguments trust;  ///< identify
+};
+/// Fits, or with `actuator` set predicts.
+int run_identify(const IdentifyArguments& arguments, const CommonOptions& common);
+
+struct OptimizeArguments {
+  std::string scene, actuator, solver = "auto";
+  landing::Goal goal = landing::Goal::kPeak;
+  std::optional<long> evaluations;
+  std::optional<double> deadline;
+  double tolerance = 0;
+  std::vector<std::string> forbid;
+  enum class Ratings { kReport, kRespect } ratings = Ratings::kReport;
+  landing::AnswerOptions::Extras evidence = landing::AnswerOptions::Extras::kWithoutDeadline;
+  double rate = 1000;
+};
+int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common, landing::Answer* result = nullptr);
+
+struct CompareArguments {
+  std::string nominal, identified, scene, rig;
+  std::vector<std::string> trials;
+  TrialArguments reading;
+  std::optional<landing::Optimum> identified_best;  ///< where it is known already
+};
+int run_compare(const CompareArguments& arguments, const CommonOptions& common, Comparison* result = nullptr);
+
+}  // namespace ukemi::tools
