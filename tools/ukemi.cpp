@@ -95,7 +95,7 @@ int guarded(int argc, char** argv) {
 }
 
 /// The exit code, which is no success where stdout did not take the results.
-int told(int code) {
+int final_code(int code) {
   const auto failure = stdout_failure();
   if (!failure) return code;
   tell("ukemi: stdout cannot be written: " + *failure);
@@ -109,5 +109,5 @@ int main(int argc, char** argv) {
   using namespace ukemi::tools;
   std::set_terminate(end_without_memory);
   prepare_streams();
-  return told(guarded(argc, argv));
+  return final_code(guarded(argc, argv));
 }

@@ -84,7 +84,7 @@ std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea
 Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions& options) {
   OptimizeOptions searched = options.search;
   searched.validate();
-  Answer a;
+  Answer a{.scene = scene, .actuator = actuator, .options = options};
   Schedule schedule(scene, actuator, options);
   schedule.begin(a);
   if (searched.deadline) searched.deadline = schedule.search();

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "landing/judge/checked.hpp"
 #include "landing/judge/evidence.hpp"
-#include "landing/judge/ratings.hpp"
 #include "landing/search/optimize.hpp"
 
 namespace ukemi::landing {
@@ -34,6 +34,9 @@ struct AnswerOptions {
 };
 
 struct Answer {
+  Scene scene;
+  Actuator actuator;
+  AnswerOptions options;
   Optimum best;
   std::vector<Optimum> tried;  ///< what each solver came to; one where one was asked for
   Landing landing, held;       ///< of `best.motion` and kHeld; End::kStopped where there was no time to play them

@@ -1,15 +1,32 @@
 #include "landing/judge/checked.hpp"
 
+#include "common/drive_stability.hpp"
+
 namespace ukemi::landing {
+
+Ratings ratings(const Actuator& actuator, const Motion& motion, const Landing& landing) {
+  return {peak_reference_rate(motion), landing.demands, actuator.speed_max, actuator.sea.tau_max};
+}
+
+std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
+  const TwoLinkDynamics<double> links(scene.robot);
+  std::optional<Instability> worst;
+  for (const double phi : {motion.phi_i, motion.phi_f})
+    if (const double rate = growth_rate(sea, joint_inertia(links, phi)); rate > (worst ? worst->rate : 0))
+      worst = {phi, rate};
+  return worst;
+}
 
 CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, const Motion& motion,
                                const SimulateOptions& options, double rate) {
-  CheckedLanding out{.motion = motion, .accuracy = options.accuracy};
-  out.landing = simulate(scene, actuator.sea, motion, options, rate);
-  out.sensitivity = sensitivity(scene, actuator.sea, motion, options, out.landing.peak);
-  out.ratings = ratings(actuator, motion, out.landing);
-  out.instability = instability(scene, actuator.sea, motion);
-  return out;
+  const Landing l = simulate(scene, actuator.sea, motion, options, rate);
+  return {scene,
+          motion,
+          options.accuracy,
+          l,
+          sensitivity(scene, actuator.sea, motion, options, l.peak),
+          ratings(actuator, motion, l),
+          instability(scene, actuator.sea, motion)};
 }
 
 }  // namespace ukemi::landing

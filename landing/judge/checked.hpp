@@ -1,14 +1,37 @@
-// One landing with everything that says how far it can be relied on.
+// One landing with everything that says how far it can be relied on, and what it demands of the actuator.
 #pragma once
 
-#include "landing/judge/ratings.hpp"
+#include <optional>
+
+#include "common/actuator.hpp"
 #include "landing/judge/sensitivity.hpp"
 
 namespace ukemi::landing {
 
+/// What a motion demands of the actuator, beside what the actuator can give.
+struct Ratings {
+  double reference_rate = 0;        ///< largest |dphi_ref| of the motion [rad/s]
+  Demands demands;                  ///< of its landing
+  std::optional<double> speed_max;  ///< rated motor speed [rad/s]
+  double tau_max = 0;               ///< torque limit [Nm]; infinite: none
+
+  bool too_fast() const { return speed_max && (reference_rate > *speed_max || demands.motor_speed > *speed_max); }
+  bool too_strong() const { return demands.motor_torque > tau_max; }
+};
+[[nodiscard]] Ratings ratings(const Actuator& actuator, const Motion& motion, const Landing& landing);
+
+/// A drive that does not come to rest on the robot in flight, see growth_rate.
+struct Instability {
+  double phi;   ///< joint angle at which it is worst [rad], of the two that the motion holds
+  double rate;  ///< of growth there [1/s], > 0
+};
+[[nodiscard]] std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea,
+                                                     const Motion& motion);
+
 struct CheckedLanding {
+  Scene scene;
   Motion motion{};
-  double accuracy = 0;  ///< of the landing
+  double accuracy = 0;
   Landing landing;
   Sensitivity sensitivity;
   Ratings ratings;
@@ -19,7 +42,6 @@ struct CheckedLanding {
   /// The joint turns by more than two turns: the drive does not hold it.
   bool joint_lost() const { return landing.demands.phi_max - landing.demands.phi_min > 4 * 3.141592653589793; }
 };
-
 /// As `simulate`, with rate > 0 [Hz] a trajectory too.
 [[nodiscard]] CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, const Motion& motion,
                                              const SimulateOptions& options = {}, double rate = 0);

@@ -5,7 +5,7 @@
 namespace ukemi::landing {
 
 Survey survey(const Scene& scene, const SeaParameters<double>& sea, const SurveyOptions& options) {
-  Survey out;
+  Survey out{.scene = scene};
   const Stopwatch watch(Stopwatch::Time::kWall);
   out.map = map_peaks(scene, sea, options.map);
   out.map_seconds = watch.seconds();

@@ -16,6 +16,7 @@ struct JudgedBasin {
 };
 
 struct Survey {
+  Scene scene;
   PeakMap map;
   double map_seconds = 0;           ///< that the map took
   long failed = 0, missing = 0;     ///< landings of the grid that could not be followed, that were not played

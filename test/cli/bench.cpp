@@ -37,6 +37,17 @@ TEST_CASE("bench optimizers: what earlier runs searched is taken from their file
                                                "paper,peak,random,0.005,2,"));
 }
 
+TEST_CASE("a bench without -o writes to ./ukemi-out/bench-NAME") {
+  const Folder f;
+  fs::create_directory(f.at("ukemi-out"));
+  for (const std::string name : {"batch", "identify", "integrators", "optimizers", "scenes", "stability"}) {
+    // A file where the folder would be: the bench refuses before any work.
+    const std::string folder = "ukemi-out/bench-" + name;
+    f.write(folder, "");
+    check_refused(f, {"bench", name}, {folder + ": the output folder cannot be made"});
+  }
+}
+
 TEST_CASE("bench optimizers: a file of earlier runs that is none is refused where it stands") {
   const Folder f;
   const auto check = [&](const std::string& text, const std::vector<std::string>& texts) {

@@ -28,15 +28,15 @@ struct Row {
   double scalar = seconds;  ///< the scalar path's seconds
 };
 const Quantities<Row> kRowQuantities = {
-    {"path", "path", "path", "", {}, &Row::path},
-    {"accuracy", "accuracy", "accuracy", "", "{:g}", &Row::accuracy},
-    {"landings_per_second", "landings_per_second", "landings/s", "", "{:.0f}",
+    {"path", "path", "path", {}, &Row::path},
+    {"accuracy", "accuracy", "accuracy", "{:g}", &Row::accuracy},
+    {"landings_per_second", "landings_per_second", "landings/s", "{:.0f}",
      [](auto& r) { return kLandings / r.seconds; }},
-    {"abandoning_per_second", "", fmt::format("abandoned above {:g}", kAbandon), "", "{:.0f}",
+    {"abandoning_per_second", "", fmt::format("abandoned above {:g}", kAbandon), "{:.0f}",
      [](auto& r) { return kLandings / r.abandoning; }},
-    {"ratio_to_scalar", "ratio", "times scalar", "", "{:.2f}", [](auto& r) { return r.scalar / r.seconds; }},
-    {"worst_error", "", "worst error", "", "{:.1e}", &Row::worst},
-    {"off_1e4", "", "off by > 1e-4", "", "{:.0f}", &Row::off},
+    {"ratio_to_scalar", "ratio", "times scalar", "{:.2f}", [](auto& r) { return r.scalar / r.seconds; }},
+    {"worst_error", "", "worst error", "{:.1e}", &Row::worst},
+    {"off_1e4", "", "off by > 1e-4", "{:.0f}", &Row::off},
 };
 
 /// How late a planner answers, against one deadline.
@@ -54,16 +54,15 @@ double within_5ms(const std::vector<double>& times) {
   return double(std::count_if(times.begin(), times.end(), [](double x) { return x <= 5e-3; })) / double(times.size());
 }
 const Quantities<Lateness> kLatenessQuantities = {
-    {"objective", "objective", "objective", "", {}, &Lateness::objective},
-    {"deadline_s", "deadline", "deadline", "s", "{:g}", &Lateness::deadline},
-    {"calls", "", "calls", "", {}, [](auto& l) { return l.over.size(); }},
-    {"median_late_ms", "", "late, median", "ms", "{:.2f}", [](auto& l) { return l.at(0.5); }},
-    {"q999_late_ms", "", "99.9 %", "ms", "{:.2f}", [](auto& l) { return l.at(0.999); }},
-    {"worst_late_ms", "worst_late_ms", "worst", "ms", "{:.2f}", [](auto& l) { return l.at(1); }},
-    {"within_5ms", "within_5ms", "within 5 ms", "", "{:.3f}", [](auto& l) { return within_5ms(l.over); }},
-    {"own_within_5ms", "own_within_5ms", "by the core's own time", "", "{:.3f}",
-     [](auto& l) { return within_5ms(l.own); }},
-    {"found", "found", "answered", "", {}, &Lateness::found},
+    {"objective", "objective", "objective", {}, &Lateness::objective},
+    {"deadline_s", "deadline", "deadline [s]", "{:g}", &Lateness::deadline},
+    {"calls", "", "calls", {}, [](auto& l) { return l.over.size(); }},
+    {"median_late_ms", "", "late, median [ms]", "{:.2f}", [](auto& l) { return l.at(0.5); }},
+    {"q999_late_ms", "", "99.9 % [ms]", "{:.2f}", [](auto& l) { return l.at(0.999); }},
+    {"worst_late_ms", "worst_late_ms", "worst [ms]", "{:.2f}", [](auto& l) { return l.at(1); }},
+    {"within_5ms", "within_5ms", "within 5 ms", "{:.3f}", [](auto& l) { return within_5ms(l.over); }},
+    {"own_within_5ms", "own_within_5ms", "by the core's own time", "{:.3f}", [](auto& l) { return within_5ms(l.own); }},
+    {"found", "found", "answered", {}, &Lateness::found},
 };
 
 std::vector<Row> throughput(const Scene& scene, const SeaParameters<double>& sea, int repetitions, const Run& run) {

@@ -71,16 +71,16 @@ struct Entry {
   int converged = 0;
 };
 const Quantities<Entry> kEntryQuantities = {
-    {"method", "method", "method", "", {}, &Entry::method},
-    {"setting", "setting", "step or accuracy", "", "{:g}", &Entry::setting},
-    {"trials", "trials", "trials", "", {}, &Entry::trials},
-    {"bias", "bias", "bias", "", "{:.1e}", &Entry::bias},
-    {"scatter", "", "scatter", "", "{:.1e}", &Entry::scatter},
-    {"bias_z", "bias_z", "bias in standard errors", "", "{:.2f}", &Entry::bias_z},
-    {"derivative_error", "derivative_error", "derivative error", "", "{:.1e}", &Entry::derivative_error},
-    {"time_ms", "", "time", "ms", "{:.1f}", [](auto& e) { return 1e3 * e.seconds; }},
-    {"converged", "converged", "", "", {}, &Entry::converged},
-    {"", "time_s", "", "", {}, &Entry::seconds},
+    {"method", "method", "method", {}, &Entry::method},
+    {"setting", "setting", "step or accuracy", "{:g}", &Entry::setting},
+    {"trials", "trials", "trials", {}, &Entry::trials},
+    {"bias", "bias", "bias", "{:.1e}", &Entry::bias},
+    {"scatter", "", "scatter", "{:.1e}", &Entry::scatter},
+    {"bias_z", "bias_z", "bias in standard errors", "{:.2f}", &Entry::bias_z},
+    {"derivative_error", "derivative_error", "derivative error", "{:.1e}", &Entry::derivative_error},
+    {"time_ms", "", "time [ms]", "{:.1f}", [](auto& e) { return 1e3 * e.seconds; }},
+    {"converged", &Entry::converged},
+    {"", "time_s", &Entry::seconds},
 };
 
 /// The shipped rig, its logs, and what they would be without noise under Table 2.

@@ -49,17 +49,17 @@ struct Entry {
 };
 
 const Quantities<Entry> kEntryQuantities = {
-    {"scene", "", "", "", {}, &Entry::scene},
-    {"method", "method", "method", "", {}, [](auto& e) { return name(e.method); }},
-    {"setting", "setting", "step or accuracy", "", "{:g}", &Entry::setting},
-    {"peak_error", "peak_error", "peak", "", "{:.1e}", [](auto& e) { return e.errors.peak; }},
-    {"touchdown_error", "touchdown_error", "touchdown", "s", "{:.1e}", [](auto& e) { return e.errors.touchdown; }},
-    {"state_error", "state_error", "state", "", "{:.1e}", [](auto& e) { return e.errors.state; }},
-    {"time_us", "", "time", "us", "{:.1f}", [](auto& e) { return e.seconds * 1e6; }},
-    {"", "time_s", "", "", {}, &Entry::seconds},
-    {"rhs", "rhs", "right-hand sides", "", "{:.0f}", &Entry::rhs},
-    {"events", "", "", "", {}, &Entry::events},
-    {"failed", "failed", "failed", "", {}, &Entry::failed},
+    {"scene", "", &Entry::scene},
+    {"method", "method", "method", {}, [](auto& e) { return name(e.method); }},
+    {"setting", "setting", "step or accuracy", "{:g}", &Entry::setting},
+    {"peak_error", "peak_error", "peak", "{:.1e}", [](auto& e) { return e.errors.peak; }},
+    {"touchdown_error", "touchdown_error", "touchdown [s]", "{:.1e}", [](auto& e) { return e.errors.touchdown; }},
+    {"state_error", "state_error", "state", "{:.1e}", [](auto& e) { return e.errors.state; }},
+    {"time_us", "", "time [us]", "{:.1f}", [](auto& e) { return e.seconds * 1e6; }},
+    {"", "time_s", &Entry::seconds},
+    {"rhs", "rhs", "right-hand sides", "{:.0f}", &Entry::rhs},
+    {"events", "", &Entry::events},
+    {"failed", "failed", "failed", {}, &Entry::failed},
 };
 
 /// An error against time, a curve a method.
@@ -73,7 +73,7 @@ std::vector<Series> curves(const std::vector<Entry>& entries, double Errors::*er
 }
 
 /// A scene's cases behind one face: `run(i, method, setting, errors)` follows case i, returns its work, and fills the
-/// errors where they are asked for.
+/// errors where `errors` is not null.
 struct Bench {
   std::string name, reference;
   int cases = 0;

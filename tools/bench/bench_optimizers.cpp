@@ -7,172 +7,20 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <span>
-#include <tuple>
 
-#include "common/actuator.hpp"
-#include "common/error.hpp"
 #include "common/median.hpp"
-#include "common/parallel.hpp"
-#include "landing/model/scene_file.hpp"
-#include "landing/search/optimize.hpp"
 #include "landing/search/solvers.hpp"
-#include "tools/bench/bench.hpp"
-#include "tools/program/arguments.hpp"
+#include "tools/bench/bench_searches.hpp"
 #include "tools/report/report.hpp"
 
 namespace ukemi::tools {
 
-using namespace landing;
-
 namespace {
 
-constexpr auto& kScenes = kShippedScenes;
-constexpr std::array<const char*, 2> kGoals = {"peak", "tolerant"};
-constexpr std::array<double, 5> kMarks = {100, 300, 1'000, 5'000, 20'000};
 constexpr double kNothing = std::numeric_limits<double>::infinity();  ///< the gap of a search that found nothing
 constexpr double kLevel = 0.002;                                      ///< two gaps this near are level
 constexpr double kDrawn = 1e-5;                                       ///< smaller ones are drawn there
-
-/// What a row of optimizers.csv tells of a search; after_N: its best after N motions, by its own accuracy. Nothing
-/// found, or not known: NaN, an empty cell.
-enum Found { kTime, kEvaluations, kLandings, kValue, kPhiI, kPhiF, kDuration, kAfter, kFound = kAfter + kMarks.size() };
-constexpr std::array<const char*, kFound> kColumns = {"time_s",    "evaluations", "landings",   "value",
-                                                      "phi_i_deg", "phi_f_deg",   "duration",   "after_100",
-                                                      "after_300", "after_1000",  "after_5000", "after_20000"};
-
-/// One search by one solver on one core.
-struct Trial {
-  std::size_t scene, goal;
-  std::string solver;
-  std::uint64_t seed;
-  double budget;  ///< [s]
-  std::array<double, kFound> found;
-
-  bool operator<(const Trial& o) const { return key() < o.key(); }
-  std::tuple<std::size_t, std::size_t, const std::string&, std::uint64_t, double> key() const {
-    return {scene, goal, solver, seed, budget};
-  }
-};
-
-std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaParameters<double>& sea) {
-  OptimizeOptions o;
-  o.solver = t.solver, o.goal = Goal(int(t.goal)), o.deadline = t.budget, o.threads = 1;
-  o.time = Stopwatch::Time::kProcessor;
-  o.seed = t.seed, o.tolerance_samples = 0;
-  const Optimum r = optimize(scene, sea, o);
-  std::array<double, kFound> found;
-  found.fill(std::numeric_limits<double>::quiet_NaN());
-  found[kTime] = r.seconds, found[kEvaluations] = double(r.evaluations), found[kLandings] = double(r.landings);
-  for (const Progress& p : r.progress)
-    for (std::size_t m = 0; m < kMarks.size(); ++m)
-      if (double(p.motions) <= kMarks[m] && p.best.value < kNoMotion) found[kAfter + m] = p.best.value;
-  if (!r.found) return found;
-  found[kValue] = r.value, found[kDuration] = r.motion.duration;
-  found[kPhiI] = r.motion.phi_i * kDegrees, found[kPhiF] = r.motion.phi_f * kDegrees;
-  return found;
-}
-
-std::size_t one_of(std::span<const char* const> names, const std::string& name, const Location& where) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    throw InputError(where, fmt::format("'{}': one of {} is needed", name, fmt::join(names, ", ")));
-  return std::size_t(found - names.begin());
-}
-
-std::size_t column(const CsvTable& table, const char* name) { return std::size_t(table.require(name)); }
-
-std::uint64_t seed_at(const CsvTable& table, std::size_t c, std::size_t row) {
-  const std::string& cell = table.texts[c][row];
-  if (cell.empty()) throw InputError(table.at(int(c), row), "column 'seed': empty: a whole number is needed");
-  return to_seed(table.at(int(c), row).text() + ": column 'seed'", cell);
-}
-
-/// The searches that an earlier run's optimizers.csv holds.
-std::vector<Trial> read_trials(const std::string& path) {
-  const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused,
-                                  {"scene", "objective", "solver", "seed"});
-  const std::size_t scene = column(table, "scene"), goal = column(table, "objective"), solver = column(table, "solver"),
-                    seed = column(table, "seed"), budget = column(table, "budget_s");
-  column(table, kColumns[kValue]);
-  table.require_full(int(budget));
-  std::vector<Trial> trials;
-  for (std::size_t i = 0; i < table.rows(); ++i) {
-    Trial t{one_of(kScenes, table.texts[scene][i], table.at(int(scene), i)),
-            one_of(kGoals, table.texts[goal][i], table.at(int(goal), i)),
-            table.texts[solver][i],
-            seed_at(table, seed, i),
-            table.columns[budget][i],
-            {}};
-    for (std::size_t k = 0; k < kFound; ++k) {
-      const int c = table.find(kColumns[k]);
-      t.found[k] = c < 0 ? std::numeric_limits<double>::quiet_NaN() : table.columns[std::size_t(c)][i];
-    }
-    trials.push_back(t);
-  }
-  return trials;
-}
-
-/// The best that any search has found, ours or an earlier one's: [scene][goal], datasets/best_known.csv.
-using BestKnown = std::array<std::array<double, kGoals.size()>, kScenes.size()>;
-BestKnown best_known(const std::string& path) {
-  const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene"});
-  if (table.rows() != kScenes.size()) throw InputError(path + ": a row for each of the ten scenes is needed");
-  const std::size_t scene = column(table, "scene");
-  for (const char* goal : kGoals) table.require_full(table.require(goal));
-  BestKnown best{};
-  std::array<bool, kScenes.size()> known{};
-  for (std::size_t i = 0; i < table.rows(); ++i) {
-    const Location where = table.at(int(scene), i);
-    const std::size_t s = one_of(kScenes, table.texts[scene][i], where);
-    if (std::exchange(known[s], true)) throw InputError(where, quoted(kScenes[s]) + ": the scene is given twice");
-    for (std::size_t g = 0; g < kGoals.size(); ++g) best[s][g] = table.columns[column(table, kGoals[g])][i];
-  }
-  return best;
-}
-
-/// What is asked for.
-struct Cases {
-  std::vector<std::string> solvers;
-  std::vector<double> times;  ///< [s], increasing
-  std::uint64_t first_seed;
-  int seeds;
-};
-
-/// Every search of the cases; those of `earlier` runs are taken from there.
-std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, const Run& run) {
-  std::stable_sort(earlier.begin(), earlier.end());
-  std::vector<Trial> trials;
-  std::vector<std::size_t> open;
-  double seconds = 0;
-  for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
-    for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
-      for (const std::string& solver : cases.solvers)
-        for (int s = 0; s < cases.seeds; ++s)
-          for (const double t : cases.times) {
-            trials.push_back({scene, goal, solver, cases.first_seed + std::uint64_t(s), t, {}});
-            const auto same = std::lower_bound(earlier.begin(), earlier.end(), trials.back());
-            if (same != earlier.end() && same->key() == trials.back().key())
-              trials.back() = *same;
-            else
-              open.push_back(trials.size() - 1), seconds += t;
-          }
-  run.info(fmt::format("{} searches, {} from earlier runs; about {:.0f} s on one core", trials.size(),
-                       trials.size() - open.size(), seconds));
-  const Actuator actuator = read_actuator(dataset("actuators/table2.toml"));
-  std::vector<Scene> scenes;
-  for (const char* name : kScenes) scenes.push_back(read_scene(dataset(fmt::format("scenes/{}.toml", name))));
-  std::mutex mutex;
-  long done = 0;
-  parallel_for(int(open.size()), run.options().threads, [&](int i) {
-    Trial& t = trials[open[std::size_t(i)]];
-    t.found = search(t, scenes[t.scene], actuator.sea);
-    const std::lock_guard lock(mutex);
-    run.progress("searches", ++done, long(open.size()));
-  });
-  return trials;
-}
 
 double gap_of(const Trial& t, std::size_t column, const BestKnown& best) {
   return std::isnan(t.found[column]) ? kNothing : t.found[column] / best[t.scene][t.goal] - 1;
@@ -193,50 +41,57 @@ AllGaps gaps_of(const std::vector<Trial>& trials, const std::vector<double>& tim
     by_time[std::size_t(k)][t.scene].push_back(gap_of(t, kValue, best));
     Gaps& by_motions = gaps.after_motions[t.goal][t.solver];
     by_motions.resize(kMarks.size());
-    const bool told = std::isnan(t.found[kValue]) || !std::isnan(t.found[kAfter + kMarks.size() - 1]);
-    if (t.budget == times.back() && told)
+    const bool known = std::isnan(t.found[kValue]) || !std::isnan(t.found[kAfter + kMarks.size() - 1]);
+    if (t.budget == times.back() && known)
       for (std::size_t m = 0; m < kMarks.size(); ++m) by_motions[m][t.scene].push_back(gap_of(t, kAfter + m, best));
   }
   return gaps;
 }
 
-/// Of one solver on one scene, over the seeds.
+/// The gaps of one solver with one budget on one scene, over the seeds; nothing found: infinite.
 struct Range {
+  std::string scene, goal, solver;
+  double budget;
+  std::size_t seeds;
   double middle, least, largest;
 };
-Range range_of(const std::vector<double>& seeds) {
+const Quantities<Range> kRangeQuantities = {{"scene", "", &Range::scene},   {"objective", "", &Range::goal},
+                                            {"solver", "", &Range::solver}, {"budget_s", "", &Range::budget},
+                                            {"seeds", "", &Range::seeds},   {"median", "", &Range::middle},
+                                            {"least", "", &Range::least},   {"largest", "", &Range::largest}};
+Range range_of(const std::vector<double>& seeds, Range of = {}) {
   const auto [low, high] = std::minmax_element(seeds.begin(), seeds.end());
-  return {median(seeds), *low, *high};
+  of.seeds = seeds.size(), of.middle = median(seeds), of.least = *low, of.largest = *high;
+  return of;
+}
+
+Quantities<Trial> trial_quantities(const BestKnown& best) {
+  Quantities<Trial> out = {{"scene", "", [](auto& t) { return kScenes[t.scene]; }},
+                           {"objective", "", [](auto& t) { return kGoals[t.goal]; }},
+                           {"solver", "", &Trial::solver},
+                           {"seed", "", [](auto& t) { return std::to_string(t.seed); }},
+                           {"budget_s", "", &Trial::budget},
+                           {"gap", "", [&best](auto& t) { return gap_of(t, kValue, best); }}};
+  for (std::size_t k = 0; k < kFound; ++k) out.push_back({kColumns[k], "", [k](auto& t) { return t.found[k]; }});
+  return out;
 }
 
 /// optimizers.csv: every search; gaps.csv: median and range over the seeds; best_known.csv.
 void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, const AllGaps& gaps,
                const BestKnown& best) {
-  CsvWriter csv = run.csv(), ranges = run.csv(), known = run.csv();
-  std::vector<std::string> header = {"scene", "objective", "solver", "seed", "budget_s", "gap"};
-  header.insert(header.end(), kColumns.begin(), kColumns.end());
-  csv.header(header);
-  for (const Trial& t : trials) {
-    csv.cell(kScenes[t.scene]).cell(kGoals[t.goal]).cell(t.solver).cell(std::to_string(t.seed)).cell(t.budget);
-    csv.cell(gap_of(t, kValue, best));
-    for (const double x : t.found) csv.cell(x);
-    csv.end_row();
-  }
-  ranges.comment("The gap to the best known over the seeds of each search; nothing found: empty.");
-  ranges.header({"scene", "objective", "solver", "budget_s", "seeds", "median", "least", "largest"});
+  run.add("optimizers.csv", Table(trial_quantities(best), trials).csv(run));
+  std::vector<Range> ranges;
   for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
     for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
       for (const std::string& solver : cases.solvers)
-        for (std::size_t k = 0; k < cases.times.size(); ++k) {
-          const std::vector<double>& seeds = gaps.after_time[goal].at(solver)[k][scene];
-          const Range r = range_of(seeds);
-          ranges.cell(kScenes[scene]).cell(kGoals[goal]).cell(solver).cell(cases.times[k]).cell(long(seeds.size()));
-          ranges.cell(r.middle).cell(r.least).cell(r.largest).end_row();
-        }
+        for (std::size_t k = 0; k < cases.times.size(); ++k)
+          ranges.push_back(range_of(gaps.after_time[goal].at(solver)[k][scene],
+                                    {kScenes[scene], kGoals[goal], solver, cases.times[k]}));
+  run.add("gaps.csv", Table(kRangeQuantities, ranges)
+                          .csv(run, "The gap to the best known over the seeds of each search; nothing found: empty."));
+  CsvWriter known = run.csv();
   known.header({"scene", "peak", "tolerant"});
   for (std::size_t i = 0; i < kScenes.size(); ++i) known.cell(kScenes[i]).cell(best[i][0]).cell(best[i][1]).end_row();
-  run.add("optimizers.csv", csv.text());
-  run.add("gaps.csv", ranges.text());
   run.add("best_known.csv", known.text());
 }
 
@@ -290,10 +145,10 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
       std::vector<double> of_scenes;
       for (const std::vector<double>& seeds : gaps.at(solver)[k])
         if (!seeds.empty()) of_scenes.push_back(median(seeds));
-      const bool told = of_scenes.size() == kScenes.size();
-      const double middle = told ? median(of_scenes) : kNothing;
+      const bool complete = of_scenes.size() == kScenes.size();
+      const double middle = complete ? median(of_scenes) : kNothing;
       json[solver].push_back(number(middle));
-      rows.back().push_back(told ? fmt::format("{} ({})", percent(middle, 2),
+      rows.back().push_back(complete ? fmt::format("{} ({})", percent(middle, 2),
                                                percent(*std::max_element(of_scenes.begin(), of_scenes.end()), 0))
                                  : "");
       if (std::isfinite(middle))
@@ -313,8 +168,8 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
   Run run("bench optimizers", common);
   Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds};
-  if (cases.solvers.empty()) cases.solvers = solver_names();
-  for (const std::string& s : cases.solvers) check_solver(s);
+  if (cases.solvers.empty()) cases.solvers = landing::solver_names();
+  for (const std::string& s : cases.solvers) landing::check_solver(s);
   std::vector<double>& times = cases.times;
   if (times.empty()) times = {0.03, 0.1, 0.3, 1};
   std::sort(times.begin(), times.end());
@@ -350,7 +205,7 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
     }
     report.paragraph(
         "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
-        "NLopt's solvers ask for one motion at a time.");
+        "NLopt's solvers evaluate one motion at a time.");
     of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoals[goal]), cases.solvers,
                                  gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
   }

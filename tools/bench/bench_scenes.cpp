@@ -113,6 +113,51 @@ std::optional<double> instructions(const std::string& only) {
   return out;
 }
 
+/// What an omission saves.
+struct Saving {
+  const Omission* omission;
+  double difference = 0;  ///< largest relative, of the peaks
+  std::optional<double> instructions_with, instructions_without;
+  double us_with = 0, us_without = 0;  ///< median [us]
+
+  bool equal() const { return difference <= omission->tolerance; }
+};
+std::string saved(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100 * share); }
+const Quantities<Saving> kSavingQuantities = {
+    {"omission", "", "omission", {}, [](auto& s) { return s.omission->name; }},
+    {"", "", "what is left out", {}, [](auto& s) { return s.omission->what; }},
+    {"instructions_with", "instructions_with", "instructions with", "{:.0f}",
+     [](auto& s) { return number(s.instructions_with); }},
+    {"instructions_without", "instructions_without", "without", "{:.0f}",
+     [](auto& s) { return number(s.instructions_without); }},
+    {"", "", "saved", saved,
+     [](auto& s) { return 1 - s.instructions_without.value_or(NAN) / s.instructions_with.value_or(NAN); }},
+    {"time_us_with", "", "time with [us]", "{:.1f}", &Saving::us_with},
+    {"time_us_without", "", "without [us]", "{:.1f}", &Saving::us_without},
+    {"", "with/time_s", [](auto& s) { return s.us_with * 1e-6; }},
+    {"", "without/time_s", [](auto& s) { return s.us_without * 1e-6; }},
+    {"", "", "saved", saved, [](auto& s) { return 1 - s.us_without / s.us_with; }},
+    {"difference", "difference", "difference of the peaks", "{:.1e}", &Saving::difference},
+    {"allowed", "allowed", "allowed", "{:g}", [](auto& s) { return s.omission->tolerance; }},
+    {"", "", "why", {}, [](auto& s) { return s.omission->why; }},
+};
+
+Saving measure(const Omission& o, int repetitions) {
+  Saving out{&o};
+  for (int i = 0; i < kLandings; ++i) out.difference = std::max(out.difference, std::abs(o.with(i) / o.without(i) - 1));
+  std::vector<double> with, without;
+  for (int r = 0; r < repetitions; ++r)
+    for (auto [side, us] : {std::pair{&o.with, &with}, {&o.without, &without}}) {
+      const Stopwatch watch(Stopwatch::Time::kProcess);
+      (void)ukemi_bench_side(*side);
+      us->push_back(1e6 * watch.seconds() / kLandings);
+    }
+  out.us_with = median(with), out.us_without = median(without);
+  out.instructions_with = instructions(o.name + "/with");
+  out.instructions_without = instructions(o.name + "/without");
+  return out;
+}
+
 }  // namespace
 
 int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
@@ -125,57 +170,17 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
     throw InputError("--only: " + quoted(a.only) + ": no such omission");
   }
   Run run("bench scenes", common);
-  CsvWriter csv = run.csv();
-  csv.comment(
-      "A landing each: instructions (callgrind), time_us (median, processor time); difference: largest relative, of "
-      "the peaks.");
-  csv.header({"omission", "instructions_with", "instructions_without", "time_us_with", "time_us_without", "difference",
-              "allowed"});
+  std::vector<Saving> savings;
+  for (const Omission& o : list) savings.push_back(measure(o, a.repetitions));
   Report report("What a scene does not need");
-  std::vector<std::vector<std::string>> rows;
+  const Table table(kSavingQuantities, savings);
+  (void)tell(table, report, run, "scenes.csv",
+             "A landing each: instructions (callgrind), time_us (median, processor time); difference: largest "
+             "relative, of the peaks.");
   Json summary;
-  int unequal = 0;
-  run.say(fmt::format("{:<18} {:>12} {:>12} {:>7} {:>9} {:>9} {:>7} {:>10}", "omission", "instr with", "without",
-                      "saved", "us with", "without", "saved", "difference"));
-  for (const Omission& o : list) {
-    double difference = 0;
-    for (int i = 0; i < kLandings; ++i) {
-      const double with = o.with(i), without = o.without(i);
-      difference = std::max(difference, std::abs(with / without - 1));
-    }
-    unequal += difference > o.tolerance;
-    std::vector<double> with(std::size_t(a.repetitions)), without = with;
-    for (std::size_t r = 0; r < with.size(); ++r)
-      for (auto [side, seconds] : {std::pair{&o.with, &with[r]}, {&o.without, &without[r]}}) {
-        const Stopwatch watch(Stopwatch::Time::kProcess);
-        (void)ukemi_bench_side(*side);
-        *seconds = watch.seconds() / kLandings;
-      }
-    const double us_with = 1e6 * median(with), us_without = 1e6 * median(without);
-    const auto i_with = instructions(o.name + "/with"), i_without = instructions(o.name + "/without");
-    const auto saved = [](double x, double y) { return fmt::format("{:.1f} %", 100 * (1 - y / x)); };
-    const std::string count_with = i_with ? fmt::format("{:.0f}", *i_with) : "-",
-                      count_without = i_without ? fmt::format("{:.0f}", *i_without) : "-",
-                      count_saved = i_with && i_without ? saved(*i_with, *i_without) : "-",
-                      equal = difference == 0 ? "none" : fmt::format("{:.1e}", difference);
-    run.say(fmt::format("{:<18} {:>12} {:>12} {:>7} {:>9.1f} {:>9.1f} {:>7} {:>10}", o.name, count_with, count_without,
-                        count_saved, us_with, us_without, saved(us_with, us_without), equal));
-    csv.cell(o.name).cell(i_with.value_or(NAN)).cell(i_without.value_or(NAN)).cell(us_with).cell(us_without);
-    csv.cell(difference).cell(o.tolerance);
-    csv.end_row();
-    rows.push_back({o.name, o.what, count_saved, saved(us_with, us_without), equal,
-                    o.tolerance == 0 ? "bit for bit: " + o.why : fmt::format("{:g}: {}", o.tolerance, o.why)});
-    summary[o.name] = {{"instructions_with", number(i_with)},
-                       {"instructions_without", number(i_without)},
-                       {"difference", difference},
-                       {"allowed", o.tolerance},
-                       {"with", {{"time_s", us_with * 1e-6}}},
-                       {"without", {{"time_s", us_without * 1e-6}}}};
-  }
-  report.table(
-      {"omission", "what is left out", "instructions saved", "time saved", "difference of the peaks", "allowed"}, rows);
-  run.add("scenes.csv", csv.text());
+  for (std::size_t i = 0; i < list.size(); ++i) summary[list[i].name] = table.object(i);
   run.add("report.html", report.html(run.provenance()));
+  const auto unequal = std::count_if(savings.begin(), savings.end(), [](const Saving& s) { return !s.equal(); });
   if (unequal > 0) run.warn(fmt::format("{} omissions change a peak by more than they may", unequal));
   return run.finish(summary, unequal > 0 ? kNumbers : kDone);
 }

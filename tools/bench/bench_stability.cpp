@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <mutex>
+#include <numeric>
 
 #include "common/actuator.hpp"
 #include "common/parallel.hpp"
@@ -21,170 +22,186 @@ namespace ukemi::tools {
 
 namespace {
 
+using landing::CrossCheck;
+using landing::StabilityCase;
+using landing::StabilityResult;
+using landing::Verdict;
+
+std::string in_quotes(const std::string& text) { return "\"" + text + "\""; }
+
+/// How many of a group of landings came to which verdict.
 struct Tally {
-  int pass = 0, sensitive = 0, coarse = 0, refused = 0, wrong = 0;
-  void count(landing::Verdict v) {
-    ++(v == landing::Verdict::kPass        ? pass
-       : v == landing::Verdict::kSensitive ? sensitive
-       : v == landing::Verdict::kCoarse    ? coarse
-       : v == landing::Verdict::kRefused   ? refused
-                                           : wrong);
-  }
-  int all() const { return pass + sensitive + coarse + refused + wrong; }
-  Json json() const {
-    return {{"cases", all()},   {"pass", pass},       {"sensitive", sensitive},
-            {"coarse", coarse}, {"refused", refused}, {"wrong", wrong}};
-  }
+  std::string group;
+  std::array<int, 5> counts{};                 ///< by Verdict
+  double scalar_passed = 0, lanes_passed = 0;  ///< largest difference of those that agree, of three ways
+
+  int& of(Verdict v) { return counts[std::size_t(v)]; }
+  int of(Verdict v) const { return counts[std::size_t(v)]; }
+  int all() const { return std::accumulate(counts.begin(), counts.end(), 0); }
+};
+Quantities<Tally> tally_quantities(const char* group) {
+  Quantities<Tally> out = {{"", "", group, {}, &Tally::group}, {"", "cases", "cases", {}, &Tally::all}};
+  for (const Verdict v : {Verdict::kPass, Verdict::kSensitive, Verdict::kCoarse, Verdict::kRefused, Verdict::kWrong})
+    out.push_back({"", name(v), name(v), {}, [v](const Tally& t) { return t.of(v); }});
+  return out;
+}
+
+/// A landing of the grid, with what it took.
+struct GridResult : StabilityCase, StabilityResult {
+  double seconds = 0;
+};
+const Quantities<GridResult> kGridQuantities = {
+    {"factor", "", "factor", {}, &GridResult::factor},
+    {"setting", "", "setting", {}, [](auto& r) { return in_quotes(r.setting); }},
+    {"verdict", "", "verdict", {}, [](auto& r) { return name(r.verdict); }},
+    {"reason", "", "why", {}, [](auto& r) { return in_quotes(r.reason); }},
+    {"peak", "", &GridResult::peak},
+    {"energy_residual", "", "energy", "{:.1e}", &GridResult::energy_residual},
+    {"halving", "", "halving", "{:.1e}", &GridResult::halving},
+    {"sensitivity", "", "change for 1e-6", "{:.1e}", &GridResult::sensitivity},
+    {"steps", "", [](auto& r) { return r.work.steps; }},
+    {"implicit_steps", "", [](auto& r) { return r.work.implicit; }},
+    {"events", "", [](auto& r) { return r.work.events; }},
+    {"time_s", "", &GridResult::seconds},
 };
 
-Json landings(const BenchArguments& a, Run& run, Report& report) {
+std::vector<GridResult> grid_results(const BenchArguments& a, const Run& run) {
   using namespace landing;
-  const Scene scene = read_scene(dataset("scenes/paper.toml"));
-  const SeaParameters<double> sea = read_actuator(dataset("actuators/table2.toml")).sea;
-  const auto grid = stability_grid(scene, sea, a.random, run.options().seed);
-  std::vector<StabilityResult> results(grid.size());
-  std::vector<double> seconds(grid.size());
+  const std::vector<StabilityCase> grid =
+      stability_grid(read_scene(dataset("scenes/paper.toml")), read_actuator(dataset("actuators/table2.toml")).sea,
+                     a.random, run.options().seed);
+  std::vector<GridResult> out(grid.size());
   std::mutex mutex;
   long done = 0;
   parallel_for(int(grid.size()), run.options().threads, [&](int i) {
-    results[std::size_t(i)] = judge(grid[std::size_t(i)]);
-    SimulateOptions once;
-    once.max_steps = StabilityLimits{}.max_steps;
+    const StabilityCase& c = grid[std::size_t(i)];
+    GridResult& r = out[std::size_t(i)];
+    static_cast<StabilityCase&>(r) = c, static_cast<StabilityResult&>(r) = judge(c);
     const Stopwatch watch(Stopwatch::Time::kProcessor);
-    (void)peak_acceleration(grid[std::size_t(i)].scene, grid[std::size_t(i)].sea, grid[std::size_t(i)].motion, once);
-    seconds[std::size_t(i)] = watch.seconds();
+    (void)peak_acceleration(c.scene, c.sea, c.motion, {.max_steps = StabilityLimits{}.max_steps});
+    r.seconds = watch.seconds();
     const std::lock_guard lock(mutex);
     run.progress("stability", ++done, long(grid.size()));
   });
+  return out;
+}
 
-  CsvWriter csv = run.csv();
-  csv.comment(
-      "peak [m/s^2]; energy_residual: over the energy turned over; halving: relative change of the peak with half the "
-      "tolerance; sensitivity: relative change with the scene moved by 1e-6, measured where halving fails; time_s of a "
-      "landing.");
-  csv.header({"factor", "setting", "verdict", "reason", "peak", "energy_residual", "halving", "sensitivity", "steps",
-              "implicit_steps", "events", "time_s"});
-  Tally all;
-  std::vector<std::pair<std::string, Tally>> map;
+Json landings(const BenchArguments& a, Run& run, Report& report) {
+  const std::vector<GridResult> results = grid_results(a, run);
+  Tally all{"all"};
+  std::vector<Tally> map;
   double worst_energy = 0, worst_halving = 0, longest = 0;
   long most_steps = 0;
-  std::vector<std::vector<std::string>> notable;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    const StabilityCase& c = grid[i];
-    const StabilityResult& r = results[i];
-    csv.cell(c.factor).cell("\"" + c.setting + "\"").cell(name(r.verdict)).cell("\"" + r.reason + "\"").cell(r.peak);
-    csv.cell(r.energy_residual).cell(r.halving).cell(r.sensitivity).cell(r.work.steps).cell(r.work.implicit);
-    csv.cell(r.work.events).cell(seconds[i]);
-    csv.end_row();
-    all.count(r.verdict);
-    if (map.empty() || map.back().first != c.factor) map.emplace_back(c.factor, Tally{});
-    map.back().second.count(r.verdict);
+  std::vector<GridResult> notable;
+  for (const GridResult& r : results) {
+    if (map.empty() || map.back().group != r.factor) map.push_back({r.factor});
+    ++map.back().of(r.verdict), ++all.of(r.verdict);
     if (r.verdict != Verdict::kRefused) worst_energy = std::max(worst_energy, r.energy_residual);
-    if (r.verdict == Verdict::kPass) worst_halving = std::max(worst_halving, r.halving);
-    longest = std::max(longest, seconds[i]), most_steps = std::max(most_steps, r.work.steps);
-    if (r.verdict != Verdict::kPass)
-      notable.push_back({c.factor, c.setting, name(r.verdict),
-                         r.verdict == Verdict::kSensitive ? fmt::format("{:.1e} for 1e-6", r.sensitivity) : r.reason,
-                         fmt::format("{:.1e}", r.halving), fmt::format("{:.1e}", r.energy_residual)});
+    if (r.verdict == Verdict::kPass)
+      worst_halving = std::max(worst_halving, r.halving);
+    else
+      notable.push_back(r);
+    longest = std::max(longest, r.seconds), most_steps = std::max(most_steps, r.work.steps);
   }
-  run.add("stability.csv", csv.text());
+  map.push_back(all);
+  run.add("stability.csv",
+          Table(kGridQuantities, results)
+              .csv(run,
+                   "peak [m/s^2]; energy_residual: over the energy turned over; halving: relative change of the peak "
+                   "with half the tolerance; sensitivity: relative change with the scene moved by 1e-6, measured where "
+                   "halving fails; time_s of a landing."));
   report.heading("Landings");
-  report.paragraph(
-      fmt::format("{} landings: {} pass, {} sensitive, {} refused ({:.1f} %), {} wrong. Worst energy residual of those "
-                  "followed {:.1e}, "
-                  "largest change by halving of those that pass {:.1e}, most steps {}, longest landing {:.2f} s.",
-                  all.all(), all.pass, all.sensitive, all.refused, 100.0 * all.refused / all.all(), all.wrong,
-                  worst_energy, worst_halving, most_steps, longest));
-  std::vector<std::vector<std::string>> rows;
-  run.say(fmt::format("{:<12} {:>6} {:>6} {:>10} {:>8} {:>6}", "landings", "cases", "pass", "sensitive", "refused",
-                      "wrong"));
-  map.emplace_back("all", all);
-  for (const auto& [factor, t] : map) {
-    rows.push_back({factor, std::to_string(t.all()), std::to_string(t.pass), std::to_string(t.sensitive),
-                    std::to_string(t.refused), std::to_string(t.wrong)});
-    run.say(
-        fmt::format("{:<12} {:>6} {:>6} {:>10} {:>8} {:>6}", factor, t.all(), t.pass, t.sensitive, t.refused, t.wrong));
-  }
-  run.say(
-      fmt::format("worst energy residual {:.1e}, halving {:.1e} among the passed; at most {} steps, {:.2f} s a landing",
-                  worst_energy, worst_halving, most_steps, longest));
-  report.table({"factor", "cases", "pass", "sensitive", "refused", "wrong"}, rows);
+  (void)tell(Table(tally_quantities("factor"), map), report, run);
+  const std::string worst = fmt::format(
+      "Worst energy residual of those followed {:.1e}, largest change by halving of those that pass {:.1e}; at most {} "
+      "steps, {:.2f} s a landing.",
+      worst_energy, worst_halving, most_steps, longest);
+  run.say(worst), report.paragraph(worst);
   report.heading("All that do not simply pass");
-  report.table({"factor", "setting", "verdict", "why", "halving", "energy"}, notable);
-  Json out = all.json();
+  report.table(Table(kGridQuantities, notable));
+  Json out = Table::of(tally_quantities(""), all).object();
   out["worst_energy_residual"] = worst_energy, out["most_steps"] = most_steps;
+  return out;
+}
+
+/// A landing that did not simply agree, three ways.
+struct Disagreement : CrossCheck {
+  std::string group, index;
+};
+const Quantities<Disagreement> kDisagreementQuantities = {{"group", "", &Disagreement::group},
+                                                          {"index", "", &Disagreement::index},
+                                                          {"verdict", "", [](auto& d) { return name(d.verdict); }},
+                                                          {"reason", "", [](auto& d) { return in_quotes(d.reason); }},
+                                                          {"scalar", "", &Disagreement::scalar},
+                                                          {"lanes", "", &Disagreement::lanes},
+                                                          {"tight", "", &Disagreement::tight},
+                                                          {"scalar_difference", "", &Disagreement::scalar_difference},
+                                                          {"lanes_difference", "", &Disagreement::lanes_difference},
+                                                          {"sensitivity", "", &Disagreement::sensitivity}};
+
+/// Landings that are drawn by their index.
+struct Group {
+  std::string name;
+  long count;
+  std::function<StabilityCase(std::uint64_t)> draw;
+};
+std::vector<Group> groups(const BenchArguments& a, std::uint64_t seed) {
+  using namespace landing;
+  const SeaParameters<double> sea = read_actuator(dataset("actuators/table2.toml")).sea;
+  const Scene paper = read_scene(dataset("scenes/paper.toml"));
+  std::vector<Group> out;
+  for (const std::string name : kShippedScenes) {
+    const Scene scene = read_scene(dataset("scenes/" + name + ".toml"));
+    out.push_back({name, a.motions, [=](std::uint64_t i) { return random_motion(scene, sea, seed, i); }});
+  }
+  out.push_back({"random scenes", a.scenes, [=](std::uint64_t i) { return random_landing(paper, sea, seed, i); }});
   return out;
 }
 
 /// Ordinary landings followed three ways: every difference is earned, or wrong.
 Json three_ways(const BenchArguments& a, Run& run, Report& report) {
-  using namespace landing;
-  const SeaParameters<double> sea = read_actuator(dataset("actuators/table2.toml")).sea;
-  const Scene paper = read_scene(dataset("scenes/paper.toml"));
-  const std::uint64_t seed = run.options().seed;
-  struct Group {
-    std::string name;
-    long count;
-    std::function<StabilityCase(std::uint64_t)> draw;
-  };
-  std::vector<Group> groups;
-  for (const std::string name : kShippedScenes) {
-    const Scene scene = read_scene(dataset("scenes/" + name + ".toml"));
-    groups.push_back({name, a.motions, [=](std::uint64_t i) { return random_motion(scene, sea, seed, i); }});
-  }
-  groups.push_back({"random scenes", a.scenes, [=](std::uint64_t i) { return random_landing(paper, sea, seed, i); }});
-  const long total = a.motions * long(groups.size() - 1) + a.scenes;
-  CsvWriter csv = run.csv();
-  csv.comment(
-      "Landings that do not simply agree. scalar: at 1e-9; lanes: at 1e-6; tight: at 1e-11 [m/s^2]; differences to "
-      "tight, relative; sensitivity: with the scene moved by 1e-6. The case belongs to its group, index and seed.");
-  csv.header({"group", "index", "verdict", "reason", "scalar", "lanes", "tight", "scalar_difference",
-              "lanes_difference", "sensitivity"});
-  std::vector<std::vector<std::string>> rows;
+  const long total = a.motions * long(kShippedScenes.size()) + a.scenes;
+  std::vector<Disagreement> differing;
+  std::vector<Tally> tallies;
   Tally all;
-  const char* line = "{:<16} {:>8} {:>8} {:>10} {:>8} {:>8} {:>6} {:>16} {:>16}";
-  const auto say = [&](const auto&... cells) { run.say(fmt::format(fmt::runtime(line), cells...)); };
-  run.say("");
-  say("three ways", "cases", "agree", "sensitive", "coarse", "refused", "wrong", "scalar, passed", "lanes, passed");
   long done = 0;
-  for (const Group& g : groups) {
-    Tally tally;
-    double scalar = 0, lanes = 0;
+  for (const Group& g : groups(a, run.options().seed)) {
+    Tally& tally = tallies.emplace_back(Tally{g.name});
     constexpr long kPart = 1000;
     for (long from = 0; from < g.count; from += kPart) {
       std::vector<StabilityCase> cases;
       for (long i = from; i < std::min(g.count, from + kPart); ++i) cases.push_back(g.draw(std::uint64_t(i)));
-      const auto results = cross_check(cases, run.options().threads);
+      const std::vector<CrossCheck> results = cross_check(cases, run.options().threads);
       for (std::size_t i = 0; i < results.size(); ++i) {
         const CrossCheck& c = results[i];
-        tally.count(c.verdict), all.count(c.verdict);
-        if (c.verdict == Verdict::kPass) {
-          scalar = std::max(scalar, c.scalar_difference), lanes = std::max(lanes, c.lanes_difference);
+        ++tally.of(c.verdict), ++all.of(c.verdict);
+        if (c.verdict != Verdict::kPass) {
+          differing.push_back({c, g.name, cases[i].setting});
           continue;
         }
-        csv.cell(g.name).cell(cases[i].setting).cell(name(c.verdict)).cell("\"" + c.reason + "\"").cell(c.scalar);
-        csv.cell(c.lanes).cell(c.tight).cell(c.scalar_difference).cell(c.lanes_difference).cell(c.sensitivity);
-        csv.end_row();
+        tally.scalar_passed = std::max(tally.scalar_passed, c.scalar_difference);
+        tally.lanes_passed = std::max(tally.lanes_passed, c.lanes_difference);
       }
       run.progress("three ways", done += long(cases.size()), total);
     }
-    say(g.name, tally.all(), tally.pass, tally.sensitive, tally.coarse, tally.refused, tally.wrong,
-        fmt::format("{:.1e}", scalar), fmt::format("{:.1e}", lanes));
-    rows.push_back({g.name, std::to_string(tally.all()), std::to_string(tally.pass), std::to_string(tally.sensitive),
-                    std::to_string(tally.coarse), std::to_string(tally.refused), std::to_string(tally.wrong),
-                    fmt::format("{:.1e}", scalar), fmt::format("{:.1e}", lanes)});
   }
-  run.add("three_ways.csv", csv.text());
+  run.add("three_ways.csv",
+          Table(kDisagreementQuantities, differing)
+              .csv(run,
+                   "Landings that do not simply agree. scalar: at 1e-9; lanes: at 1e-6; tight: at 1e-11 [m/s^2]; "
+                   "differences to tight, relative; sensitivity: with the scene moved by 1e-6. The case belongs to its "
+                   "group, index and seed."));
   report.heading("Landings followed three ways");
   report.paragraph(
       "The scalar path at 1e-9 and in lanes at 1e-6 against the scalar path at 1e-11. A difference of more than 0.1 % "
-      "is "
-      "sensitive where moving the scene by 1e-6 makes one as well, coarse where the lanes are right at 1e-7; else "
+      "is sensitive where moving the scene by 1e-6 makes one as well, coarse where the lanes are right at 1e-7; else "
       "wrong.");
-  report.table(
-      {"", "cases", "agree", "sensitive", "coarse", "refused", "wrong", "largest difference, scalar", "in lanes"},
-      rows);
-  return all.json();
+  Quantities<Tally> quantities = tally_quantities("three ways");
+  quantities.push_back({"", "", "largest difference, scalar", "{:.1e}", &Tally::scalar_passed});
+  quantities.push_back({"", "", "in lanes", "{:.1e}", &Tally::lanes_passed});
+  run.say("");
+  (void)tell(Table(quantities, tallies), report, run);
+  return Table::of(tally_quantities(""), all).object();
 }
 
 /// Stiff and extreme data for the fit.
@@ -212,8 +229,7 @@ identify::Trial simulated(const identify::Rig& rig, const FitCase& c, double pea
   return t;
 }
 
-Json fits(Run& run, Report& report) {
-  identify::Rig rig = identify::read_rig(dataset("rigs/paper.toml"));
+std::vector<FitCase> fit_cases() {
   const SeaParameters<double> table2 = read_actuator(dataset("actuators/table2.toml")).sea;
   std::vector<FitCase> cases;
   const auto add = [&](const char* what, auto&& change) {
@@ -237,42 +253,49 @@ Json fits(Run& run, Report& report) {
     c.until = 0.25, c.peaks.clear();
     for (int i = 0; i < 1000; ++i) c.peaks.push_back((i % 2 ? -1 : 1) * (30 + 0.25 * i));
   });
-  CsvWriter csv = run.csv();
-  csv.comment("verdict: converged (within 5 standard errors of the truth), said (the fit says what is wrong), wrong.");
-  csv.header({"case", "verdict", "largest_z", "rms", "time_s", "said"});
-  std::vector<std::vector<std::string>> rows;
-  int wrong = 0;
-  run.say("");
-  run.say(fmt::format("{:<40} {:>10} {:>9} {:>9} {:>7}  {}", "fits (simulated)", "verdict", "largest z", "rms", "time",
-                      "said"));
-  for (const FitCase& c : cases) {
-    rig.tau_max = c.truth.tau_max;
-    std::vector<identify::Trial> trials;
-    for (std::size_t i = 0; i < c.peaks.size(); ++i)
-      trials.push_back(simulated(rig, c, c.peaks[i], run.options().seed, i));
-    const Stopwatch watch(Stopwatch::Time::kProcess);
-    const identify::Fit fit = identify::fit(rig, trials, std::nullopt, {.tau_max = c.truth.tau_max}, {});
-    const double seconds = watch.seconds();
-    const double truth[] = {c.truth.k_p, c.truth.k_d, c.truth.k_sea, c.truth.c_sea, c.truth.i_motor};
-    double z = 0;
-    for (std::size_t i = 0; i < fit.parameters.size(); ++i)
-      if (fit.parameters[i].std) z = std::max(z, std::abs(fit.parameters[i].value - truth[i]) / *fit.parameters[i].std);
-    std::string said = fit.message;
-    for (const std::string& w : fit.warnings) said += (said.empty() ? "" : "; ") + w;
-    const bool converged = fit.converged && fit.identifiable && z < 5;
-    const char* verdict = converged ? "converged" : !said.empty() ? "said" : "wrong";
-    wrong += !converged && said.empty();
-    csv.cell("\"" + c.what + "\"").cell(verdict).cell(z).cell(fit.rms).cell(seconds).cell("\"" + said + "\"");
-    csv.end_row();
-    rows.push_back({c.what, verdict, fmt::format("{:.1f}", z), fmt::format("{:.2e}", fit.rms),
-                    fmt::format("{:.2f}", seconds), said});
-    run.say(fmt::format("{:<40} {:>10} {:>9.1f} {:>9.2e} {:>6.2f}s  {}", c.what, verdict, z, fit.rms, seconds,
-                        said.substr(0, 90)));
-  }
-  run.add("stability_identify.csv", csv.text());
+  return cases;
+}
+
+struct FitResult {
+  std::string what, verdict, said;
+  double z = 0, rms = 0, seconds = 0;
+};
+const Quantities<FitResult> kFitQuantities = {
+    {"case", "", "fits (simulated)", {}, [](auto& r) { return in_quotes(r.what); }},
+    {"verdict", "", "verdict", {}, &FitResult::verdict},
+    {"largest_z", "", "largest z", "{:.1f}", &FitResult::z},
+    {"rms", "", "rms [rad]", "{:.2e}", &FitResult::rms},
+    {"time_s", "", "time [s]", "{:.2f}", &FitResult::seconds},
+    {"said", "", "said", {}, [](auto& r) { return in_quotes(r.said); }},
+};
+
+FitResult fitted(const FitCase& c, std::uint64_t seed) {
+  identify::Rig rig = identify::read_rig(dataset("rigs/paper.toml"));
+  rig.tau_max = c.truth.tau_max;
+  std::vector<identify::Trial> trials;
+  for (std::size_t i = 0; i < c.peaks.size(); ++i) trials.push_back(simulated(rig, c, c.peaks[i], seed, i));
+  const Stopwatch watch(Stopwatch::Time::kProcess);
+  const identify::Fit fit = identify::fit(rig, trials, std::nullopt, {.tau_max = c.truth.tau_max}, {});
+  FitResult out{c.what, "", fit.message, 0, fit.rms, watch.seconds()};
+  const auto truth = constants(c.truth);
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    if (const identify::Estimate& e = fit.parameters[i]; e.std)
+      out.z = std::max(out.z, std::abs(e.value - truth[i]) / *e.std);
+  for (const std::string& w : fit.warnings) out.said += (out.said.empty() ? "" : "; ") + w;
+  const bool converged = fit.converged && fit.identifiable && out.z < 5;
+  out.verdict = converged ? "converged" : !out.said.empty() ? "said" : "wrong";
+  return out;
+}
+
+Json fits(Run& run, Report& report) {
+  std::vector<FitResult> results;
+  for (const FitCase& c : fit_cases()) results.push_back(fitted(c, run.options().seed));
   report.heading("Fits of stiff and extreme data (simulated, 0.2 mrad of noise, no start given)");
-  report.table({"case", "verdict", "largest z", "rms [rad]", "time [s]", "said"}, rows);
-  return {{"cases", cases.size()}, {"wrong", wrong}};
+  run.say("");
+  (void)tell(Table(kFitQuantities, results), report, run, "stability_identify.csv",
+             "verdict: converged (within 5 standard errors of the truth), said (the fit says what is wrong), wrong.");
+  const auto wrong = std::count_if(results.begin(), results.end(), [](auto& r) { return r.verdict == "wrong"; });
+  return {{"cases", results.size()}, {"wrong", wrong}};
 }
 
 }  // namespace

@@ -17,10 +17,10 @@ namespace {
 /// An output that some drop measured, over all drops.
 Quantities<std::size_t> output_quantities(const Calibration& c) {
   return {
-      {"", "", "output", "", {}, [](auto& o) { return kOutputNames[o]; }},
-      {"", "rms", "residual rms", "", "{:.3g}", [&c](auto& o) { return c.rms[o]; }},
-      {"", "noise", "the logs' noise", "", "{:.3g}", [&c](auto& o) { return c.noise[o]; }},
-      {"", "unit", "unit", "", {}, [](auto& o) { return kOutputUnits[o]; }},
+      {"", "", "output", {}, [](auto& o) { return kOutputNames[o]; }},
+      {"", "rms", "residual rms", "{:.3g}", [&c](auto& o) { return c.rms[o]; }},
+      {"", "noise", "the logs' noise", "{:.3g}", [&c](auto& o) { return c.noise[o]; }},
+      {"", "unit", "unit", {}, [](auto& o) { return kOutputUnits[o]; }},
   };
 }
 std::vector<std::size_t> measured(const Calibration& c) {
@@ -31,14 +31,14 @@ std::vector<std::size_t> measured(const Calibration& c) {
 }
 
 Quantities<DropResult> drop_quantities(const Calibration& c) {
-  Quantities<DropResult> out = {{"", "file", "drop", "", {}, &DropResult::file},
-                                {"", "simulated", "", "", {}, &DropResult::simulated}};
+  Quantities<DropResult> out = {{"", "file", "drop", {}, &DropResult::file}, {"", "simulated", &DropResult::simulated}};
   for (const std::size_t o : measured(c))
-    out.push_back({"", std::string("rms/") + kOutputNames[o], std::string(kOutputNames[o]) + " rms", kOutputUnits[o],
-                   "{:.3g}", [o](auto& d) { return d.rms[o]; }});
-  out.push_back({"", "peak_measured", "peak measured", "m/s^2", "{:.4g}", &DropResult::peak_measured});
-  out.push_back({"", "peak_simulated", "simulated at the samples", "m/s^2", "{:.4g}", &DropResult::peak_simulated});
-  out.push_back({"", "peak_between_samples", "and between them", "m/s^2", "{:.4g}", &DropResult::peak_between});
+    out.push_back({"", std::string("rms/") + kOutputNames[o],
+                   fmt::format("{} rms [{}]", kOutputNames[o], kOutputUnits[o]), "{:.3g}",
+                   [o](auto& d) { return d.rms[o]; }});
+  out.push_back({"", "peak_measured", "peak measured [m/s^2]", "{:.4g}", &DropResult::peak_measured});
+  out.push_back({"", "peak_simulated", "simulated at the samples [m/s^2]", "{:.4g}", &DropResult::peak_simulated});
+  out.push_back({"", "peak_between_samples", "and between them [m/s^2]", "{:.4g}", &DropResult::peak_between});
   return out;
 }
 

@@ -1,4 +1,4 @@
-// What `ukemi calibrate` tells.
+// The results of `ukemi calibrate` as they are written.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ struct CalibratedDrops {
   Calibration result;
 };
 
-/// Tells it on the terminal, in the summary and in the files; returns the exit code. `validation`: of drops that were
+/// Writes it to the terminal, the summary and the files; returns the exit code. `validation`: of drops that were
 /// not fitted.
 int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run);
 

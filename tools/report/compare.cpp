@@ -1,10 +1,10 @@
-#include "tools/report/compare.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "tools/report/landing.hpp"
+#include "tools/report/results.hpp"
+#include "tools/study/comparison.hpp"
 
 namespace ukemi::tools {
 
@@ -15,18 +15,17 @@ namespace {
 std::string signed_percent(double percent) { return fmt::format("{:+.1f} %", percent); }
 
 const Quantities<ConstantDifference> kConstantQuantities = {
-    {"parameter", "", "constant", "", {}, &ConstantDifference::name},
-    {"unit", "", "", "", {}, &ConstantDifference::unit},
-    {"nominal", "nominal", "nominal", "", "{:.5g}", [](auto& c) { return c.value[0]; }},
-    {"identified", "identified", "identified", "", "{:.5g}", [](auto& c) { return c.value[1]; }},
-    {"difference", "difference", "", "", {}, &ConstantDifference::difference},
-    {"difference_percent", "difference_percent", "difference", "", signed_percent, &ConstantDifference::percent},
-    {"std", "std", "", "", {}, [](auto& c) { return number(c.std); }},
-    {"z", "z", "in standard errors", "", "{:+.1f}", [](auto& c) { return number(c.z()); }},
+    {"parameter", "", "constant", {}, &ConstantDifference::name},
+    {"unit", "", &ConstantDifference::unit},
+    {"nominal", "nominal", "nominal", "{:.5g}", [](auto& c) { return c.value[0]; }},
+    {"identified", "identified", "identified", "{:.5g}", [](auto& c) { return c.value[1]; }},
+    {"difference", &ConstantDifference::difference},
+    {"difference_percent", "difference_percent", "difference", signed_percent, &ConstantDifference::percent},
+    {"std", [](auto& c) { return number(c.std); }},
+    {"z", "z", "in standard errors", "{:+.1f}", [](auto& c) { return number(c.z()); }},
     {"inside_ci95",
      "inside_ci95",
      "nominal inside the 95 % interval",
-     "",
      {},
      [](auto& c) { return c.inside() ? Json(*c.inside()) : Json(); }},
 };
@@ -36,26 +35,21 @@ struct Residual {
   OfSets<double> rms;
 };
 const Quantities<Residual> kResidualQuantities = {
-    {"", "file", "trial", "", {}, &Residual::file},
-    {"", "nominal", "nominal", "rad", "{:.4g}", [](auto& r) { return r.rms[0]; }},
-    {"", "identified", "identified", "rad", "{:.4g}", [](auto& r) { return r.rms[1]; }},
+    {"", "file", "trial", {}, &Residual::file},
+    {"", "nominal", "nominal [rad]", "{:.4g}", [](auto& r) { return r.rms[0]; }},
+    {"", "identified", "identified [rad]", "{:.4g}", [](auto& r) { return r.rms[1]; }},
 };
 
 const Quantities<ComparedMotion> kPeakQuantities = {
-    {"",
-     "",
-     "motion",
-     "",
-     {},
-     [](auto& m) { return fmt::format("best for {}: {}", m.set, motion_words(m.best.motion)); }},
-    {"", "nominal", "peak with nominal", "m/s^2", "{:.5g}", [](auto& m) { return m.landings[0]->peak; }},
-    {"", "identified", "peak with identified", "m/s^2", "{:.5g}", [](auto& m) { return m.landings[1]->peak; }},
+    {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, motion_words(m.best.motion)); }},
+    {"", "nominal", "peak with nominal [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[0]->peak; }},
+    {"", "identified", "peak with identified [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[1]->peak; }},
 };
 
-std::vector<Residual> residuals(const Comparison& c, const RigTrials& measured) {
+std::vector<Residual> residuals(const Comparison& c) {
   std::vector<Residual> out;
-  for (std::size_t m = 0; m < measured.trials.size(); ++m) {
-    out.push_back({measured.trials[m].file, {}});
+  for (std::size_t m = 0; m < c.measured->trials.size(); ++m) {
+    out.push_back({c.measured->trials[m].file, {}});
     for (std::size_t s = 0; s < 2; ++s) {
       const identify::TrialResult& t = (*c.predictions)[s].trials[m];
       out.back().rms[s] = t.status == identify::RolloutStatus::kDone ? t.rms : NAN;
@@ -87,10 +81,10 @@ std::string trajectories_csv(const Comparison& c, const Run& run) {
 
 }  // namespace
 
-int report(const CompareQuestion& question, const Comparison& c, Json summary, Run& run) {
+int report(const Comparison& c, Json summary, Run& run) {
   warn(c, run);
   Report report("Identified against nominal");
-  report.paragraph("nominal: " + question.sets[0].name + "; identified: " + question.sets[1].name);
+  report.paragraph("nominal: " + c.sets[0].name + "; identified: " + c.sets[1].name);
 
   const Table constants(kConstantQuantities, c.constants);
   for (std::size_t i = 0; i < c.constants.size(); ++i) summary["parameters"][c.constants[i].name] = constants.object(i);
@@ -102,10 +96,10 @@ int report(const CompareQuestion& question, const Comparison& c, Json summary, R
   report.table(constants);
 
   if (c.predictions) {
-    const Table rows(kResidualQuantities, residuals(c, *question.measured));
+    const Table rows(kResidualQuantities, residuals(c));
     summary["residuals"] = rows.objects();
     run.say(fmt::format("residual rms over {} trials: nominal {:.4g} rad, identified {:.4g} rad",
-                        question.measured->trials.size(), (*c.predictions)[0].rms, (*c.predictions)[1].rms));
+                        c.measured->trials.size(), (*c.predictions)[0].rms, (*c.predictions)[1].rms));
     report.heading("Residuals on the trials, rms");
     report.table(rows);
   }
@@ -119,8 +113,8 @@ int report(const CompareQuestion& question, const Comparison& c, Json summary, R
     const Table peaks(kPeakQuantities, c.motions);
     for (std::size_t m = 0; m < 2; ++m) summary["peaks"][c.motions[m].set + "_motion"] = peaks.object(m);
     say(peaks, run);
-    report.heading("Peak |ddr_0| on " + question.scene->name);
-    floor_source(report, *question.scene);
+    report.heading("Peak |ddr_0| on " + c.scene->name);
+    floor_source(report, *c.scene);
     report.table(peaks);
     run.add("trajectories.csv", trajectories_csv(c, run));
     std::vector<Series> series;

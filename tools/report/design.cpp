@@ -24,11 +24,11 @@ struct ErrorBar {
   double value, before, after;  ///< after: NaN where nothing is proposed
 };
 const Quantities<ErrorBar> kErrorBarQuantities = {
-    {"", "", "constant", "", {}, &ErrorBar::name},
-    {"", "value", "estimate", "", "{:.6g}", &ErrorBar::value},
-    {"", "unit", "unit", "", {}, &ErrorBar::unit},
-    {"", "half_width_before", "95 % before", "", percent, &ErrorBar::before},
-    {"", "half_width_after", "95 % after, predicted", "", percent, &ErrorBar::after},
+    {"", "", "constant", {}, &ErrorBar::name},
+    {"", "value", "estimate", "{:.6g}", &ErrorBar::value},
+    {"", "unit", "unit", {}, &ErrorBar::unit},
+    {"", "half_width_before", "95 % before", percent, &ErrorBar::before},
+    {"", "half_width_after", "95 % after, predicted", percent, &ErrorBar::after},
 };
 
 struct HitRow {
@@ -37,17 +37,17 @@ struct HitRow {
   double start, largest_angle;
 };
 const Quantities<HitRow> kHitQuantities = {
-    {"hit", "", "hit", "", {}, &HitRow::n},
-    {"peak", "peak", "peak", "N", "{:.1f}", [](auto& h) { return h.proposed.hit.peak; }},
-    {"width", "width", "width", "", milliseconds, [](auto& h) { return h.proposed.hit.width; }},
-    {"start", "start", "", "", {}, &HitRow::start},
-    {"angle", "angle", "largest |phi_1|", "rad", "{:.4f}", [](auto& h) { return h.proposed.safety.angle; }},
-    {"angle_worst", "angle_within_uncertainty", "within the uncertainty", "rad", "{:.4f}",
+    {"hit", "", "hit", {}, &HitRow::n},
+    {"peak", "peak", "peak [N]", "{:.1f}", [](auto& h) { return h.proposed.hit.peak; }},
+    {"width", "width", "width", milliseconds, [](auto& h) { return h.proposed.hit.width; }},
+    {"start", &HitRow::start},
+    {"angle", "angle", "largest |phi_1| [rad]", "{:.4f}", [](auto& h) { return h.proposed.safety.angle; }},
+    {"angle_worst", "angle_within_uncertainty", "within the uncertainty [rad]", "{:.4f}",
      [](auto& h) { return h.proposed.safety.worst_angle; }},
-    {"", "margin", "", "", {}, [](auto& h) { return h.largest_angle - h.proposed.safety.worst_angle; }},
-    {"torque", "spring_torque", "spring torque before the limit", "Nm", "{:.1f}",
+    {"", "margin", [](auto& h) { return h.largest_angle - h.proposed.safety.worst_angle; }},
+    {"torque", "spring_torque", "spring torque before the limit [Nm]", "{:.1f}",
      [](auto& h) { return h.proposed.safety.torque; }},
-    {"limited", "time_at_limit", "at the limit", "", milliseconds, [](auto& h) { return h.proposed.safety.limited; }},
+    {"limited", "time_at_limit", "at the limit", milliseconds, [](auto& h) { return h.proposed.safety.limited; }},
 };
 
 struct CheckRow {
@@ -56,12 +56,12 @@ struct CheckRow {
   int repeats;
 };
 const Quantities<CheckRow> kCheckQuantities = {
-    {"", "", "constant", "", {}, &CheckRow::name},
-    {"", "std_predicted", "standard error, predicted", "", percent, [](auto& c) { return c.constant.predicted; }},
-    {"", "scatter", "scatter of the refits", "", percent, [](auto& c) { return c.constant.scatter; }},
-    {"", "half_width", "their mean 95 % half-width", "", percent, [](auto& c) { return c.constant.half_width; }},
-    {"", "covered", "intervals that hold the truth", "", {}, [](auto& c) { return c.constant.covered; }},
-    {"", "", "of", "", {}, &CheckRow::repeats},
+    {"", "", "constant", {}, &CheckRow::name},
+    {"", "std_predicted", "standard error, predicted", percent, [](auto& c) { return c.constant.predicted; }},
+    {"", "scatter", "scatter of the refits", percent, [](auto& c) { return c.constant.scatter; }},
+    {"", "half_width", "their mean 95 % half-width", percent, [](auto& c) { return c.constant.half_width; }},
+    {"", "covered", "intervals that hold the truth", {}, [](auto& c) { return c.constant.covered; }},
+    {"", "", "of", {}, &CheckRow::repeats},
 };
 
 std::vector<ErrorBar> error_bars(const Knowledge& k, const Design& d) {

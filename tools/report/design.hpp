@@ -1,4 +1,4 @@
-// What `ukemi design` tells.
+// The results of `ukemi design` as they are written.
 #pragma once
 
 #include <optional>

@@ -23,35 +23,28 @@ Quantities<Estimate> estimate_quantities() {
       {"",
        "",
        "constant",
-       "",
        {},
        [](auto& e) { return e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1); }},
-      {"", "value", "", "", {}, &Estimate::value},
-      {"", "std", "", "", {}, [](auto& e) { return number(e.std); }},
-      {"",
-       "ci95",
-       "",
-       "",
-       {},
+      {"", "value", &Estimate::value},
+      {"", "std", [](auto& e) { return number(e.std); }},
+      {"", "ci95",
        [](auto& e) {
          return e.std ? Json{e.ci_low, e.ci_high} : Json();
        }},
-      {"", "unit", "", "", {}, &Estimate::unit},
-      {"", "at_bound", "", "", {}, &Estimate::at_bound},
-      {"", "free", "", "", {}, &Estimate::free},
-      {"", "", "value ± standard error", "", {}, words},
+      {"", "unit", &Estimate::unit},
+      {"", "at_bound", &Estimate::at_bound},
+      {"", "free", &Estimate::free},
+      {"", "", "value ± standard error", {}, words},
       {"",
        "",
        "95 % interval",
-       "",
        {},
        [](auto& e) { return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : ""; }},
   };
 }
 Quantities<Estimate> constant_quantities() {
   Quantities<Estimate> out = estimate_quantities();
-  out.push_back(
-      {"", "verdict", "verdict", "", {}, [](auto& e) { return e.trial < 0 ? identify::name(e.verdict) : ""; }});
+  out.push_back({"", "verdict", "verdict", {}, [](auto& e) { return e.trial < 0 ? identify::name(e.verdict) : ""; }});
   return out;
 }
 

@@ -16,21 +16,20 @@ namespace {
 
 Quantities<identify::Minimum> minimum_quantities() {
   Quantities<identify::Minimum> out = {
-      {"", "cost", "minimum of cost", "rad^2", "{:.9g}", &identify::Minimum::cost},
-      {"", "found", "found by", "starts", "{}", &identify::Minimum::found},
+      {"", "cost", "minimum of cost [rad^2]", "{:.9g}", &identify::Minimum::cost},
+      {"", "found", "starts that found it", "{}", &identify::Minimum::found},
   };
   for (std::size_t k = 0; k < kConstants; ++k)
-    out.push_back(
-        {"", kConstantNames[k], kConstantNames[k], "", "{:.5g}", [k](auto& m) { return constants(m.sea)[k]; }});
+    out.push_back({"", kConstantNames[k], kConstantNames[k], "{:.5g}", [k](auto& m) { return constants(m.sea)[k]; }});
   return out;
 }
 
 const Quantities<identify::TrialResult> kTrialQuantities = {
-    {"", "file", "file", "", {}, &identify::TrialResult::file},
-    {"", "samples", "samples", "", {}, &identify::TrialResult::samples},
-    {"", "rms", "residual rms", "rad", "{:.4g}", &identify::TrialResult::rms},
-    {"", "noise", "log's own noise", "rad", "{:.4g}", &identify::TrialResult::noise},
-    {"", "", "rollout", "", {}, [](auto& t) { return name(t.status); }},
+    {"", "file", "file", {}, &identify::TrialResult::file},
+    {"", "samples", "samples", {}, &identify::TrialResult::samples},
+    {"", "rms", "residual rms [rad]", "{:.4g}", &identify::TrialResult::rms},
+    {"", "noise", "log's own noise [rad]", "{:.4g}", &identify::TrialResult::noise},
+    {"", "", "rollout", {}, [](auto& t) { return name(t.status); }},
 };
 
 std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit& fit) {

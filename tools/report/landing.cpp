@@ -22,9 +22,9 @@ std::string percent_words(double fraction) { return fmt::format("{:.1f} %", 100 
 
 Quantities<Motion> motion_quantities() {
   return {
-      {"phi_i_deg", "phi_i_deg", "phi_I", "deg", "{:.6g}", [](auto& m) { return m.phi_i * kDegrees; }},
-      {"phi_f_deg", "phi_f_deg", "phi_F", "deg", "{:.6g}", [](auto& m) { return m.phi_f * kDegrees; }},
-      {"duration", "duration", "duration", "s", "{:.6g}", &Motion::duration},
+      {"phi_i_deg", "phi_i_deg", "phi_I [deg]", "{:.6g}", [](auto& m) { return m.phi_i * kDegrees; }},
+      {"phi_f_deg", "phi_f_deg", "phi_F [deg]", "{:.6g}", [](auto& m) { return m.phi_f * kDegrees; }},
+      {"duration", "duration", "duration [s]", "{:.6g}", &Motion::duration},
   };
 }
 Json motion_json(const Motion& motion) { return Table::of(motion_quantities(), motion).object(); }
@@ -32,11 +32,11 @@ std::string motion_words(const Motion& motion) { return Table::of(motion_quantit
 
 Quantities<Touch> contact_quantities() {
   return {
-      {"point", "point", "point", "", {}, [](auto& t) { return kPointNames[t.point]; }},
-      {"t_touchdown", "t", "touchdown", "s", "{:.6f}", &Touch::t_touchdown},
-      {"t_liftoff", "", "lift-off", "s", "{:.6f}", &Touch::t_liftoff},
-      {"peak_force", "", "peak force", "N", "{:.4g}", &Touch::peak_force},
-      {"peak_acc", "", "peak |ddr_0|", "m/s^2", "{:.4g}", &Touch::peak_acc},
+      {"point", "point", "point", {}, [](auto& t) { return kPointNames[t.point]; }},
+      {"t_touchdown", "t", "touchdown [s]", "{:.6f}", &Touch::t_touchdown},
+      {"t_liftoff", "", "lift-off [s]", "{:.6f}", &Touch::t_liftoff},
+      {"peak_force", "", "peak force [N]", "{:.4g}", &Touch::peak_force},
+      {"peak_acc", "", "peak |ddr_0| [m/s^2]", "{:.4g}", &Touch::peak_acc},
   };
 }
 Json contacts_json(const Landing& l) { return Table(contact_quantities(), l.touches).objects(); }
@@ -64,7 +64,7 @@ std::string failure_words(const LandingPeak& p) {
 
 Quantities<Evidence> deviation_quantities() {
   const auto peak = [](const char* key, const char* words, double Evidence::*value) {
-    return Quantity<Evidence>{key, key, words, "m/s^2", short_peak_words, value};
+    return Quantity<Evidence>{key, key, words, short_peak_words, value};
   };
   return {peak("one_degree", "with the angles off by 1 deg", &Evidence::one_degree),
           peak("ten_milliseconds", "with the duration off by 10 ms", &Evidence::ten_milliseconds),
@@ -73,23 +73,23 @@ Quantities<Evidence> deviation_quantities() {
           peak("damping_ten_percent", "with the floor's damping off by 10 %", &Evidence::damping_ten_percent)};
 }
 
-Quantities<Evidence> evidence_quantities() {
+Quantities<Evidence> evidence_quantities(const std::string& tolerant_peak) {
   Quantities<Evidence> out;
   const Quantities<Motion> variables = motion_quantities();
   for (std::size_t k = 0; k < variables.size(); ++k)
     for (const std::size_t side : {0, 1}) {
       // "phi_i_deg" is "phi_i_down_deg" and "phi_i_up_deg", in JSON a pair.
       const Quantity<Motion>& v = variables[k];
-      const bool degrees = v.unit == "deg";
+      const bool degrees = v.csv.size() > 4 && v.csv.compare(v.csv.size() - 4, 4, "_deg") == 0;
       const std::string name = degrees ? v.csv.substr(0, v.csv.size() - 4) : v.csv, way = side == 0 ? "down" : "up";
       out.push_back({name + "_" + way + (degrees ? "_deg" : ""), "width_of_5_percent/" + v.json + (side ? "/1" : "/0"),
-                     v.words + " " + way, v.unit, "{:.2g}",
+                     (side == 0 ? "room below " : "room above ") + v.words, "{:.2g}",
                      [=](const Evidence& e) { return e.width[k][side] * (degrees ? kDegrees : 1); }});
     }
-  out.push_back({"tolerant_peak", "tolerant_peak", "tolerant peak", "m/s^2", peak_words,
+  out.push_back({"tolerant_peak", "tolerant_peak", tolerant_peak, peak_words,
                  [](const Evidence& e) { return e.tolerant.value; }});
-  append(out, deviation_quantities(), std::identity());
-  out.push_back({"", "complete", "", "", {}, &Evidence::complete});
+  for (Quantity<Evidence> q : deviation_quantities()) q.words += " [m/s^2]", out.push_back(q);
+  out.push_back({"", "complete", &Evidence::complete});
   return out;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "landing/judge/checked.hpp"
 #include "landing/judge/evidence.hpp"
-#include "landing/judge/ratings.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/table.hpp"
 
@@ -23,8 +23,8 @@ Quantities<landing::Motion> motion_quantities();
 Quantities<landing::Touch> contact_quantities();
 /// The worst peaks under one deviation each.
 Quantities<landing::Evidence> deviation_quantities();
-/// How wide the motion's basin is, its tolerant peak, the deviations.
-Quantities<landing::Evidence> evidence_quantities();
+/// How wide the motion's basin is, its tolerant peak by that name (empty: in files alone), the deviations.
+Quantities<landing::Evidence> evidence_quantities(const std::string& tolerant_peak);
 
 Json motion_json(const landing::Motion& motion);
 /// A motion on one line.

@@ -1,10 +1,10 @@
-#include "tools/report/map.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "landing/judge/survey.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/results.hpp"
 
 namespace ukemi::tools {
 
@@ -58,16 +58,15 @@ Heatmap projection(const PeakMap& map, int x, int y, int over) {
 
 Quantities<JudgedBasin> basin_quantities() {
   Quantities<JudgedBasin> out;
-  append(
-      out, motion_quantities(), [](auto& b) { return b.basin.motion; }, "motion/");
-  out.push_back({"peak", "peak_acceleration", "peak", "m/s^2", "{:.2f}", [](auto& b) { return b.basin.peak; }});
-  append(out, evidence_quantities(), &JudgedBasin::evidence);
+  append(out, "motion/", motion_quantities(), [](auto& b) { return b.basin.motion; });
+  out.push_back({"peak", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.basin.peak; }});
+  append(out, "", evidence_quantities("tolerant peak [m/s^2]"), &JudgedBasin::evidence);
   return out;
 }
 
 }  // namespace
 
-int report(const Scene& scene, const Survey& s, Run& run) {
+int report(const Survey& s, Run& run) {
   const std::size_t points = s.map.grid.size();
   if (s.failed > 0) run.warn(fmt::format("{} of {} landings could not be followed", s.failed, points));
   if (s.missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", s.missing, points));
@@ -93,8 +92,8 @@ int report(const Scene& scene, const Survey& s, Run& run) {
     run.say(fmt::format("  {}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.motion), b.basin.peak,
                         b.evidence.tolerant.value));
 
-  Report report("The box of motions: " + scene.name);
-  floor_source(report, scene);
+  Report report("The box of motions: " + s.scene.name);
+  floor_source(report, s.scene);
   report.paragraph(said + fmt::format(". The best found: {:.4f} m/s² at {}.", s.basins.front().basin.peak,
                                       motion_words(s.basins.front().basin.motion)));
   report.heading("Smallest peak over the third variable [m/s²]");

@@ -1,13 +1,13 @@
-#include "tools/report/optimize.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "landing/judge/answer.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/results.hpp"
 
 namespace ukemi::tools {
 
@@ -15,38 +15,28 @@ using namespace landing;
 
 namespace {
 
-/// The answer's quantities, a group a line on the terminal.
-struct Groups {
-  Quantities<Answer> motion, peaks, deviations, search;
-  Quantities<Answer> all() const {
-    Quantities<Answer> out;
-    for (const Quantities<Answer>* group : {&motion, &peaks, &deviations, &search})
-      append(out, *group, std::identity());
-    return out;
-  }
-};
-
-Groups groups_of(const OptimizeQuestion& question, const Answer& answer) {
-  const ExecutionTolerance& box = question.scene.execution;
-  Groups g;
-  append(
-      g.motion, motion_quantities(), [](const Answer& a) { return a.best.motion; }, "motion/");
-  g.peaks = {
-      {"", "peak_acceleration", "peak |ddr_0|", "m/s^2", peak_words, &Answer::peak},
-      {"", "tolerant_peak",
-       fmt::format("tolerant peak (within {:g} deg, {:g} ms)", box.phi * kDegrees, box.duration * 1e3), "m/s^2",
-       peak_words, [](auto& a) { return a.tolerant_known ? Json(a.best.tolerant.value) : Json(); }},
-      {"", "hold/peak_acceleration", "held at -45 deg", "m/s^2", peak_words, &Answer::held_peak},
-      {"", "reduction", "reduction", "", percent_words, &Answer::reduction},
-  };
-  if (answer.evidence)
-    append(
-        g.deviations, deviation_quantities(), [](const Answer& a) { return *a.evidence; }, "evidence/");
-  g.search = {
-      {"", "", "contacts", "", {}, [](auto& a) { return a.played() ? contact_order(a.landing) : "not played"; }},
-      {"", "evaluations", "motions evaluated", "", {}, [](auto& a) { return a.best.evaluations; }},
-  };
-  return g;
+Quantities<Answer> answer_quantities(const Answer& answer) {
+  const ExecutionTolerance& box = answer.scene.execution;
+  const std::string within = fmt::format("within {:g} deg, {:g} ms [m/s^2]", box.phi * kDegrees, box.duration * 1e3);
+  Quantities<Answer> out;
+  append(out, "motion/", motion_quantities(), [](const Answer& a) { return a.best.motion; });
+  out.insert(out.end(), {
+                            {"", "peak_acceleration", "peak |ddr_0| [m/s^2]", peak_words, &Answer::peak},
+                            {"", "tolerant_peak", "tolerant peak, " + within, peak_words,
+                             [](auto& a) { return a.tolerant_known ? Json(a.best.tolerant.value) : Json(); }},
+                            {"", "hold/peak_acceleration", "held at -45 deg [m/s^2]", peak_words, &Answer::held_peak},
+                            {"", "reduction", "reduction", percent_words, &Answer::reduction},
+                        });
+  if (answer.evidence) append(out, "evidence/", evidence_quantities(""), [](const Answer& a) { return *a.evidence; });
+  out.insert(out.end(),
+             {
+                 {"", "", "contacts", {}, [](auto& a) { return a.played() ? contact_order(a.landing) : "not played"; }},
+                 {"", "evaluations", "motions evaluated", {}, [](auto& a) { return a.best.evaluations; }},
+                 {"", "landings", [](auto& a) { return a.best.landings; }},
+                 {"", "solver", [](auto& a) { return a.best.solver; }},
+                 {"", "verified", [](auto& a) { return a.best.verified; }},
+             });
+  return out;
 }
 
 /// What a robot plays: t = 0 at the detected first touchdown.
@@ -65,12 +55,12 @@ std::string motion_csv(const Run& run, const Motion& m, double rate) {
 
 Table solvers(const Answer& a) {
   return {Quantities<Optimum>{
-              {"solver", "solver", "", "", {}, &Optimum::solver},
-              {"evaluations", "evaluations", "", "", {}, &Optimum::evaluations},
-              {"", "landings", "", "", {}, &Optimum::landings},
-              {"time_s", "time_s", "", "", {}, &Optimum::seconds},
-              {"best", "", "", "", {}, [](auto& o) { return o.found ? o.value : kNoMotion; }},
-              {"", "value", "", "", {}, [](auto& o) { return o.found ? Json(o.value) : Json(); }},
+              {"solver", &Optimum::solver},
+              {"evaluations", &Optimum::evaluations},
+              {"", "landings", &Optimum::landings},
+              {"time_s", &Optimum::seconds},
+              {"best", "", [](auto& o) { return o.found ? o.value : kNoMotion; }},
+              {"", "value", [](auto& o) { return o.found ? Json(o.value) : Json(); }},
           },
           a.tried};
 }
@@ -86,12 +76,12 @@ std::string progress_csv(const Run& run, const Answer& a) {
 }
 
 /// Where forbidden points touch after all when the motion is played inexactly.
-Json forbidden_touches(const OptimizeQuestion& question, const Answer& a, Run& run) {
+Json forbidden_touches(const Answer& a, Run& run) {
   const TolerantPeak& t = a.best.tolerant;
-  const bool exact = question.options.search.goal == Goal::kPeak;
+  const bool exact = a.options.search.goal == Goal::kPeak;
   Json out;
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j) {
-    if (!question.options.search.limits.forbidden[j]) continue;
+    if (!a.options.search.limits.forbidden[j]) continue;
     const int box = t.touching[j], inside = t.samples_touching[j];
     out[kPointNames[j]] = {{"box", t.complete ? Json(box) : Json()},
                            {"of", kExecutionPoints},
@@ -129,10 +119,10 @@ void warn_of_deviations(const Answer& a, Run& run) {
         Evidence::kLandings, double(a.evidence->work)));
 }
 
-void warn(const OptimizeQuestion& question, const Answer& a, Run& run) {
+void warn(const Answer& a, Run& run) {
   const TolerantPeak& t = a.best.tolerant;
-  const ExecutionTolerance& box = question.scene.execution;
-  warn_of(a.instability, question.actuator.sea.tau_max, run);
+  const ExecutionTolerance& box = a.scene.execution;
+  warn_of(a.instability, a.actuator.sea.tau_max, run);
   if (!a.best.message.empty()) run.warn(a.best.message);
   if (!a.best.verified) run.warn("there was no time to judge the motion at a tight accuracy: its peak is the search's");
   if (t.sampled > t.value)
@@ -146,33 +136,26 @@ void warn(const OptimizeQuestion& question, const Answer& a, Run& run) {
   if (a.evidence) warn_of_deviations(a, run);
 }
 
-Json summary_of(const OptimizeQuestion& question, const Answer& a, const Groups& groups, Run& run) {
+Json summary_of(const Answer& a, Run& run) {
   const Optimum& o = a.best;
-  Json s = Table::of(groups.all(), a).object();
+  Json s = Table::of(answer_quantities(a), a).object();
   s["hold"]["phi_deg"] = std::lround(kHeld.phi_i * kDegrees);
-  s["verified"] = o.verified;
   if (a.played()) s["peak_time"] = number(a.landing.t_peak);
   s["tolerant_sampled"] = {{"samples", o.tolerant.samples},
                            {"worst", o.tolerant.samples > 0 ? number(o.tolerant.sampled) : Json()}};
-  s["execution"] = {{"phi_deg", question.scene.execution.phi * kDegrees},
-                    {"duration", question.scene.execution.duration}};
-  if (question.options.search.limits.any_forbidden()) s["forbidden"] = forbidden_touches(question, a, run);
+  s["execution"] = {{"phi_deg", a.scene.execution.phi * kDegrees}, {"duration", a.scene.execution.duration}};
+  if (a.options.search.limits.any_forbidden()) s["forbidden"] = forbidden_touches(a, run);
   s["contacts"] = a.played() ? contacts_json(a.landing) : Json();
   s["peaks"] = a.played() ? peaks_json(a.landing) : Json();
-  if (a.evidence) {
-    s["evidence"] = Table::of(evidence_quantities(), *a.evidence).object();
-    s["evidence"]["time_s"] = a.evidence_seconds;
-  }
+  if (a.evidence) s["evidence"]["time_s"] = a.evidence_seconds;
   s["ratings"] = a.ratings ? ratings_json(*a.ratings) : Json();
-  s["landings"] = o.landings;
-  s["solver"] = o.solver;
   return s;
 }
 
-std::string html(const OptimizeQuestion& question, const Answer& a, const Run& run) {
-  Report report("Best landing: " + question.scene.name);
-  floor_source(report, question.scene);
-  report.table({"", "value"}, Table::of(groups_of(question, a).all(), a).pairs());
+std::string html(const Answer& a, const Run& run) {
+  Report report("Best landing: " + a.scene.name);
+  floor_source(report, a.scene);
+  report.table(Table::of(answer_quantities(a), a).turned());
   report.list(run.warnings());
   plot_landing(report, a.landing.trajectory);
   return report.html(run.provenance());
@@ -180,37 +163,34 @@ std::string html(const OptimizeQuestion& question, const Answer& a, const Run& r
 
 }  // namespace
 
-std::map<std::string, std::string> files_of(const OptimizeQuestion& question, const Answer& a, const Run& run) {
+std::map<std::string, std::string> files_of(const Answer& a, double rate, const Run& run) {
   std::map<std::string, std::string> files = {{"motion.toml", to_toml(a.best.motion, run.provenance_text())},
-                                              {"motion.csv", motion_csv(run, a.best.motion, question.rate)},
+                                              {"motion.csv", motion_csv(run, a.best.motion, rate)},
                                               {"solvers.csv", solvers(a).csv(run)},
                                               {"progress.csv", progress_csv(run, a)}};
-  if (run.options().report == CommonOptions::Report::kWrite) files["report.html"] = html(question, a, run);
+  if (run.options().report == CommonOptions::Report::kWrite) files["report.html"] = html(a, run);
   return files;
 }
 
-int report(const OptimizeQuestion& question, const Answer& a, Run& run) {
-  const OptimizeOptions& searched = question.options.search;
+int report(const Answer& a, double rate, Run& run) {
+  const OptimizeOptions& searched = a.options.search;
   Json summary;
   if (a.best.found) {
-    const Groups groups = groups_of(question, a);
-    warn(question, a, run);
-    summary = summary_of(question, a, groups, run);
+    warn(a, run);
+    summary = summary_of(a, run);
     if (a.ratings) warn_of(*a.ratings, run);
-    run.say("motion: " + Table::of(groups.motion, a).line());
-    run.say(Table::of(groups.peaks, a).line());
-    if (a.evidence && a.evidence->complete) run.say("peak " + Table::of(groups.deviations, a).line());
-    run.say(Table::of(groups.search, a).line() + fmt::format(" in {:.2f} s", a.best.seconds));
-    for (auto& [name, content] : files_of(question, a, run)) run.add(name, content);
+    say(Table::of(answer_quantities(a), a).turned(), run);
+    run.say(fmt::format("searched for {:.2f} s", a.best.seconds));
+    for (auto& [name, content] : files_of(a, rate, run)) run.add(name, content);
   } else {
     run.warn(a.best.message);
     summary = {{"motion", nullptr},
                {"evaluations", a.best.evaluations},
-               {"solver", question.options.solvers.empty() ? searched.solver : "compare"}};
+               {"solver", a.options.solvers.empty() ? searched.solver : "compare"}};
   }
   summary["objective"] = kGoalNames[std::size_t(searched.goal)];
   summary["seed"] = searched.seed;
-  if (!question.options.solvers.empty()) summary["solvers"] = solvers(a).objects();
+  if (!a.options.solvers.empty()) summary["solvers"] = solvers(a).objects();
   return run.finish(summary, a.best.found ? kDone : kNumbers);
 }
 

@@ -1,11 +1,11 @@
-#include "tools/report/simulate.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "landing/judge/checked.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/results.hpp"
 
 namespace ukemi::tools {
 
@@ -14,24 +14,24 @@ using namespace landing;
 namespace {
 
 const Quantities<CheckedLanding> kQuantities = {
-    {"", "peak_acceleration", "peak |ddr_0|", "m/s^2", "{:.10g}", [](auto& c) { return c.landing.peak; }},
-    {"", "peak_time", "at t =", "s", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
-    {"", "error_estimate", "estimated relative error", "", "{:.1g}",
+    {"", "peak_acceleration", "peak |ddr_0| [m/s^2]", "{:.10g}", [](auto& c) { return c.landing.peak; }},
+    {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
+    {"", "error_estimate", "estimated relative error", "{:.1g}",
      [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.error_estimate) : Json(); }},
-    {"", "sensitive", "sensitive", "", {}, [](auto& c) { return c.sensitivity.sensitive; }},
-    {"", "sensitivity", "", "", {}, [](auto& c) { return c.sensitivity.change; }},
-    {"", "", "contacts", "", {}, [](auto& c) { return contact_order(c.landing); }},
-    {"", "end", "end", "", {}, [](auto& c) { return name(c.landing.end); }},
-    {"", "t_end", "at t =", "s", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
-    {"", "energy_residual", "energy residual", "", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
-    {"", "steps", "", "", {}, [](auto& c) { return c.landing.work.steps; }},
-    {"", "implicit_steps", "", "", {}, [](auto& c) { return c.landing.work.implicit; }},  // where a phase is stiff
+    {"", "sensitive", "sensitive", {}, [](auto& c) { return c.sensitivity.sensitive; }},
+    {"", "sensitivity", [](auto& c) { return c.sensitivity.change; }},
+    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing); }},
+    {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
+    {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
+    {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
+    {"", "steps", [](auto& c) { return c.landing.work.steps; }},
+    {"", "implicit_steps", [](auto& c) { return c.landing.work.implicit; }},  // where a phase is stiff
 };
 
 Quantities<Sample> trajectory_quantities() {
   Quantities<Sample> out;
   const auto add = [&](const std::string& name, const std::function<Json(const Sample&)>& value) {
-    out.push_back({name, "", "", "", {}, value});
+    out.push_back({name, "", value});
   };
   const std::pair<const char*, double Sample::*> columns[] = {{"t", &Sample::t},
                                                               {"x_0", &Sample::x0},
@@ -80,17 +80,16 @@ void warn(const CheckedLanding& c, Run& run) {
 
 }  // namespace
 
-int report(const Scene& scene, const CheckedLanding& c, Run& run) {
+int report(const CheckedLanding& c, Run& run) {
   const Landing& l = c.landing;
   warn(c, run);
-  const Table told = Table::of(kQuantities, c), contacts(contact_quantities(), l.touches);
-  Json summary = told.object();
+  const Table table = Table::of(kQuantities, c), contacts(contact_quantities(), l.touches);
+  Json summary = table.object();
   if (l.end == End::kFailed) summary["failed"] = failure_words(l);
   summary["motion"] = motion_json(c.motion);
   summary["peaks"] = peaks_json(l);
   summary["contacts"] = contacts.objects();
   summary["ratings"] = ratings_json(c.ratings);
-  run.say(told.line());
   run.add("trajectory.csv", Table(trajectory_quantities(), l.trajectory)
                                 .csv(run,
                                      "t = 0 at release. Two rows with one t: left and right limit of an event. Units: "
@@ -98,9 +97,9 @@ int report(const Scene& scene, const CheckedLanding& c, Run& run) {
   run.add(
       "contacts.csv",
       contacts.csv(run, "t = 0 at release; t_liftoff: when the point rises through y = 0 again. Units: s, N, m/s^2."));
-  Report report("Landing: " + scene.name);
-  report.table({"", "value"}, told.pairs());
-  floor_source(report, scene);
+  Report report("Landing: " + c.scene.name);
+  tell(table.turned(), report, run);
+  floor_source(report, c.scene);
   report.list(run.warnings());
   plot_landing(report, l.trajectory);
   report.plot("t [s] after release", "tau_SEA [Nm]", {curve("tau_SEA", l.trajectory, &Sample::tau_sea)});

@@ -57,7 +57,7 @@ std::string Table::csv(const Run& run, const std::string& comment) const {
 std::vector<std::string> Table::headings() const {
   std::vector<std::string> out;
   for (const Head& h : heads_)
-    if (!h.words.empty()) out.push_back(h.unit.empty() ? h.words : h.words + " [" + h.unit + "]");
+    if (!h.words.empty()) out.push_back(h.words);
   return out;
 }
 std::vector<std::vector<std::string>> Table::shown() const {
@@ -69,10 +69,11 @@ std::vector<std::vector<std::string>> Table::shown() const {
   }
   return out;
 }
-std::vector<std::vector<std::string>> Table::pairs(std::size_t row) const {
-  const std::vector<std::string> names = headings(), values = shown()[row];
-  std::vector<std::vector<std::string>> out;
-  for (std::size_t i = 0; i < names.size(); ++i) out.push_back({names[i], values[i]});
+Table Table::turned() const {
+  Table out;
+  out.heads_ = {{"", "", "quantity", {}}, {"", "", "value", {}}};
+  const std::vector<std::string> names = headings(), values = shown().front();
+  for (std::size_t i = 0; i < names.size(); ++i) out.rows_.push_back({names[i], values[i]});
   return out;
 }
 
@@ -102,13 +103,9 @@ std::vector<std::string> Table::lines() const {
   return out;
 }
 std::string Table::line(std::size_t row) const {
+  const std::vector<std::string> names = headings(), values = shown()[row];
   std::string out;
-  for (std::size_t i = 0; i < heads_.size(); ++i) {
-    const Head& h = heads_[i];
-    if (h.words.empty()) continue;
-    const std::string value = h.format(rows_[row][i]);
-    out += fmt::format("{}{} {}{}", out.empty() ? "" : "; ", h.words, value, h.unit.empty() ? "" : " " + h.unit);
-  }
+  for (std::size_t i = 0; i < names.size(); ++i) out += fmt::format("{}{} {}", i == 0 ? "" : "; ", names[i], values[i]);
   return out;
 }
 

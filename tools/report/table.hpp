@@ -1,4 +1,4 @@
-// A result, told once: each of its quantities has its names in files, its words, unit and format for a reader, and how
+// A result, described once: each quantity has its names in files, its words, unit and format for a reader, and how
 // it is taken from the result. JSON, CSV, the lines on the terminal and the tables of a report are made from that.
 #pragma once
 
@@ -24,24 +24,30 @@ class Format {
   std::string (*words_)(double) = nullptr;
 };
 
-/// A quantity of a result or of a row. An empty name: it is not told there.
+/// A quantity of a result or of a row. An empty name: it is not written there.
 template <class T>
 struct Quantity {
+  using Value = std::function<Json(const T&)>;
   std::string csv;    ///< column
   std::string json;   ///< key, or path as in "hold/peak_acceleration"
-  std::string words;  ///< for a reader
-  std::string unit;
+  std::string words;  ///< for a reader, with the unit: "duration [s]"
   Format format;
-  std::function<Json(const T&)> value;
+  Value value;
+
+  Quantity(std::string column, std::string key, std::string heading, Format how, Value of)
+      : csv(std::move(column)), json(std::move(key)), words(std::move(heading)), format(how), value(std::move(of)) {}
+  /// For files alone, under two names or one.
+  Quantity(std::string column, std::string key, Value of) : Quantity(column, key, "", {}, of) {}
+  Quantity(std::string name, Value of) : Quantity(name, name, of) {}
 };
 template <class T>
 using Quantities = std::vector<Quantity<T>>;
 
 /// The quantities of a part, as those of the whole; in JSON under `path`, as "motion/".
 template <class T, class U, class Part>
-void append(Quantities<T>& to, const Quantities<U>& quantities, Part part, const std::string& path = "") {
+void append(Quantities<T>& to, const std::string& path, const Quantities<U>& quantities, Part part) {
   for (const Quantity<U>& q : quantities)
-    to.push_back({q.csv, q.json.empty() ? "" : path + q.json, q.words, q.unit, q.format,
+    to.push_back({q.csv, q.json.empty() ? "" : path + q.json, q.words, q.format,
                   [value = q.value, part](const T& whole) { return value(std::invoke(part, whole)); }});
 }
 
@@ -62,20 +68,21 @@ class Table {
   Json objects() const;                    ///< an array, an object a row
   Json object(std::size_t row = 0) const;  ///< one row
   std::string csv(const Run& run, const std::string& comment = "") const;
-  std::vector<std::string> headings() const;                               ///< "words [unit]"
-  std::vector<std::vector<std::string>> shown() const;                     ///< as `headings`
-  std::vector<std::string> lines() const;                                  ///< headings and rows, aligned
-  std::string line(std::size_t row = 0) const;                             ///< one row: "words value unit; ..."
-  std::vector<std::vector<std::string>> pairs(std::size_t row = 0) const;  ///< one row: heading and value of each
+  std::vector<std::string> headings() const;
+  std::vector<std::vector<std::string>> shown() const;  ///< as `headings`
+  std::vector<std::string> lines() const;               ///< headings and rows, aligned
+  std::string line(std::size_t row = 0) const;          ///< one row: "words value; ..."
+  Table turned() const;                                 ///< the first row as a column of values beside their headings
 
  private:
+  Table() = default;
   struct Head {
-    std::string csv, json, words, unit;
+    std::string csv, json, words;
     Format format;
   };
   template <class T>
   explicit Table(const Quantities<T>& quantities) {
-    for (const Quantity<T>& q : quantities) heads_.push_back({q.csv, q.json, q.words, q.unit, q.format});
+    for (const Quantity<T>& q : quantities) heads_.push_back({q.csv, q.json, q.words, q.format});
   }
   template <class T>
   void add(const Quantities<T>& quantities, const T& row) {

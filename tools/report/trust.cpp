@@ -84,19 +84,19 @@ struct MissingTerm {
   double rms_with;
 };
 const Quantities<MissingTerm> kMissingTermQuantities = {
-    {"", "term", "", "", {}, [](auto& t) { return name(t.test.term); }},
-    {"", "", "hypothesis", "", {}, [](auto& t) { return fmt::format("no {} (score test)", name(t.test.term)); }},
-    {"", "p", "p", "", small, [](auto& t) { return t.test.p; }},
-    {"", "chi2", "", "", {}, [](auto& t) { return t.test.statistic; }},
-    {"", "degrees", "", "", {}, [](auto& t) { return t.test.degrees; }},
-    {"", "z", "", "", {}, [](auto& t) { return is_shared(t.test.term) ? Json(t.test.z) : Json(); }},
-    {"", "size", "", "", {}, [](auto& t) { return t.test.size; }},
-    {"", "rejected", "rejected", "", {}, &MissingTerm::rejected},
-    {"", "missed", "", "", {}, &MissingTerm::missed},
-    {"", "rms_with", "rms with the term", "rad", "{:.4g}", &MissingTerm::rms_with},
-    {"", "bias", "", "", {}, [](auto& t) { return is_shared(t.test.term) ? Json(t.test.bias) : Json(); }},
+    {"", "term", [](auto& t) { return name(t.test.term); }},
+    {"", "", "hypothesis", {}, [](auto& t) { return fmt::format("no {} (score test)", name(t.test.term)); }},
+    {"", "p", "p", small, [](auto& t) { return t.test.p; }},
+    {"", "chi2", [](auto& t) { return t.test.statistic; }},
+    {"", "degrees", [](auto& t) { return t.test.degrees; }},
+    {"", "z", [](auto& t) { return is_shared(t.test.term) ? Json(t.test.z) : Json(); }},
+    {"", "size", [](auto& t) { return t.test.size; }},
+    {"", "rejected", "rejected", {}, &MissingTerm::rejected},
+    {"", "missed", &MissingTerm::missed},
+    {"", "rms_with", "rms with the term [rad]", "{:.4g}", &MissingTerm::rms_with},
+    {"", "bias", [](auto& t) { return is_shared(t.test.term) ? Json(t.test.bias) : Json(); }},
     // Below 3 of its own standard errors a term escapes its test more often than not.
-    {"", "", "bias that may hide", "standard errors", "{:.2g}",
+    {"", "", "bias that may hide [standard errors]", "{:.2g}",
      [](auto& t) { return is_shared(t.test.term) ? Json(3 * t.test.bias) : Json(); }},
 };
 std::vector<MissingTerm> missing_terms(const identify::ResidualTests& tests) {
@@ -110,35 +110,31 @@ std::vector<MissingTerm> missing_terms(const identify::ResidualTests& tests) {
 
 Quantities<identify::Rung> rung_quantities(const identify::Ladder& ladder) {
   return {
-      {"", "name", "model", "", {}, &identify::Rung::name},
-      {"", "", "preferred", "", {}, [&](auto& r) { return &r == &ladder.rungs[ladder.preferred]; }},
-      {"", "converged", "", "", {}, [](auto& r) { return r.fit.converged; }},
-      {"",
-       "terms",
-       "",
-       "",
-       {},
+      {"", "name", "model", {}, &identify::Rung::name},
+      {"", "", "preferred", {}, [&](auto& r) { return &r == &ladder.rungs[ladder.preferred]; }},
+      {"", "converged", [](auto& r) { return r.fit.converged; }},
+      {"", "terms",
        [](auto& r) {
          Json terms = Json::object();
          for (const identify::LadderTerm& term : identify::kLadderTerms)
            if (r.fit.sea.*term.value != 0) terms[identify::name(term.term)] = number(r.fit.sea.*term.value);
          return terms;
        }},
-      {"", "bic", "BIC", "", "{:.1f}", &identify::Rung::bic},
-      {"", "p", "p of plain against it", "", small, &identify::Rung::p},
-      {"", "rms", "rms", "rad", "{:.4g}", [](auto& r) { return r.fit.rms; }},
-      {"", "held_out_rms", "held-out rms", "rad", "{:.4g}", &identify::Rung::held_out},
+      {"", "bic", "BIC", "{:.1f}", &identify::Rung::bic},
+      {"", "p", "p of plain against it", small, &identify::Rung::p},
+      {"", "rms", "rms [rad]", "{:.4g}", [](auto& r) { return r.fit.rms; }},
+      {"", "held_out_rms", "held-out rms [rad]", "{:.4g}", &identify::Rung::held_out},
   };
 }
 
 Quantities<LeftOut> left_out_quantities() {
-  Quantities<LeftOut> out = {{"", "file", "left out", "", {}, &LeftOut::file}};
+  Quantities<LeftOut> out = {{"", "file", "left out", {}, &LeftOut::file}};
   for (std::size_t k = 0; k < kConstants; ++k)
-    out.push_back({"", std::string("shift/") + kConstantNames[k], kConstantNames[k], "", "{:+.2f}",
+    out.push_back({"", std::string("shift/") + kConstantNames[k], kConstantNames[k], "{:+.2f}",
                    [k](auto& l) { return number(l.shift[k]); }});
-  out.push_back({"", "held_out_rms", "held-out rms", "rad", "{:.4g}", &LeftOut::held_out});
-  out.push_back({"", "p", "p", "", small, &LeftOut::p});
-  out.push_back({"", "disagrees", "disagrees", "", {}, &LeftOut::disagrees});
+  out.push_back({"", "held_out_rms", "held-out rms [rad]", "{:.4g}", &LeftOut::held_out});
+  out.push_back({"", "p", "p", small, &LeftOut::p});
+  out.push_back({"", "disagrees", "disagrees", {}, &LeftOut::disagrees});
   return out;
 }
 

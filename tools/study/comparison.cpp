@@ -63,8 +63,7 @@ bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const Com
 
 Comparison compare(const OfSets<Actuator>& sets, const std::optional<RigTrials>& measured,
                    const std::optional<Scene>& scene, const ComparisonOptions& options) {
-  Comparison out;
-  out.constants = differences(sets);
+  Comparison out{.sets = sets, .measured = measured, .scene = scene, .constants = differences(sets)};
   if (measured) {
     out.predictions = predictions(sets, *measured, options.escape);
     for (const identify::Fit& fit : *out.predictions) out.complete = out.complete && fit.converged;

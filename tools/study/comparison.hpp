@@ -36,7 +36,16 @@ struct ComparedMotion {
   OfSets<std::optional<landing::Landing>> landings;  ///< absent where it was stopped before
 };
 
+/// Trials as the rig measured them; the rig's torque limit and feedback count before the actuators'.
+struct RigTrials {
+  identify::Rig rig;
+  std::vector<identify::Trial> trials;
+};
+
 struct Comparison {
+  OfSets<Actuator> sets;
+  std::optional<RigTrials> measured;
+  std::optional<landing::Scene> scene;
   std::vector<ConstantDifference> constants;
   std::optional<OfSets<identify::Fit>> predictions;  ///< of the trials, where there are any
   std::vector<ComparedMotion> motions;               ///< where there is a scene: of both sets
@@ -51,12 +60,6 @@ struct ComparisonOptions {
   std::optional<landing::Optimum> identified_best;     ///< where it is known already
   std::function<Monitor(const std::string&)> monitor;  ///< of the search with the set of this name
   double rate = 1000;                                  ///< rows of the trajectories a second [Hz]
-};
-
-/// Trials as the rig measured them; the rig's torque limit and feedback count before the actuators'.
-struct RigTrials {
-  identify::Rig rig;
-  std::vector<identify::Trial> trials;
 };
 
 /// Compares on whatever is given. Numbers that do not work out are in the result: it ends with the first motion that

@@ -26,7 +26,7 @@ struct CalibrateArguments {
   Doubt doubt = Doubt::kReport;
 };
 
-/// A term among [first, last), and the unit that its name asks for: a pitch may be given as pitch_deg.
+/// A term among [first, last), and its unit in the option: a pitch may be given as pitch_deg.
 struct Named {
   Term term;
   double unit = 1;

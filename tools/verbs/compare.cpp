@@ -4,7 +4,7 @@
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
-#include "tools/report/compare.hpp"
+#include "tools/report/results.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -12,25 +12,27 @@ namespace ukemi::tools {
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
   Run run("compare", common);
-  CompareQuestion question{.sets = {actuator_of(a.nominal, run), actuator_of(a.identified, run)}};
+  const OfSets<Actuator> sets = {actuator_of(a.nominal, run), actuator_of(a.identified, run)};
+  std::optional<RigTrials> measured;
+  std::optional<landing::Scene> scene;
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");
-  if (!a.scene.empty()) question.scene = landing::read_scene(a.scene), run.input(a.scene);
+  if (!a.scene.empty()) scene = landing::read_scene(a.scene), run.input(a.scene);
   Json summary;
   if (!a.trials.empty()) {
     const identify::Rig rig = identify::read_rig(a.rig);
     run.input(a.rig);
     TrialInputs inputs = read_trials(a.trials, a.reading, rig, {}, run);
-    question.measured = {rig, std::move(inputs.trials)};
+    measured = {rig, std::move(inputs.trials)};
     summary = std::move(inputs.summary);
   }
-  ComparisonOptions& o = question.options;
+  ComparisonOptions o;
   o.escape = escape_of(a.reading);
   o.search.seed = common.seed, o.search.threads = common.threads;
   o.identified_best = a.identified_best;
   o.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set); };
-  const Comparison found = compare(question.sets, question.measured, question.scene, o);
+  const Comparison found = compare(sets, measured, scene, o);
   if (result) *result = found;
-  return report(question, found, std::move(summary), run);
+  return report(found, std::move(summary), run);
 }
 
 void add_compare(CLI::App& app, Action& chosen) {

@@ -23,10 +23,10 @@ struct BestOf {
   double peak, tolerant_peak;
 };
 Quantities<BestOf> best_quantities() {
-  Quantities<BestOf> out = {{"", "", "constants", "", {}, &BestOf::constants}};
-  append(out, motion_quantities(), &BestOf::motion, "motion/");
-  out.push_back({"", "peak_acceleration", "peak", "m/s^2", "{:.2f}", &BestOf::peak});
-  out.push_back({"", "tolerant_peak", "tolerant peak", "m/s^2", "{:.2f}", &BestOf::tolerant_peak});
+  Quantities<BestOf> out = {{"", "", "constants", {}, &BestOf::constants}};
+  append(out, "motion/", motion_quantities(), &BestOf::motion);
+  out.push_back({"", "peak_acceleration", "peak [m/s^2]", "{:.2f}", &BestOf::peak});
+  out.push_back({"", "tolerant_peak", "tolerant peak [m/s^2]", "{:.2f}", &BestOf::tolerant_peak});
   return out;
 }
 BestOf best_of(const std::string& constants, const Optimum& o) {
@@ -38,10 +38,10 @@ struct Fact {
   std::string what, paper, ukemi, note;
 };
 const Quantities<Fact> kFactQuantities = {
-    {"", "fact", "fact", "", {}, &Fact::what},
-    {"", "paper", "paper", "", {}, &Fact::paper},
-    {"", "ukemi", "ukemi (Table 2; floor and pitch calibrated, not published)", "", {}, &Fact::ukemi},
-    {"", "note", "note", "", {}, &Fact::note},
+    {"", "fact", "fact", {}, &Fact::what},
+    {"", "paper", "paper", {}, &Fact::paper},
+    {"", "ukemi", "ukemi (Table 2; floor and pitch calibrated, not published)", {}, &Fact::ukemi},
+    {"", "note", "note", {}, &Fact::note},
 };
 
 /// Which of the peaks between touchdowns is the largest, counted from 1.

@@ -2,9 +2,10 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/judge/survey.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
-#include "tools/report/map.hpp"
+#include "tools/report/results.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -30,7 +31,7 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   map.cells = {a.grid[0], a.grid[1], a.grid[2]};
   map.polished = a.polish, map.seed = common.seed, map.threads = common.threads;
   map.monitor = run.monitor("map: rows");
-  return report(scene, survey(scene, actuator.sea, options), run);
+  return report(survey(scene, actuator.sea, options), run);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/landing.hpp"
-#include "tools/report/optimize.hpp"
+#include "tools/report/results.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -70,10 +70,10 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
 }
 
 /// How long it takes to write such an answer [s].
-double writing_time(const OptimizeQuestion& question, const Answer& a, const Run& run) {
+double writing_time(const Answer& a, double rate, const Run& run) {
   constexpr double kTwice = 2, kFiles = 8, kExit = 2e-3;  // the program's own end takes 1 ms
   const Stopwatch watch(Stopwatch::Time::kWall);
-  (void)files_of(question, a, run);
+  (void)files_of(a, rate, run);
   const double composed = watch.seconds();
   require_writable_folder(run.options().folder);
   return kTwice * composed + kFiles * (watch.seconds() - composed) + kExit;
@@ -84,23 +84,22 @@ double writing_time(const OptimizeQuestion& question, const Answer& a, const Run
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Answer* result) {
   const Clock clock;
   Run run("optimize", common);
-  OptimizeQuestion question{read_scene(a.scene), {}, {}, a.rate};
+  const Scene scene = read_scene(a.scene);
   run.input(a.scene);
-  question.actuator = actuator_of(a.actuator, run);
+  const Actuator actuator = actuator_of(a.actuator, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
-  AnswerOptions& options = question.options;
-  options = options_of(a, common, question.actuator, run);
+  AnswerOptions options = options_of(a, common, actuator, run);
   const OptimizeOptions& o = options.search;
-  run.info(fmt::format("optimising the {} of {} with {}: {}, seed {}", kGoalNames[std::size_t(o.goal)],
-                       question.scene.name, a.solver,
+  run.info(fmt::format("optimising the {} of {} with {}: {}, seed {}", kGoalNames[std::size_t(o.goal)], scene.name,
+                       a.solver,
                        o.deadline ? fmt::format("{:g} s", *o.deadline)
                                   : fmt::format("{} motions", o.evaluations.value_or(default_evaluations(o.goal))),
                        o.seed));
-  options.rehearse = [&](const Answer& rehearsed) { return writing_time(question, rehearsed, run); };
+  options.rehearse = [&](const Answer& rehearsed) { return writing_time(rehearsed, a.rate, run); };
   options.used = clock.seconds();
-  const Answer found = answer(question.scene, question.actuator, options);
+  const Answer found = answer(scene, actuator, options);
   if (result) *result = found;
-  return report(question, found, run);
+  return report(found, a.rate, run);
 }
 
 void add_optimize(CLI::App& app, Action& chosen) {

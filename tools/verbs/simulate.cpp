@@ -5,9 +5,10 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/judge/checked.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
-#include "tools/report/simulate.hpp"
+#include "tools/report/results.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -43,7 +44,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   SimulateOptions options;
   options.accuracy = a.accuracy.value_or(options.accuracy);
   options.validate();
-  return report(scene, checked_landing(scene, actuator, motion, options, rate), run);
+  return report(checked_landing(scene, actuator, motion, options, rate), run);
 }
 
 }  // namespace
