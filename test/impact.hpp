@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/actuator.hpp"
 #include "common/random.hpp"
 #include "identify/fit/fit.hpp"
 #include "test/folder.hpp"

@@ -31,7 +31,7 @@ Candidate look(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignO
   if (auto information = information_of(rig, k.sea, k.constants, blank_log(hit, o.log), o.log.noise))
     c.information = std::move(*information);
   else
-    c.safety.verdict = HitSafety::Verdict::kEscapes;
+    c.safety.outcome = HitSafety::Outcome::kEscapes;
   return c;
 }
 
@@ -219,8 +219,8 @@ Design design(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
   for (const Candidate& c : candidates) {
     ++out.candidates;
     if (c.safety.safe()) pool.push_back(c);
-    if (c.safety.verdict == HitSafety::Verdict::kTooFar) ++out.too_far;
-    if (c.safety.verdict == HitSafety::Verdict::kEscapes) ++out.escaping;
+    if (c.safety.outcome == HitSafety::Outcome::kTooFar) ++out.too_far;
+    if (c.safety.outcome == HitSafety::Outcome::kEscapes) ++out.escaping;
     if (!weakest || c.hit.peak * c.hit.width < weakest->hit.peak * weakest->hit.width) weakest = &c;
   }
   if (pool.empty()) {
@@ -228,7 +228,7 @@ Design design(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
     out.message = fmt::format(
         "no hit of this budget is safe: even {:.3g} N for {:.3g} ms: {} (|phi_1| up to {:.3g} rad within the "
         "estimate's uncertainty); a larger angle, a weaker peak or a better estimate is needed",
-        weakest->hit.peak, 1e3 * weakest->hit.width, name(weakest->safety.verdict), weakest->safety.worst_angle);
+        weakest->hit.peak, 1e3 * weakest->hit.width, name(weakest->safety.outcome), weakest->safety.worst_angle);
     return out;
   }
   Set set = choose(k.information, pool, o);

@@ -1,6 +1,6 @@
-// Which hit to try next: half-sine hits, chosen by what they will tell of the constants (identify/design/information.hpp), one
-// rollout a hit. The model is odd in the force: a hit and its mirror tell the same. Tests: test/unit/design.cpp,
-// test/regression/design.cpp.
+// Which hit to try next: half-sine hits, chosen by what they will tell of the constants
+// (identify/design/information.hpp), one rollout a hit. The model is odd in the force: a hit and its mirror tell the
+// same. Tests: test/unit/design.cpp, test/regression/design.cpp.
 #pragma once
 
 #include <cstdint>
@@ -41,14 +41,14 @@ Trial blank_log(const Hit& hit, const HitLog& log);
 /// How near a hit comes to what it must not do: at the estimate, and over the 95 % ellipsoid about it (its axes'
 /// ends, the end where the angle grows fastest, drawn points of its surface).
 struct HitSafety {
-  enum class Verdict { kSafe, kTooFar, kEscapes } verdict = Verdict::kSafe;  ///< kEscapes: somewhere, or diverges
+  enum class Outcome { kSafe, kTooFar, kEscapes } outcome = Outcome::kSafe;  ///< kEscapes: somewhere, or diverges
   double angle = 0;                                                          ///< largest |phi_1| at the estimate [rad]
   double worst_angle = 0;  ///< over the ellipsoid [rad]; of what was looked at where not safe
   double torque = 0;       ///< largest |tau'| at the estimate, before the limit [Nm]
   double limited = 0;      ///< how long the torque limit acts there [s]
-  bool safe() const { return verdict == Verdict::kSafe; }
+  bool safe() const { return outcome == Outcome::kSafe; }
 };
-const char* name(HitSafety::Verdict verdict);
+const char* name(HitSafety::Outcome outcome);
 
 struct DesignOptions {
   HitBudget budget;

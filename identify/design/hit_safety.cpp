@@ -26,13 +26,13 @@ SeaParameters<double> scaled(const Knowledge& k, const VectorXd& relative) {
 
 }  // namespace
 
-const char* name(HitSafety::Verdict verdict) {
-  switch (verdict) {
-    case HitSafety::Verdict::kSafe:
+const char* name(HitSafety::Outcome outcome) {
+  switch (outcome) {
+    case HitSafety::Outcome::kSafe:
       return "safe";
-    case HitSafety::Verdict::kTooFar:
+    case HitSafety::Outcome::kTooFar:
       return "beyond the largest angle";
-    case HitSafety::Verdict::kEscapes:
+    case HitSafety::Outcome::kEscapes:
       return "the link escapes";
   }
   return "?";
@@ -63,11 +63,11 @@ HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const De
   thread_local std::vector<double> phi, phi_m;
   const auto stays = [&](const SeaParameters<double>& sea) {
     if (rollout(rig, sea, {}, prepared, {}, phi, phi_m) != RolloutStatus::kDone) {
-      out.verdict = HitSafety::Verdict::kEscapes;
+      out.outcome = HitSafety::Outcome::kEscapes;
       return false;
     }
     for (const double a : phi) out.worst_angle = std::max(out.worst_angle, std::abs(a));
-    if (out.worst_angle > o.budget.angle) out.verdict = HitSafety::Verdict::kTooFar;
+    if (out.worst_angle > o.budget.angle) out.outcome = HitSafety::Outcome::kTooFar;
     return out.safe();
   };
   if (!stays(k.sea)) {

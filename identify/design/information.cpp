@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "common/error.hpp"
-#include "identify/fit/least_squares.hpp"
-#include "identify/fit/statistics.hpp"
+#include "identify/estimate/least_squares.hpp"
+#include "identify/estimate/statistics.hpp"
 
 namespace ukemi::identify {
 

@@ -5,55 +5,22 @@
 // with standard errors from the Fisher information scaled by the residual variance.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/actuator.hpp"
 #include "common/monitor.hpp"
-#include "identify/rollout/rollout.hpp"
-#include "identify/fit/uncertainty.hpp"
+#include "identify/estimate/estimates.hpp"
+#include "identify/fit/rig_terms.hpp"
+#include "identify/fit/starts.hpp"
 #include "identify/fit/weighting.hpp"
 
 namespace ukemi::identify {
 
-/// Terms that may be fitted along with the constants: see SeaParameters and Nuisance.
-enum class NuisanceTerm {
-  kFriction,       ///< Coulomb torque on the motor, one for all trials [Nm], >= 0
-  kViscous,        ///< viscous friction on the motor, one for all trials [Nm/(rad/s)], >= 0
-  kStiffening,     ///< K_3 of the spring, one for all trials [Nm/rad^3], >= 0
-  kForceGain,      ///< one for all trials
-  kInitialAngle,   ///< a trial each [rad]
-  kInitialRate,    ///< a trial each [rad/s]
-  kEncoderOffset,  ///< a trial each [rad]
-  kForceBias,      ///< a trial each [N]
-  kTimeShift,      ///< a trial each [s], within 0.1 s either way
-};
-inline constexpr std::array kNuisanceTerms = {
-    NuisanceTerm::kFriction,      NuisanceTerm::kViscous,      NuisanceTerm::kStiffening,
-    NuisanceTerm::kForceGain,     NuisanceTerm::kInitialAngle, NuisanceTerm::kInitialRate,
-    NuisanceTerm::kEncoderOffset, NuisanceTerm::kForceBias,    NuisanceTerm::kTimeShift};
-const char* name(NuisanceTerm t);
-const char* unit(NuisanceTerm t);
-/// Whether all trials share it.
-constexpr bool is_shared(NuisanceTerm t) { return t <= NuisanceTerm::kForceGain; }
-
-/// What is known of a constant beforehand.
-struct Prior {
-  double value, std;  ///< in the constant's unit; std > 0
-};
-
 struct FitOptions {
-  std::array<bool, kConstants> free{true, true, true, true, true};  ///< the others stay at the start
-  std::array<double, kConstants> lower{};                           ///< >= 0
-  std::array<double, kConstants> upper{kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
-  std::vector<NuisanceTerm> nuisance;                  ///< each at most once
-  std::array<std::optional<Prior>, kConstants> prior;  ///< counted like one more measurement
-  double huber = 0;                                    ///< Huber's delta on each sample's residual [rad]; 0: squares
+  Terms<RigTerm> terms = rig_choice();  ///< what is fitted; priors of shared terms only
+  double huber = 0;                     ///< Huber's delta on each sample's residual [rad]; 0: squares
   enum class Weights { kEqual, kTrial } weights = Weights::kEqual;  ///< kTrial: 1 / each trial's own residual variance
   double accuracy = 1e-9;                                           ///< relative tolerance of the rollout
   std::optional<Method> method;                 ///< of the rollout, for comparison; see RolloutOptions
@@ -64,14 +31,14 @@ struct FitOptions {
   int threads = 0;         ///< 0: all cores; without influence on the results
   std::uint64_t seed = 1;  ///< of the drawn starts
   int max_iterations = 200;  ///< of the solver, each start
+  StartOptions starts;       ///< how starts are drawn, and what they may cost
   Monitor monitor;           ///< told of starts; where it stops the fit, the best so far is kept: Fit::interrupted
-  bool fits(NuisanceTerm t) const { return std::find(nuisance.begin(), nuisance.end(), t) != nuisance.end(); }
   RolloutOptions rollout() const {
     return {.accuracy = accuracy, .max_step = max_step, .method = method, .escape = escape};
   }
   void validate() const;  ///< throws InputError
 
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  static constexpr double kInfinity = Term::kInfinity;
 };
 
 /// A minimum that starts ended at.
@@ -88,22 +55,13 @@ struct TrialResult {
   double noise = 0;                ///< the log's own noise [rad]
   std::vector<double> phi, phi_m;  ///< predicted; empty where the rollout failed
   RolloutStatus status = RolloutStatus::kDone;
-  Nuisance<double> nuisance;
   Weighting weighting;  ///< of its residuals in the fit
 };
 
-struct Fit {
-  SeaParameters<double> sea;         ///< the result, tau_max and feedback included
-  std::vector<Estimate> parameters;  ///< the five constants, in order
-  std::vector<Estimate> nuisance;
-  std::vector<std::string> fitted;  ///< order of `covariance`: free constants, then friction
-  Eigen::MatrixXd covariance;       ///< NaN where not determined
-  Eigen::MatrixXd correlation;
-  Eigen::VectorXd eigenvalues;     ///< of the scaled information, ascending, largest 1
-  double half_width = 1.96;        ///< 95 % interval in standard errors (Student's t)
-  std::optional<Weakest> weakest;  ///< the combination of constants that the trials know least
-  double rms = 0;                  ///< unweighted, over every measured output [rad]
-  double cost = 0;                 ///< E(U) [rad^2]; weighted or robust where asked for
+struct Fit : Estimates {
+  SeaParameters<double> sea;  ///< the result, tau_max and feedback included; without what a RigTerm::change does
+  double rms = 0;             ///< unweighted, over every measured output [rad]
+  double cost = 0;            ///< E(U) [rad^2]; weighted or robust where asked for
   bool converged = false, identifiable = false;
   bool far_above_noise = false;  ///< the residual, beyond kFarAboveNoise: no constant is trusted
   bool flawed_logs = false;      ///< a gap in a hit, or a force of the wrong sign: no constant is trusted
@@ -115,8 +73,6 @@ struct Fit {
   std::vector<TrialResult> trials;
   std::string message;  ///< why it did not converge
 
-  /// What was fitted for all trials, in the order of `fitted`.
-  std::vector<const Estimate*> globals() const;
   /// Whether it converged and every fitted constant is trusted.
   bool trusted() const { return converged && all_trusted(parameters); }
 };
@@ -125,8 +81,7 @@ struct Fit {
 /// feedback, stiffening, friction. A start at 0 is moved off it. Never throws on numbers: see Fit::converged; where no
 /// start could be followed, Fit::fitted is empty. The force is taken as each trial has it: see rest_between_hits; its
 /// noise within the hits (Trial::force_noise) weighs the residuals, see Weighting. Bounded in work, whatever the logs:
-/// a start that asks for more than 100,000 integrated steps and 60 for each sample is ended where it stands, and no
-/// other is tried once all took four times that.
+/// see StartOptions.
 [[nodiscard]] Fit fit(const Rig& rig, const std::vector<Trial>& trials,
                       const std::optional<SeaParameters<double>>& start, const SeaParameters<double>& base,
                       const FitOptions& options = {});

@@ -6,119 +6,141 @@ namespace ukemi::identify {
 
 namespace {
 
-static_assert(kConstants + int(kNuisanceTerms.size()) <= kLargeJet, "each constant and each term needs a slot");
+/// One trial as a function of a point of the problem. Derivatives are taken with respect to value / scale, so that they
+/// are angles whatever the parameter's unit, as the integrator's error control expects; the Jacobians are not scaled.
+struct TrialBlock {
+  const Rig& rig;
+  const SeaParameters<double> base;
+  const RigLayout layout;
+  const PreparedTrial& trial;
+  const Weighting& weighting;
+  const RolloutOptions options;
+  const std::vector<Parameter> columns;
 
-/// Residuals of one trial and, with a Jet, their Jacobians. Derivatives are taken with respect to value / scale, so
-/// that they are angles whatever the parameter's unit, as the integrator's error control expects; the Jacobians are not
-/// scaled.
-template <class T>
-bool evaluate(const Rig& rig, const SeaParameters<double>& base, const Layout& layout, const PreparedTrial& prepared,
-              const RolloutOptions& options, const Weighting& weighting, const std::vector<double>& scale,
-              const double* global, const double* local, double* const residuals, double* const jacobians) {
-  auto sea = base.cast<T>();
-  Nuisance<T> nuisance;
-  layout.apply<T>(global, local, sea, nuisance, [&](double v, [[maybe_unused]] int slot) {
-    T x(v);
-    if constexpr (kDerivatives < T >> 0) x.v[slot] = scale[std::size_t(slot)];
-    return x;
-  });
-  thread_local std::vector<T> phi, phi_m;
-  if (rollout(rig, sea, nuisance, prepared, options, phi, phi_m) != RolloutStatus::kDone) return false;
-  const std::size_t size = std::size_t(prepared.trial->measurements());
-  const double weight = weighting.weight;
-  double *r = residuals, *jacobian = jacobians;
-  const auto compare = [&](const std::vector<double>& measured, const std::vector<T>& predicted) {
-    for (std::size_t i = 0; i < measured.size(); ++i) r[i] = weight * (value_of(predicted[i]) - measured[i]);
-    r += measured.size();
-    if constexpr (kDerivatives < T >> 0) {
-      for (std::size_t k = 0; k < scale.size(); ++k) {
-        const double factor = weight / scale[k];
-        for (std::size_t i = 0; i < measured.size(); ++i) jacobian[k * size + i] = factor * predicted[i].v[long(k)];
-      }
-      jacobian += measured.size();
-    }
-  };
-  compare(prepared.trial->phi, phi);
-  compare(prepared.trial->phi_motor, phi_m);
-  if (weighting.u.size() > 0) {
-    const auto whiten = [&](double* column) { weighting.whiten(Eigen::Map<Eigen::VectorXd>(column, long(size))); };
+  std::size_t size() const { return std::size_t(trial.trial->measurements()); }
+
+  bool evaluate(const double* shared, const double* own, double* residuals, double* jacobian) const {
+    const RigPoint point(layout, shared, own);
+    bool done;
+    if (!jacobian)
+      done = pass<double>(point, 0, residuals, nullptr);
+    else if (columns.size() <= kSmallJet)
+      done = pass<SmallJet>(point, 0, residuals, jacobian);
+    else
+      done = passes<LargeJet>(point, residuals, jacobian);
+    if (!done || (jacobian && !differences(shared, own, jacobian))) return false;
+    if (weighting.u.size() == 0) return true;
+    const auto whiten = [&](double* column) { weighting.whiten(Eigen::Map<Eigen::VectorXd>(column, long(size()))); };
     whiten(residuals);
-    for (std::size_t k = 0; kDerivatives < T >> 0 && k < scale.size(); ++k) whiten(jacobians + k * size);
+    for (std::size_t k = 0; jacobian && k < columns.size(); ++k) whiten(jacobian + k * size());
+    return true;
   }
-  return true;
-}
 
-/// A term as a parameter: where it starts, its bounds and its typical size.
-Parameter parameter(NuisanceTerm t, const SeaParameters<double>& start) {
-  constexpr double kInf = FitOptions::kInfinity;
-  const auto signless = [&](double at, double size) {
-    return Parameter{name(t), unit(t), at > 0 ? at : size, 0, kInf, size};
-  };
-  switch (t) {
-    case NuisanceTerm::kFriction:
-      return signless(start.friction, start.k_p > 0 ? 0.01 * start.k_p : 0.1);
-    case NuisanceTerm::kViscous:
-      return signless(start.viscous, start.k_d > 0 ? 0.1 * start.k_d : 0.1);
-    case NuisanceTerm::kStiffening:  // as much torque as the linear part at a deflection of 1 rad
-      return signless(start.k_sea_cubic, start.k_sea > 0 ? start.k_sea : 10);
-    case NuisanceTerm::kForceGain:
-      return {name(t), unit(t), 1, 0.01, 100, 1};
-    case NuisanceTerm::kInitialAngle:
-    case NuisanceTerm::kEncoderOffset:
-      return {name(t), unit(t), 0, -kInf, kInf, 0.01};
-    case NuisanceTerm::kInitialRate:
-      return {name(t), unit(t), 0, -kInf, kInf, 0.1};
-    case NuisanceTerm::kForceBias:
-      return {name(t), unit(t), 0, -kInf, kInf, 1};
-    case NuisanceTerm::kTimeShift:
-      return {name(t), unit(t), 0, -0.1, 0.1, 1e-3};
+ private:
+  /// The predicted angles with derivatives by the columns from `first` on, as many as T has slots.
+  template <class T>
+  bool roll(const RigPoint& point, std::size_t first, std::vector<T>& phi, std::vector<T>& phi_m) const {
+    const auto lift = [&](double value, [[maybe_unused]] std::size_t column) {
+      T x(value);
+      if constexpr (kDerivatives < T >> 0)
+        if (column - first < std::size_t(kDerivatives<T>)) x.v[long(column - first)] = columns[column].scale;
+      return x;
+    };
+    return point.with_changes(rig, base, trial,
+                              [&](const Rig& r, const SeaParameters<double>& sea, const PreparedTrial& t) {
+                                RolloutInputs<T> in{sea.cast<T>()};
+                                point.place(in, lift);
+                                return rollout(r, in.sea, in.nuisance, t, options, phi, phi_m) == RolloutStatus::kDone;
+                              });
   }
-  return {};
-}
+  /// f(measured, predicted, row) for each output.
+  template <class T, class F>
+  void compare(const std::vector<T>& phi, const std::vector<T>& phi_m, F&& f) const {
+    const Trial& log = *trial.trial;
+    f(log.phi, phi, std::size_t(0));
+    f(log.phi_motor, phi_m, log.phi.size());
+  }
 
-/// Size of a constant for scaling, where the start is 0.
-double typical(int constant, const Suggestion& s) { return ukemi::constants(s.centre)[std::size_t(constant)]; }
+  /// The residuals and, with a Jet, the Jacobian's columns from `first` on.
+  template <class T>
+  bool pass(const RigPoint& point, std::size_t first, double* residuals, [[maybe_unused]] double* jacobian) const {
+    thread_local std::vector<T> phi, phi_m;
+    if (!roll(point, first, phi, phi_m)) return false;
+    const double weight = weighting.weight;
+    compare(phi, phi_m, [&](const std::vector<double>& measured, const std::vector<T>& predicted, std::size_t row) {
+      for (std::size_t i = 0; i < measured.size(); ++i)
+        residuals[row + i] = weight * (value_of(predicted[i]) - measured[i]);
+      if constexpr (kDerivatives < T >> 0) {
+        const std::size_t last = std::min(columns.size(), first + std::size_t(kDerivatives<T>));
+        for (std::size_t k = first; k < last; ++k) {
+          const double factor = weight / columns[k].scale;
+          double* column = jacobian + k * size() + row;
+          for (std::size_t i = 0; i < measured.size(); ++i) column[i] = factor * predicted[i].v[long(k - first)];
+        }
+      }
+    });
+    return true;
+  }
+  template <class T>
+  bool passes(const RigPoint& point, double* residuals, double* jacobian) const {
+    for (std::size_t first = 0; first < columns.size(); first += std::size_t(kDerivatives<T>))
+      if (!pass<T>(point, first, residuals, jacobian)) return false;
+    return true;
+  }
+
+  /// The columns of terms whose derivative is not exact, by differences within their bounds.
+  bool differences(const double* shared, const double* own, double* jacobian) const {
+    constexpr double kStep = 1e-3;  // of the scale: as far from the integrator's error as from the curvature
+    std::vector<double> at(shared, shared + layout.shared.size());
+    at.insert(at.end(), own, own + layout.own.size());
+    bool done = true;
+    layout.for_each(shared, own, [&](const RigTerm& term, double value, std::size_t k) {
+      if (!term.change || !done) return;
+      const Parameter& p = columns[k];
+      const double from = std::max(value - kStep * p.scale, p.lower), to = std::min(value + kStep * p.scale, p.upper);
+      std::vector<double> phi[2], phi_m[2];
+      for (const int side : {0, 1}) {
+        at[k] = side ? to : from;
+        const RigPoint point(layout, at.data(), at.data() + layout.shared.size());
+        done = done && roll(point, 0, phi[side], phi_m[side]);
+      }
+      at[k] = value;
+      if (!done) return;
+      for (const int side : {0, 1})
+        compare(phi[side], phi_m[side],
+                [&](const std::vector<double>& measured, const std::vector<double>& predicted, std::size_t row) {
+                  double* column = jacobian + k * size() + row;
+                  for (std::size_t i = 0; i < measured.size(); ++i)
+                    column[i] = (side ? column[i] + predicted[i] : -predicted[i]);
+                });
+      for (std::size_t i = 0; i < size(); ++i) jacobian[k * size() + i] *= weighting.weight / (to - from);
+    });
+    return done;
+  }
+};
 
 }  // namespace
 
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
                                  const std::vector<Weighting>& weights, const SeaParameters<double>& start,
-                                 const Suggestion& suggestion, const Layout& layout, const FitOptions& options,
+                                 const Suggestion& suggestion, const RigLayout& layout, const FitOptions& options,
                                  const RolloutOptions& rollout_options) {
   LeastSquaresProblem problem;
-  const auto u = ukemi::constants(start);
-  for (const int c : layout.constants) {
-    const auto k = std::size_t(c);
-    const double size = u[k] > 0 ? u[k] : typical(c, suggestion);
-    // i_motor divides Eq. 4: its bound of 0 is the smallest positive number that the model can be asked with.
-    const double lower = c == 4 ? std::max(options.lower[k], 1e-6 * size) : options.lower[k];
-    problem.globals.push_back(
-        {kConstantNames[k], kConstantUnits[k], std::max(u[k], 0.1 * size), lower, options.upper[k], size});
-  }
-  for (const NuisanceTerm t : layout.shared) problem.globals.push_back(parameter(t, start));
-  for (const NuisanceTerm t : layout.of_trial) problem.locals.push_back(parameter(t, start));
-  for (std::size_t g = 0; g < layout.constants.size(); ++g)
-    if (const auto& prior = options.prior[std::size_t(layout.constants[g])]) {
-      std::vector<const Trial*> logs;
-      for (const PreparedTrial& p : prepared) logs.push_back(p.trial);
-      problem.priors.push_back({int(g), prior->value, noise_level(logs) / prior->std});
-    }
-  std::vector<double> scale;
-  for (const auto& list : {problem.globals, problem.locals})
-    for (const Parameter& p : list) scale.push_back(p.scale);
-  const bool small = layout.globals() + layout.locals() <= kSmallJet;
+  for (const auto& [terms, parameters] : {std::pair(&layout.shared, &problem.globals), {&layout.own, &problem.locals}})
+    for (const RigTerm* t : *terms) parameters->push_back(t->column(start, suggestion.centre, options.terms));
+  std::vector<const Trial*> logs;
+  for (const PreparedTrial& p : prepared) logs.push_back(p.trial);
+  for (std::size_t g = 0; g < layout.shared.size(); ++g)
+    for (const Prior& prior : options.terms.priors)
+      if (prior.term == layout.shared[g]->name)
+        problem.priors.push_back({int(g), prior.value, noise_level(logs) / prior.std});
+  std::vector<Parameter> columns = problem.globals;
+  columns.insert(columns.end(), problem.locals.begin(), problem.locals.end());
   for (std::size_t m = 0; m < prepared.size(); ++m) {
-    const PreparedTrial* trial = &prepared[m];
-    const Weighting* weight = &weights[m];
+    const TrialBlock block{rig, start, layout, prepared[m], weights[m], rollout_options, columns};
     problem.blocks.push_back(
-        {int(trial->trial->measurements()), [=, &rig](const double* g, const double* l, double* r, double* jacobian) {
-           if (!jacobian)
-             return evaluate<double>(rig, start, layout, *trial, rollout_options, *weight, scale, g, l, r, jacobian);
-           if (small)
-             return evaluate<ceres::Jet<double, kSmallJet>>(rig, start, layout, *trial, rollout_options, *weight, scale,
-                                                            g, l, r, jacobian);
-           return evaluate<ceres::Jet<double, kLargeJet>>(rig, start, layout, *trial, rollout_options, *weight, scale,
-                                                          g, l, r, jacobian);
+        {int(block.size()), [block](const double* g, const double* l, double* r, double* jacobian) {
+           return block.evaluate(g, l, r, jacobian);
          }});
   }
   return problem;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "identify/rig/rig.hpp"
 #include "identify/logs/trial.hpp"
+#include "identify/rig/rig.hpp"
 
 namespace ukemi::identify {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "common/files.hpp"
-#include "identify/logs/wire.hpp"
+#include "identify/logs/protobuf.hpp"
 
 namespace ukemi::identify {
 
@@ -38,16 +38,16 @@ std::string address_of(const Bytes& b, std::size_t at) {
 /// Calls use(field) for each field of a message.
 template <class Use>
 void for_fields(const Bytes& message, Use&& use) {
-  WireReader reader(message);
-  for (WireField f; reader.next(f);) use(f);
+  ProtobufReader reader(message);
+  for (ProtobufField f; reader.next(f);) use(f);
 }
 
 /// A submessage; InputError where the field is of another wire type.
-const Bytes& submessage(const Bytes& in, const WireField& f) {
-  if (f.type != WireField::Type::kBytes) in.fail(f.at, fmt::format("field {}: a submessage is needed", f.number));
+const Bytes& submessage(const Bytes& in, const ProtobufField& f) {
+  if (f.type != ProtobufField::Type::kBytes) in.fail(f.at, fmt::format("field {}: a submessage is needed", f.number));
   return f.bytes;
 }
-double float_of(const Bytes& in, const WireField& f) {
+double float_of(const Bytes& in, const ProtobufField& f) {
   const auto value = f.number32();
   if (!value) in.fail(f.at, fmt::format("field {}: a 32-bit float is needed", f.number));
   return *value;
@@ -56,8 +56,8 @@ double float_of(const Bytes& in, const WireField& f) {
 /// {1: revolutions (zigzag), 2: offset [rad]}: an angle of many turns [rad].
 double turns(const Bytes& message) {
   double revolutions = 0, offset = kNone;
-  for_fields(message, [&](const WireField& f) {
-    if (f.number == 1 && f.type == WireField::Type::kVarint) revolutions = double(zigzag(f.value));
+  for_fields(message, [&](const ProtobufField& f) {
+    if (f.number == 1 && f.type == ProtobufField::Type::kVarint) revolutions = double(zigzag(f.value));
     if (f.number == 2) offset = float_of(message, f);
   });
   return 2 * std::numbers::pi * revolutions + offset;
@@ -71,7 +71,7 @@ struct Sample {
 
 /// 11.9: what the module measured.
 void read_feedback(const Bytes& message, Sample& s) {
-  for_fields(message, [&](const WireField& f) {
+  for_fields(message, [&](const ProtobufField& f) {
     switch (f.number) {
       case 1:
         s.position = float_of(message, f);
@@ -102,7 +102,7 @@ void read_feedback(const Bytes& message, Sample& s) {
 
 /// 10.9: what it was told.
 void read_commands(const Bytes& message, Sample& s) {
-  for_fields(message, [&](const WireField& f) {
+  for_fields(message, [&](const ProtobufField& f) {
     if (f.number == 1) s.position_command = float_of(message, f);
     if (f.number == 2) s.velocity_command = float_of(message, f);
     if (f.number == 3) s.effort_command = float_of(message, f);
@@ -111,7 +111,7 @@ void read_commands(const Bytes& message, Sample& s) {
 
 HebiGains read_gains(const Bytes& message) {
   HebiGains g;
-  for_fields(message, [&](const WireField& f) {
+  for_fields(message, [&](const ProtobufField& f) {
     if (f.number == 1) g.k_p = float_of(message, f);
     if (f.number == 2) g.k_i = float_of(message, f);
     if (f.number == 3) g.k_d = float_of(message, f);
@@ -121,14 +121,14 @@ HebiGains read_gains(const Bytes& message) {
 
 /// 20: names, controller, spring.
 void read_info(const Bytes& message, HebiModule& m) {
-  for_fields(message, [&](const WireField& f) {
+  for_fields(message, [&](const ProtobufField& f) {
     if (f.number == 1)
-      for_fields(submessage(message, f), [&](const WireField& n) {
+      for_fields(submessage(message, f), [&](const ProtobufField& n) {
         if (n.number == 1) m.name = submessage(f.bytes, n).data;
         if (n.number == 2) m.family = submessage(f.bytes, n).data;
       });
     if (f.number == 3)
-      for_fields(submessage(message, f), [&](const WireField& c) {
+      for_fields(submessage(message, f), [&](const ProtobufField& c) {
         if (c.number == 3) m.position_gains = read_gains(submessage(f.bytes, c));
         if (c.number == 4) m.velocity_gains = read_gains(submessage(f.bytes, c));
         if (c.number == 5) m.effort_gains = read_gains(submessage(f.bytes, c));
@@ -139,15 +139,15 @@ void read_info(const Bytes& message, HebiModule& m) {
 
 /// The part .9 of a message, given to `read`.
 template <class Read>
-void read_nine(const Bytes& in, const WireField& f, Read&& read) {
-  for_fields(submessage(in, f), [&](const WireField& n) {
+void read_nine(const Bytes& in, const ProtobufField& f, Read&& read) {
+  for_fields(submessage(in, f), [&](const ProtobufField& n) {
     if (n.number == 9) read(submessage(f.bytes, n));
   });
 }
 
 void read_payload(const Bytes& payload, double t, HebiModule& m) {
   Sample s;
-  for_fields(payload, [&](const WireField& f) {
+  for_fields(payload, [&](const ProtobufField& f) {
     if (f.number == 10) read_nine(payload, f, [&](const Bytes& b) { read_commands(b, s); });
     if (f.number == 11) read_nine(payload, f, [&](const Bytes& b) { read_feedback(b, s); });
     if (f.number == 20) read_info(submessage(payload, f), m);

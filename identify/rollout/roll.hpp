@@ -57,7 +57,7 @@ class Roll {
   RolloutStatus run() {
     phi_.resize(t_.size()), phi_m_.resize(motor_ ? t_.size() : 0);
     record(0, driver_.state());
-    paced_ = t_[0];
+    pace_from_ = t_[0];
     RolloutStatus status = RolloutStatus::kDone;
     sample_ = 1;
     for (const Stretch& stretch : shift() == 0 ? trial_.stretches : shifted_) {
@@ -125,8 +125,9 @@ class Roll {
       // many.
       constexpr long kPace = 200;
       if (steps_ % kPace == 0) {
-        if (double(kPace) * (t_.back() - end) > double(most_steps_) * (end - paced_)) return RolloutStatus::kDiverged;
-        paced_ = end;
+        if (double(kPace) * (t_.back() - end) > double(most_steps_) * (end - pace_from_))
+          return RolloutStatus::kDiverged;
+        pace_from_ = end;
       }
       const bool reached = outcome.status == Status::kReached;
       for (; sample_ < t_.size() && (reached ? t_[sample_] <= t_end : t_[sample_] < end); ++sample_) {
@@ -171,7 +172,7 @@ class Roll {
     looks_ = std::clamp(int(std::ceil(flow_->rate() * trial_.spacing / kTurn)), 1, kMostLooks);
     values_flow_.emplace(plain, trial_.spacing / looks_);
     if (!kTerms.torque_limit) return;
-    // The spring's torque within a block is at most quiet_ . |z|: at the looks, and between them by its rate.
+    // The spring's torque within a block is at most torque_bound_ . |z|: at the looks, and between them by its rate.
     Values torque{-plain_.sea.k_sea, plain_.sea.k_sea, -plain_.sea.c_sea, plain_.sea.c_sea}, largest = Values::Zero(),
                                                                                              fastest = Values::Zero();
     for (int j = 0; j <= LinearFlow<T>::kBlock * looks_; ++j) {
@@ -179,7 +180,7 @@ class Roll {
       fastest = fastest.cwiseMax((plain.transpose() * torque).cwiseAbs());
       torque = values_flow_->step().transpose() * torque;
     }
-    quiet_ = largest + 0.5 * values_flow_->h() * fastest;
+    torque_bound_ = largest + 0.5 * values_flow_->h() * fastest;
   }
 
   /// The state as the flow sees it: about a held reference, which is then a rest.
@@ -237,7 +238,7 @@ class Roll {
       const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
       const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
       if (!afford(flow_->work(d))) return RolloutStatus::kDiverged;
-      const Meeting met = f.held && is_quiet(values(z)) ? Meeting{} : meeting(values(z), t, d);
+      const Meeting met = f.held && below_limit(values(z)) ? Meeting{} : meeting(values(z), t, d);
       const double h = met.guard < 0 ? d : met.s * d;
       z = f.held ? flow_->advance(z, h) : flow_->advance(z, f.b0 + f.b1 * T(t - from), f.b1, h);
       t = h == left ? next : t + h;
@@ -279,14 +280,14 @@ class Roll {
   static integrate::Node node(double s, const Guards& g, int i, double h) { return {s, g.value[i], g.rate[i] * h}; }
 
   /// Whether the torque limit is out of reach for a block from here on, about a held reference.
-  bool is_quiet(const Values& z) const { return quiet_.dot(z.cwiseAbs()) < value_of(system_.sea.tau_max); }
+  bool below_limit(const Values& z) const { return torque_bound_.dot(z.cwiseAbs()) < value_of(system_.sea.tau_max); }
 
   /// How many of `n` intervals from z on pass without a guard coming near zero.
   int clear_intervals(const State& z, int n) const {
     if (!kTerms.torque_limit || n == 0) return n;
     const double h = values_flow_->h();
     Values y = values(z);
-    if (is_quiet(y)) return n;
+    if (below_limit(y)) return n;
     Guards a = guards(0, y);
     for (int j = 0; j < n * looks_; ++j) {
       y = values_flow_->after(1, y);
@@ -344,12 +345,12 @@ class Roll {
   integrate::Integrator<Method, System> driver_;
   std::optional<LinearFlow<T>> flow_;  ///< where the rig has a linear mode
   std::optional<LinearFlow<double>> values_flow_;
-  int looks_ = 1;  ///< at the guards in an interval
-  Values quiet_ = Values::Zero();
-  bool arrived_ = false;      ///< at the end of the stretch
-  std::size_t sample_ = 0;    ///< the next to be recorded
-  long steps_ = 0, met_ = 0;  ///< integrated; limits met where the rig was linear
-  double paced_ = 0;
+  int looks_ = 1;                         ///< at the guards in an interval
+  Values torque_bound_ = Values::Zero();  ///< of the spring's torque for a block from z on: torque_bound_ . |z|
+  bool arrived_ = false;                  ///< at the end of the stretch
+  std::size_t sample_ = 0;                ///< the next to be recorded
+  long steps_ = 0, met_ = 0;              ///< integrated; limits met where the rig was linear
+  double pace_from_ = 0;                  ///< time at the last look at the pace [s]
 };
 
 }  // namespace ukemi::identify

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/integrate/method.hpp"
+#include "identify/logs/trial.hpp"
 #include "identify/rig/one_link.hpp"
 #include "identify/rig/rig.hpp"
-#include "identify/logs/trial.hpp"
 
 namespace ukemi::identify {
 

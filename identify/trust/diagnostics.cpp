@@ -6,8 +6,9 @@
 #include <numeric>
 
 #include "common/parallel.hpp"
-#include "identify/fit/covariance.hpp"
-#include "identify/fit/statistics.hpp"
+#include "identify/estimate/covariance.hpp"
+#include "identify/estimate/statistics.hpp"
+#include "identify/fit/replay.hpp"
 #include "identify/fit/trial_problem.hpp"
 
 namespace ukemi::identify {
@@ -28,11 +29,7 @@ std::vector<Series> residuals(const Fit& fit, const std::vector<Trial>& trials) 
     const Trial& log = trials[m];
     const TrialResult& r = fit.trials[m];
     if (r.phi.empty() && r.phi_m.empty()) continue;
-    Eigen::VectorXd all(long(log.measurements()));
-    long i = 0;
-    for (std::size_t k = 0; k < log.phi.size(); ++k) all[i++] = r.phi[k] - log.phi[k];
-    for (std::size_t k = 0; k < log.phi_motor.size(); ++k) all[i++] = r.phi_m[k] - log.phi_motor[k];
-    r.weighting.whiten(all);
+    const Eigen::VectorXd all = white_residuals(log, r);
     const double* from = all.data();
     for (const std::vector<double>* measured : {&log.phi, &log.phi_motor}) {
       if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
@@ -105,11 +102,11 @@ namespace {
 void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
   constexpr std::size_t kMostTerms = 4, kMostTrials = 8;
   const auto worth = [&](std::size_t i) {
-    return tests.lacks[i].gain / tests.score->variance - tests.lacks[i].degrees * std::log(tests.samples);
+    return tests.score_tests[i].gain / tests.score->variance - tests.score_tests[i].degrees * std::log(tests.samples);
   };
   std::vector<std::size_t> candidates;
-  for (std::size_t i = 0; i < tests.lacks.size(); ++i)
-    if (tests.lack_rejected[i]) candidates.push_back(i);
+  for (std::size_t i = 0; i < tests.score_tests.size(); ++i)
+    if (tests.score_tests[i].rejected) candidates.push_back(i);
   if (candidates.size() < 2) return;
   std::sort(candidates.begin(), candidates.end(), [&](std::size_t a, std::size_t b) { return worth(a) > worth(b); });
   candidates.resize(std::min(candidates.size(), kMostTerms));
@@ -123,29 +120,30 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
   std::vector<double> gain(candidates.size(), 0.0);
   parallel_for(int(candidates.size()), experiment.options.threads, [&](int i) {
     FitOptions with = experiment.options;
-    with.nuisance.push_back(tests.lacks[candidates[std::size_t(i)]].term);
+    with.terms.nuisance.push_back(tests.score_tests[candidates[std::size_t(i)]].term);
     const Fit f = refit(experiment.rig, some, fit.sea, with);
     if (!f.fitted.empty()) gain[std::size_t(i)] = std::max(plain - f.cost, 0.0) * share;
   });
-  for (std::size_t i = 0; i < candidates.size(); ++i) tests.lacks[candidates[i]].gain = gain[i];
+  for (std::size_t i = 0; i < candidates.size(); ++i) tests.score_tests[candidates[i]].gain = gain[i];
 }
 
 }  // namespace
 
 bool ResidualTests::model_rejected() const {
-  return whiteness.rejected || std::find(lack_rejected.begin(), lack_rejected.end(), true) != lack_rejected.end();
+  return whiteness.rejected ||
+         std::any_of(score_tests.begin(), score_tests.end(), [](const ScoreTest& t) { return t.rejected; });
 }
 
-const Lack* ResidualTests::missed() const {
-  const auto worth = [&](const Lack& l) { return l.gain / score->variance - l.degrees * std::log(samples); };
-  const Lack* best = nullptr;
-  for (std::size_t i = 0; i < lacks.size(); ++i)
-    if (lack_rejected[i] && (!best || worth(lacks[i]) > worth(*best))) best = &lacks[i];
+const ScoreTest* ResidualTests::missing() const {
+  const auto worth = [&](const ScoreTest& l) { return l.gain / score->variance - l.degrees * std::log(samples); };
+  const ScoreTest* best = nullptr;
+  for (const ScoreTest& t : score_tests)
+    if (t.rejected && (!best || worth(t) > worth(*best))) best = &t;
   return best;
 }
 
-double ResidualTests::rms_with(const Lack& lack) const {
-  return std::sqrt(std::max(score->variance - lack.gain / samples, 0.0));
+double ResidualTests::rms_with(const ScoreTest& test) const {
+  return std::sqrt(std::max(score->variance - test.gain / samples, 0.0));
 }
 
 ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
@@ -154,17 +152,17 @@ ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
   out.whiteness = whiteness(fit, experiment.trials);
   out.normality = normality(fit, experiment.trials);
   out.score = score_of(experiment, fit);
-  if (out.score) out.lacks = lacks(*out.score);
+  if (out.score) out.score_tests = score_tests_of(*out.score);
   std::vector<double> p{out.whiteness.p, out.normality.p};
-  for (const Lack& l : out.lacks) p.push_back(l.p);
+  for (const ScoreTest& l : out.score_tests) p.push_back(l.p);
   const std::vector<bool> rejected = holm(p, kTestLevel);
   out.whiteness.rejected = rejected[0], out.normality.rejected = rejected[1];
-  out.lack_rejected.assign(rejected.begin() + 2, rejected.end());
+  for (std::size_t i = 0; i < out.score_tests.size(); ++i) out.score_tests[i].rejected = rejected[i + 2];
   if (out.score) fit_gains(experiment, fit, out);
   return out;
 }
 
-void heed(const ResidualTests& tests, Fit& fit) {
+void widen_errors(const ResidualTests& tests, Fit& fit) {
   if (!tests.model_rejected()) return;
   if (tests.score) {
     const std::vector<int>& free = tests.score->free;
@@ -193,7 +191,7 @@ void heed(const ResidualTests& tests, Fit& fit) {
     for (Estimate& e : fit.nuisance)
       if (e.trial >= 0 && e.std) widen(e, *e.std * *e.std * widest, fit.half_width);
     for (Estimate& e : fit.parameters)
-      if (e.verdict != Verdict::kFixed) e.verdict = judge(e, std::abs(e.value));
+      if (e.verdict != Identifiability::kFixed) e.verdict = judge(e, std::abs(e.value));
   }
   distrust(fit.parameters);
 }
@@ -224,8 +222,8 @@ double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const Fi
   const std::vector<Trial> one{trial};
   const std::vector<PreparedTrial> prepared{PreparedTrial(one.front())};
   const std::vector<Weighting> weights(1);
-  LeastSquaresProblem problem =
-      make_problem(rig, prepared, weights, fit.sea, suggest(rig, one), Layout(options), options, options.rollout());
+  LeastSquaresProblem problem = make_problem(rig, prepared, weights, fit.sea, suggest(rig, one),
+                                             RigLayout(options.terms), options, options.rollout());
   problem.priors.clear();  // they pull what is held
   const auto fitted = fit.globals();
   Eigen::VectorXd globals(long(fitted.size()));
@@ -250,7 +248,7 @@ std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit,
     l.file = trials[m].file;
     const std::vector<Trial> others = without(trials, m);
     l.fit = refit(experiment.rig, others, fit.sea, options);
-    for (std::size_t k = 0; k < kConstants; ++k)
+    for (std::size_t k = 0; k < fit.parameters.size(); ++k)
       l.shift.push_back(fit.parameters[k].std
                             ? (l.fit.parameters[k].value - fit.parameters[k].value) / *fit.parameters[k].std
                             : kNaN);

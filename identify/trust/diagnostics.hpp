@@ -1,6 +1,6 @@
 // What the residuals of a fit say of its model: whether they are white and normal, whether they ask for a term that the
-// model lacks, and whether a trial disagrees with the others. With nothing wrong, all tests of the residuals together
-// speak up with probability kTestLevel.
+// model lacks, and whether a trial disagrees with the others. With nothing wrong, all tests of the residuals
+// together speak up with probability kTestLevel.
 #pragma once
 
 #include <optional>
@@ -35,13 +35,12 @@ struct Normality {
 };
 [[nodiscard]] Normality normality(const Fit& fit, const std::vector<Trial>& trials);
 
-/// The tests of a fit's residuals: whiteness, normality, and the score of every term that the fit lacks. Which are
-/// rejected is Holm's procedure's to say, over all of them. Of several that are, the gains are those of fits.
+/// The tests of a fit's residuals: whiteness, normality, and the score test of every term that the fit lacks. Holm's
+/// procedure, over all of them, says which are rejected. Where several terms are, their gains are those of fits.
 struct ResidualTests {
   Whiteness whiteness;
   Normality normality;
-  std::vector<Lack> lacks;
-  std::vector<bool> lack_rejected;
+  std::vector<ScoreTest> score_tests;
   double samples = 0;          ///< measured angles
   std::optional<Score> score;  ///< where the fit has a minimum to look at
 
@@ -49,23 +48,15 @@ struct ResidualTests {
   bool model_rejected() const;
   /// Of the terms that the residuals ask for, the one that explains most: the largest fall of the cost in units of the
   /// residual variance, less log(samples) for each parameter that it takes.
-  const Lack* missed() const;
+  const ScoreTest* missing() const;
   /// rms of the residuals with that term, to first order [rad].
-  double rms_with(const Lack& lack) const;
+  double rms_with(const ScoreTest& test) const;
 };
 [[nodiscard]] ResidualTests test_residuals(const Experiment& experiment, const Fit& fit);
 
-/// What it costs that the model is rejected: standard errors and intervals from the sandwich estimate wherever it is
-/// wider (those of a trial's own terms by the largest such factor), and nothing is trusted. Else nothing changes.
-void heed(const ResidualTests& tests, Fit& fit);
-
-/// An optional term of the model ladder; 0, its bound, is its absence.
-struct LadderTerm {
-  NuisanceTerm term;
-  double SeaParameters<double>::*value;
-};
-inline constexpr LadderTerm kLadderTerms[] = {{NuisanceTerm::kFriction, &SeaParameters<double>::friction},
-                                              {NuisanceTerm::kStiffening, &SeaParameters<double>::k_sea_cubic}};
+/// Where the model is rejected: standard errors and intervals from the sandwich estimate wherever it is wider (those of
+/// a trial's own terms by the largest such factor), and nothing is trusted. Else nothing changes.
+void widen_errors(const ResidualTests& tests, Fit& fit);
 
 /// The fit without one of its trials.
 struct LeftOut {

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 
 #include "common/parallel.hpp"
-#include "identify/fit/statistics.hpp"
+#include "identify/estimate/statistics.hpp"
 
 namespace ukemi::identify {
 
@@ -30,35 +29,40 @@ bool better(const Fit& a, const Fit& b) { return a.converged != b.converged ? a.
 }  // namespace
 
 Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads) {
-  constexpr unsigned kTerms = std::size(kLadderTerms), kRungs = 1u << kTerms;
+  std::vector<const RigTerm*> terms;
+  for (const RigTerm& t : experiment.options.terms.table)
+    if (t.in_ladder) terms.push_back(&t);
+  const unsigned rungs = 1u << terms.size();
   const double samples = double(measurements(experiment.trials));
   Ladder out;
-  out.rungs.resize(kRungs);
-  for (unsigned i = 0; i < kRungs; ++i) {
+  out.rungs.resize(rungs);
+  for (unsigned i = 0; i < rungs; ++i) {
     Rung& r = out.rungs[i];
     r.options = experiment.options;
-    for (unsigned t = 0; t < kTerms; ++t) {
-      std::erase(r.options.nuisance, kLadderTerms[t].term);
+    std::vector<std::string>& nuisance = r.options.terms.nuisance;
+    for (unsigned t = 0; t < terms.size(); ++t) {
+      std::erase(nuisance, terms[t]->name);
       if (!(i >> t & 1)) continue;
-      r.options.nuisance.push_back(kLadderTerms[t].term);
-      r.name += (r.terms++ ? " and " : "") + std::string(name(kLadderTerms[t].term));
+      nuisance.push_back(terms[t]->name);
+      r.name += (r.terms.empty() ? "" : " and ") + terms[t]->name;
+      r.terms.push_back(terms[t]->name);
     }
     if (r.name.empty()) r.name = "plain";
   }
   const auto start_of = [&](int i) {
     SeaParameters<double> from = fit.sea;
-    for (unsigned t = 0; t < kTerms; ++t)
-      if (!(unsigned(i) >> t & 1)) from.*kLadderTerms[t].value = 0;
+    for (unsigned t = 0; t < terms.size(); ++t)
+      if (!(unsigned(i) >> t & 1)) terms[t]->set_in(from, terms[t]->absent);
     return from;
   };
-  parallel_for(int(kRungs), threads, [&](int i) {
+  parallel_for(int(rungs), threads, [&](int i) {
     Rung& r = out.rungs[std::size_t(i)];
     r.fit = refit(experiment.rig, experiment.trials, start_of(i), r.options);
   });
   if (const Fit& full = out.rungs.back().fit; !full.converged || full.far_above_noise) {
-    const auto& free = experiment.options.free;
-    const bool some_held = std::find(free.begin(), free.end(), false) != free.end();
-    parallel_for(int(kRungs) - 1, threads, [&](int i) {
+    const bool some_held =
+        std::any_of(fit.parameters.begin(), fit.parameters.end(), [](const Estimate& e) { return !e.free; });
+    parallel_for(int(rungs) - 1, threads, [&](int i) {
       Rung& r = out.rungs[std::size_t(i + 1)];
       const SeaParameters<double> from = start_of(i + 1);
       Fit fresh = identify::fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from,
@@ -66,7 +70,7 @@ Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, in
       if (better(fresh, r.fit)) r.fit = std::move(fresh);
     });
   }
-  parallel_for(int(kRungs), threads, [&](int i) {
+  parallel_for(int(rungs), threads, [&](int i) {
     Rung& r = out.rungs[std::size_t(i)];
     const auto of_trial =
         std::count_if(r.fit.nuisance.begin(), r.fit.nuisance.end(), [](const Estimate& e) { return e.trial >= 0; });
@@ -75,11 +79,11 @@ Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, in
     r.held_out = std::numeric_limits<double>::quiet_NaN();
     if (held_out == HeldOut::kCompute && r.fit.converged) r.held_out = held_out_error(experiment, r);
   });
-  for (std::size_t i = 1; i < kRungs; ++i) {
+  for (std::size_t i = 1; i < rungs; ++i) {
     Rung& r = out.rungs[i];
     if (!r.fit.converged) continue;
-    r.p = at_bound_tail(out.rungs[0].deviance - r.deviance, r.terms);
-    out.p_plain = std::min({1.0, out.p_plain, r.p * double(kRungs - 1)});
+    r.p = at_bound_tail(out.rungs[0].deviance - r.deviance, int(r.terms.size()));
+    out.p_plain = std::min({1.0, out.p_plain, r.p * double(rungs - 1)});
     if (r.bic < out.rungs[out.preferred].bic || !out.rungs[out.preferred].fit.converged) out.preferred = i;
   }
   return out;

@@ -9,8 +9,8 @@
 namespace ukemi::identify {
 
 struct Rung {
-  std::string name;  ///< "plain", "friction", ...
-  int terms = 0;     ///< of the ladder, that it has
+  std::string name;                ///< "plain", "friction", ...
+  std::vector<std::string> terms;  ///< of the ladder, that it has
   FitOptions options;
   Fit fit;
   double deviance = 0;
@@ -28,8 +28,9 @@ struct Ladder {
 
 enum class HeldOut { kSkip, kCompute };
 
-/// Fits every rung of kLadderTerms from where `fit` ended and, where even all terms leave the residual far above the
-/// noise, again from fresh starts. What the options fit beside these terms stays. On `threads` threads (0: all).
+/// Fits with every combination of the table's ladder terms (RigTerm::in_ladder), each from where `fit` ended and, where
+/// even all terms leave the residual far above the noise, again from fresh starts. What the options fit beside these
+/// terms stays. On `threads` threads (0: all).
 [[nodiscard]] Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads = 1);
 
 }  // namespace ukemi::identify

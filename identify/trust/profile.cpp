@@ -36,11 +36,11 @@ Profile profile(const Experiment& experiment, const Fit& fit, const std::string&
       std::find_if(fit.parameters.begin(), fit.parameters.end(), [&](const Estimate& e) { return e.name == constant; });
   if (found == fit.parameters.end()) throw InputError(fmt::format("profile: '{}': no such constant", constant));
   if (!found->std) throw InputError(fmt::format("profile: {}: it has no standard error", constant));
-  const auto k = std::size_t(found - fit.parameters.begin());
   const FitOptions& given = experiment.options;
+  const RigTerm& term = given.terms[constant];
   FitOptions held = given;
-  held.free[k] = false;
-  if (std::count(held.free.begin(), held.free.end(), true) == 0)
+  std::erase(held.terms.free, constant);
+  if (held.terms.free.empty())
     throw InputError(fmt::format("profile: {}: no other constant is free to follow it", constant));
   const double best = deviance(fit, experiment.trials, given);
 
@@ -49,16 +49,15 @@ Profile profile(const Experiment& experiment, const Fit& fit, const std::string&
   out.value.assign(std::size_t(options.points), found->value);
   out.rise.assign(std::size_t(options.points), 0.0);
   for (const int side : {-1, 1}) {
-    const double limit = side < 0 ? std::max(given.lower[k], 1e-6 * found->value) : given.upper[k];
+    const double limit =
+        side < 0 ? std::max(given.terms.lower_of(term), 1e-6 * found->value) : given.terms.upper_of(term);
     const double reach = std::min(options.reach * *found->std, std::abs(limit - found->value));
     SeaParameters<double> from = fit.sea;  // each point starts where the one before it ended
     std::optional<double>& end = side < 0 ? out.low : out.high;
     for (int i = 1; i <= half; ++i) {
       const auto here = std::size_t(half + side * i), before = std::size_t(half + side * (i - 1));
       out.value[here] = found->value + side * reach * i / half;
-      auto u = ukemi::constants(from);
-      u[k] = out.value[here];
-      set_constants(from, u);
+      term.set_in(from, out.value[here]);
       const Fit f = refit(experiment.rig, experiment.trials, from, held);
       const double rise = deviance(f, experiment.trials, held) - best;
       out.rise[here] =

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/fit/statistics.hpp"
+#include "identify/estimate/statistics.hpp"
 #include "identify/fit/trial_problem.hpp"
 
 namespace ukemi::identify {
@@ -14,17 +14,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Where a term is absent.
-double neutral(NuisanceTerm t) { return t == NuisanceTerm::kForceGain ? 1 : 0; }
-/// Whether it cannot be below its absence.
-bool one_sided(NuisanceTerm t) {
-  return t == NuisanceTerm::kFriction || t == NuisanceTerm::kViscous || t == NuisanceTerm::kStiffening;
-}
-bool absent(NuisanceTerm t, const Fit& fit, const FitOptions& options) {
-  if (options.fits(t)) return false;
-  const SeaParameters<double>& sea = fit.sea;
-  return !(t == NuisanceTerm::kFriction && sea.friction != 0) && !(t == NuisanceTerm::kViscous && sea.viscous != 0) &&
-         !(t == NuisanceTerm::kStiffening && sea.k_sea_cubic != 0);
+bool absent(const RigTerm& t, const Fit& fit, const FitOptions& options) {
+  return !t.is_constant() && !options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent;
 }
 
 /// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.
@@ -47,24 +38,25 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
   if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
   Score out;
   FitOptions options = experiment.options;
-  for (const NuisanceTerm t : kNuisanceTerms)
-    if (absent(t, fit, options)) (is_shared(t) ? out.shared : out.of_trial).push_back(t);
   // The absent ones come last among the globals and among the locals.
-  options.nuisance.insert(options.nuisance.end(), out.shared.begin(), out.shared.end());
-  options.nuisance.insert(options.nuisance.end(), out.of_trial.begin(), out.of_trial.end());
+  for (const RigTerm& t : options.terms.table)
+    if (absent(t, fit, experiment.options)) {
+      (t.scope == Scope::kShared ? out.shared : out.of_trial).push_back(t);
+      options.terms.nuisance.push_back(t.name);
+    }
   const std::vector<PreparedTrial> prepared(experiment.trials.begin(), experiment.trials.end());
   std::vector<Weighting> weights;
   for (const TrialResult& r : fit.trials) weights.push_back(r.weighting);
   const LeastSquaresProblem problem =
       make_problem(experiment.rig, prepared, weights, fit.sea, suggest(experiment.rig, experiment.trials),
-                   Layout(options), options, options.rollout());
+                   RigLayout(options.terms), options, options.rollout());
 
   std::vector<double> global;
   for (const Estimate* e : fit.globals()) {
     if (!e->at_bound) out.free.push_back(int(global.size()));  // one at its bound does not follow
     global.push_back(e->value);
   }
-  for (const NuisanceTerm t : out.shared) global.push_back(neutral(t));
+  for (const Term& t : out.shared) global.push_back(t.absent);
   const int G = int(problem.globals.size()), L = int(problem.locals.size()), F = out.parameters(),
             A = int(out.shared.size()), B = int(out.of_trial.size()), columns = F + A + B + 1;
   const int M = int(problem.blocks.size());
@@ -77,7 +69,7 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
     for (const Estimate& e : fit.nuisance)
       if (e.trial == m) local.push_back(e.value);
     const int fitted_locals = int(local.size());
-    local.resize(std::size_t(L), 0.0);
+    for (const Term& t : out.of_trial) local.push_back(t.absent);
     const ResidualBlock& block = problem.blocks[std::size_t(m)];
     const int n = block.size;
     VectorXd r(n);
@@ -102,7 +94,7 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
       out.slope += out.parts.back().topRightCorner(F, 1);
     }
   }
-  for (const Pull& p : problem.priors)
+  for (const PriorResidual& p : problem.priors)
     if (const auto f = std::find(out.free.begin(), out.free.end(), p.global); f != out.free.end()) {
       const long i = f - out.free.begin();
       out.information(i, i) += p.weight * p.weight;
@@ -112,7 +104,7 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
   return out;
 }
 
-std::vector<Lack> lacks(const Score& s) {
+std::vector<ScoreTest> score_tests_of(const Score& s) {
   constexpr double kAll = 1e-12;  // of a term's effect that the others leave: they can do all of it
   const int F = s.parameters(), r = F + int(s.shared.size() + s.of_trial.size());
   const Solver solve(s.information);
@@ -123,23 +115,23 @@ std::vector<Lack> lacks(const Score& s) {
     for (const MatrixXd& part : s.parts) out += part.block(i, j, rows, columns);
     return out;
   };
-  std::vector<Lack> out;
+  std::vector<ScoreTest> out;
   for (std::size_t a = 0; a < s.shared.size(); ++a) {
     const int i = F + int(a);
     const MatrixXd cross = sum(0, i, F, 1);
     const double own = sum(i, i, 1, 1)(0, 0), rest = own - cross.col(0).dot(solve(cross).col(0)),
                  slope = sum(i, r, 1, 1)(0, 0) - cross.col(0).dot(step);
     if (!(rest > kAll * own && s.variance > 0)) continue;
-    Lack lack{.term = s.shared[a], .z = -slope / std::sqrt(rest * s.variance), .size = -slope / rest};
-    const bool outside = one_sided(lack.term) && lack.z < 0;
-    lack.statistic = outside ? 0 : lack.z * lack.z;
-    lack.p =
-        one_sided(lack.term) ? 0.5 * std::erfc(lack.z / std::sqrt(2.0)) : std::erfc(std::abs(lack.z) / std::sqrt(2.0));
-    lack.gain = lack.statistic * s.variance;
+    const Term& term = s.shared[a];
+    ScoreTest test{.term = term.name, .z = -slope / std::sqrt(rest * s.variance), .size = -slope / rest};
+    const bool outside = term.one_sided() && test.z < 0;
+    test.statistic = outside ? 0 : test.z * test.z;
+    test.p = term.one_sided() ? 0.5 * std::erfc(test.z / std::sqrt(2.0)) : std::erfc(std::abs(test.z) / std::sqrt(2.0));
+    test.gain = test.statistic * s.variance;
     const VectorXd moved = solve(cross);
     for (int f = 0; f < F; ++f)
-      lack.bias = std::max(lack.bias, std::abs(moved[f]) / std::sqrt(covariance(f, f) * rest));
-    out.push_back(lack);
+      test.bias = std::max(test.bias, std::abs(moved[f]) / std::sqrt(covariance(f, f) * rest));
+    out.push_back(test);
   }
   for (std::size_t b = 0; b < s.of_trial.size(); ++b) {
     // A trial's term t_m is the step that the residuals of trial m ask for, the shared parameters following them all:
@@ -161,13 +153,16 @@ std::vector<Lack> lacks(const Score& s) {
     const VectorXd term = first + inverse.cwiseProduct(c.transpose() * inner(c * first).col(0));
     const int degrees = int((d.array() > 0).count()) - (F - int(inner.decomposition.rank()));
     if (degrees <= 0 || !(s.variance > 0)) continue;
-    Lack lack{.term = s.of_trial[b], .statistic = std::max(slope.dot(term), 0.0) / s.variance, .degrees = degrees};
-    lack.p = chi_squared_tail(lack.statistic, degrees);
-    lack.gain = lack.statistic * s.variance;
+    ScoreTest test{.term = s.of_trial[b].name,
+                   .scope = Scope::kEach,
+                   .statistic = std::max(slope.dot(term), 0.0) / s.variance,
+                   .degrees = degrees};
+    test.p = chi_squared_tail(test.statistic, degrees);
+    test.gain = test.statistic * s.variance;
     Eigen::Index largest;
     (void)term.cwiseAbs().maxCoeff(&largest);
-    lack.size = -term[largest];
-    out.push_back(lack);
+    test.size = -term[largest];
+    out.push_back(test);
   }
   return out;
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "common/actuator.hpp"
 #include "common/median.hpp"
 #include "common/random.hpp"
 #include "common/stopwatch.hpp"

@@ -1,10 +1,11 @@
-// The calibration of tools/study/calibration.hpp on simulated drops: the shipped ones, whose truth their comments state, and
-// noise drawn here.
+// The calibration of tools/study/calibration.hpp on simulated drops: the shipped ones, whose truth their comments
+// state, and noise drawn here.
 #include "tools/study/calibration.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
 #include "landing/model/scene_file.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 const std::string kFolder = UKEMI_DATASETS "/drops/";
 constexpr double kDegree = 0.017453292519943295;
+constexpr std::size_t kCalibrated = 4;
 constexpr std::array<double, kCalibrated> kTruth = {6000, 110, 40, -8 * kDegree};  // tools/data/make_drops.cpp
 
 SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
@@ -54,7 +56,7 @@ void check_truth(const Calibration& c, double standard_errors) {
     INFO(e.name << " " << e.value << " +- " << e.std.value_or(-1));
     REQUIRE(e.std.has_value());
     CHECK(std::abs(e.value - kTruth[k]) < standard_errors * *e.std);
-    CHECK(c.parameters[k].verdict == Verdict::kTrusted);
+    CHECK(c.parameters[k].verdict == Identifiability::kTrusted);
   }
 }
 
@@ -156,7 +158,7 @@ TEST_CASE("calibrate: 95 % of the 95 % intervals hold the truth") {
 TEST_CASE("calibrate: the instant of the release is fitted along, drop by drop, and on a drop that validates") {
   const std::vector<double> late = {0.0013, 0.0021};
   CalibrationOptions options;
-  options.nuisance = {Term::kTimeShift};
+  options.terms.nuisance = {"time_shift"};
   const Calibration c =
       calibrate(first_guess(), table2(),
                 {simulated(truth(), kHold, 0.4, 100, late[0]), simulated(truth(), kBend, 0.4, 101, late[1])}, options);
@@ -185,21 +187,21 @@ TEST_CASE("calibrate: what a log does not tell is said, and a prior fills in") {
   const std::vector<LoggedDrop> drops = {simulated(slippery, kHold, 0.4, 200, 0, 0.289)};
   const Calibration c = calibrate(slippery, table2(), drops);
   CHECK_FALSE(c.trusted());
-  CHECK(c.parameters[2].verdict != Verdict::kTrusted);
-  CHECK(c.parameters[2].verdict != Verdict::kWeak);
+  CHECK(c.parameters[2].verdict != Identifiability::kTrusted);
+  CHECK(c.parameters[2].verdict != Identifiability::kWeak);
   CHECK(c.warnings.size() >= 1);
 
   CalibrationOptions known;
-  known.priors = {{Term::kDampingTangential, 0.2, 0.01}};
+  known.terms.priors = {{"damping_tangential", 0.2, 0.01}};
   const Calibration p = calibrate(slippery, table2(), drops, known);
   REQUIRE(p.parameters[2].std.has_value());
   CHECK(*p.parameters[2].std == Approx(0.01).epsilon(0.2));
   CHECK(p.parameters[2].value == Approx(0.2).margin(0.01));
 
   CalibrationOptions fewer;
-  fewer.free = {Term::kStiffness};
+  fewer.terms.free = {"stiffness"};
   const Calibration one = calibrate(slippery, table2(), drops, fewer);
-  for (std::size_t k = 1; k < kCalibrated; ++k) CHECK(one.parameters[k].verdict == Verdict::kFixed);
+  for (std::size_t k = 1; k < kCalibrated; ++k) CHECK(one.parameters[k].verdict == Identifiability::kFixed);
   CHECK(one.scene.floor->damping_normal == 110);
   CHECK_FALSE(one.parameters[1].free);
 }
@@ -239,14 +241,14 @@ TEST_CASE("calibrate: logs and options that cannot be fitted are refused") {
   for (auto& o : empty[0].log.output) o.clear();
   refused(truth(), empty, {}, "no measured value");
   CalibrationOptions o;
-  o.free = {};
+  o.terms.free = {};
   refused(truth(), drops, o, "nothing to fit");
-  o = {}, o.lower[1] = -1;
+  o = {}, o.terms.lower["damping_normal"] = -1;
   refused(truth(), drops, o, "at least 0");
-  o = {}, o.upper[0] = 0;
+  o = {}, o.terms.upper["stiffness"] = 0;
   refused(truth(), drops, o, "lower < upper");
-  o = {}, o.priors = {{Term::kPitch, 0, 0}};
+  o = {}, o.terms.priors = {{"pitch", 0, 0}};
   refused(truth(), drops, o, "above 0");
-  o = {}, o.nuisance = {Term::kPitchOffset};
+  o = {}, o.terms.nuisance = {"pitch_offset"};
   refused(truth(), drops, o, "not both");
 }

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/trust/diagnostics.hpp"
 #include "identify/logs/hits.hpp"
+#include "identify/trust/diagnostics.hpp"
 #include "test/joint_simulator.hpp"
 
 using namespace ukemi;
@@ -36,7 +36,7 @@ Judged judged(const std::vector<Trial>& logs, const FitOptions& options = {}) {
   REQUIRE(out.fit.converged);
   out.plain = worst(out.fit);
   out.tests = test_residuals({rig(), logs, options}, out.fit);
-  heed(out.tests, out.fit);
+  widen_errors(out.tests, out.fit);
   out.widened = worst(out.fit);
   return out;
 }
@@ -44,11 +44,12 @@ Judged judged(const std::vector<Trial>& logs, const FitOptions& options = {}) {
 std::string told(const Judged& j) {
   std::string text = std::to_string(j.plain) + " s.e. off, " + std::to_string(j.widened) + " of the widened; " +
                      (j.fit.trusted() ? "TRUSTED" : "not trusted") + "; white p " + std::to_string(j.tests.whiteness.p);
-  for (std::size_t i = 0; i < j.tests.lacks.size(); ++i)
-    text += std::string("\n  ") + name(j.tests.lacks[i].term) + " chi2 " + std::to_string(j.tests.lacks[i].statistic) +
-            " of " + std::to_string(j.tests.lacks[i].degrees) + (j.tests.lack_rejected[i] ? " rejected" : "") +
-            " size " + std::to_string(j.tests.lacks[i].size);
-  if (const Lack* l = j.tests.missed()) text += std::string("\n  missed: ") + name(l->term);
+  for (std::size_t i = 0; i < j.tests.score_tests.size(); ++i)
+    text += std::string("\n  ") + j.tests.score_tests[i].term + " chi2 " +
+            std::to_string(j.tests.score_tests[i].statistic) + " of " + std::to_string(j.tests.score_tests[i].degrees) +
+            (j.tests.score_tests[i].rejected ? " rejected" : "") + " size " +
+            std::to_string(j.tests.score_tests[i].size);
+  if (const ScoreTest* l = j.tests.missing()) text += std::string("\n  missed: ") + l->term;
   return text;
 }
 
@@ -79,12 +80,12 @@ TEST_CASE("what the model lacks is never trusted and wrong") {
     INFO("viscous: " << told(viscous));
     CHECK(viscous.plain > 10);
     CHECK_FALSE(viscous.fit.trusted());
-    REQUIRE(viscous.tests.missed());
-    CHECK(viscous.tests.missed()->term == NuisanceTerm::kViscous);
-    CHECK(viscous.tests.missed()->size == Approx(0.1).epsilon(0.2));
+    REQUIRE(viscous.tests.missing());
+    CHECK(viscous.tests.missing()->term == "viscous_friction");
+    CHECK(viscous.tests.missing()->size == Approx(0.1).epsilon(0.2));
 
     FitOptions with_friction;
-    with_friction.nuisance = {NuisanceTerm::kFriction};
+    with_friction.terms.nuisance = {"friction"};
     const Judged stuck = judged(eight_hits({.dry = 0.3}, seed), with_friction);
     INFO("stuck: " << told(stuck));
     CHECK(stuck.plain > 5);
@@ -94,8 +95,8 @@ TEST_CASE("what the model lacks is never trusted and wrong") {
     INFO("gain: " << told(gain));
     CHECK(gain.plain > 10);
     CHECK_FALSE(gain.fit.trusted());
-    REQUIRE(gain.tests.missed());
-    CHECK(gain.tests.missed()->term == NuisanceTerm::kForceGain);
+    REQUIRE(gain.tests.missing());
+    CHECK(gain.tests.missing()->term == "force_gain");
 
     check_not_wrong(judged(eight_hits({.load_cell = 0.5}, seed)));
 
@@ -109,17 +110,17 @@ TEST_CASE("what the model lacks is never trusted and wrong") {
 }
 
 TEST_CASE("the term that was named, fitted along: trusted again, and right") {
-  const std::pair<Effects, NuisanceTerm> cases[] = {{{.viscous = 0.1}, NuisanceTerm::kViscous},
-                                                    {{.force_gain = 1.03}, NuisanceTerm::kForceGain}};
+  const std::pair<Effects, std::string> cases[] = {{{.viscous = 0.1}, "viscous_friction"},
+                                                   {{.force_gain = 1.03}, "force_gain"}};
   for (const auto& [effects, term] : cases) {
     FitOptions with;
-    with.nuisance = {term};
+    with.terms.nuisance = {term};
     const Judged j = judged(eight_hits(effects, 5), with);
-    INFO(name(term) << ": " << told(j));
+    INFO(term << ": " << told(j));
     CHECK(j.fit.trusted());
     CHECK(j.plain < 3.5);
     const Estimate& e = j.fit.nuisance.at(0);
-    const double expected = term == NuisanceTerm::kViscous ? 0.1 : 1 / 1.03;
+    const double expected = term == "viscous_friction" ? 0.1 : 1 / 1.03;
     CHECK(std::abs(e.value - expected) < 3.5 * *e.std);
   }
 }

@@ -88,8 +88,8 @@ TEST_CASE("a bound at 0 is reached and reported: a rig without proportional gain
 
 TEST_CASE("constants that are not free stay, bounds hold") {
   FitOptions o;
-  o.free = {true, false, true, false, true};
-  o.lower[2] = 70;
+  o.terms.free = {"k_p", "k_sea", "i_motor"};
+  o.terms.lower["k_sea"] = 70;
   const SeaParameters<double> start = truth();
   const Fit f = fit(rig(), shipped(), start, limited(), o);
   CHECK(f.sea.k_d == 1);
@@ -164,7 +164,7 @@ TEST_CASE("nuisance terms: an offset start and dry friction are found") {
   const std::vector<Trial> logs = noisy(simulated(shipped(), sea, {.angle = 0.02, .rate = -0.1}), 11);
   FitOptions o;
   o.restarts = 0;
-  o.nuisance = {NuisanceTerm::kFriction, NuisanceTerm::kInitialAngle, NuisanceTerm::kInitialRate};
+  o.terms.nuisance = {"friction", "initial_angle", "initial_rate"};
   const SeaParameters<double> start = limited({55, 1.2, 70, 1.4, 0.09});
   const Fit f = fit(rig(), logs, start, limited(), o);
   check_truth(f, 3.5);
@@ -206,8 +206,7 @@ TEST_CASE(
   }
   FitOptions o;
   o.restarts = 0;
-  o.nuisance = {NuisanceTerm::kForceGain, NuisanceTerm::kForceBias, NuisanceTerm::kTimeShift,
-                NuisanceTerm::kEncoderOffset};
+  o.terms.nuisance = {"force_gain", "force_bias", "time_shift", "encoder_offset"};
   const SeaParameters<double> start = limited({55, 1.2, 70, 1.4, 0.09});
   const Fit f = fit(rig(), logs, start, limited(), o);
   check_truth(f, 3.5);
@@ -229,7 +228,7 @@ TEST_CASE("nuisance terms: a spring that stiffens is told from one that does not
   FitOptions o;
   o.restarts = 0;
   CHECK(fit(rig(), logs, start, limited(), o).rms > 6e-4);
-  o.nuisance = {NuisanceTerm::kStiffening};
+  o.terms.nuisance = {"stiffening"};
   const Fit f = fit(rig(), logs, start, limited(), o);
   check_truth(f, 3.5);
   CHECK(f.rms == Approx(5e-4).epsilon(0.03));
@@ -243,12 +242,12 @@ TEST_CASE("a prior counts like a measurement: it holds a constant that the trial
   o.restarts = 0;
   const SeaParameters<double> start = truth();
   const Fit free = fit(rig(), logs, start, limited(), o);
-  o.prior[2] = Prior{66, 1e-3};
+  o.terms.priors = {{"k_sea", 66, 1e-3}};
   const Fit held = fit(rig(), logs, start, limited(), o);
   CHECK(held.sea.k_sea == Approx(66).margin(5e-3));
   CHECK(*held.parameters[2].std == Approx(1e-3).epsilon(0.1));
   CHECK(*held.parameters[3].std < *free.parameters[3].std);
-  o.prior[2] = Prior{66, 1e3};
+  o.terms.priors = {{"k_sea", 66, 1e3}};
   CHECK(fit(rig(), logs, start, limited(), o).sea.k_sea == Approx(free.sea.k_sea).epsilon(1e-4));
 }
 
@@ -281,7 +280,7 @@ TEST_CASE("a measured arm: K_SEA within 15 % of its nominal 1.813 Nm/rad") {
   const auto arm = measured_arm();
   if (!arm) return;
   FitOptions o;
-  o.nuisance = {NuisanceTerm::kFriction, NuisanceTerm::kInitialAngle};
+  o.terms.nuisance = {"friction", "initial_angle"};
   const Fit f = fit(arm->rig, arm->log, std::nullopt, arm->base, o);
   INFO("k_sea " << f.sea.k_sea << " rms " << f.rms);
   CHECK(f.converged);

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "identify/design/design.hpp"
+#include "identify/estimate/statistics.hpp"
 #include "identify/trust/ladder.hpp"
 #include "identify/trust/profile.hpp"
-#include "identify/fit/statistics.hpp"
 #include "test/impact.hpp"
 
 using namespace ukemi;
@@ -79,7 +79,7 @@ TEST_CASE("200 draws of the eight trials: each 95 % interval covers the truth in
     const ResidualTests tests = test_residuals({rig(), trials, {}}, f);
     coloured += tests.whiteness.rejected;
     odd += tests.normality.rejected;
-    lacking += tests.missed() != nullptr;
+    lacking += tests.missing() != nullptr;
     any += tests.model_rejected() || tests.normality.rejected;
   }
   INFO("covered " << covered[0] << " " << covered[1] << " " << covered[2] << " " << covered[3] << " " << covered[4]
@@ -103,7 +103,7 @@ TEST_CASE("dry friction of 0.2 Nm that the model lacks is named in 95 % of draws
       const Fit f = refit(rig(), trials, truth(), {});
       REQUIRE(f.converged);
       const ResidualTests tests = test_residuals({rig(), trials, {}}, f);
-      by_score += tests.missed() && tests.missed()->term == NuisanceTerm::kFriction;
+      by_score += tests.missing() && tests.missing()->term == "friction";
       coloured += tests.whiteness.rejected;
       if (d % ladder_each != 0) continue;  // which takes refits of many times a plain fit's cost
       const Ladder rungs = ladder({rig(), trials, {}}, f, HeldOut::kSkip);
@@ -131,23 +131,23 @@ TEST_CASE("verdicts: the stated thresholds, at them and beyond") {
     set_error(e, half_width * half_width / 4, 2);
     return judge(e, 8);
   };
-  CHECK(verdict(0.79) == Verdict::kTrusted);
-  CHECK(verdict(0.81) == Verdict::kWeak);
-  CHECK(verdict(4) == Verdict::kWeak);
-  CHECK(verdict(4.01) == Verdict::kNotIdentifiable);
+  CHECK(verdict(0.79) == Identifiability::kTrusted);
+  CHECK(verdict(0.81) == Identifiability::kWeak);
+  CHECK(verdict(4) == Identifiability::kWeak);
+  CHECK(verdict(4.01) == Identifiability::kNotIdentifiable);
   Estimate e{.name = "k", .value = 8, .std = {}};
-  CHECK(judge(e, 8) == Verdict::kNotIdentifiable);
+  CHECK(judge(e, 8) == Identifiability::kNotIdentifiable);
   e.at_bound = true;
-  CHECK(judge(e, 8) == Verdict::kAtBound);
+  CHECK(judge(e, 8) == Identifiability::kAtBound);
   e.free = false;
-  CHECK(judge(e, 8) == Verdict::kFixed);
+  CHECK(judge(e, 8) == Identifiability::kFixed);
 
   std::vector<Estimate> all(2);
-  all[0].verdict = Verdict::kTrusted;
+  all[0].verdict = Identifiability::kTrusted;
   CHECK(all_trusted(all));
   distrust(all);
-  CHECK(all[0].verdict == Verdict::kWeak);
-  CHECK(all[1].verdict == Verdict::kFixed);
+  CHECK(all[0].verdict == Identifiability::kWeak);
+  CHECK(all[1].verdict == Identifiability::kFixed);
   CHECK_FALSE(all_trusted(all));
 }
 
@@ -248,7 +248,7 @@ TEST_CASE("profile likelihood: the linear interval where the trials are good, it
   REQUIRE(q.low.has_value());
   // At the end of the interval the other constants, fitted afresh, leave the rise that was asked for.
   FitOptions held;
-  held.free[2] = false;
+  std::erase(held.terms.free, "k_sea");
   SeaParameters<double> at = g.sea;
   at.k_sea = *q.low;
   const double rise = deviance(refit(rig(), weak, at, held), weak, held) - deviance(g, weak, {});
@@ -261,7 +261,7 @@ TEST_CASE("a measured arm: the ladder prefers dry friction and rejects the model
   const auto arm = measured_arm();
   if (!arm) return;
   FitOptions o;
-  o.nuisance = {NuisanceTerm::kInitialAngle};
+  o.terms.nuisance = {"initial_angle"};
   const Fit plain = fit(arm->rig, arm->log, std::nullopt, arm->base, o);
   const Ladder l = ladder({arm->rig, arm->log, o}, plain, HeldOut::kCompute);
   CHECK(l.rungs[l.preferred].name.find("friction") == 0);

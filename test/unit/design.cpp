@@ -137,7 +137,7 @@ TEST_CASE("a hit that the estimate alone admits but that may go too far, or esca
     const double angle = reach(k.sea, hit).value();
     CHECK(angle < o.budget.angle);
     const HitSafety s = safety_of(rig(), k, hit, o);
-    CHECK(s.verdict == HitSafety::Verdict::kTooFar);
+    CHECK(s.outcome == HitSafety::Outcome::kTooFar);
     CHECK(s.angle == Approx(angle).epsilon(1e-3));
     CHECK(s.worst_angle > o.budget.angle);
     CHECK(safety_of(rig(), weak(), hit, o).safe());  // where more is known
@@ -147,7 +147,7 @@ TEST_CASE("a hit that the estimate alone admits but that may go too far, or esca
     o.budget.peak = 400;
     const Hit hit{strongest(k.sea, o.budget.angle), 0.020};
     CHECK(reach(k.sea, hit).value() < o.budget.angle);
-    CHECK(safety_of(rig(), k, hit, o).verdict == HitSafety::Verdict::kEscapes);
+    CHECK(safety_of(rig(), k, hit, o).outcome == HitSafety::Outcome::kEscapes);
   }
   // Whatever is proposed, fresh draws of the ellipsoid's surface keep the rule.
   const Design d = design(rig(), k, o);

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "common/random.hpp"
-#include "identify/fit/statistics.hpp"
+#include "identify/estimate/statistics.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;

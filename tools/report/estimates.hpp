@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/fit/uncertainty.hpp"
+#include "identify/estimate/uncertainty.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/table.hpp"
 

@@ -101,10 +101,10 @@ Actuator actuator_of(const IdentifyQuestion& q, const Fit& fit) {
   // Only what was determined goes into the covariance, of the actuator: a file holds numbers, not gaps.
   std::vector<long> determined;
   for (long i = 0; i < fit.covariance.rows(); ++i) {
-    const std::string& term = fit.fitted[std::size_t(i)];
-    if (!std::isfinite(fit.covariance(i, i)) || term == name(identify::NuisanceTerm::kForceGain)) continue;
+    const std::string& key = q.options.terms[fit.fitted[std::size_t(i)]].key;
+    if (!std::isfinite(fit.covariance(i, i)) || key.empty()) continue;
     determined.push_back(i);
-    out.uncertain.push_back(term == name(identify::NuisanceTerm::kStiffening) ? "k_sea_cubic" : term);
+    out.uncertain.push_back(key);
   }
   out.covariance = fit.covariance(determined, determined);
   return out;
@@ -117,7 +117,7 @@ int report(const IdentifyQuestion& q, const Fit& fit, const std::optional<Trust>
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
   run.say(assumptions(q));
-  if (q.options.fits(identify::NuisanceTerm::kFriction) || q.base.friction > 0)
+  if (q.options.terms.fits("friction") || q.base.friction > 0)
     run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
   const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
   if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);

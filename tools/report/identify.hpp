@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/actuator.hpp"
 #include "tools/program/output.hpp"
 #include "tools/report/trust.hpp"
 

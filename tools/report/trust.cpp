@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/actuator.hpp"
 #include "tools/program/arguments.hpp"
 
 namespace ukemi::tools {
@@ -36,8 +37,8 @@ std::string weakest_words(const Fit& fit) { return in_words(*fit.weakest, "trial
 std::vector<std::string> findings(const Trust& t, const Fit& fit) {
   std::vector<std::string> out;
   const identify::ResidualTests& tests = t.tests;
-  if (const identify::Lack* missed = tests.missed()) {
-    const std::string term = name(missed->term);
+  if (const identify::ScoreTest* missed = tests.missing()) {
+    const std::string term = missed->term;
     // Where the logs themselves are at fault a term would only cover it up.
     const std::string advice = fit.flawed_logs ? "" : ": try --nuisance " + term;
     out.push_back(
@@ -79,32 +80,29 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
 
 /// A term that the model lacks, and its score test.
 struct MissingTerm {
-  const identify::Lack& test;
-  bool rejected, missed;
+  const identify::ScoreTest& test;
+  bool missed;
   double rms_with;
 };
 const Quantities<MissingTerm> kMissingTermQuantities = {
-    {"", "term", [](auto& t) { return name(t.test.term); }},
-    {"", "", "hypothesis", {}, [](auto& t) { return fmt::format("no {} (score test)", name(t.test.term)); }},
+    {"", "term", [](auto& t) { return t.test.term; }},
+    {"", "", "hypothesis", {}, [](auto& t) { return fmt::format("no {} (score test)", t.test.term); }},
     {"", "p", "p", small, [](auto& t) { return t.test.p; }},
     {"", "chi2", [](auto& t) { return t.test.statistic; }},
     {"", "degrees", [](auto& t) { return t.test.degrees; }},
-    {"", "z", [](auto& t) { return is_shared(t.test.term) ? Json(t.test.z) : Json(); }},
+    {"", "z", [](auto& t) { return t.test.scope == identify::Scope::kShared ? Json(t.test.z) : Json(); }},
     {"", "size", [](auto& t) { return t.test.size; }},
-    {"", "rejected", "rejected", {}, &MissingTerm::rejected},
+    {"", "rejected", "rejected", {}, [](auto& t) { return t.test.rejected; }},
     {"", "missed", &MissingTerm::missed},
     {"", "rms_with", "rms with the term [rad]", "{:.4g}", &MissingTerm::rms_with},
-    {"", "bias", [](auto& t) { return is_shared(t.test.term) ? Json(t.test.bias) : Json(); }},
+    {"", "bias", [](auto& t) { return t.test.scope == identify::Scope::kShared ? Json(t.test.bias) : Json(); }},
     // Below 3 of its own standard errors a term escapes its test more often than not.
     {"", "", "bias that may hide [standard errors]", "{:.2g}",
-     [](auto& t) { return is_shared(t.test.term) ? Json(3 * t.test.bias) : Json(); }},
+     [](auto& t) { return t.test.scope == identify::Scope::kShared ? Json(3 * t.test.bias) : Json(); }},
 };
 std::vector<MissingTerm> missing_terms(const identify::ResidualTests& tests) {
   std::vector<MissingTerm> out;
-  for (std::size_t i = 0; i < tests.lacks.size(); ++i) {
-    const identify::Lack& l = tests.lacks[i];
-    out.push_back({l, tests.lack_rejected[i], &l == tests.missed(), tests.rms_with(l)});
-  }
+  for (const identify::ScoreTest& t : tests.score_tests) out.push_back({t, &t == tests.missing(), tests.rms_with(t)});
   return out;
 }
 
@@ -116,8 +114,8 @@ Quantities<identify::Rung> rung_quantities(const identify::Ladder& ladder) {
       {"", "terms",
        [](auto& r) {
          Json terms = Json::object();
-         for (const identify::LadderTerm& term : identify::kLadderTerms)
-           if (r.fit.sea.*term.value != 0) terms[identify::name(term.term)] = number(r.fit.sea.*term.value);
+         for (const identify::RigTerm& term : r.options.terms.table)
+           if (term.in_ladder && term.value_in(r.fit.sea) != 0) terms[term.name] = number(term.value_in(r.fit.sea));
          return terms;
        }},
       {"", "bic", "BIC", "{:.1f}", &identify::Rung::bic},
@@ -210,6 +208,7 @@ void tell_profiles(const std::vector<identify::Profile>& profiles, const Fit& fi
 }  // namespace
 
 void warn(const Trust& trust, const Fit& fit, Run& run) {
+  for (const std::string& constant : trust.not_profiled) run.warn(constant + " has no standard error: no profile");
   for (const std::string& finding : findings(trust, fit)) run.warn(finding);
 }
 

@@ -5,18 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "identify/trust/ladder.hpp"
-#include "identify/trust/profile.hpp"
+#include "identify/trust/identification.hpp"
 #include "tools/report/estimates.hpp"
 
 namespace ukemi::tools {
 
-struct Trust {
-  identify::ResidualTests tests;
-  std::optional<identify::Ladder> ladder;
-  std::vector<identify::LeftOut> left_out;
-  std::vector<identify::Profile> profiles;
-};
+using identify::Trust;
 
 /// Warns of what the tests find.
 void warn(const Trust& trust, const identify::Fit& fit, Run& run);

@@ -18,37 +18,10 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Where a term's derivative stands in a DropSample; -1: it is the rate.
-int slot_of(Term t) {
-  constexpr std::array<Parameter, kTerms> kOf = {
-      Parameter::kStiffness, Parameter::kDampingNormal, Parameter::kDampingTangential, Parameter::kPitch,
-      Parameter::kPitch,     Parameter::kHeight,        Parameter::kForwardSpeed,      Parameter::kPitch};
-  return t == Term::kTimeShift ? -1 : drop_slot(kOf[std::size_t(t)]);
-}
-
 }  // namespace
 
-bool holds(const std::vector<Term>& list, Term t) { return std::find(list.begin(), list.end(), t) != list.end(); }
-
-double& number_of(Scene& s, Term t) {
-  switch (t) {
-    case Term::kStiffness:
-      return s.floor->stiffness;
-    case Term::kDampingNormal:
-      return s.floor->damping_normal;
-    case Term::kDampingTangential:
-      return s.floor->damping_tangential;
-    case Term::kHeightOffset:
-      return s.drop.height;
-    case Term::kSpeedOffset:
-      return s.drop.forward_speed;
-    default:
-      return s.drop.pitch;
-  }
-}
-
-DropModel::DropModel(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop, const Layout& layout,
-                     const CalibrationOptions& options)
+DropModel::DropModel(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
+                     const DropLayout& layout, const CalibrationOptions& options)
     : scene_(scene),
       sea_(sea),
       drop_(drop),
@@ -56,7 +29,10 @@ DropModel::DropModel(const Scene& scene, const SeaParameters<double>& sea, const
       monitor_(options.monitor),
       options_{.accuracy = options.accuracy} {
   const std::vector<double>& t = drop.log.t;
-  if (layout.shifted()) first_ = std::size_t(std::lower_bound(t.begin(), t.end(), kLargestShift) - t.begin());
+  bool shifted = false;
+  for (const auto* list : {&layout.shared, &layout.own})
+    for (const DropTerm* term : *list) shifted = shifted || term->shifts_log();
+  if (shifted) first_ = std::size_t(std::lower_bound(t.begin(), t.end(), kLargestShift) - t.begin());
   for (int o = 0; o < kOutputs; ++o) {
     std::vector<double> gaps;
     double last = kNaN;
@@ -81,43 +57,42 @@ ResidualBlock DropModel::block(const PerOutput& sigma, double seconds, const std
     for (std::size_t i = first_; i < std::min(end, drop_.log.output[std::size_t(o)].size()); ++i)
       if (std::isfinite(drop_.log.output[std::size_t(o)][i])) rows.push_back({o, i});
   const auto memory = std::make_shared<Memory>();
-  return {int(rows.size() + priors.size()),
-          [=, this](const double* shared, const double* own, double* r, double* jacobian) {
-            const Rolled* rolled = recall(*memory, shared, own, end);
-            if (!rolled) return false;
-            const std::size_t size = rows.size() + priors.size();
-            std::size_t row = 0;
-            const auto fill = [&](double residual, const auto& of_term) {
-              double* to = jacobian ? jacobian + row : nullptr;
-              for (const auto* list : {&layout_.shared, &layout_.own})
-                for (const Term term : *list)
-                  if (to) *to = of_term(term), to += size;
-              r[row++] = residual;
-            };
-            for (const Row& x : rows) {
-              const DropSample& s = rolled->rollout.samples[x.sample - first_];
-              const double inverse = 1 / sigma[std::size_t(x.output)],
-                           difference =
-                               s.value[std::size_t(x.output)] - drop_.log.output[std::size_t(x.output)][x.sample];
-              if (left_out(*rolled, DropOutput(x.output), x.sample)) {
-                fill(0, [](Term) { return 0.0; });
-                continue;
-              }
-              fill(difference * inverse, [&](Term term) {
-                const int slot = slot_of(term);
-                return inverse * (slot < 0 ? s.rate[std::size_t(x.output)] : s.slope[std::size_t(x.output)][slot]);
-              });
-            }
-            for (const Prior& p : priors) {
-              double value = 0;
-              for (std::size_t k = 0; k < layout_.shared.size(); ++k)
-                if (layout_.shared[k] == p.term) value = shared[k];
-              for (std::size_t k = 0; k < layout_.own.size(); ++k)
-                if (layout_.own[k] == p.term) value = own[k];
-              fill((value - p.value) / p.std, [&](Term term) { return term == p.term ? 1 / p.std : 0; });
-            }
-            return true;
-          }};
+  return {
+      int(rows.size() + priors.size()),
+      [=, this](const double* shared, const double* own, double* r, double* jacobian) {
+        const Rolled* rolled = recall(*memory, shared, own, end);
+        if (!rolled) return false;
+        const std::size_t size = rows.size() + priors.size();
+        std::size_t row = 0;
+        const auto fill = [&](double residual, const auto& of_term) {
+          double* to = jacobian ? jacobian + row : nullptr;
+          for (const auto* list : {&layout_.shared, &layout_.own})
+            for (const DropTerm* term : *list)
+              if (to) *to = of_term(*term), to += size;
+          r[row++] = residual;
+        };
+        for (const Row& x : rows) {
+          const DropSample& s = rolled->rollout.samples[x.sample - first_];
+          const double inverse = 1 / sigma[std::size_t(x.output)],
+                       difference = s.value[std::size_t(x.output)] - drop_.log.output[std::size_t(x.output)][x.sample];
+          if (left_out(*rolled, DropOutput(x.output), x.sample)) {
+            fill(0, [](const DropTerm&) { return 0.0; });
+            continue;
+          }
+          fill(difference * inverse, [&](const DropTerm& term) {
+            const auto o = std::size_t(x.output);
+            return inverse * (term.shifts_log() ? s.rate[o] : s.slope[o][drop_slot(term.derivative)]);
+          });
+        }
+        for (const Prior& p : priors) {
+          double value = 0;
+          layout_.for_each(shared, own, [&](const DropTerm& term, double x, std::size_t) {
+            if (term.name == p.term) value = x;
+          });
+          fill((value - p.value) / p.std, [&](const DropTerm& term) { return term.name == p.term ? 1 / p.std : 0; });
+        }
+        return true;
+      }};
 }
 
 DropResult DropModel::replay(const double* shared, const double* own) const {
@@ -179,16 +154,10 @@ bool DropModel::roll(const double* shared, const double* own, std::size_t end, c
   scene.drop = drop_.thrown;
   scene.drop.pitch = scene_.drop.pitch;
   out.shift = 0;
-  const auto set = [&](Term t, double value) {
-    if (t == Term::kTimeShift)
-      out.shift = value;
-    else if (is_constant(t))
-      number_of(scene, t) = value;
-    else
-      number_of(scene, t) += value;
-  };
-  for (std::size_t k = 0; k < layout_.shared.size(); ++k) set(layout_.shared[k], shared[k]);
-  for (std::size_t k = 0; k < layout_.own.size(); ++k) set(layout_.own[k], own[k]);
+  layout_.for_each(shared, own, [&](const DropTerm& term, double value, std::size_t) {
+    term.set_in(scene, value);
+    if (term.shifts_log()) out.shift = value;
+  });
   if (!(scene.drop.height >= 0 && scene.floor->stiffness > 0)) return false;
   std::vector<double> times;
   for (std::size_t i = first_; i < end; ++i) times.push_back(std::max(0.0, drop_.log.t[i] + out.shift));

@@ -10,23 +10,14 @@ namespace ukemi::tools {
 
 using PerOutput = std::array<double, landing::kOutputs>;
 
-inline bool is_constant(Term t) { return int(t) < kCalibrated; }
-bool holds(const std::vector<Term>& list, Term t);
-
-/// Where a term's value stands in a scene; none for the time shift.
-double& number_of(landing::Scene& scene, Term t);
-
-/// What is fitted: `shared` by all drops, then `own` of each.
-struct Layout {
-  std::vector<Term> shared, own;
-  bool shifted() const { return holds(shared, Term::kTimeShift) || holds(own, Term::kTimeShift); }
-};
+using DropLayout = identify::Layout<DropTerm>;
+using identify::Prior;
 
 /// What it is made from must outlive it.
 class DropModel {
  public:
-  DropModel(const landing::Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop, const Layout& layout,
-            const CalibrationOptions& options);
+  DropModel(const landing::Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
+            const DropLayout& layout, const CalibrationOptions& options);
 
   const LoggedDrop& drop() const { return drop_; }
 
@@ -58,7 +49,7 @@ class DropModel {
   const landing::Scene& scene_;
   const SeaParameters<double>& sea_;
   const LoggedDrop& drop_;
-  const Layout& layout_;
+  const DropLayout& layout_;
   const Monitor& monitor_;
   landing::SimulateOptions options_;
   std::size_t first_ = 0;  ///< rows before it are left out

@@ -26,52 +26,55 @@ struct CalibrateArguments {
   Doubt doubt = Doubt::kReport;
 };
 
-/// A term among [first, last), and its unit in the option: a pitch may be given as pitch_deg.
+/// A term's name, and its unit in the option: a pitch may be given as pitch_deg.
 struct Named {
-  Term term;
+  std::string term;
   double unit = 1;
 };
-Named named(const std::string& option, const std::string& text, int first, int last) {
+Named named(const std::string& option, const std::string& text, std::initializer_list<identify::Term::Role> roles) {
   const bool degrees = text.size() > 4 && text.compare(text.size() - 4, 4, "_deg") == 0;
   const std::string name = degrees ? text.substr(0, text.size() - 4) : text;
-  for (int k = first; k < last; ++k)
-    if (name == kTermNames[std::size_t(k)] && (!degrees || std::string(kTermUnits[std::size_t(k)]) == "rad"))
-      return {Term{k}, degrees ? 1 / kDegrees : 1};
-  throw InputError(option + ": " + one_of(text, {kTermNames.begin() + first, kTermNames.begin() + last}));
+  std::vector<std::string> known;
+  for (const DropTerm& t : drop_terms()) {
+    if (std::find(roles.begin(), roles.end(), t.role) == roles.end()) continue;
+    if (name == t.name && (!degrees || t.unit == "rad")) return {name, degrees ? 1 / kDegrees : 1};
+    known.push_back(t.name);
+  }
+  throw InputError(option + ": " + one_of(text, known));
 }
 
 CalibrationOptions calibration_options(const CalibrateArguments& a, const CommonOptions& common) {
+  using enum identify::Term::Role;
   CalibrationOptions o;
   o.seed = common.seed;
   o.accuracy = a.accuracy;
-  const auto terms = [](const std::string& option, const std::string& list, int first, int last) {
-    std::vector<Term> out;
+  const auto terms = [](const std::string& option, const std::string& list, identify::Term::Role role) {
+    std::vector<std::string> out;
     for (const std::string& item : split(list)) {
-      const Term t = named(option, item, first, last).term;
-      if (std::find(out.begin(), out.end(), t) != out.end())
+      const std::string term = named(option, item, {role}).term;
+      if (std::find(out.begin(), out.end(), term) != out.end())
         throw InputError(option + ": " + quoted(item) + ": named twice");
-      out.push_back(t);
+      out.push_back(term);
     }
     return out;
   };
-  if (!a.free.empty()) o.free = terms("--free", a.free, 0, kCalibrated);
-  o.nuisance = terms("--nuisance", a.nuisance, kCalibrated, kTerms);
-  const auto bounds = [](const std::string& option, const std::string& list, std::array<double, kCalibrated>& to) {
+  if (!a.free.empty()) o.terms.free = terms("--free", a.free, kConstant);
+  o.terms.nuisance = terms("--nuisance", a.nuisance, kNuisance);
+  const auto bounds = [](const std::string& option, const std::string& list, std::map<std::string, double>& to) {
     for (const std::string& item : split(list)) {
       const auto [name, value] = assignment(option, item);
-      const Named n = named(option, name, 0, kCalibrated);
-      to[std::size_t(n.term)] = to_number(option, value) * n.unit;
+      const Named n = named(option, name, {kConstant});
+      to[n.term] = to_number(option, value) * n.unit;
     }
   };
-  bounds("--lower", a.lower, o.lower);
-  bounds("--upper", a.upper, o.upper);
+  bounds("--lower", a.lower, o.terms.lower);
+  bounds("--upper", a.upper, o.terms.upper);
   for (const std::string& item : a.priors) {
     const NamedPrior known = named_prior("--prior", item);
-    const Named n = named("--prior", known.name, 0, kTerms);
-    if (std::find(o.free.begin(), o.free.end(), n.term) == o.free.end() &&
-        std::find(o.nuisance.begin(), o.nuisance.end(), n.term) == o.nuisance.end())
+    const Named n = named("--prior", known.name, {kConstant, kNuisance});
+    if (!o.terms.fits(n.term))
       throw InputError("--prior: " + quoted(known.name) + ": it is not fitted, see --free and --nuisance");
-    o.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});
+    o.terms.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});
   }
   o.validate();
   return o;

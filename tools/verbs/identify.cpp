@@ -16,20 +16,24 @@ namespace ukemi::tools {
 
 namespace {
 
-void parse_bounds(const std::string& option, const std::string& list, std::array<double, kConstants>& bounds) {
-  for (const std::string& item : split(list)) {
-    const Assignment bound = assignment(option, item);
-    bounds[constant_index(option, bound.name)] = to_number(option, bound.value);
+/// Names at commas, each of a term of the table with that role.
+std::vector<std::string> term_names(const std::string& option, const std::string& list, identify::Term::Role role) {
+  std::vector<std::string> known, out;
+  for (const identify::RigTerm& t : identify::rig_terms())
+    if (t.role == role) known.push_back(t.name);
+  for (const std::string& name : split(list)) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InputError(option + ": " + one_of(name, known));
+    out.push_back(name);
   }
+  return out;
 }
 
-identify::NuisanceTerm nuisance_term(const std::string& wanted) {
-  std::vector<std::string> known;
-  for (const identify::NuisanceTerm t : identify::kNuisanceTerms) {
-    if (name(t) == wanted) return t;
-    known.push_back(name(t));
+void parse_bounds(const std::string& option, const std::string& list, std::map<std::string, double>& bounds) {
+  for (const std::string& item : split(list)) {
+    const Assignment bound = assignment(option, item);
+    bounds[kConstantNames[constant_index(option, bound.name)]] = to_number(option, bound.value);
   }
-  throw InputError("--nuisance: " + one_of(wanted, known));
 }
 
 identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions& common) {
@@ -37,19 +41,23 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   o.seed = common.seed;
   o.accuracy = a.accuracy;
   o.escape = escape_of(a.reading);
-  if (!a.free.empty()) {
-    o.free.fill(false);
-    for (const std::string& name : split(a.free)) o.free[constant_index("--free", name)] = true;
+  using enum identify::Term::Role;
+  if (!a.free.empty()) {  // in the table's order, whatever the option's
+    const std::vector<std::string> asked = term_names("--free", a.free, kConstant);
+    std::erase_if(o.terms.free, [&](auto& name) { return std::find(asked.begin(), asked.end(), name) == asked.end(); });
   }
-  for (const std::string& name : split(a.nuisance)) o.nuisance.push_back(nuisance_term(name));
+  o.terms.nuisance = term_names("--nuisance", a.nuisance, kNuisance);
   for (const std::string& item : split(a.prior)) {
     const NamedPrior known = named_prior("--prior", item);
-    o.prior[constant_index("--prior", known.name)] = identify::Prior{known.value, known.std};
+    (void)constant_index("--prior", known.name);
+    std::erase_if(o.terms.priors,
+                  [&](const identify::Prior& p) { return p.term == known.name; });  // the last one holds
+    o.terms.priors.push_back({known.name, known.value, known.std});
   }
   o.explore = a.starts;
   o.threads = common.threads;
-  parse_bounds("--lower", a.lower, o.lower);
-  parse_bounds("--upper", a.upper, o.upper);
+  parse_bounds("--lower", a.lower, o.terms.lower);
+  parse_bounds("--upper", a.upper, o.terms.upper);
   if (a.loss.rfind("huber:", 0) == 0) {
     o.huber = to_number("--loss", a.loss.substr(6));
     if (!(o.huber > 0)) throw InputError("--loss: " + quoted(a.loss) + ": Huber's delta must be above 0 rad");
@@ -65,15 +73,15 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
 /// Throws InputError where a profile cannot be, or a constant that is not fitted has no value.
 void check(const IdentifyArguments& a, const IdentifyQuestion& q) {
   for (const std::string& name : split(a.trust.profile)) {
-    if (!q.options.free[constant_index("--profile", name)])
+    if (!q.options.terms.fits(kConstantNames[constant_index("--profile", name)]))
       throw InputError("--profile: " + name + ": it is not among the --free constants");
-    if (std::count(q.options.free.begin(), q.options.free.end(), true) == 1)
+    if (q.options.terms.free.size() == 1)
       throw InputError("--profile: " + name + ": no other constant is free to follow it");
   }
   if (q.verb == IdentifyQuestion::Verb::kIdentify && !q.given)
-    for (std::size_t i = 0; i < kConstants; ++i)
-      if (!q.options.free[i])
-        throw InputError("--free: " + std::string(kConstantNames[i]) + " is not free and needs a value: give --start");
+    for (const std::string name : kConstantNames)
+      if (!q.options.terms.fits(name))
+        throw InputError("--free: " + name + " is not free and needs a value: give --start");
 }
 
 /// What the trials must hold. From rest, one without excitation says nothing; one let go from elsewhere does.
@@ -81,8 +89,7 @@ TrialNeeds needs_of(const IdentifyQuestion& q) {
   TrialNeeds needs;
   if (q.verb == IdentifyQuestion::Verb::kPredict)
     needs.phi = TrialNeeds::Angle::kOptional;
-  else if (!q.options.fits(identify::NuisanceTerm::kInitialAngle) &&
-           !q.options.fits(identify::NuisanceTerm::kInitialRate))
+  else if (!q.options.terms.fits("initial_angle") && !q.options.terms.fits("initial_rate"))
     needs.excitation = TrialNeeds::Excitation::kRequired;
   return needs;
 }
@@ -112,7 +119,9 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   identify::Fit fit = predict ? identify::predict(q.rig, q.trials, q.base, q.options)
                               : identify::fit(q.rig, q.trials, start, q.base, q.options);
   std::optional<Trust> trust;
-  if (!predict && q.found(fit)) trust = examine({q.rig, q.trials, q.options}, fit, a.trust, run);
+  if (!predict && q.found(fit))
+    trust = identify::examine({q.rig, q.trials, q.options}, fit,
+                              {.depth = a.trust.depth, .profiles = split(a.trust.profile), .threads = common.threads});
   return report(q, fit, trust, a.trust.doubt, std::move(inputs.summary), run);
 }
 

@@ -27,7 +27,7 @@ struct ResidualBlock {
 };
 
 /// Pulls a global towards a value: the residual (global - value) * weight.
-struct Pull {
+struct PriorResidual {
   int global;
   double value, weight;
 };
@@ -36,12 +36,16 @@ struct LeastSquaresProblem {
   std::vector<Parameter> globals;
   std::vector<Parameter> locals;  ///< each block has its own copy
   std::vector<ResidualBlock> blocks;
-  std::vector<Pull> priors;
+  std::vector<PriorResidual> priors;
 };
 
 struct LeastSquaresOptions {
   int max_iterations = 200;
-  double huber = 0;  ///< Huber's delta on each residual; 0: plain squares
+  double cost_tolerance = 1e-11;  ///< relative fall that ends it: leaves 3e-6 sqrt(residuals) standard errors at most
+  double step_tolerance = 1e-11;  ///< relative step that ends it
+  double first_radius = 100;      ///< of the trust region; the scaled start is 1: a first step of its own size
+  int rejected_steps = 30;        ///< in a row, for the model cannot be evaluated, after which the search fails
+  double huber = 0;               ///< Huber's delta on each residual; 0: plain squares
   enum class Globals { kFitted, kHeld } globals = Globals::kFitted;  ///< kHeld: locals alone, at the globals' start
   std::function<bool()>
       stop;  ///< true: end and keep the best point so far, not converged; asked before every trial step
@@ -54,6 +58,7 @@ struct LeastSquaresSolution {
   bool usable = false;      ///< the start could be evaluated and no iterate was lost
   bool converged = false;
   int iterations = 0;
+  double work = 0;              ///< spent, in the caller's units; the solver leaves it at 0
   std::string message;          ///< the solver's reason
   std::vector<bool> at_bound;   ///< of the globals
   long residuals = 0;           ///< n

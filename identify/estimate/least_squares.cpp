@@ -1,4 +1,4 @@
-#include "identify/fit/least_squares.hpp"
+#include "identify/estimate/least_squares.hpp"
 
 #include <ceres/ceres.h>
 #include <glog/logging.h>
@@ -11,7 +11,7 @@
 #include <mutex>
 #include <optional>
 
-#include "identify/fit/covariance.hpp"
+#include "identify/estimate/covariance.hpp"
 
 namespace ukemi::identify {
 
@@ -146,24 +146,24 @@ class BlockCost final : public ceres::CostFunction {
 };
 
 /// A prior in scaled parameters.
-class PullCost final : public ceres::CostFunction {
+class PriorCost final : public ceres::CostFunction {
  public:
-  PullCost(const LeastSquaresProblem& problem, const Pull& pull)
-      : pull_(pull), scale_(problem.globals[std::size_t(pull.global)].scale), globals_(int(problem.globals.size())) {
+  PriorCost(const LeastSquaresProblem& problem, const PriorResidual& prior)
+      : prior_(prior), scale_(problem.globals[std::size_t(prior.global)].scale), globals_(int(problem.globals.size())) {
     set_num_residuals(1);
     mutable_parameter_block_sizes()->push_back(globals_);
   }
   bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
-    *residual = (x[0][pull_.global] * scale_ - pull_.value) * pull_.weight;
+    *residual = (x[0][prior_.global] * scale_ - prior_.value) * prior_.weight;
     if (jacobians && jacobians[0]) {
       std::fill_n(jacobians[0], globals_, 0.0);
-      jacobians[0][pull_.global] = scale_ * pull_.weight;
+      jacobians[0][prior_.global] = scale_ * prior_.weight;
     }
     return true;
   }
 
  private:
-  Pull pull_;
+  PriorResidual prior_;
   double scale_;
   int globals_;
 };
@@ -191,64 +191,23 @@ void set_bounds(ceres::Problem& problem, double* x, const std::vector<Parameter>
   }
 }
 
-void quiet_glog() {
-  static std::once_flag once;
-  std::call_once(once, [] { FLAGS_minloglevel = 3; });
-}
-
-}  // namespace
-
-LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquaresOptions& options) {
-  quiet_glog();
-  LeastSquaresSolution out;
-  std::vector<double> x = scaled_start(problem.globals);
-  std::vector<std::vector<double>> locals(problem.blocks.size(), scaled_start(problem.locals));
-
-  std::deque<BlockCost> costs;
-  ceres::Problem::Options ours;
-  ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem ceres_problem(ours);
-  for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
-    std::vector<double*> blocks{x.data()};
-    if (!problem.locals.empty()) blocks.push_back(locals[b].data());
-    costs.emplace_back(problem, problem.blocks[b], options);
-    ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
-    out.residuals += problem.blocks[b].size;
-  }
-  std::deque<PullCost> pulls;
-  for (const Pull& p : problem.priors) {
-    pulls.emplace_back(problem, p);
-    ceres_problem.AddResidualBlock(&pulls.back(), nullptr, x.data());
-    ++out.residuals;
-  }
-  const bool held = options.globals == LeastSquaresOptions::Globals::kHeld;
-  if (held)
-    ceres_problem.SetParameterBlockConstant(x.data());
-  else
-    set_bounds(ceres_problem, x.data(), problem.globals);
-  if (!problem.locals.empty())
-    for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
-
+ceres::Solver::Options ceres_options(const LeastSquaresOptions& options) {
   ceres::Solver::Options o;
   o.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;  // thousands of residuals for each parameter
   o.max_num_iterations = options.max_iterations;
-  o.function_tolerance = 1e-11;  // leaves 3e-6 sqrt(residuals) standard errors at most
-  o.parameter_tolerance = 1e-11;
-  o.gradient_tolerance = 1e-15;
-  o.max_num_consecutive_invalid_steps = 30;
-  o.initial_trust_region_radius = 100;  // the scaled start is 1: a first step of its own size
+  o.function_tolerance = options.cost_tolerance;
+  o.parameter_tolerance = options.step_tolerance;
+  o.gradient_tolerance = 1e-15;  // out of reach: the two above end the search
+  o.max_num_consecutive_invalid_steps = options.rejected_steps;
+  o.initial_trust_region_radius = options.first_radius;
   o.logging_type = ceres::SILENT;
   o.num_threads = 1;  // the sum over blocks must not depend on the number of threads
-  Stop stop(options.stop);
-  if (options.stop) o.callbacks.push_back(&stop);
-  ceres::Solver::Summary summary;
-  ceres::Solve(o, &ceres_problem, &summary);
+  return o;
+}
 
-  out.usable = summary.IsSolutionUsable();
-  out.converged = summary.termination_type == ceres::CONVERGENCE;
-  out.iterations = int(summary.iterations.size()) - 1;
-  out.message = summary.message;
-  out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
+/// The solver's point in the parameters' own units, and which globals are at a bound.
+void set_point(const LeastSquaresProblem& problem, const std::vector<double>& x,
+               const std::vector<std::vector<double>>& locals, LeastSquaresSolution& out) {
   const int G = int(problem.globals.size());
   out.globals.resize(G);
   for (int i = 0; i < G; ++i) {
@@ -265,6 +224,58 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
       out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
   out.global_covariance.setConstant(G, G, std::numeric_limits<double>::quiet_NaN());
   out.local_variance.setConstant(out.locals.rows(), out.locals.cols(), std::numeric_limits<double>::quiet_NaN());
+}
+
+void silence_glog() {
+  static std::once_flag once;
+  std::call_once(once, [] { FLAGS_minloglevel = 3; });
+}
+
+}  // namespace
+
+LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquaresOptions& options) {
+  silence_glog();
+  LeastSquaresSolution out;
+  std::vector<double> x = scaled_start(problem.globals);
+  std::vector<std::vector<double>> locals(problem.blocks.size(), scaled_start(problem.locals));
+
+  std::deque<BlockCost> costs;
+  ceres::Problem::Options ours;
+  ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem ceres_problem(ours);
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
+    std::vector<double*> blocks{x.data()};
+    if (!problem.locals.empty()) blocks.push_back(locals[b].data());
+    costs.emplace_back(problem, problem.blocks[b], options);
+    ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
+    out.residuals += problem.blocks[b].size;
+  }
+  std::deque<PriorCost> priors;
+  for (const PriorResidual& p : problem.priors) {
+    priors.emplace_back(problem, p);
+    ceres_problem.AddResidualBlock(&priors.back(), nullptr, x.data());
+    ++out.residuals;
+  }
+  const bool held = options.globals == LeastSquaresOptions::Globals::kHeld;
+  if (held)
+    ceres_problem.SetParameterBlockConstant(x.data());
+  else
+    set_bounds(ceres_problem, x.data(), problem.globals);
+  if (!problem.locals.empty())
+    for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
+
+  ceres::Solver::Options o = ceres_options(options);
+  Stop stop(options.stop);
+  if (options.stop) o.callbacks.push_back(&stop);
+  ceres::Solver::Summary summary;
+  ceres::Solve(o, &ceres_problem, &summary);
+
+  out.usable = summary.IsSolutionUsable();
+  out.converged = summary.termination_type == ceres::CONVERGENCE;
+  out.iterations = int(summary.iterations.size()) - 1;
+  out.message = summary.message;
+  out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
+  set_point(problem, x, locals, out);
   if (!out.usable || held) return out;
   std::vector<const Eigen::MatrixXd*> squares;
   for (std::size_t b = 0; b < costs.size(); ++b) {
@@ -289,7 +300,7 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
     if (options.huber > 0) robustify(options.huber, r, none);
     sum += r.squaredNorm();
   }
-  for (const Pull& p : problem.priors) sum += std::pow((globals[p.global] - p.value) * p.weight, 2);
+  for (const PriorResidual& p : problem.priors) sum += std::pow((globals[p.global] - p.value) * p.weight, 2);
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 

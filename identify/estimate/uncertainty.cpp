@@ -1,4 +1,4 @@
-#include "identify/fit/uncertainty.hpp"
+#include "identify/estimate/uncertainty.hpp"
 
 #include <fmt/format.h>
 
@@ -8,22 +8,19 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/fit/covariance.hpp"
-#include "identify/fit/statistics.hpp"
-
 namespace ukemi::identify {
 
-const char* name(Verdict v) {
+const char* name(Identifiability v) {
   switch (v) {
-    case Verdict::kTrusted:
+    case Identifiability::kTrusted:
       return "trusted";
-    case Verdict::kWeak:
+    case Identifiability::kWeak:
       return "weak";
-    case Verdict::kNotIdentifiable:
+    case Identifiability::kNotIdentifiable:
       return "not identifiable";
-    case Verdict::kAtBound:
+    case Identifiability::kAtBound:
       return "at its bound";
-    case Verdict::kFixed:
+    case Identifiability::kFixed:
       return "fixed";
   }
   return "?";
@@ -35,35 +32,33 @@ void set_error(Estimate& e, double variance, double half_width) {
   e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
 }
 
-Verdict judge(const Estimate& e, double size) {
-  if (!e.free) return Verdict::kFixed;
-  if (e.at_bound) return Verdict::kAtBound;
-  if (!e.std) return Verdict::kNotIdentifiable;
+Identifiability judge(const Estimate& e, double size) {
+  if (!e.free) return Identifiability::kFixed;
+  if (e.at_bound) return Identifiability::kAtBound;
+  if (!e.std) return Identifiability::kNotIdentifiable;
   const double width = e.half_width();
-  return width <= kTrustedWidth * size ? Verdict::kTrusted
-         : width <= kWeakWidth * size  ? Verdict::kWeak
-                                       : Verdict::kNotIdentifiable;
+  return width <= kTrustedWidth * size ? Identifiability::kTrusted
+         : width <= kWeakWidth * size  ? Identifiability::kWeak
+                                       : Identifiability::kNotIdentifiable;
 }
 
 bool all_trusted(const std::vector<Estimate>& parameters) {
-  return std::all_of(parameters.begin(), parameters.end(),
-                     [](const Estimate& e) { return e.verdict == Verdict::kTrusted || e.verdict == Verdict::kFixed; });
+  return std::all_of(parameters.begin(), parameters.end(), [](const Estimate& e) {
+    return e.verdict == Identifiability::kTrusted || e.verdict == Identifiability::kFixed;
+  });
 }
 
 void distrust(std::vector<Estimate>& parameters) {
   for (Estimate& e : parameters)
-    if (e.verdict == Verdict::kTrusted) e.verdict = Verdict::kWeak;
+    if (e.verdict == Identifiability::kTrusted) e.verdict = Identifiability::kWeak;
 }
 
-namespace {
-
-/// The weakest direction of the constants `free` (indices of globals, off their bounds), with everything else
-/// eliminated from the information.
 std::optional<Weakest> weakest_of(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
                                   const std::vector<double>& sizes, double variance, double half_width) {
   std::vector<int> constants, others;
   for (int i = 0; i < int(problem.globals.size()); ++i)
     if (!s.at_bound[std::size_t(i)]) (i < int(sizes.size()) ? constants : others).push_back(i);
+  // Everything else is eliminated from the information.
   const int n = int(constants.size());
   if (n < 2 || s.information.size() == 0 || !(variance > 0)) return {};
   Eigen::VectorXd size(n);
@@ -93,8 +88,6 @@ std::optional<Weakest> weakest_of(const LeastSquaresSolution& s, const LeastSqua
   return out;
 }
 
-}  // namespace
-
 std::string in_words(const Weakest& w, const std::string& data, const std::string& outputs, const std::string& unit) {
   constexpr double kTakesPart = 0.25;  // of the largest change
   const double largest = std::abs(w.change.front().second);
@@ -114,34 +107,6 @@ std::string in_words(const Weakest& w, const std::string& data, const std::strin
   return fmt::format("these {} {} {}: {} changes {} by {:.2g} {} rms, against a noise of {:.2g} {}", data,
                      named > 1 ? "tell least apart" : "say least about", names, changes, outputs, w.rms, unit, w.noise,
                      unit);
-}
-
-Uncertainty uncertainty_of(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
-                           const std::vector<double>& sizes) {
-  Uncertainty out;
-  const long dof = s.residuals - s.free_parameters;
-  const double variance = dof > 0 ? s.cost / double(dof) : std::numeric_limits<double>::quiet_NaN();
-  out.half_width = t_quantile_975(std::max(dof, 1l));
-  out.covariance = s.global_covariance * variance;
-  out.correlation = correlation_of(out.covariance);
-  out.eigenvalues = s.eigenvalues;
-  for (std::size_t g = 0; g < problem.globals.size(); ++g) {
-    const Parameter& p = problem.globals[g];
-    Estimate e{.name = p.name, .unit = p.unit, .value = s.globals[long(g)], .std = {}, .at_bound = s.at_bound[g]};
-    set_error(e, out.covariance(long(g), long(g)), out.half_width);
-    if (g < sizes.size()) e.verdict = judge(e, sizes[g]);
-    out.globals.push_back(e);
-  }
-  for (std::size_t l = 0; l < problem.locals.size(); ++l)
-    for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
-      const Parameter& p = problem.locals[l];
-      Estimate e{.name = p.name, .unit = p.unit, .value = s.locals(long(b), long(l)), .std = {}, .trial = int(b)};
-      e.at_bound = e.value <= p.lower || e.value >= p.upper;
-      set_error(e, s.local_variance(long(b), long(l)) * variance, out.half_width);
-      out.locals.push_back(e);
-    }
-  out.weakest = weakest_of(s, problem, sizes, variance, out.half_width);
-  return out;
 }
 
 }  // namespace ukemi::identify

@@ -1,7 +1,7 @@
 // What the residuals at a minimum say of the parameters' errors.
 #pragma once
 
-#include "identify/fit/least_squares.hpp"
+#include "identify/estimate/least_squares.hpp"
 
 namespace ukemi::identify {
 

@@ -8,19 +8,19 @@
 #include <utility>
 #include <vector>
 
-#include "identify/fit/least_squares.hpp"
+#include "identify/estimate/least_squares.hpp"
 
 namespace ukemi::identify {
 
 /// How far a constant may be relied on. The verdicts of every fit are made here.
-enum class Verdict {
+enum class Identifiability {
   kTrusted,          ///< the 95 % interval is at most kTrustedWidth of the value either way
   kWeak,             ///< at most kWeakWidth, or the residual stays far above the logs' noise
   kNotIdentifiable,  ///< wider, or not determined at all
   kAtBound,
   kFixed,  ///< not fitted
 };
-const char* name(Verdict verdict);
+const char* name(Identifiability identifiability);
 
 /// Largest half widths of the 95 % interval, as fractions of the value.
 inline constexpr double kTrustedWidth = 0.1, kWeakWidth = 0.5;
@@ -34,8 +34,8 @@ struct Estimate {
   std::optional<double> std;  ///< standard error; absent where it cannot be estimated (fixed, at a bound, undetermined)
   double ci_low = 0, ci_high = 0;  ///< 95 %, with `std`
   bool at_bound = false, free = true;
-  int trial = -1;                     ///< of a nuisance term that each trial has; -1: one for all
-  Verdict verdict = Verdict::kFixed;  ///< of a constant
+  int trial = -1;                                     ///< of a nuisance term that each trial has; -1: one for all
+  Identifiability verdict = Identifiability::kFixed;  ///< of a constant
 
   double half_width() const { return (ci_high - ci_low) / 2; }  ///< of the 95 % interval, with `std`
 };
@@ -45,7 +45,7 @@ void set_error(Estimate& e, double variance, double half_width);
 
 /// The verdict by the widths above; `size` > 0 is what the interval is measured against, |value| unless that is
 /// meaningless.
-[[nodiscard]] Verdict judge(const Estimate& e, double size);
+[[nodiscard]] Identifiability judge(const Estimate& e, double size);
 
 /// Whether every constant that was fitted is trusted.
 [[nodiscard]] bool all_trusted(const std::vector<Estimate>& parameters);
@@ -65,18 +65,10 @@ struct Weakest {
 std::string in_words(const Weakest& weakest, const std::string& data, const std::string& outputs,
                      const std::string& unit);
 
-struct Uncertainty {
-  std::vector<Estimate> globals;            ///< in the problem's order
-  std::vector<Estimate> locals;             ///< local by local, block by block
-  Eigen::MatrixXd covariance, correlation;  ///< of the globals; NaN where not determined
-  Eigen::VectorXd eigenvalues;              ///< of the scaled information, ascending, largest 1
-  double half_width = 1.96;                 ///< 95 % interval in standard errors (Student's t)
-  std::optional<Weakest> weakest;           ///< where two constants or more are free and off their bounds
-};
-
-/// What a solution says. The first sizes.size() globals are the constants, which get a verdict against these sizes; the
-/// residual variance is estimated from the residuals.
-[[nodiscard]] Uncertainty uncertainty_of(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
-                                         const std::vector<double>& sizes);
+/// Of a solution whose residuals have this variance; `sizes` are those of the constants, its first globals. None where
+/// fewer than two are off their bounds. The step is as far as `half_width` standard errors reach along it.
+[[nodiscard]] std::optional<Weakest> weakest_of(const LeastSquaresSolution& solution,
+                                                const LeastSquaresProblem& problem, const std::vector<double>& sizes,
+                                                double variance, double half_width);
 
 }  // namespace ukemi::identify

@@ -1,4 +1,4 @@
-#include "identify/fit/statistics.hpp"
+#include "identify/estimate/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>

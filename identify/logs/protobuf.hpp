@@ -36,7 +36,7 @@ struct Bytes {
 };
 
 /// One field: a number for varint, fixed32 and fixed64, bytes for the length-delimited.
-struct WireField {
+struct ProtobufField {
   enum class Type { kVarint = 0, kFixed64 = 1, kBytes = 2, kFixed32 = 5 };
   std::uint32_t number = 0;
   Type type = Type::kVarint;
@@ -53,11 +53,11 @@ struct WireField {
 
 /// Walks the fields of a message. Throws InputError on a field that runs over the end, a varint of more than 10 bytes,
 /// field number 0 and wire types other than the four above.
-class WireReader {
+class ProtobufReader {
  public:
-  explicit WireReader(const Bytes& message) : message_(message) {}
+  explicit ProtobufReader(const Bytes& message) : message_(message) {}
 
-  bool next(WireField& field) {
+  bool next(ProtobufField& field) {
     if (at_ == message_.size()) return false;
     field.at = at_;
     const std::uint64_t key = varint();
@@ -65,13 +65,13 @@ class WireReader {
     if (key >> 3 == 0 || key >> 3 >= (1u << 29)) message_.fail(field.at, "a protobuf field number that cannot be");
     switch (key & 7) {
       case 0:
-        field.type = WireField::Type::kVarint, field.value = varint();
+        field.type = ProtobufField::Type::kVarint, field.value = varint();
         break;
       case 1:
-        field.type = WireField::Type::kFixed64, field.value = little_endian(8);
+        field.type = ProtobufField::Type::kFixed64, field.value = little_endian(8);
         break;
       case 2: {
-        field.type = WireField::Type::kBytes;
+        field.type = ProtobufField::Type::kBytes;
         const std::uint64_t length = varint();
         if (length > message_.size() - at_) message_.fail(field.at, "a protobuf field runs over its message's end");
         field.bytes = message_.part(at_, std::size_t(length), "a protobuf field");
@@ -79,7 +79,7 @@ class WireReader {
         break;
       }
       case 5:
-        field.type = WireField::Type::kFixed32, field.value = little_endian(4);
+        field.type = ProtobufField::Type::kFixed32, field.value = little_endian(4);
         break;
       default:
         message_.fail(field.at, "protobuf wire type " + std::to_string(key & 7) + ": 0, 1, 2 or 5 is needed");

@@ -1,4 +1,4 @@
-#include "identify/fit/covariance.hpp"
+#include "identify/estimate/covariance.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -21,7 +21,7 @@ void add_covariances(const LeastSquaresProblem& problem, const std::vector<const
     inverse.push_back(square->block(G, G, L, L).completeOrthogonalDecomposition().pseudoInverse());
     information -= cross.back() * inverse.back() * cross.back().transpose();
   }
-  for (const Pull& p : problem.priors) {
+  for (const PriorResidual& p : problem.priors) {
     const double w = p.weight * problem.globals[std::size_t(p.global)].scale;
     information(p.global, p.global) += w * w;
   }

@@ -1,0 +1,118 @@
+// Named terms: what a fit can estimate. A front end (identify/fit for the rig, tools/study for drops) keeps one table
+// of them; the columns of its problem, its bounds, priors, checks and reports follow from the table.
+#pragma once
+
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "identify/estimate/least_squares.hpp"
+
+namespace ukemi::identify {
+
+/// Whether all trials share a term's value, or each has its own.
+enum class Scope { kShared, kEach };
+
+/// What can be estimated. Front ends derive from it how the term enters their model.
+struct Term {
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  std::string name, unit;
+  std::string words = {};  ///< what it is, for a reader
+  enum class Role {
+    kConstant,  ///< a shared constant of the model, reported whether it is fitted or not
+    kNuisance,  ///< fitted along where asked for, else absent
+  } role = Role::kNuisance;
+  Scope scope = Scope::kShared;
+  double lower = -kInfinity, upper = kInfinity;  ///< bounds where the options name none
+  double absent = 0;         ///< where the model is as if the term were not there; a nuisance term starts there
+  double size = 1;           ///< typical size, > 0, where the start does not tell
+  double smallest_part = 0;  ///< of its size, the least that the model can be asked with, where its bound is 0
+  double judged_size = 0;    ///< what its interval is measured against is at least this, where its zero is a convention
+
+  bool is_constant() const { return role == Role::kConstant; }
+  /// Whether it cannot be below its absence.
+  bool one_sided() const { return lower >= absent; }
+};
+
+/// What is known of a term beforehand: normal about `value`, counted like one more measurement.
+struct Prior {
+  std::string term;
+  double value, std;  ///< in the term's unit; std > 0
+};
+
+/// Which terms of a table are fitted, and what is asked of them.
+struct Choice {
+  std::vector<std::string> free;               ///< constants that are fitted, in this order; the others stay as given
+  std::vector<std::string> nuisance;           ///< terms that are fitted along
+  std::map<std::string, double> lower, upper;  ///< in place of the table's bounds; not below 0 where those are not
+  std::vector<Prior> priors;                   ///< of fitted terms
+
+  bool fits(const std::string& term) const;
+  double lower_of(const Term& term) const;
+  double upper_of(const Term& term) const;
+};
+
+/// A choice and its table.
+template <class T>
+struct Terms : Choice {
+  std::vector<T> table;
+
+  /// Throws InputError where there is no such term.
+  const T& operator[](const std::string& name) const;
+  void validate() const;  ///< throws InputError
+};
+
+/// Which column of a problem is which term: the constants, then the other shared terms, then those of each trial. The
+/// terms must outlive it.
+template <class T>
+struct Layout {
+  std::vector<const T*> shared, own;
+
+  Layout() = default;
+  explicit Layout(const Terms<T>& terms) {
+    for (const std::string& name : terms.free) shared.push_back(&terms[name]);
+    for (const std::string& name : terms.nuisance)
+      (terms[name].scope == Scope::kShared ? shared : own).push_back(&terms[name]);
+  }
+  std::size_t columns() const { return shared.size() + own.size(); }
+  /// f(term, value, column) for each, at a point of the problem.
+  template <class F>
+  void for_each(const double* of_shared, const double* of_own, F&& f) const {
+    for (std::size_t i = 0; i < shared.size(); ++i) f(*shared[i], of_shared[i], i);
+    for (std::size_t i = 0; i < own.size(); ++i) f(*own[i], of_own[i], shared.size() + i);
+  }
+  static bool holds(const std::vector<const T*>& list, const std::string& name) {
+    for (const T* t : list)
+      if (t->name == name) return true;
+    return false;
+  }
+};
+
+/// The term as a column that starts at `start` and is scaled by `size`.
+Parameter parameter_of(const Term& term, double start, double size, const Choice& choice);
+
+// --- what the templates stand on ---
+
+/// Index of a term in a table; throws InputError "WHAT: no such term".
+std::size_t index_of(const std::vector<const Term*>& table, const std::string& what, const std::string& name);
+/// Names, bounds and priors. Throws InputError.
+void validate(const std::vector<const Term*>& table, const Choice& choice);
+
+template <class T>
+std::vector<const Term*> pointers(const std::vector<T>& table) {
+  std::vector<const Term*> out;
+  for (const T& t : table) out.push_back(&t);
+  return out;
+}
+template <class T>
+const T& Terms<T>::operator[](const std::string& name) const {
+  return table[index_of(pointers(table), "term", name)];
+}
+template <class T>
+void Terms<T>::validate() const {
+  identify::validate(pointers(table), *this);
+}
+
+}  // namespace ukemi::identify

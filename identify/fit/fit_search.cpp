@@ -1,0 +1,173 @@
+#include "identify/fit/fit_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/actuator.hpp"
+#include "common/error.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+/// Samples and stretches: what one rollout of all trials has to follow.
+double size_of(const std::vector<PreparedTrial>& trials) {
+  double size = 0;
+  for (const PreparedTrial& t : trials) size += double(t.trial->samples() + t.stretches.size());
+  return size;
+}
+
+/// Measured angles of all trials, > 0.
+double measured(const std::vector<Trial>& trials) {
+  if (trials.empty()) throw InputError("no trials: at least one is needed");
+  const double n = double(measurements(trials));
+  if (n == 0) throw InputError("no measured angle in any trial: phi is needed");
+  return n;
+}
+
+/// Each at least a factor away in some constant from those before it.
+std::vector<SeaParameters<double>> apart(const std::vector<SeaParameters<double>>& list, double factor) {
+  std::vector<SeaParameters<double>> chosen;
+  for (const SeaParameters<double>& p : list) {
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const SeaParameters<double>& c) {
+      const auto a = ukemi::constants(c), b = ukemi::constants(p);
+      double farthest = 0;
+      for (std::size_t k = 0; k < kConstants; ++k)
+        if (a[k] > 0 && b[k] > 0) farthest = std::max(farthest, std::abs(std::log(a[k] / b[k])));
+      return farthest < std::log(factor);
+    });
+    if (!near) chosen.push_back(p);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+FitSearch::FitSearch(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Sea>& start, const Sea& base,
+                     const FitOptions& options)
+    : measured_(measured(trials)),
+      rig_(rig),
+      start_(start),
+      base_(base),
+      options_(options),
+      layout_(options.terms),
+      solver_{.max_iterations = options.max_iterations, .huber = options.huber},
+      suggestion_(suggest(rig, trials)),
+      prepared_(trials.begin(), trials.end()),
+      weights_(trials.size()),
+      noise_(noise_level(trials)),
+      work_of_start_(options.starts.fit_steps + options.starts.fit_sample_steps * size_of(prepared_)),
+      starts_({.believed = [level = kFarAboveNoise * kFarAboveNoise * noise_ * noise_ * measured_](
+                               const LeastSquaresSolution& s) { return s.converged && s.cost <= level; },
+               .work = options.starts.fit_starts * work_of_start_,
+               .most = options.explore > 0 ? options.explore + (start ? 1 : 0) : options.restarts + 1,
+               .threads = options.threads,
+               .monitor = options.monitor}) {}
+
+void FitSearch::run() {
+  if (start_) {
+    Sea from = base_;
+    set_constants(from, ukemi::constants(*start_));
+    tried_ = {from};
+    starts_.search_all(1, search(0));
+  }
+  const std::size_t first = tried_.size();
+  const auto add = [&](const std::vector<Sea>& list) { tried_.insert(tried_.end(), list.begin(), list.end()); };
+  if (options_.explore > 0) {
+    const double spread = options_.starts.spread;
+    for (const Sea& drawn : draw_starts(
+             start_ ? Suggestion{.centre = *start_, .spread_gains = spread, .spread_rest = spread} : suggestion_,
+             options_.explore, options_.seed))
+      tried_.push_back(admitted(drawn));
+    starts_.search_all(options_.explore, search(first));
+  } else if (options_.restarts > 0 && !starts_.believed()) {
+    add(candidates());
+    starts_.search_until_believed(std::min(options_.restarts, int(tried_.size() - first)), search(first));
+  }
+}
+
+void FitSearch::run_again(const Sea& from) {
+  starts_.forget();
+  tried_.resize(std::size_t(starts_.starts()), base_);
+  tried_.push_back(from);
+  starts_.search_all(1, search(tried_.size() - 1));
+}
+
+std::vector<Minimum> FitSearch::minima() const {
+  std::vector<Minimum> out;
+  for (const MultiStart::Minimum& m : starts_.minima())
+    out.push_back({sea_of(m.solution, tried_[std::size_t(m.start)]), m.solution.cost, m.found});
+  return out;
+}
+
+FitSearch::Sea FitSearch::sea_of(const LeastSquaresSolution& s, const Sea& from) const {
+  const Eigen::VectorXd own = s.locals.row(0);  // no trial's own term is the actuator's
+  return RigPoint(layout_, s.globals.data(), own.data()).inputs(from).sea;
+}
+
+std::string FitSearch::spent() const {
+  return out_of_work_ ? fmt::format("a start was ended after {:.3g} integrated steps", work_of_start_) : "";
+}
+
+LeastSquaresProblem FitSearch::problem(const Sea& from, Budget* budget) const {
+  RolloutOptions o = options_.rollout();
+  o.budget = budget;
+  return make_problem(rig_, prepared_, weights_, from, suggestion_, layout_, options_, o);
+}
+
+MultiStart::Search FitSearch::search(std::size_t first) {
+  return [this, first](int i) {
+    Budget budget{work_of_start_, work_of_start_};
+    LeastSquaresOptions bounded = solver_;
+    bounded.stop = [&] { return budget.spent() || options_.monitor.stopped(); };
+    LeastSquaresSolution s = solve(problem(tried_[first + std::size_t(i)], &budget), bounded);
+    s.work = work_of_start_ - budget.left;
+    if (budget.spent()) out_of_work_ = true;
+    return s;
+  };
+}
+
+FitSearch::Sea FitSearch::admitted(const Sea& drawn) const {
+  Sea out = base_;
+  const Choice& c = options_.terms;
+  for (const RigTerm& t : options_.terms.table)
+    if (t.is_constant())
+      t.set_in(out, c.fits(t.name) ? std::clamp(t.value_in(drawn), c.lower_of(t), c.upper_of(t))
+                                   : t.value_in(start_ ? *start_ : base_));
+  return out;
+}
+
+std::vector<FitSearch::Sea> FitSearch::candidates() const {
+  const StartOptions& o = options_.starts;
+  const int draws = suggestion_.spread_gains < 2 ? o.draws_near : o.draws;
+  std::vector<Sea> drawn = draw_starts(suggestion_, draws, options_.seed);
+  if (start_) {  // half of them about the given start instead
+    const auto about = draw_starts({.centre = *start_, .spread_gains = o.spread, .spread_rest = o.spread}, draws / 2,
+                                   options_.seed + 1);
+    std::copy(about.begin(), about.end(), drawn.begin());
+  }
+  std::vector<PreparedTrial> few;
+  for (std::size_t m = 0; m < prepared_.size() && few.size() < 2; m += std::max<std::size_t>(1, prepared_.size() / 2))
+    few.push_back(prepared_[m]);
+  const std::vector<Weighting> equal(few.size());
+  RolloutOptions coarse{.accuracy = o.accuracy, .escape = options_.escape, .max_steps = o.steps};
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < drawn.size() && !options_.monitor.stopped(); ++i) {
+    drawn[i] = admitted(drawn[i]);
+    Budget budget{o.sample_steps * size_of(few)};
+    coarse.budget = &budget;
+    const LeastSquaresProblem p = make_problem(rig_, few, equal, drawn[i], suggestion_, layout_, options_, coarse);
+    Eigen::VectorXd x(long(p.globals.size()));
+    for (long g = 0; g < x.size(); ++g) x[g] = p.globals[std::size_t(g)].start;
+    order.emplace_back(cost_at(p, solver_, x), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<Sea> ordered;
+  for (const auto& [cost, i] : order)
+    if (std::isfinite(cost)) ordered.push_back(drawn[i]);
+  return apart(ordered, o.apart);
+}
+
+}  // namespace ukemi::identify

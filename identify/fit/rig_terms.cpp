@@ -1,0 +1,126 @@
+#include "identify/fit/rig_terms.hpp"
+
+#include <algorithm>
+
+#include "common/actuator.hpp"
+
+namespace ukemi::identify {
+
+double RigTerm::value_in(const SeaParameters<double>& sea) const {
+  RolloutInputs<double> in{sea};
+  return field ? field.of(in) : absent;
+}
+
+void RigTerm::set_in(SeaParameters<double>& sea, double value) const {
+  RolloutInputs<double> in{sea};
+  field.of(in) = value;
+  sea = in.sea;
+}
+
+Parameter RigTerm::column(const SeaParameters<double>& start, const SeaParameters<double>& suggested,
+                          const Choice& choice) const {
+  constexpr double kOffBound = 0.1;  // of a constant's size, where it starts at 0
+  const double at = value_in(start), of = relative_to ? start.*relative_to : 0;
+  if (is_constant()) {
+    const double typical = at > 0 ? at : value_in(suggested);
+    return parameter_of(*this, std::max(at, kOffBound * typical), typical, choice);
+  }
+  const double typical = of > 0 ? part * of : size;
+  return parameter_of(*this, one_sided() && !(at > absent) ? absent + typical : at, typical, choice);
+}
+
+namespace {
+
+using Sea = SeaParameters<double>;
+
+/// One of the five, whose bound is 0.
+template <class F>
+RigTerm constant(std::size_t i, const char* words, double smallest_part, F field) {
+  RigTerm t{{.name = kConstantNames[i], .unit = kConstantUnits[i], .words = words}, input_field(field)};
+  t.role = Term::Role::kConstant, t.lower = 0, t.smallest_part = smallest_part, t.key = t.name;
+  return t;
+}
+/// What the rig or its sensors may add.
+template <class F>
+RigTerm nuisance(const char* name, const char* unit, const char* words, Scope scope, double size, F field) {
+  return {{.name = name, .unit = unit, .words = words, .scope = scope, .size = size}, input_field(field)};
+}
+RigTerm bounded(RigTerm t, double lower, double upper, double absent) {
+  t.lower = lower, t.upper = upper, t.absent = absent;
+  return t;
+}
+/// An optional term of the actuator, whose bound, 0, is its absence; of about `part` of one of the five.
+RigTerm optional(RigTerm t, double part, double Sea::*of, const char* key) {
+  t.lower = 0, t.part = part, t.relative_to = of, t.key = key;
+  return t;
+}
+RigTerm in_ladder(RigTerm t) {
+  t.in_ladder = true;
+  return t;
+}
+
+std::vector<RigTerm> table() {
+  constexpr auto kShared = Scope::kShared, kEach = Scope::kEach;
+  return {
+      constant(
+          0, "proportional gain of the motor", 0, [](auto& in) -> auto& { return in.sea.k_p; }),
+      constant(
+          1, "derivative gain of the motor", 0, [](auto& in) -> auto& { return in.sea.k_d; }),
+      constant(
+          2, "stiffness of the spring", 0, [](auto& in) -> auto& { return in.sea.k_sea; }),
+      constant(
+          3, "damping of the spring", 0, [](auto& in) -> auto& { return in.sea.c_sea; }),
+      // It divides Eq. 4.
+      constant(
+          4, "reflected inertia of the motor", 1e-6, [](auto& in) -> auto& { return in.sea.i_motor; }),
+      in_ladder(optional(nuisance(
+                             "friction", "Nm", "dry friction on the motor", kShared, 0.1,
+                             [](auto& in) -> auto& { return in.sea.friction; }),
+                         0.01, &Sea::k_p, "friction")),
+      optional(nuisance(
+                   "viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared, 0.1,
+                   [](auto& in) -> auto& { return in.sea.viscous; }),
+               0.1, &Sea::k_d, "viscous_friction"),
+      // As much torque as the linear part at a deflection of 1 rad.
+      in_ladder(optional(nuisance(
+                             "stiffening", "Nm/rad^3", "cubic stiffness of the spring", kShared, 10,
+                             [](auto& in) -> auto& { return in.sea.k_sea_cubic; }),
+                         1, &Sea::k_sea, "k_sea_cubic")),
+      bounded(nuisance(
+                  "force_gain", "1", "the force over the load cell's", kShared, 1,
+                  [](auto& in) -> auto& { return in.nuisance.force_gain; }),
+              0.01, 100, 1),
+      nuisance(
+          "initial_angle", "rad", "angle at the start", kEach, 0.01,
+          [](auto& in) -> auto& { return in.nuisance.angle; }),
+      nuisance(
+          "initial_rate", "rad/s", "rate at the start", kEach, 0.1, [](auto& in) -> auto& { return in.nuisance.rate; }),
+      nuisance(
+          "encoder_offset", "rad", "the measured angle minus the link's", kEach, 0.01,
+          [](auto& in) -> auto& { return in.nuisance.encoder_offset; }),
+      nuisance(
+          "force_bias", "N", "the force minus the load cell's", kEach, 1,
+          [](auto& in) -> auto& { return in.nuisance.force_bias; }),
+      bounded(nuisance(
+                  "time_shift", "s", "by which the hit came later than logged", kEach, 1e-3,
+                  [](auto& in) -> auto& { return in.nuisance.time_shift; }),
+              -0.1, 0.1, 0),
+  };
+}
+
+}  // namespace
+
+const std::vector<RigTerm>& rig_terms() {
+  static const std::vector<RigTerm> terms = table();
+  return terms;
+}
+
+Terms<RigTerm> rig_choice() {
+  Terms<RigTerm> out;
+  out.table = rig_terms();
+  for (const RigTerm& t : out.table)
+    if (t.is_constant()) out.free.push_back(t.name);
+  return out;
+}
+
+}  // namespace ukemi::identify

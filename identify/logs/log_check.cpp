@@ -1,0 +1,77 @@
+#include "identify/logs/log_check.hpp"
+
+#include <fmt/format.h>
+
+#include "identify/logs/hits.hpp"
+
+namespace ukemi::identify {
+
+namespace {
+
+void warn_of_short_pulses(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+  for (const Trial& t : trials)
+    if (const int n = shortest_pulse(t); n > 0 && n < 8)
+      warnings.push_back(fmt::format(
+          "{}: a pulse of {} samples: below 8 the log loses part of the impulse and biases the fit", t.file, n));
+}
+
+/// Warns of gaps, each log's longest and those in hits; true where one is in a hit.
+bool warn_of_gaps(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+  bool any_in_hit = false;
+  for (const Trial& t : trials) {
+    const std::vector<Gap> all = gaps(t);
+    const Gap* longest = nullptr;
+    bool in_hit = false;
+    for (const Gap& g : all) {
+      if (!longest || g.length > longest->length) longest = &g;
+      if (g.place != Gap::Place::kInHit || in_hit) continue;
+      in_hit = any_in_hit = true;
+      warnings.push_back(
+          fmt::format("{}: a gap of {:.3g} ms at {:.6g} s, in a hit: what the force did there is lost; no "
+                      "constant is trusted",
+                      t.file, 1e3 * g.length, g.t));
+    }
+    if (longest && !in_hit)
+      warnings.push_back(fmt::format("{}: {} in the log, the longest of {:.3g} ms at {:.6g} s", t.file,
+                                     all.size() == 1 ? "a gap" : fmt::format("{} gaps", all.size()),
+                                     1e3 * longest->length, longest->t));
+  }
+  return any_in_hit;
+}
+
+/// Warns of a force whose sign is flipped; true where one is.
+bool warn_of_signs(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+  constexpr double kAgainst = -0.3;
+  std::vector<const Trial*> against;
+  std::size_t judged = 0;
+  for (const Trial& t : trials)
+    if (const auto answer = answer_to_first_hit(t)) {
+      ++judged;
+      if (*answer < kAgainst) against.push_back(&t);
+    }
+  if (against.empty()) return false;
+  if (against.size() == judged) {
+    warnings.push_back(
+        "the link moves against the force in every trial: its sign is flipped? try -F: force=-... in "
+        "--columns (or --force-columns)");
+    return true;
+  }
+  for (const Trial* t : against)
+    warnings.push_back(
+        fmt::format("{}: the link moves against the force, unlike in {} of {} trials: its sign is flipped "
+                    "in this log?",
+                    t->file, judged - against.size(), judged));
+  return true;
+}
+
+}  // namespace
+
+LogCheck check_logs(const std::vector<Trial>& trials) {
+  LogCheck out;
+  warn_of_short_pulses(trials, out.warnings);
+  const bool gap_in_hit = warn_of_gaps(trials, out.warnings), flipped = warn_of_signs(trials, out.warnings);
+  out.flawed = gap_in_hit || flipped;
+  return out;
+}
+
+}  // namespace ukemi::identify

@@ -1,0 +1,46 @@
+// The whole of an identification as plain data: the fit, and how far it can be trusted. No text, no files: a program, a
+// script or a robot's control program reads the same.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/trust/ladder.hpp"
+#include "identify/trust/profile.hpp"
+
+namespace ukemi::identify {
+
+struct TrustOptions {
+  enum class Depth {
+    kResiduals,  ///< whiteness, normality, score tests: a fraction of the fit's own time
+    kRefit,      ///< and the model ladder and each trial left out: several fits each
+  } depth = Depth::kResiduals;
+  std::vector<std::string> profiles = {};  ///< constants whose profile likelihood is wanted
+  int threads = 0;                         ///< 0: all cores; without influence on the results
+};
+
+/// What the logs say against a fit.
+struct Trust {
+  ResidualTests tests;
+  std::optional<Ladder> ladder;           ///< with Depth::kRefit
+  std::vector<LeftOut> left_out;          ///< with Depth::kRefit, of a fit that converged
+  std::vector<Profile> profiles;          ///< as asked for
+  std::vector<std::string> not_profiled;  ///< asked for, but without a standard error
+};
+
+/// Examines a fit as deep as asked for and widens its errors where the tests reject its model: see widen_errors. Of a
+/// fit that did not converge only the residuals and the ladder, of an interrupted one only the residuals. Throws
+/// InputError where a profile names no constant.
+[[nodiscard]] Trust examine(const Experiment& experiment, Fit& fit, const TrustOptions& options = {});
+
+struct Identification {
+  Fit fit;                     ///< errors and verdicts after the examination
+  std::optional<Trust> trust;  ///< none where no start could be followed: Fit::fitted is empty
+};
+
+/// `fit`, then `examine`.
+[[nodiscard]] Identification identify(const Experiment& experiment, const std::optional<SeaParameters<double>>& start,
+                                      const SeaParameters<double>& base, const TrustOptions& options = {});
+
+}  // namespace ukemi::identify

@@ -1,0 +1,89 @@
+#include "tools/study/drop_terms.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace ukemi::tools {
+
+using landing::Parameter, landing::Scene, identify::Scope;
+
+identify::Parameter DropTerm::column(const Scene& start, const identify::Choice& choice) const {
+  const double at = value_in(start);
+  return identify::parameter_of(*this, at, is_constant() && lower >= 0 ? std::max(at, size) : size, choice);
+}
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+DropTerm floor_constant(const char* name, const char* unit, const char* words, double smallest_part,
+                        double& (*field)(Scene&), Parameter derivative) {
+  return {{.name = name,
+           .unit = unit,
+           .words = words,
+           .role = identify::Term::Role::kConstant,
+           .lower = 0,
+           .smallest_part = smallest_part},
+          field,
+          derivative};
+}
+
+std::vector<DropTerm> table() {
+  constexpr auto kEach = Scope::kEach;
+  const auto pitch = [](Scene& s) -> double& { return s.drop.pitch; };
+  return {
+      floor_constant(
+          "stiffness", "N/m", "stiffness of the floor", 1e-3, [](Scene& s) -> double& { return s.floor->stiffness; },
+          Parameter::kStiffness),
+      floor_constant(
+          "damping_normal", "N/(m/s)", "damping of the floor along its normal", 0,
+          [](Scene& s) -> double& { return s.floor->damping_normal; }, Parameter::kDampingNormal),
+      floor_constant(
+          "damping_tangential", "N/(m/s)", "damping of the floor along it", 0,
+          [](Scene& s) -> double& { return s.floor->damping_tangential; }, Parameter::kDampingTangential),
+      {{.name = "pitch",
+        .unit = "rad",
+        .words = "pitch at release",
+        .role = identify::Term::Role::kConstant,
+        .lower = -kPi,
+        .upper = kPi,
+        .size = 10 * kPi / 180,
+        .judged_size = 10 * kPi / 180},  // its zero is a convention
+       pitch,
+       Parameter::kPitch,
+       0.2},
+      {{.name = "time_shift",
+        .unit = "s",
+        .words = "by which the log's t = 0 is after the release",
+        .scope = kEach,
+        .lower = -kLargestShift,
+        .upper = kLargestShift,
+        .size = 1e-3}},
+      {{.name = "height_offset", .unit = "m", .words = "added to the drop's height", .scope = kEach, .size = 0.01},
+       [](Scene& s) -> double& { return s.drop.height; },
+       Parameter::kHeight},
+      {{.name = "speed_offset", .unit = "m/s", .words = "added to its forward speed", .scope = kEach, .size = 0.05},
+       [](Scene& s) -> double& { return s.drop.forward_speed; },
+       Parameter::kForwardSpeed},
+      {{.name = "pitch_offset", .unit = "rad", .words = "added to its pitch", .scope = kEach, .size = 0.02},
+       pitch,
+       Parameter::kPitch},
+  };
+}
+
+}  // namespace
+
+const std::vector<DropTerm>& drop_terms() {
+  static const std::vector<DropTerm> terms = table();
+  return terms;
+}
+
+identify::Terms<DropTerm> drop_choice() {
+  identify::Terms<DropTerm> out;
+  out.table = drop_terms();
+  for (const DropTerm& t : out.table)
+    if (t.is_constant()) out.free.push_back(t.name);
+  return out;
+}
+
+}  // namespace ukemi::tools
