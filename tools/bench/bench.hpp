@@ -13,6 +13,9 @@ namespace ukemi::tools {
 inline constexpr std::array<const char*, 10> kShippedScenes = {
     "paper", "paper_rough_a", "paper_rough_b", "paper_soft", "low", "high", "straight", "fast", "tilted", "hard"};
 
+/// A cell of text that may hold commas.
+inline std::string in_quotes(const std::string& text) { return "\"" + text + "\""; }
+
 struct BenchArguments {
   int repetitions = 30;              ///< timed runs of each entry
   int random = 400;                  ///< stability: seeded combinations

@@ -149,8 +149,8 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
       const double middle = complete ? median(of_scenes) : kNothing;
       json[solver].push_back(number(middle));
       rows.back().push_back(complete ? fmt::format("{} ({})", percent(middle, 2),
-                                               percent(*std::max_element(of_scenes.begin(), of_scenes.end()), 0))
-                                 : "");
+                                                   percent(*std::max_element(of_scenes.begin(), of_scenes.end()), 0))
+                                     : "");
       if (std::isfinite(middle))
         curves.back().x.push_back(x[k]), curves.back().y.push_back(100 * std::max(kDrawn, middle));
     }

@@ -72,7 +72,7 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
 
 /// Throws InputError where a profile cannot be, or a constant that is not fitted has no value.
 void check(const IdentifyArguments& a, const IdentifyQuestion& q) {
-  for (const std::string& name : split(a.trust.profile)) {
+  for (const std::string& name : split(a.profile)) {
     if (!q.options.terms.fits(kConstantNames[constant_index("--profile", name)]))
       throw InputError("--profile: " + name + ": it is not among the --free constants");
     if (q.options.terms.free.size() == 1)
@@ -121,8 +121,8 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   std::optional<Trust> trust;
   if (!predict && q.found(fit))
     trust = identify::examine({q.rig, q.trials, q.options}, fit,
-                              {.depth = a.trust.depth, .profiles = split(a.trust.profile), .threads = common.threads});
-  return report(q, fit, trust, a.trust.doubt, std::move(inputs.summary), run);
+                              {.depth = a.depth, .profiles = split(a.profile), .threads = common.threads});
+  return report(q, fit, trust, a.doubt, std::move(inputs.summary), run);
 }
 
 void add_identify(CLI::App& app, Action& chosen) {
@@ -155,7 +155,14 @@ void add_identify(CLI::App& app, Action& chosen) {
       verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
       verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
       verb->add_option("--weights", args->weights, "equal, or trial: 1 / each trial's own residual variance [equal]");
-      add_trust_options(*verb, args->trust);
+      verb->add_flag_callback(
+          "--strict", [args] { args->doubt = Doubt::kFail; },
+          "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
+      verb->add_flag_callback(
+          "--diagnose", [args] { args->depth = identify::TrustOptions::Depth::kRefit; },
+          "refit with and without each optional term (BIC, likelihood ratio, held-out error), and without each trial");
+      verb->add_option("--profile", args->profile,
+                       "k_sea,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
     }
     add_action<IdentifyArguments>(*verb, args,
                                   predict ? "ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"

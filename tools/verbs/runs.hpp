@@ -9,8 +9,8 @@
 #include "landing/judge/answer.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/trials.hpp"
+#include "tools/report/trust.hpp"
 #include "tools/study/comparison.hpp"
-#include "tools/verbs/trust.hpp"
 
 namespace ukemi::tools {
 
@@ -20,8 +20,10 @@ struct IdentifyArguments {
   std::string free, nuisance, prior, lower, upper, loss = "none", weights = "equal";
   TrialArguments reading;
   double accuracy = 1e-9;
-  int starts = 0;        ///< explored; 0: as few as needed
-  TrustArguments trust;  ///< identify
+  int starts = 0;  ///< explored; 0: as few as needed
+  Doubt doubt = Doubt::kReport;
+  identify::TrustOptions::Depth depth = identify::TrustOptions::Depth::kResiduals;
+  std::string profile;  ///< constants, at commas
 };
 /// Fits, or with `actuator` set predicts.
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common);
