@@ -11,7 +11,7 @@
 //     (no sticking), one that starts at or below zero and falls is an event of length zero (simultaneous touchdowns);
 //   - a step also looks inside itself: the cubic through both ends' values and rates is bounded by its Bernstein
 //     coefficients, and where that comes near zero the dense output is searched on four parts (no missed grazing);
-//   - more than kMaxImmediate events at one instant end the run as kStuck.
+//   - more than kMostImmediate events at one instant end the run as kStuck.
 #pragma once
 
 #include <algorithm>
@@ -21,6 +21,7 @@
 
 #include "common/integrate/guards.hpp"
 #include "common/integrate/runge_kutta.hpp"
+#include "common/integrate/step_control.hpp"
 
 namespace ukemi::integrate {
 
@@ -83,7 +84,7 @@ concept HybridSystem = requires(const S& s, double t, const typename S::State& y
 template <class Method, class System>
 class Integrator {
  public:
-  static constexpr int kGuards = System::kGuards, kMaxImmediate = 64;
+  static constexpr int kGuards = System::kGuards;
   using State = typename System::State;
   using Scalar = typename State::Scalar;
   using StepT = typename StepOf<Method, Scalar, State::RowsAtCompileTime, System::kControlled>::type;
@@ -125,7 +126,7 @@ class Integrator {
     start_ = end_;
     if (const int i = violated(); i >= 0) {
       ++counters_.events;
-      if (++immediate_ > kMaxImmediate) return {Status::kStuck, i, true};
+      if (++immediate_ > kMostImmediate) return {Status::kStuck, i, true};
       return {Status::kEvent, i, true};
     }
     step_.next();
@@ -136,7 +137,7 @@ class Integrator {
     bool truncated = false, rejected = false;
     double factor = 1;
     for (;;) {
-      truncated = t + 1.001 * h_next_ >= t_stop;
+      truncated = t + kStepControl.slack * h_next_ >= t_stop;
       step_.h = truncated ? t_stop - t : h_next_;
       step_.advance(field());
       const double error = step_.error(tolerance_);
@@ -146,8 +147,8 @@ class Integrator {
       }
       rejected = true;
       ++counters_.rejected;
-      h_next_ = step_.h *
-                (error > 1 && error < 1e10 ? std::max(0.2, growth(error, true)) : 0.1);  // also where the error is NaN
+      h_next_ = step_.h * (error > 1 && error < 1e10 ? std::max(kStepControl.least, growth(error, true))
+                                                     : kStepControl.broken);  // also where the error is NaN
       if (h_next_ < 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), 1e-10))
         return restore(Status::kTooSmall);
     }
@@ -167,7 +168,7 @@ class Integrator {
     end_on(c);
     fresh_ = false;
     immediate_ = step_.h > 0 ? 0 : immediate_ + 1;
-    return {immediate_ > kMaxImmediate ? Status::kStuck : Status::kEvent, c.guard};
+    return {immediate_ > kMostImmediate ? Status::kStuck : Status::kEvent, c.guard};
   }
 
  private:
@@ -197,9 +198,9 @@ class Integrator {
     return {status};
   }
   double growth(double error, bool after_rejection) const {
-    constexpr double kSafety = 0.9;
-    const double f = error > 1e-12 ? kSafety * std::pow(float(error), -1.0F / float(step_.error_order() + 1)) : 10;
-    return std::clamp(f, 0.2, after_rejection ? 1.0 : 8.0);
+    const double f =
+        error > 1e-12 ? kStepControl.safety * std::pow(float(error), -1.0F / float(step_.error_order() + 1)) : 10;
+    return std::clamp(f, kStepControl.least, after_rejection ? 1.0 : kStepControl.most);
   }
 
   /// A guard that is at or below zero and falling where the step starts; -1 if none.

@@ -1,15 +1,16 @@
 // One landing in scalars with P derivatives, from event to event, and who watches it. Private to landing's sources that
-// compile it (gradient.cpp, drop_rollout.cpp). The law of the saltation stands in gradient.hpp.
+// compile it (gradient.cpp, drop_rollout.cpp).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "common/integrate/saltation.hpp"
 #include "common/integrate/tableaus.hpp"
-#include "landing/model/release.hpp"
-#include "landing/run/rest.hpp"
 #include "landing/derivatives/seeds.hpp"
+#include "landing/run/rest.hpp"
+#include "landing/run/schedule.hpp"
 
 namespace ukemi::landing {
 
@@ -52,23 +53,20 @@ class DifferentiatedLanding {
         seed_(first),
         motion_(seed_(m)),
         system_(scene.robot, seed_(scene.floor.value_or(Floor<double>{1, 0, 0})), seed_(sea), motion_),
-        plain_(scene, sea, m) {
+        plain_(scene, sea, m),
+        schedule_(scene, m.duration, true) {  // played even where phi_I = phi_F: the derivatives need it
     system_.present = plain_.present;
   }
 
   template <class Observer>
   Outcome run(Observer& observer) {
     State y = released(system_, scene_, seed_(scene_.drop), motion_);
-    double t = 0, limit = flight_limit(scene_);
-    const bool ballistic = is_ballistic(scene_);
-    if (ballistic) {
-      const double fall = fall_time(scene_);
-      t = std::min(fall, limit);
-      observer.flight(*this, y, t);
-      fly(system_, scene_, t, y);
-      if (t < fall) return {.t_end = t, .end = End::kNoContact, .work = {}};
+    if (schedule_.ballistic()) {
+      observer.flight(*this, y, schedule_.start());
+      fly(system_, scene_, schedule_.start(), y);
     }
-    return follow(t, y, limit, ballistic, observer);
+    if (schedule_.flies_on()) return {.t_end = schedule_.start(), .end = End::kNoContact, .work = {}};
+    return follow(schedule_.start(), y, observer);
   }
 
   const Scene& scene() const { return scene_; }
@@ -97,57 +95,33 @@ class DifferentiatedLanding {
   }
 
  private:
-  /// From event to event, as landing/run/follow.hpp does. The motion is played even where phi_I = phi_F: the derivatives
-  /// need it.
   template <class Observer>
-  Outcome follow(double t, const State& start, double limit, bool ballistic, Observer& observer) {
+  Outcome follow(double t, const State& start, Observer& observer) {
     Driver driver(system_, t, start,
                   {.accuracy = options_.accuracy,
-                   .first_step = std::min(options_.max_step, ballistic ? 1e-3 : 1e-2),
+                   .first_step = std::min(options_.max_step, schedule_.first_step()),
                    .max_step = options_.max_step});
     Outcome out;
-    const double impact = impact_energy(plain_), duration = value_of(motion_.duration);
-    double motion_end = std::numeric_limits<double>::infinity();
-    bool touched = false;
+    const double impact = impact_energy(plain_);
     observer.begin(*this, t, start);
     for (long n = 0;; ++n) {
-      if (system_.phase == Phase::kMoving) driver.limit_next_step(0.125 * duration);
-      const integrate::Outcome outcome = driver.step(std::min(limit, motion_end));
+      if (system_.phase == Phase::kMoving) driver.limit_next_step(schedule_.motion_part());
+      const integrate::Outcome outcome = driver.step(schedule_.stop());
       t = driver.time();
       out.status = outcome.status;
       if (outcome.status > integrate::Status::kEvent || n >= options_.max_steps || options_.stopped(n)) break;
       if (!outcome.immediate && driver.step().h > 0) observer.step(*this, driver);
       if (outcome.event >= 0) {
-        const int event = outcome.event;
-        const Derivatives shift = event_shift(t, driver, event);
-        if (!shift.allFinite()) {
-          out.status = integrate::Status::kNotFinite;
-          break;
-        }
-        observer.before(*this, t, driver.state(), driver.slope(), shift);
-        if (event < kPoints) {
-          const bool touchdown = system_.contact[event] == Contact::kClear;
-          touchdown ? contacts_.touchdown(Point(event), t) : contacts_.liftoff(Point(event), t);
-          if (touchdown && !touched) {
-            touched = true;
-            system_.motion_start = Jet(t, shift);
-            system_.phase = Phase::kMoving;
-            motion_end = t + duration;
-            if (!scene_.t_end) limit = t + Scene::kFollow;
-          }
-        }
-        pass(t, driver, event, shift);
-        observer.behind(*this, t, driver.state(), shift, event);
-        continue;
+        if (cross(t, driver, outcome.event, observer)) continue;
+        out.status = integrate::Status::kNotFinite;
+        break;
       }
       if (outcome.status == integrate::Status::kReached) {
-        if (t >= motion_end - 1e-14) {
-          system_.phase = plain_.phase = Phase::kAfter;
-          motion_end = std::numeric_limits<double>::infinity();
-        }
-        if (t >= limit - 1e-14) {
-          out.end = touched ? End::kTimeLimit : End::kNoContact;
-          const Derivatives shift = scene_.t_end || !touched ? Derivatives::Zero() : system_.motion_start.v;
+        const auto end = schedule_.reached(t, system_);
+        plain_.phase = system_.phase;
+        if (end) {
+          out.end = *end;
+          const Derivatives shift = schedule_.fixed_end() ? Derivatives::Zero() : system_.motion_start.v;
           observer.cut(*this, t, driver.state(), driver.slope(), shift);
           break;
         }
@@ -164,22 +138,22 @@ class DifferentiatedLanding {
     return out;
   }
 
-  /// dt*/dp of the event that guard `i` reports: -(dg/dp) / (dg/dt).
-  Derivatives event_shift(double t, const Driver& driver, int i) const {
+  /// Into the mode beyond guard `event`, the derivatives with it; false where its time has no derivative.
+  template <class Observer>
+  bool cross(double t, Driver& driver, int event, Observer& observer) {
     integrate::Guards<System::kGuards, Jet> guards;
     system_.guards(t, driver.state(), driver.slope(), guards);
-    return guards.value[i].v / -value_of(guards.rate[i]);
-  }
-
-  /// Into the mode beyond guard `i`, with the saltation y_p += (f(-) - f(+)) dt*/dp.
-  void pass(double t, Driver& driver, int i, const Derivatives& shift) {
-    system_.cross(i);
-    plain_.contact = system_.contact, plain_.saturation = system_.saturation, plain_.phase = system_.phase;
+    const Derivatives shift = integrate::event_shift(guards.value[event], value_of(guards.rate[event]));
+    if (!shift.allFinite()) return false;
+    observer.before(*this, t, driver.state(), driver.slope(), shift);
+    if (schedule_.cross(event, t, system_, Limits(), contacts_).first) system_.motion_start = Jet(t, shift);
+    static_cast<Mode&>(plain_) = system_;
     plain_.motion_start = value_of(system_.motion_start);
     State y = driver.state();
-    const Values before = values(driver.slope()), after = plain_.derivative(t, values(y));
-    for (int k = 0; k < kMechanical; ++k) y[k].v += (before[k] - after[k]) * shift;
+    integrate::saltate(y, values(driver.slope()), plain_.derivative(t, values(y)), shift);
     driver.refresh(y);
+    observer.behind(*this, t, y, shift, event);
+    return true;
   }
 
   const Scene& scene_;
@@ -188,6 +162,7 @@ class DifferentiatedLanding {
   MotionOf<Jet> motion_;
   System system_;
   Plain plain_;
+  Schedule schedule_;
   ContactOrder contacts_;
 };
 

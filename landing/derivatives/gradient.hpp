@@ -2,15 +2,11 @@
 //
 // f of Eq. 6 is the largest of the local maxima a_k of |ddr_0|; near a minimum several of them are equal and f has a
 // kink, while each a_k stays smooth as long as the order of the events does. What is integrated are the derivatives of
-// the state with respect to the parameters p at a fixed time, y_p. At an event, where the guard g falls through zero,
-//
-//     dt*/dp = -(dg/dp) / (dg/dt),      y_p(+) = y_p(-) + (f(-) - f(+)) dt*/dp                           (saltation)
-//
-// with f the field before and behind. A maximum that is a right or a left limit at an event has the total derivative
-// at the moving time t*; one inside a smooth phase has the partial derivative at its fixed time (envelope theorem).
-// Events at one instant are taken in the order in which they happen: the gradient is one-sided there.
-// Sources: Hiskens, Pai, "Trajectory sensitivity analysis of hybrid systems", IEEE Trans. Circuits Syst. I 47 (2000);
-// Danskin (1966) for the maximum. Tests: test/property/gradient.cpp.
+// the state with respect to the parameters p at a fixed time, y_p, through the events by
+// common/integrate/saltation.hpp. A maximum that is a right or a left limit at an event has the total derivative at the
+// moving time t*; one inside a smooth phase has the partial derivative at its fixed time (envelope theorem). Events at
+// one instant are taken in the order in which they happen: the gradient is one-sided there. Source for the maximum:
+// Danskin (1966). Tests: test/property/gradient.cpp.
 #pragma once
 
 #include <Eigen/Core>

@@ -11,20 +11,24 @@ namespace {
 
 constexpr double kDegree = 0.017453292519943295;
 
-double& variable(Motion& m, int k) { return k == 0 ? m.phi_i : k == 1 ? m.phi_f : m.duration; }
-
 /// Plays motions beside the one in question.
 class Beside {
  public:
-  Beside(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const EvidenceOptions& options)
-      : scene_(scene), sea_(sea), motion_(motion), options_(options) {}
+  Beside(const Scene& scene, const MotionSpace& space, const Coordinates& values, const EvidenceOptions& options)
+      : scene_(scene), space_(space), values_(values), play_(space.play(values)), options_(options) {}
+
+  const Play& play() const { return play_; }
+  /// The motion as a robot plays it that misses it so.
+  Play inexact(const ExecutionTolerance& tolerance, const Deviation& d) const {
+    return space_.inexact(play_, tolerance, d);
+  }
 
   /// Nothing is played any more.
   bool over_already() const { return spent_ > options_.work || options_.monitor.stopped(); }
   long spent() const { return spent_; }  ///< work
   const std::function<bool()>* over() const { return options_.monitor.stop ? &options_.monitor.stop : nullptr; }
 
-  double worst_of(const std::vector<Motion>& motions) { return worst(peaks_of(scene_, motions)); }
+  double worst_of(const std::vector<Play>& plays) { return worst(peaks_of(scene_, plays)); }
   /// The motion in two other scenes: `change(scene, -1)` and `change(scene, 1)`.
   template <class Change>
   double worst_in(const Change& change) {
@@ -32,7 +36,7 @@ class Beside {
     for (const double side : {-1.0, 1.0}) {
       Scene other = scene_;
       change(other, side);
-      peaks.push_back(peaks_of(other, {motion_})[0]);
+      peaks.push_back(peaks_of(other, {play_})[0]);
     }
     return worst(peaks);
   }
@@ -40,22 +44,21 @@ class Beside {
   /// How far variable k may move one way before the peak exceeds `limit`; NaN where it was stopped.
   double width(int k, double direction, double limit) {
     constexpr int kCoarse = 40, kFine = 24;
-    const auto& range = k == 2 ? scene_.search.duration : scene_.search.phi;
-    Motion at = motion_;
-    const double room = direction > 0 ? range[1] - variable(at, k) : variable(at, k) - range[0];
+    const Variable& variable = space_.variables()[std::size_t(k)];
+    const double room = direction > 0 ? variable.upper - values_[k] : values_[k] - variable.lower;
     if (!(room > 0)) return 0;
     double good = 0, bad = room;
     for (const int points : {kCoarse, kFine}) {
-      std::vector<Motion> motions;
+      std::vector<Play> plays;
       std::vector<double> offsets;
       for (int i = 1; i <= points; ++i) {
         const double share = double(i) / points;
         offsets.push_back(points == kCoarse ? room * std::pow(10.0, 7 * (share - 1)) : good + share * (bad - good));
-        Motion m = motion_;
-        variable(m, k) += direction * offsets.back();
-        motions.push_back(m);
+        Coordinates x = values_;
+        x[k] += direction * offsets.back();
+        plays.push_back(space_.play(x));
       }
-      const auto peaks = peaks_of(scene_, motions);
+      const auto peaks = peaks_of(scene_, plays);
       if (over_already()) return Evidence::kUnknown;
       const auto first = std::find_if(peaks.begin(), peaks.end(), [&](double p) { return p > limit; }) - peaks.begin();
       if (first == points) return offsets.back();
@@ -66,10 +69,10 @@ class Beside {
   }
 
  private:
-  std::vector<double> peaks_of(const Scene& scene, const std::vector<Motion>& motions) {
-    if (over_already()) return std::vector<double>(motions.size(), Evidence::kUnknown);
+  std::vector<double> peaks_of(const Scene& scene, const std::vector<Play>& plays) {
+    if (over_already()) return std::vector<double>(plays.size(), Evidence::kUnknown);
     std::vector<BatchCase> cases;
-    for (const Motion& m : motions) cases.push_back({&scene, &sea_, m});
+    for (const Play& p : plays) cases.push_back({&scene, &p.sea, p.motion});
     std::vector<LandingPeak> peaks(cases.size());
     batch_peaks(cases, peaks, {.accuracy = options_.accuracy, .over = over()}, options_.threads);
     std::vector<double> out;
@@ -79,7 +82,7 @@ class Beside {
                     : p.end == End::kStopped ? Evidence::kUnknown
                                              : p.peak);
     }
-    options_.monitor.progress(played_ += long(motions.size()), Evidence::kLandings);
+    options_.monitor.progress(played_ += long(plays.size()), Evidence::kLandings);
     return out;
   }
   /// NaN where one is not known.
@@ -90,8 +93,9 @@ class Beside {
   }
 
   const Scene& scene_;
-  const SeaParameters<double>& sea_;
-  const Motion& motion_;
+  const MotionSpace& space_;
+  const Coordinates& values_;
+  const Play play_;
   const EvidenceOptions& options_;
   long played_ = 0, spent_ = 0;
 };
@@ -100,22 +104,30 @@ class Beside {
 
 Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                   const EvidenceOptions& options) {
+  Coordinates values(3);
+  values << motion.phi_i, motion.phi_f, motion.duration;
+  return evidence(scene, QuinticSpace(scene.search, sea), values, options);
+}
+
+Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinates& values,
+                  const EvidenceOptions& options) {
   Evidence out;
-  Beside beside(scene, sea, motion, options);
+  out.width.assign(std::size_t(space.dimension()), {Evidence::kUnknown, Evidence::kUnknown});
+  Beside beside(scene, space, values, options);
+  const Play& play = beside.play();
   const SimulateOptions tight{.accuracy = options.accuracy, .over = beside.over()};
-  const LandingPeak played = peak_acceleration(scene, sea, motion, tight);
+  const LandingPeak played = peak_acceleration(scene, play.sea, play.motion, tight);
   out.peak = played.peak;
   out.tolerant.value = Evidence::kUnknown;
   out.work = Evidence::kLandings * work_of(played.work);
   if (out.work > options.work || beside.over_already()) return out;
-  out.tolerant = tolerant_peak(scene, sea, motion, tight, options.tolerance_samples, options.seed, options.threads);
+  out.tolerant = tolerant_peak(scene, space, play, tight, options.tolerance_samples, options.seed, options.threads);
   if (!out.tolerant.complete) out.tolerant.value = Evidence::kUnknown;
-  std::vector<Motion> turned, timed;
+  constexpr ExecutionTolerance kWide{kDegree, 0.01};
+  std::vector<Play> turned, timed;
   for (const double i : {-1.0, 0.0, 1.0})
-    for (const double j : {-1.0, 0.0, 1.0})
-      turned.push_back({motion.phi_i + i * kDegree, motion.phi_f + j * kDegree, motion.duration});
-  for (const double s : {-0.01, 0.01})
-    timed.push_back({motion.phi_i, motion.phi_f, std::max(1e-4, motion.duration + s)});
+    for (const double j : {-1.0, 0.0, 1.0}) turned.push_back(beside.inexact(kWide, {i, j, 0}));
+  for (const double s : {-1.0, 1.0}) timed.push_back(beside.inexact(kWide, {0, 0, s}));
   out.one_degree = beside.worst_of(turned);
   out.ten_milliseconds = beside.worst_of(timed);
   out.one_centimetre =
@@ -127,7 +139,7 @@ Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Mo
     s.floor->damping_tangential *= 1 + 0.1 * side;
   });
   const double limit = out.peak * (1 + Evidence::kRise);
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; k < space.dimension(); ++k)
     for (const int side : {0, 1}) out.width[std::size_t(k)][std::size_t(side)] = beside.width(k, side ? 1 : -1, limit);
   out.complete = !beside.over_already();
   out.work = std::max(out.work, beside.spent());

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "common/monitor.hpp"
-#include "landing/search/robust.hpp"
 #include "landing/run/work.hpp"
+#include "landing/search/tolerant_peak.hpp"
 
 namespace ukemi::landing {
 
@@ -23,9 +24,9 @@ struct EvidenceOptions {
 struct Evidence {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   double peak = 0;  ///< of the motion [m/s^2]
-  /// How far phi_I, phi_F [rad] and the duration [s] may move down and up before the peak rises by kRise; at most to
-  /// the end of the search range.
-  std::array<std::array<double, 2>, 3> width{{{kUnknown, kUnknown}, {kUnknown, kUnknown}, {kUnknown, kUnknown}}};
+  /// How far each variable of the motion space may move down and up, in its unit, before the peak rises by kRise; at
+  /// most to the end of its range.
+  std::vector<std::array<double, 2>> width;
   double one_degree = kUnknown;        ///< worst peak with both angles off by up to 1 deg (corners and faces) [m/s^2]
   double ten_milliseconds = kUnknown;  ///< with the duration off by 10 ms either way
   double one_centimetre = kUnknown;    ///< with the drop's height off by 1 cm either way
@@ -42,6 +43,9 @@ struct Evidence {
 
 /// Works it out: the deviations first, then the widths. A width is found on a geometric grid from 1e-7 of the range up
 /// and then between its last good and first bad point, so it is that of the part that hangs together with the motion.
+[[nodiscard]] Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinates& values,
+                                const EvidenceOptions& options);
+/// The same of a motion of Eq. 6.
 [[nodiscard]] Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                 const EvidenceOptions& options);
 

@@ -1,5 +1,6 @@
 #include "landing/judge/map.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -11,99 +12,172 @@
 namespace ukemi::landing {
 
 void MapOptions::validate() const {
-  for (const int n : cells)
-    if (n < 2 || n > 4096) throw InputError("grid: " + std::to_string(n) + ": 2 to 4096 points an axis are needed");
-  if (double(cells[0]) * cells[1] * cells[2] > 1e8) throw InputError("grid: more than 1e8 points");
+  double points = 1;
+  for (const int n : cells) {
+    if (n < 1 || n > 4096) throw InputError("grid: " + std::to_string(n) + ": 1 to 4096 points an axis are needed");
+    points *= n;
+  }
+  if (points > 1e8) throw InputError("grid: more than 1e8 points");
+  if (points < 2) throw InputError("grid: 2 points along some variable are needed");
   if (polished < 1) throw InputError("polish: " + std::to_string(polished) + ": at least 1 is needed");
 }
 
-PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const MapOptions& options) {
+std::size_t PeakMap::index(const Place& at) const {
+  std::size_t i = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) i = i * std::size_t(cells[k]) + std::size_t(at[k]);
+  return i;
+}
+
+PeakMap::Place PeakMap::place(std::size_t index) const {
+  Place at(cells.size());
+  for (std::size_t k = cells.size(); k-- > 0; index /= std::size_t(cells[k]))
+    at[k] = int(index % std::size_t(cells[k]));
+  return at;
+}
+
+double PeakMap::coordinate(int variable, int i) const {
+  const auto k = std::size_t(variable);
+  const Variable& v = variables[k];
+  return cells[k] == 1 ? slice[variable] : v.lower + (v.upper - v.lower) * i / (cells[k] - 1);
+}
+
+Coordinates PeakMap::values(const Place& at) const {
+  Coordinates x(int(at.size()));
+  for (int k = 0; k < int(at.size()); ++k) x[k] = coordinate(k, at[std::size_t(k)]);
+  return x;
+}
+
+std::vector<std::size_t> PeakMap::neighbours(std::size_t here) const {
+  std::vector<Place> places{place(here)};
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    for (std::size_t i = 0, n = places.size(); i < n; ++i)
+      for (const int step : {-1, 1}) {
+        Place at = places[i];
+        at[k] += step;
+        if (at[k] >= 0 && at[k] < cells[k]) places.push_back(at);
+      }
+  std::vector<std::size_t> out;
+  for (const Place& at : places) out.push_back(index(at));
+  return out;
+}
+
+namespace {
+
+PeakMap empty_map(const MotionSpace& space, const MapOptions& options) {
+  const auto n = std::size_t(space.dimension());
+  if (options.cells.size() > n)
+    throw InputError("grid: " + std::to_string(options.cells.size()) + " numbers: the motion has " + std::to_string(n) +
+                     " variables");
+  if (options.slice.size() != 0 && std::size_t(options.slice.size()) != n)
+    throw InputError("slice: " + std::to_string(options.slice.size()) + " values: the motion has " + std::to_string(n) +
+                     " variables");
+  PeakMap map{space.variables(), options.cells, options.slice, {}};
+  map.cells.resize(n, 1);
+  if (map.slice.size() == 0) map.slice = space.values(space.centre());
+  std::size_t points = 1;
+  for (const int c : map.cells) points *= std::size_t(c);
+  map.grid.resize(points);
+  return map;
+}
+
+/// The grid's points that are as low as all their neighbours, the lowest first.
+std::vector<std::size_t> local_minima(const PeakMap& map) {
+  std::vector<std::size_t> minima;
+  for (std::size_t i = 0; i < map.grid.size(); ++i) {
+    const double here = map.grid[i].peak;
+    if (!std::isfinite(here)) continue;
+    const auto near = map.neighbours(i);
+    if (std::none_of(near.begin(), near.end(), [&](std::size_t n) { return map.grid[n].peak < here; }))
+      minima.push_back(i);
+  }
+  std::stable_sort(minima.begin(), minima.end(),
+                   [&](std::size_t a, std::size_t b) { return map.grid[a].peak < map.grid[b].peak; });
+  return minima;
+}
+
+/// Differential evolution from one cell of the grid down into its basin.
+Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& map, const PeakMap::Place& cell,
+                  const MapOptions& options, std::uint64_t n) {
+  constexpr int kPopulation = 20;
+  constexpr long kMotions = 3000;
+  constexpr double kConverged = 1e-7;
+  Objective objective(scene, space, {.stop = options.monitor.stop});
+  Search search(objective, {.motions = kMotions, .work = work_allowed(Goal::kPeak, kMotions)}, options.seed + n);
+  Random random(options.seed, n);
+  std::vector<Candidate> population(kPopulation, search.nothing()), trials = population;
+  for (Candidate& p : population)
+    for (int a = 0; a < p.u.size(); ++a) {
+      const int points = map.cells[std::size_t(a)], at = cell[std::size_t(a)];
+      const Variable& v = map.variables[std::size_t(a)];
+      // Along a variable that stands, the population starts within a tenth of its range.
+      const double width = points > 1 ? 1.0 / (points - 1) : 0.1,
+                   middle = points > 1 ? at * width : (map.slice[a] - v.lower) / std::max(v.upper - v.lower, 1e-300);
+      p.u[a] = std::clamp(points > 1 ? width * (at + random.uniform(-1, 1)) : middle + width * random.uniform(-1, 1),
+                          0.0, 1.0);
+      if (&p == &population[0]) p.u[a] = middle;
+    }
+  search.evaluate(population);
+  while (!search.over()) {
+    while (!search.over() && spread(population) > kConverged)
+      evolve([&](std::span<Candidate> p) { search.evaluate(p); }, random, population, trials, {});
+    scatter(search.best(), random, population);  // once more, from close by
+    search.evaluate(population);
+  }
+  return search.judge(options.tight);
+}
+
+}  // namespace
+
+PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options) {
   options.validate();
-  PeakMap map{options.cells, {}, {scene.search.phi, scene.search.phi, scene.search.duration}};
-  const auto [ni, nj, nk] = options.cells;
-  map.grid.resize(map.index(ni, 0, 0));
+  PeakMap map = empty_map(space, options);
   std::atomic<long> rows{0};
-  // A row of durations is one batch: its landings are alike, so that lanes meet their events together.
-  parallel_for(ni * nj, options.threads, [&](int row) {
+  // A row of the last variable is one batch: its landings are alike, so that lanes meet their events together.
+  const int row = map.cells.back(), count = int(map.grid.size() / std::size_t(row));
+  parallel_for(count, options.threads, [&](int r) {
+    const std::size_t first = std::size_t(r) * std::size_t(row);
+    std::vector<Play> plays;
     std::vector<BatchCase> cases;
-    for (int k = 0; k < nk; ++k) cases.push_back({&scene, &sea, map.motion(row / nj, row % nj, k)});
+    for (int k = 0; k < row; ++k) plays.push_back(space.play(map.values(map.place(first + std::size_t(k)))));
+    for (const Play& p : plays) cases.push_back({&scene, &p.sea, p.motion});
     std::vector<LandingPeak> peaks(cases.size());
     batch_peaks(cases, peaks,
                 {.accuracy = options.accuracy, .over = options.monitor.stop ? &options.monitor.stop : nullptr});
-    for (int k = 0; k < nk; ++k) {
-      const LandingPeak& p = peaks[std::size_t(k)];
-      map.grid[map.index(row / nj, row % nj, k)] = {
-          no_landing(p.end) || p.end == End::kStopped ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts,
-          p.peak_contact, p.end};
+    for (std::size_t k = 0; k < peaks.size(); ++k) {
+      const LandingPeak& p = peaks[k];
+      const bool none = no_landing(p.end) || p.end == End::kStopped;
+      map.grid[first + k] = {none ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact,
+                             p.end};
     }
-    options.monitor.progress(++rows, ni * nj);
+    options.monitor.progress(++rows, count);
   });
   return map;
 }
 
-std::vector<Basin> basins(const Scene& scene, const SeaParameters<double>& sea, const PeakMap& map,
-                          const MapOptions& options) {
-  struct Minimum {
-    double peak;
-    std::array<int, 3> at;
-  };
+std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const PeakMap& map, const MapOptions& options) {
   if (options.monitor.stopped()) return {};
-  std::vector<Minimum> minima;
-  const auto [ni, nj, nk] = map.cells;
-  for (int i = 0; i < ni; ++i)
-    for (int j = 0; j < nj; ++j)
-      for (int k = 0; k < nk; ++k) {
-        const double here = map.grid[map.index(i, j, k)].peak;
-        bool lowest = std::isfinite(here);
-        for (int d = 0; lowest && d < 27; ++d) {
-          const int a = i + d / 9 - 1, b = j + d / 3 % 3 - 1, c = k + d % 3 - 1;
-          if (a < 0 || b < 0 || c < 0 || a >= ni || b >= nj || c >= nk) continue;
-          lowest = !(map.grid[map.index(a, b, c)].peak < here);
-        }
-        if (lowest) minima.push_back({here, {i, j, k}});
-      }
-  std::stable_sort(minima.begin(), minima.end(), [](const Minimum& a, const Minimum& b) { return a.peak < b.peak; });
+  std::vector<std::size_t> minima = local_minima(map);
   minima.resize(std::min(minima.size(), std::size_t(options.polished)));
-
-  std::vector<Point3> found(minima.size());
+  std::vector<Candidate> found(minima.size());
   std::atomic<long> searched{0};
   parallel_for(int(minima.size()), options.threads, [&](int n) {
-    constexpr int kPopulation = 20;
-    constexpr long kMotions = 3000;
-    constexpr double kConverged = 1e-7;
-    Objective objective(scene, sea, {.stop = options.monitor.stop});
-    Search search(objective, {.motions = kMotions, .work = work_allowed(Goal::kPeak, kMotions)},
-                  options.seed + std::uint64_t(n));
-    Random random(options.seed, std::uint64_t(n));
-    std::vector<Point3> population(kPopulation), trials(kPopulation);
-    for (Point3& p : population)
-      for (std::size_t a = 0; a < 3; ++a) {
-        const double cell = 1.0 / (map.cells[a] - 1);
-        p.u[a] = std::clamp(cell * (minima[std::size_t(n)].at[a] + random.uniform(-1, 1)), 0.0, 1.0);
-        if (&p == &population[0]) p.u[a] = cell * minima[std::size_t(n)].at[a];
-      }
-    search.evaluate(population);
-    while (!search.over()) {
-      while (!search.over() && spread(population) > kConverged)
-        evolve([&](std::span<Point3> p) { search.evaluate(p); }, random, population, trials, {});
-      scatter(search.best(), random, population);  // once more, from close by
-      search.evaluate(population);
-    }
-    const Point3 best = search.settle(options.tight);
+    const Candidate best = descend(scene, space, map, map.place(minima[std::size_t(n)]), options, std::uint64_t(n));
     if (options.monitor.stopped()) return;
     found[std::size_t(n)] = best;
     options.monitor.progress(++searched, long(minima.size()));
   });
   std::sort(found.begin(), found.end());
   constexpr double kApart = 0.02;
-  std::vector<Point3> distinct;
-  for (const Point3& p : found)
+  std::vector<Candidate> distinct;
+  for (const Candidate& p : found)
     if (p.value < kNoMotion &&
-        std::none_of(distinct.begin(), distinct.end(), [&](const Point3& q) { return distance(p, q) < kApart; }))
+        std::none_of(distinct.begin(), distinct.end(), [&](const Candidate& q) { return distance(p, q) < kApart; }))
       distinct.push_back(p);
-  const Objective objective(scene, sea, {});
   std::vector<Basin> out;
-  for (const Point3& p : distinct) out.push_back({objective.motion(p), p.value});
+  for (const Candidate& p : distinct) {
+    const Coordinates x = space.values(p.u);
+    out.push_back({x, space.play(x), p.value});
+  }
   return out;
 }
 

@@ -4,18 +4,18 @@
 
 namespace ukemi::landing {
 
-Survey survey(const Scene& scene, const SeaParameters<double>& sea, const SurveyOptions& options) {
+Survey survey(const Scene& scene, const MotionSpace& space, const SurveyOptions& options) {
   Survey out{.scene = scene};
   const Stopwatch watch(Stopwatch::Time::kWall);
-  out.map = map_peaks(scene, sea, options.map);
+  out.map = map_peaks(scene, space, options.map);
   out.map_seconds = watch.seconds();
   for (const PeakMap::Cell& c : out.map.grid) out.failed += no_landing(c.end), out.missing += c.end == End::kStopped;
   MapOptions near = options.map;
   near.monitor = options.basins;
-  const std::vector<Basin> found = basins(scene, sea, out.map, near);
+  const std::vector<Basin> found = basins(scene, space, out.map, near);
   for (const Basin& b : found) {
     out.basins.push_back(
-        {b, evidence(scene, sea, b.motion,
+        {b, evidence(scene, space, b.values,
                      {.accuracy = near.tight, .threads = near.threads, .monitor = {{}, options.evidence.stop}})});
     options.evidence.progress(long(out.basins.size()), long(found.size()));
   }

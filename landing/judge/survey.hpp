@@ -23,6 +23,6 @@ struct Survey {
   std::vector<JudgedBasin> basins;  ///< the best first
 };
 
-[[nodiscard]] Survey survey(const Scene& scene, const SeaParameters<double>& sea, const SurveyOptions& options = {});
+[[nodiscard]] Survey survey(const Scene& scene, const MotionSpace& space, const SurveyOptions& options = {});
 
 }  // namespace ukemi::landing

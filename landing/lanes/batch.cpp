@@ -32,11 +32,11 @@ InstructionSet quickest_instruction_set(std::size_t landings) {
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set) {
   switch (std::min(set, widest_instruction_set())) {
     case InstructionSet::kAvx512:
-      return run_batch_avx512(source, options);
+      return run_lanes<8>(source, options);
     case InstructionSet::kAvx2:
-      return run_batch_avx2(source, options);
+      return run_lanes<4>(source, options);
     case InstructionSet::kBaseline:
-      return run_batch_baseline(source, options);
+      return run_lanes<2>(source, options);
   }
 }
 

@@ -12,10 +12,11 @@
 #include <cmath>
 
 #include "common/integrate/runge_kutta.hpp"
+#include "common/integrate/step_control.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/lanes/lane_mode.hpp"
-#include "landing/model/release.hpp"
 #include "landing/run/rest.hpp"
+#include "landing/run/schedule.hpp"
 
 /// A piece of the driver for one instruction set: called, not inlined, with everything below it inside.
 #define UKEMI_BATCH_STAGE [[gnu::noinline, gnu::flatten]] UKEMI_BATCH_TARGET
@@ -31,6 +32,7 @@ class BatchEngine {
   using State = typename System::State;
   using Node = integrate::Node;
   static constexpr int kGuards = System::kGuards;
+  static constexpr integrate::StepControl kControl{};
 
  public:
   BatchEngine(BatchSource& source, const BatchOptions& options) : source_(source), options_(options) {
@@ -41,7 +43,7 @@ class BatchEngine {
     for (int i = 0; i < W; ++i) load(i);
     constexpr int kAsked = 32;  // steps between two questions whether it is over: some tens of microseconds
     for (int n = 1; any(active_) && !(n % kAsked == 0 && source_.over()); ++n) {
-      settle();
+      start_afresh();
       attempt();
       judge();
       look();
@@ -63,44 +65,38 @@ class BatchEngine {
       }
       case_[i] = c;
       const Scene& scene = *c.scene;
-      const double g = scene.robot.gravity, limit = flight_limit(scene);
       if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || c.sea->feedback != options_.feedback) {
         hand_over(i);
         continue;
       }
       Single single(scene, *c.sea, c.motion);
       auto y = released(single, scene, scene.drop, c.motion);
+      const Schedule& schedule = schedule_[i] = Schedule(scene, c.motion.duration, moves(c.motion));
       LandingPeak& out = out_[i] = {};
-      double t = 0;
-      square_.set(i, 0), t_peak_.set(i, 0);
-      if (is_ballistic(scene)) {
-        t = std::min(fall_time(scene), limit);
-        fly(single, scene, t, y);
-        square_.set(i, g * g);
-        if (t < fall_time(scene)) {
-          out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y;
-          source_.done(i, out);
-          continue;
-        }
+      const double t = schedule.start(), g = scene.robot.gravity;
+      square_.set(i, schedule.ballistic() ? g * g : 0), t_peak_.set(i, 0);
+      if (schedule.ballistic()) fly(single, scene, t, y);
+      if (schedule.flies_on()) {
+        out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y;
+        source_.done(i, out);
+        continue;
       }
       const auto set = [i](T& lanes, double x) { lanes.set(i, x); };
       TwoLinkDynamics<T>::for_each(system_.link, single.link, set);
       Floor<T>::for_each(system_.floor, single.floor, set);
       SeaParameters<T>::for_each(system_.sea, single.sea, set);
       MotionOf<T>::for_each(system_.motion, single.motion, set);
-      for (int j = 0; j < kPoints; ++j)
-        system_.present[j].set(i, single.present[j]), set_lane(system_.contact[j], i, Contact::kClear);
-      set_lane(system_.saturation, i, single.saturation);
-      set_lane(system_.phase, i, Phase::kBefore);
+      for (int j = 0; j < kPoints; ++j) system_.present[j].set(i, single.present[j]);
+      system_.set_lane(i, single);
       system_.motion_start.set(i, 0);
       for (int k = 0; k < kMechanical; ++k) {
         step_.y[k].set(i, y[k]);
         unit_[k].set(i, single.tolerance_unit(k));
       }
       step_.t.set(i, t);
-      h_next_.set(i, is_ballistic(scene) ? 1e-3 : 1e-2);
+      h_next_.set(i, schedule.first_step());
       rest_scale_.set(i, impact_energy(single));
-      limit_.set(i, limit), motion_end_.set(i, kNever);
+      stop_.set(i, schedule.stop()), motion_part_.set(i, schedule.motion_part());
       abandon_square_.set(i, c.abandon_above * c.abandon_above), steps_.set(i, 0);
       active_.set(i, true), stale_.set(i, true), cut_.set(i, false), rejected_.set(i, false);
       t_event_[i] = -1, immediate_[i] = 0, cuts_[i] = 0;
@@ -124,7 +120,6 @@ class BatchEngine {
 
   [[gnu::noinline]] void finish(int i, End end) {
     LandingPeak& out = out_[i];
-    if (end == End::kTimeLimit && out.contacts.size() == 0) end = End::kNoContact;
     if (end == End::kFailed && options_.too_long == BatchOptions::Long::kScalar) {
       hand_over(i);
     } else {
@@ -140,42 +135,37 @@ class BatchEngine {
   /// The mode beyond guard g; false where the landing ends there.
   [[gnu::noinline]] bool cross(int i, int g) {
     const double t = step_.t[i];
-    if (g < kPoints) {
-      const Contact now = lane(system_.contact[g], i);
-      const bool touchdown = now == Contact::kClear;
-      if (touchdown && options_.limits.forbidden[g]) return false;
-      if (touchdown && !any(M(system_.phase.moving | system_.phase.after), i)) {
-        const Motion& m = case_[i].motion;
-        const bool moves = m.phi_i != m.phi_f;
-        system_.motion_start.set(i, t);
-        set_lane(system_.phase, i, moves ? Phase::kMoving : Phase::kAfter);
-        if (moves) motion_end_.set(i, t + m.duration);
-        if (!case_[i].scene->t_end) limit_.set(i, t + Scene::kFollow);
-        h_next_.set(i, std::min(h_next_[i], kMotionParts * m.duration));
-      }
-      touchdown ? out_[i].contacts.touchdown(Point(g), t) : out_[i].contacts.liftoff(Point(g), t);
-      set_lane(system_.contact[g], i, crossed(now));
-    } else if (g < System::kTorqueUpper) {
-      auto& c = system_.contact[g - kPoints];
-      set_lane(c, i, loosened(lane(c, i)));
-    } else {
-      const bool held = system_.saturation.upper[i] || system_.saturation.lower[i];
-      set_lane(system_.saturation, i, held ? 0 : g == System::kTorqueUpper ? 1 : -1);
+    Mode mode = system_.lane(i);
+    const Schedule::Crossing crossing = schedule_[i].cross(g, t, mode, options_.limits, out_[i].contacts);
+    if (crossing.forbidden) return false;
+    system_.set_lane(i, mode);
+    if (crossing.first) {
+      system_.motion_start.set(i, t);
+      stop_.set(i, schedule_[i].stop());
+      h_next_.set(i, std::min(h_next_[i], motion_part_[i]));
     }
     stale_.set(i, true);
     return true;
   }
-  static bool any(const M& m, int i) { return m[i]; }
-  static bool any(const M& m) { return ukemi::any(m); }
 
-  struct Crossing {
+  /// The lane's step has ended at its deadline: the next one, or how the landing ended.
+  [[gnu::noinline]] std::optional<End> reached(int i) {
+    Mode mode = system_.lane(i);
+    const auto end = schedule_[i].reached(step_.t[i], mode);
+    system_.set_lane(i, mode);
+    stop_.set(i, schedule_[i].stop());
+    return end;
+  }
+
+  /// A zero of a guard inside a step.
+  struct Zero {
     int guard = -1;
     double s = 2;  ///< where in the step, 0..1
   };
   static constexpr double kPlaced = 1e-5;  ///< how exactly, in parts of a step; the rest is made up along the field
   /// The earliest zero of a guard's cubic in the lane's step.
-  Crossing first_crossing(int i) const {
-    Crossing first;
+  Zero first_zero(int i) const {
+    Zero first;
     for (int g = 0; g < kGuards; ++g) {
       if (!near_[g][i]) continue;
       const Node a = integrate::start_node(start_.value[g][i], start_.rate[g][i] * step_.h[i]),
@@ -190,26 +180,26 @@ class BatchEngine {
   /// Times nearer than this are one [s].
   static double resolution(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::max(t, 1e-10); }
 
-  enum class Verdict { kPlain, kCut, kEvent };
+  enum class StepEnd { kPlain, kCut, kEvent };
   /// What a step with a guard near its zero is: an event if the zero is within reach of its end, else cut there.
-  [[gnu::noinline]] Verdict verdict(int i) {
+  [[gnu::noinline]] StepEnd end_of_step(int i) {
     constexpr double kReach = 3e-4;  // of the step, however short it was cut: made up along the field
     constexpr int kMaxCuts = 12;
     if (!cut_[i]) cuts_[i] = 0;
-    Crossing c = first_crossing(i);
+    Zero c = first_zero(i);
     if (c.guard < 0 && cut_[i]) c = {target_[i], 1};  // the cubic placed it a little early
-    if (c.guard < 0) return Verdict::kPlain;
+    if (c.guard < 0) return StepEnd::kPlain;
     const double g = end_.value[c.guard][i], rate = end_.rate[c.guard][i], shift = -g / rate;
     const double reach = std::max(kReach * step_.h[i], resolution(step_.t[i]));
     target_[i] = c.guard;
     if (rate < 0 && (std::abs(shift) <= reach || (cuts_[i] >= kMaxCuts && g <= 0))) {
       shift_.set(i, std::max(shift, -step_.h[i]));
-      return Verdict::kEvent;
+      return StepEnd::kEvent;
     }
-    if (c.s >= 1 || cuts_[i] >= kMaxCuts) return Verdict::kPlain;
+    if (c.s >= 1 || cuts_[i] >= kMaxCuts) return StepEnd::kPlain;
     ++cuts_[i];
     cut_h_.set(i, c.s * step_.h[i]);
-    return Verdict::kCut;
+    return StepEnd::kCut;
   }
 
   // --- every lane at once ---
@@ -227,7 +217,7 @@ class BatchEngine {
   }
 
   /// The field where it has jumped, and the events that take no time.
-  UKEMI_BATCH_STAGE void settle() {
+  UKEMI_BATCH_STAGE void start_afresh() {
     while (any(stale_)) {
       State dy;
       typename System::GuardValues g;
@@ -250,9 +240,8 @@ class BatchEngine {
     }
   }
   [[gnu::noinline]] void take_immediate(int i) {
-    constexpr int kMaxImmediate = 64;
     if (step_.t[i] != t_event_[i]) t_event_[i] = step_.t[i], immediate_[i] = 0;
-    if (++immediate_[i] > kMaxImmediate) return finish(i, End::kFailed);
+    if (++immediate_[i] > integrate::kMostImmediate) return finish(i, End::kFailed);
     for (int k = 0; k < kGuards; ++k)
       if (start_.value[k][i] <= 0 && start_.rate[k][i] < 0) {
         if (!cross(i, k)) finish(i, End::kBroken);
@@ -261,9 +250,8 @@ class BatchEngine {
   }
 
   UKEMI_BATCH_STAGE void attempt() {
-    const T stop = min(limit_, motion_end_);
-    last_ = step_.t + T(1.001) * h_next_ >= stop;
-    const T h = select(last_, T(stop - step_.t), h_next_);
+    last_ = step_.t + T(kControl.slack) * h_next_ >= stop_;
+    const T h = select(last_, T(stop_ - step_.t), h_next_);
     step_.h = select(cut_, cut_h_, select(active_, h, T(0.0)));
     last_ &= !cut_;
     assign(whole_, !cut_, step_.h);
@@ -285,10 +273,11 @@ class BatchEngine {
     }
     const T error2 = sum * step_.h * step_.h * T(1 / (double(kMechanical) * options_.accuracy * options_.accuracy));
     accepted_ = active_ & (error2 <= T(1.0)) & finite(check);
-    const T factor = select(finite(error2), T(0.9) * inverse_tenth_root(max(error2, T(1e-24))), T(0.1));
-    const T growth = max(T(0.2), min(factor, select(rejected_ | !accepted_, T(1.0), T(8.0))));
+    const T factor =
+        select(finite(error2), T(kControl.safety) * inverse_tenth_root(max(error2, T(1e-24))), T(kControl.broken));
+    const T growth = max(T(kControl.least), min(factor, select(rejected_ | !accepted_, T(1.0), T(kControl.most))));
     T next = min(step_.h * growth, T(kMaxStep));
-    next = select(system_.phase.moving, min(next, T(kMotionParts) * system_.motion.duration), next);
+    next = select(system_.phase.moving, min(next, motion_part_), next);
     const M fresh = active_ & !(cut_ & accepted_);
     assign(h_next_, fresh, select(accepted_ & last_, max(next, h_next_), next));
     rejected_ = active_ & !accepted_;
@@ -306,8 +295,8 @@ class BatchEngine {
     if (any(near))
       for (int i = 0; i < W; ++i)
         if (near[i]) {
-          const Verdict v = verdict(i);
-          event_.set(i, v == Verdict::kEvent), cut.set(i, v == Verdict::kCut);
+          const StepEnd how = end_of_step(i);
+          event_.set(i, how == StepEnd::kEvent), cut.set(i, how == StepEnd::kCut);
         }
     // A cut step without an event: the cubic of so long a step says nothing of what lies ahead.
     constexpr double kAfterCut = 8;  // times the cut length, at most
@@ -342,7 +331,7 @@ class BatchEngine {
         if (!any(open)) break;
         const T s = select(open, top, b), q = at(s);
         consider(open, q, step_.t + s * step_.h);
-        const M left = s<b, better = q> qb;
+        const M left = (s < b), better = (q > qb);
         assign(a, open & (left & (!better)), s), assign(qa, open & (left & (!better)), q);
         assign(c, open & ((!left) & (!better)), s), assign(qc, open & ((!left) & (!better)), q);
         assign(c, open & left & better, b), assign(qc, open & left & better, qb);
@@ -364,13 +353,11 @@ class BatchEngine {
     for (int k = 0; k < kGuards; ++k)
       assign(start_.value[k], accepted_, end_.value[k]), assign(start_.rate[k], accepted_, end_.rate[k]);
 
-    const M plain = accepted_ & !event_, reached = plain & last_;
-    const M played = reached & (step_.t >= motion_end_ - T(1e-14));
-    if (any(played)) {
-      system_.phase.moving &= !played, system_.phase.after |= played;
-      assign(motion_end_, played, T(kNever));
-    }
-    const M over = reached & (step_.t >= limit_ - T(1e-14));
+    const M plain = accepted_ & !event_, at_deadline = plain & last_;
+    std::array<std::optional<End>, W> end{};
+    if (any(at_deadline))
+      for (int i = 0; i < W; ++i)
+        if (at_deadline[i]) end[i] = reached(i);
     const M abandoned = accepted_ & (square_ > abandon_square_);
     M broken(false);
     if (options_.limits.rated()) {
@@ -382,7 +369,7 @@ class BatchEngine {
     const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
     steps_ += select(active_, T(1.0), T(0.0));
     const M failed = tiny | (active_ & (steps_ > T(double(options_.max_steps))));
-    if (!any(event_ | over | abandoned | broken | rest | failed)) return;
+    if (!any(event_ | at_deadline | abandoned | broken | rest | failed)) return;
     for (int i = 0; i < W; ++i) {
       if (!active_[i]) continue;
       if (failed[i])
@@ -393,15 +380,14 @@ class BatchEngine {
         finish(i, End::kBroken);
       else if (rest[i])
         finish(i, End::kRest);
-      else if (over[i])
-        finish(i, End::kTimeLimit);
+      else if (end[i])
+        finish(i, *end[i]);
       else if (event_[i] && !cross(i, target_[i]))
         finish(i, End::kBroken);
     }
   }
 
-  static constexpr double kNever = std::numeric_limits<double>::infinity(), kMaxStep = 0.1;
-  static constexpr double kMotionParts = 0.125;  ///< a motion is never passed over in a few steps
+  static constexpr double kMaxStep = 0.1;  ///< [s]
 
   BatchSource& source_;
   const BatchOptions options_;
@@ -410,13 +396,14 @@ class BatchEngine {
                  SeaParameters<T>{T(0.0), T(0.0), T(0.0), T(0.0), T(1.0)}, MotionOf<T>{T(0.0), T(0.0), T(1.0)}};
   integrate::Step<integrate::DormandPrince54, T, kMechanical> step_;
   typename System::GuardValues start_, end_;
-  T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, limit_{0.0}, motion_end_{0.0}, abandon_square_{0.0};
+  T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, stop_{0.0}, motion_part_{0.0}, abandon_square_{0.0};
   T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, rest_scale_{0.0}, steps_{0.0};
   M active_, stale_, cut_, rejected_, accepted_, event_, last_;
   std::array<T, kMechanical> unit_;
   std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step
   std::array<int, W> target_{}, immediate_{}, cuts_{};
   std::array<double, W> t_event_{};  ///< the instant that immediate_ counts at
+  std::array<Schedule, W> schedule_{};
   std::array<BatchCase, W> case_{};
   std::array<LandingPeak, W> out_{};
 };

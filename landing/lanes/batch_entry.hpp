@@ -1,12 +1,17 @@
-// The entries of batch_engine.hpp, one for each instruction set and set of terms; private to landing.
+// The entry of batch_engine.hpp for so many lanes (batch_kernel.cpp); private to landing.
 #pragma once
 
 #include "landing/lanes/batch.hpp"
 
 namespace ukemi::landing {
 
-void run_batch_baseline(BatchSource& source, const BatchOptions& options);
-void run_batch_avx2(BatchSource& source, const BatchOptions& options);
-void run_batch_avx512(BatchSource& source, const BatchOptions& options);
+template <int kLanes>
+void run_lanes(BatchSource& source, const BatchOptions& options);
+template <>
+void run_lanes<2>(BatchSource& source, const BatchOptions& options);
+template <>
+void run_lanes<4>(BatchSource& source, const BatchOptions& options);
+template <>
+void run_lanes<8>(BatchSource& source, const BatchOptions& options);
 
 }  // namespace ukemi::landing

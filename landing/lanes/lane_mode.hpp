@@ -18,10 +18,6 @@ template <int W>
 const Mask<W>& at_lower(const LaneSaturation<W>& s) {
   return s.lower;
 }
-template <int W>
-void set_lane(LaneSaturation<W>& s, int i, int mode) {
-  s.upper.set(i, at_upper(mode)), s.lower.set(i, at_lower(mode));
-}
 
 }  // namespace ukemi
 
@@ -39,15 +35,6 @@ template <int W>
 const Mask<W>& pressed(const LaneContact<W>& c) {
   return c.pressed;
 }
-/// One lane of it as a mode, and back.
-template <int W>
-Contact lane(const LaneContact<W>& c, int i) {
-  return !c.below[i] ? Contact::kClear : c.pressed[i] ? Contact::kPressed : Contact::kLoose;
-}
-template <int W>
-void set_lane(LaneContact<W>& c, int i, Contact mode) {
-  c.below.set(i, below(mode)), c.pressed.set(i, pressed(mode));
-}
 
 template <int W>
 struct LanePhase {
@@ -61,16 +48,35 @@ template <int W>
 const Mask<W>& after(const LanePhase<W>& p) {
   return p.after;
 }
+
 template <int W>
-void set_lane(LanePhase<W>& p, int i, Phase mode) {
-  p.moving.set(i, moving(mode)), p.after.set(i, after(mode));
-}
+struct LaneMode {
+  std::array<LaneContact<W>, kPoints> contact{};
+  LaneSaturation<W> saturation{};
+  LanePhase<W> phase{};
+
+  /// One lane of it as a mode, and back.
+  Mode lane(int i) const {
+    Mode m;
+    for (std::size_t j = 0; j < kPoints; ++j)
+      m.contact[j] = !contact[j].below[i]    ? Contact::kClear
+                     : contact[j].pressed[i] ? Contact::kPressed
+                                             : Contact::kLoose;
+    m.saturation = int(saturation.upper[i]) - int(saturation.lower[i]);
+    m.phase = phase.moving[i] ? Phase::kMoving : phase.after[i] ? Phase::kAfter : Phase::kBefore;
+    return m;
+  }
+  void set_lane(int i, const Mode& m) {
+    for (std::size_t j = 0; j < kPoints; ++j)
+      contact[j].below.set(i, below(m.contact[j])), contact[j].pressed.set(i, pressed(m.contact[j]));
+    saturation.upper.set(i, at_upper(m.saturation)), saturation.lower.set(i, at_lower(m.saturation));
+    phase.moving.set(i, moving(m.phase)), phase.after.set(i, after(m.phase));
+  }
+};
 
 template <int W>
 struct ModeOf<Pack<W>> {
-  using Contact = LaneContact<W>;
-  using Saturation = LaneSaturation<W>;
-  using Phase = LanePhase<W>;
+  using type = LaneMode<W>;
 };
 
 }  // namespace ukemi::landing

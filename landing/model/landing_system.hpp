@@ -1,25 +1,17 @@
 // The landing robot as a hybrid system: Eq. 1 with the actuator of Eq. 2-4 and the floor of Sec. 2.4, one smooth mode
-// at a time. State: see Component; with kAccounts three further components integrate the work of the joint torque, of
-// the floor and on the motor, for the energy check.
+// at a time (mode.hpp). State: see Component; with kAccounts three further components integrate the work of the joint
+// torque, of the floor and on the motor, for the energy check.
 #pragma once
 
 #include "common/integrate/hybrid.hpp"
 #include "common/trigonometry.hpp"
-#include "landing/model/motion.hpp"
+#include "landing/model/mode.hpp"
 #include "landing/model/scene.hpp"
 
 namespace ukemi::landing {
 
 /// Work accounts behind the mechanical components [J].
 enum Account { kWorkJoint = kMechanical, kWorkFloor, kWorkMotor, kWithAccounts };
-
-/// The mode of a system in a scalar: one for a double and all its derivatives; lanes of it in batch.hpp.
-template <class T>
-struct ModeOf {
-  using Contact = landing::Contact;
-  using Saturation = int;
-  using Phase = landing::Phase;
-};
 
 /// Which terms a kernel is compiled with. A kernel without a term pays nothing for it.
 struct LandingTerms {
@@ -30,12 +22,13 @@ struct LandingTerms {
 
 /// `Constant` is the scalar of the robot's constants: a double spares a T that carries no derivatives by them.
 template <LandingTerms kAllTerms, bool kAccounts, Scalar T = double, Scalar Constant = T>
-class LandingSystem {
+class LandingSystem : public ModeOf<T>::type {
   static constexpr SeaTerms kTerms = kAllTerms.sea;
 
  public:
-  static constexpr int kControlled = kMechanical, kPositions = kVx, kGuards = 2 * kPoints + 2;
-  static constexpr int kTorqueUpper = 2 * kPoints, kTorqueLower = kTorqueUpper + 1;
+  using Mode = typename ModeOf<T>::type;
+  using Mode::contact, Mode::saturation, Mode::phase;
+  static constexpr int kControlled = kMechanical, kPositions = kVx, kGuards = kLandingGuards;
   using State = Eigen::Matrix<T, kAccounts ? int(kWithAccounts) : int(kMechanical), 1>;
   using Lane = typename MaskOf<T>::type;
   using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
@@ -66,14 +59,12 @@ class LandingSystem {
   /// The same system, in its present mode, in another scalar.
   template <class U, class UConstant>
   explicit LandingSystem(const LandingSystem<kAllTerms, kAccounts, U, UConstant>& o)
-      : link(o.link.template cast<Constant>()),
+      : Mode(o),
+        link(o.link.template cast<Constant>()),
         floor(o.floor.template cast<T>()),
         sea(o.sea.template cast<T>()),
         motion(o.motion.template cast<T>()),
         present(o.present),
-        contact(o.contact),
-        saturation(o.saturation),
-        phase(o.phase),
         motion_start(o.motion_start) {}
 
   TwoLinkDynamics<Constant> link;
@@ -82,10 +73,6 @@ class LandingSystem {
   MotionOf<T> motion;
   std::array<Lane, kPoints> present{};
 
-  // The mode.
-  std::array<typename ModeOf<T>::Contact, kPoints> contact{};
-  typename ModeOf<T>::Saturation saturation{};
-  typename ModeOf<T>::Phase phase{};
   T motion_start{0};  ///< time of the first touchdown [s]
 
   /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
@@ -104,7 +91,7 @@ class LandingSystem {
   Reference<T> reference(const Time& t) const {
     const Reference<T> held{select(after(phase), motion.phi_f, motion.phi_i), T(0)};
     if (!any(moving(phase))) return held;
-    const Reference<T> played = quintic(motion.phi_i, motion.phi_f, motion.duration, T(t - motion_start));
+    const Reference<T> played = reference_of(motion, T(t - motion_start));
     return {select(moving(phase), played.phi, held.phi), select(moving(phase), played.dphi, held.dphi)};
   }
 
@@ -218,16 +205,6 @@ class LandingSystem {
                 rate = narrowed<Out>(normal_force_rate(floor, v, acceleration_y(link, p, acc, j)));
       out.set(kPoints + j, select(pushes, force, -force), select(pushes, rate, -rate), damped & present[j]);
     }
-  }
-
-  /// The mode beyond the zero of guard `i`.
-  void cross(int i) {
-    if (i < kPoints)
-      contact[i] = crossed(contact[i]);
-    else if (i < kTorqueUpper)
-      contact[i - kPoints] = loosened(contact[i - kPoints]);
-    else
-      saturation = saturation ? 0 : (i == kTorqueUpper ? 1 : -1);
   }
 
   /// Sizes below which a component need not be relatively exact: a link's length, 1 rad, and those at 10 1/s.

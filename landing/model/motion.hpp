@@ -25,7 +25,7 @@ struct MotionOf {
 };
 using Motion = MotionOf<double>;
 
-/// Where the reference stands.
+/// Where the reference stands: before the first touchdown, in the motion, after it.
 enum class Phase : unsigned char { kBefore, kMoving, kAfter };
 inline bool moving(Phase p) { return p == Phase::kMoving; }
 inline bool after(Phase p) { return p == Phase::kAfter; }
@@ -37,6 +37,14 @@ UKEMI_INLINE Reference<T> quintic(const T& phi_i, const T& phi_f, const T& durat
   const T inverse = T(1) / duration, s = time * inverse, range = phi_f - phi_i, s2 = s * s, rest = s - s2;
   return {phi_i + range * (s2 * s * (T(10) + s * (T(-15) + T(6) * s))), range * inverse * (T(30) * rest * rest)};
 }
+
+/// What a motion plays `time` after the first touchdown, in [0, duration].
+template <class T>
+UKEMI_INLINE Reference<T> reference_of(const MotionOf<T>& m, const T& time) {
+  return quintic(m.phi_i, m.phi_f, m.duration, time);
+}
+/// Whether it moves at all.
+inline bool moves(const Motion& m) { return m.phi_i != m.phi_f; }
 
 /// Largest |dphi_ref| of a motion, at its middle: 15/8 |phi_F - phi_I| / t [rad/s].
 inline double peak_reference_rate(const Motion& m) {

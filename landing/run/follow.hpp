@@ -7,9 +7,8 @@
 
 #include "landing/run/peak_tracker.hpp"
 #include "landing/run/recorder.hpp"
-#include "landing/model/release.hpp"
 #include "landing/run/rest.hpp"
-#include "landing/run/simulate.hpp"
+#include "landing/run/schedule.hpp"
 
 namespace ukemi::landing {
 
@@ -22,124 +21,119 @@ bool exceeds(const System& system, const Limits& limits, double t, const typenam
 
 /// Follows one landing with `Method` and the kernel of `kTerms`; with kReport, everything that a report needs.
 template <class Method, LandingTerms kTerms, bool kReport>
-void follow(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const SimulateOptions& options,
-            LandingPeak& out, [[maybe_unused]] Landing* landing, [[maybe_unused]] double rate) {
+class Follower {
   using System = LandingSystem<kTerms, kReport>;
-  System system(scene, sea, motion);
-  [[maybe_unused]] std::conditional_t<kReport, Recorder<System>, NoRecorder> recorder(landing, rate);
-  typename System::State y = released(system, scene, scene.drop, motion);
-  const double g = system.link.gravity;
-  double t = 0, limit = flight_limit(scene);
-  PeakTracker peak;
-  if constexpr (kReport) recorder.start(system, t, y);
+  using State = typename System::State;
+  using Integrator = integrate::Integrator<Method, System>;
 
-  // 1) The first flight in closed form, peak g.
-  const bool ballistic = is_ballistic(scene);
-  if (ballistic) {
-    const double fall = fall_time(scene);
-    t = std::min(fall, limit);
-    peak.consider(g * g, 0);
-    if constexpr (kReport) recorder.ballistic(system, scene.drop, y, t);
-    fly(system, scene, t, y);
-    if (t < fall) {
-      if constexpr (kReport) recorder.row(system, t, y), recorder.finish();
-      out.t_end = t, out.end = End::kNoContact, out.peak = g, out.t_peak = 0,
-      out.state = y.template head<kMechanical>();
-      return;
+ public:
+  Follower(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion, const SimulateOptions& options,
+           LandingPeak& out, Landing* landing, double rate)
+      : scene_(scene),
+        motion_(motion),
+        options_(options),
+        out_(out),
+        system_(scene, sea, motion),
+        schedule_(scene, motion.duration, moves(motion)),
+        recorder_(landing, rate) {}
+
+  void follow() {
+    State y = released(system_, scene_, scene_.drop, motion_);
+    if constexpr (kReport) recorder_.start(system_, 0, y);
+    if (schedule_.ballistic()) fly_down(y);
+    t_ = schedule_.start();
+    if (schedule_.flies_on()) {
+      if constexpr (kReport) recorder_.row(system_, t_, y);
+      return finish(End::kNoContact, y);
     }
+    Integrator integrator(system_, t_, y,
+                          {.accuracy = options_.accuracy,
+                           .first_step = std::min(options_.max_step, schedule_.first_step()),
+                           .max_step = options_.max_step});
+    impact_ = impact_energy(system_);
+    std::optional<End> end;
+    for (long n = 0; !end; ++n) end = advance(integrator, n);
+    out_.work = integrator.counters();
+    finish(*end, integrator.state());
   }
 
-  // 2), 3) From event to event.
-  integrate::Integrator<Method, System> integrator(system, t, y,
-                                                   {.accuracy = options.accuracy,
-                                                    .first_step = std::min(options.max_step, ballistic ? 1e-3 : 1e-2),
-                                                    .max_step = options.max_step});
-  const double impact = impact_energy(system);
-  double motion_end = std::numeric_limits<double>::infinity();
-  bool touched = false;
-  for (long n = 0;; ++n) {
-    // A motion is never passed over in a few steps, however short it is.
-    if (system.phase == Phase::kMoving) integrator.limit_next_step(0.125 * motion.duration);
-    const integrate::Outcome outcome = integrator.step(std::min(limit, motion_end));
-    t = integrator.time();
-    out.status = outcome.status;
-    if (outcome.status > integrate::Status::kEvent || n >= options.max_steps) {
-      out.end = End::kFailed;
-      out.failure = n >= options.max_steps ? Failure::kSteps : Failure::kIntegration;
-      break;
-    }
-    if (!outcome.immediate && integrator.step().h > 0) {
-      const double before = peak.square;
-      if (!peak.step(system, integrator)) {
-        out.end = End::kFailed, out.failure = Failure::kUnresolved;
-        break;
-      }
-      if (peak.square != before) out.peak_contact = out.contacts.size() - 1;
-      if (options.limits.rated() && exceeds(system, options.limits, t, integrator.state())) {
-        out.end = End::kBroken;
-        break;
-      }
-      if constexpr (kReport) recorder.step(system, integrator);
-    }
-    if (peak.square > options.abandon_above * options.abandon_above) {
-      out.end = End::kAbandoned;
-      break;
-    }
-    if (options.stopped(n)) {
-      out.end = End::kStopped;
-      break;
-    }
-    if (outcome.event >= 0) {
-      if constexpr (kReport) recorder.row(system, t, integrator.state());
-      const bool touchdown = outcome.event < kPoints && system.contact[outcome.event] == Contact::kClear;
-      if (touchdown && options.limits.forbidden[outcome.event]) {
-        out.end = End::kBroken;
-        break;
-      }
-      if (touchdown && options.touchdowns) options.touchdowns->push_back(t);
-      if (outcome.event < kPoints)
-        touchdown ? out.contacts.touchdown(Point(outcome.event), t) : out.contacts.liftoff(Point(outcome.event), t);
-      if (touchdown && !touched) {
-        touched = true;
-        system.motion_start = t;
-        const bool moves = motion.phi_i != motion.phi_f;
-        system.phase = moves ? Phase::kMoving : Phase::kAfter;
-        if (moves) motion_end = t + motion.duration;
-        if (!scene.t_end) limit = t + Scene::kFollow;
-      }
-      system.cross(outcome.event);
-      integrator.refresh();
-      peak.jump();
-      if constexpr (kReport) recorder.jump();
-      if constexpr (kReport) {
-        if (touchdown)
-          recorder.touchdown(Point(outcome.event), t);
-        else if (outcome.event < kPoints)
-          recorder.liftoff(Point(outcome.event), t);
-        recorder.row(system, t, integrator.state());
-      }
-      continue;
-    }
-    if (outcome.status == integrate::Status::kReached) {
-      if (t >= motion_end - 1e-14) {
-        system.phase = Phase::kAfter;
-        motion_end = std::numeric_limits<double>::infinity();
-      }
-      if (t >= limit - 1e-14) {
-        out.end = touched ? End::kTimeLimit : End::kNoContact;
-        break;
-      }
-    }
-    if (options.rest == SimulateOptions::Rest::kStop && at_rest(system, integrator.state(), peak.square, impact)) {
-      out.end = End::kRest;
-      break;
-    }
+ private:
+  /// The first flight in closed form, peak g.
+  void fly_down(State& y) {
+    const double g = system_.link.gravity, until = schedule_.start();
+    peak_.consider(g * g, 0);
+    if constexpr (kReport) recorder_.ballistic(system_, scene_.drop, y, until);
+    fly(system_, scene_, until, y);
   }
-  if constexpr (kReport) recorder.finish();
-  out.t_end = t;
-  out.peak = std::sqrt(peak.square), out.t_peak = peak.t;
-  out.state = integrator.state().template head<kMechanical>();
-  out.work = integrator.counters();
-}
+
+  /// One step, and what it means for the landing: how the run ended, if it did.
+  std::optional<End> advance(Integrator& integrator, long n) {
+    if (system_.phase == Phase::kMoving) integrator.limit_next_step(schedule_.motion_part());
+    const integrate::Outcome outcome = integrator.step(schedule_.stop());
+    t_ = integrator.time();
+    out_.status = outcome.status;
+    if (n >= options_.max_steps) return failed(Failure::kSteps);
+    if (outcome.status > integrate::Status::kEvent) return failed(Failure::kIntegration);
+    if (!outcome.immediate && integrator.step().h > 0)
+      if (const auto end = look(integrator)) return end;
+    if (peak_.square > options_.abandon_above * options_.abandon_above) return End::kAbandoned;
+    if (options_.stopped(n)) return End::kStopped;
+    if (outcome.event >= 0) return cross(integrator, outcome.event);
+    if (outcome.status == integrate::Status::kReached)
+      if (const auto end = schedule_.reached(t_, system_)) return end;
+    const bool asked = options_.rest == SimulateOptions::Rest::kStop;
+    if (asked && at_rest(system_, integrator.state(), peak_.square, impact_)) return End::kRest;
+    return std::nullopt;
+  }
+
+  /// The peak of the step just taken, and its limits.
+  std::optional<End> look(Integrator& integrator) {
+    const double before = peak_.square;
+    if (!peak_.step(system_, integrator)) return failed(Failure::kUnresolved);
+    if (peak_.square != before) out_.peak_contact = out_.contacts.size() - 1;
+    if (options_.limits.rated() && exceeds(system_, options_.limits, t_, integrator.state())) return End::kBroken;
+    if constexpr (kReport) recorder_.step(system_, integrator);
+    return std::nullopt;
+  }
+
+  std::optional<End> cross(Integrator& integrator, int event) {
+    if constexpr (kReport) recorder_.row(system_, t_, integrator.state());
+    const Schedule::Crossing crossing = schedule_.cross(event, t_, system_, options_.limits, out_.contacts);
+    if (crossing.forbidden) return End::kBroken;
+    if (crossing.touchdown && options_.touchdowns) options_.touchdowns->push_back(t_);
+    if (crossing.first) system_.motion_start = t_;
+    integrator.refresh();
+    peak_.jump();
+    if constexpr (kReport) {
+      recorder_.jump();
+      if (crossing.touchdown) recorder_.touchdown(Point(event), t_);
+      if (crossing.liftoff) recorder_.liftoff(Point(event), t_);
+      recorder_.row(system_, t_, integrator.state());
+    }
+    return std::nullopt;
+  }
+
+  End failed(Failure why) {
+    out_.failure = why;
+    return End::kFailed;
+  }
+
+  void finish(End end, const State& y) {
+    if constexpr (kReport) recorder_.finish();
+    out_.end = end, out_.t_end = t_;
+    out_.peak = std::sqrt(peak_.square), out_.t_peak = peak_.t;
+    out_.state = y.template head<kMechanical>();
+  }
+
+  const Scene& scene_;
+  const Motion& motion_;
+  const SimulateOptions& options_;
+  LandingPeak& out_;
+  System system_;
+  Schedule schedule_;
+  std::conditional_t<kReport, Recorder<System>, NoRecorder> recorder_;
+  PeakTracker peak_;
+  double t_ = 0, impact_ = 0;  ///< impact_: see impact_energy
+};
 
 }  // namespace ukemi::landing

@@ -24,9 +24,9 @@ void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion
               const SimulateOptions& options, LandingPeak& out, Landing* landing, double rate) {
   const auto with = [&]<LandingTerms kTerms>() {
     if (options.accuracy >= kLowOrder)
-      follow<LowOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate);
+      Follower<LowOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
     else
-      follow<HighOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate);
+      Follower<HighOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
   };
   if (!scene.touches())
     with.template operator()<kFlight>();

@@ -8,7 +8,7 @@ namespace ukemi::landing {
 void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                         const SimulateOptions& options, LandingPeak& out) {
   constexpr LandingTerms kAll{SeaTerms{true, true}};
-  const auto with = [&]<class M>() { follow<M, kAll, false>(scene, sea, motion, options, out, nullptr, 0); };
+  const auto with = [&]<class M>() { Follower<M, kAll, false>(scene, sea, motion, options, out, nullptr, 0).follow(); };
   switch (options.method) {
     case Method::kSemiImplicitEuler:
       return with.template operator()<integrate::SemiImplicitEuler>();

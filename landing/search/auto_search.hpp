@@ -17,39 +17,41 @@
 #include <vector>
 
 #include "common/random.hpp"
+#include "landing/search/auto_settings.hpp"
 #include "landing/search/search.hpp"
 
 namespace ukemi::landing {
 
 class AutoSearch {
  public:
-  /// Allocates all that `run` needs.
-  AutoSearch();
+  /// Allocates all that `run` needs. Throws InputError for settings out of range.
+  explicit AutoSearch(const AutoSettings& settings = {});
   /// Searches until the search is over. Allocates nothing.
   void run(Search& search);
 
  private:
-  std::vector<Point3>::iterator basin_of(const Point3& p);
+  std::vector<Candidate>::iterator basin_of(const Candidate& p);
   void choose_region(int n);
-  Point3 fresh();
+  Candidate fresh();
   bool ending() const;
   void scout();
-  void lead(const Point3& p);
-  static void take(std::vector<Point3>& best, int most, double apart, const Point3& p);
+  void lead(const Candidate& p);
+  void take(std::vector<Candidate>& best, int most, double apart, const Candidate& p);
   void race(double share);
   void fill(int entrants, Goal goal, int places, double share);
-  void enter(std::span<Point3> points, Goal goal, int places);
+  void enter(std::span<Candidate> points, Goal goal, int places);
   void converge(double side, bool may_give_up);
   void remember();
   void refine();
 
+  AutoSettings set_;
   bool refined_last_ = false;
   int size_ = 0;
-  Point3 centre_;  // of the region where the next race is run
+  Candidate centre_;  // of the region where the next race is run
   double side_ = 1;
   Search* search_ = nullptr;
   Random random_{0};
-  std::vector<Point3> population_, trials_, basins_, leads_;
+  std::vector<Candidate> population_, trials_, basins_, leads_, batch_;
 };
 
 }  // namespace ukemi::landing

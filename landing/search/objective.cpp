@@ -9,34 +9,36 @@
 namespace ukemi::landing {
 
 Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
+    : Objective(scene, std::make_unique<QuinticSpace>(scene.search, sea), options) {}
+
+Objective::Objective(const Scene& scene, std::unique_ptr<const MotionSpace> own, const Options& options)
+    : Objective(scene, *own, options) {
+  own_ = std::move(own);
+}
+
+Objective::Objective(const Scene& scene, const MotionSpace& space, const Options& options)
     : deadline(options.deadline),
       watch(options.time),
       stop(options.stop),
       scene_(scene),
-      sea_(sea),
-      options_(options),
-      extended_(is_extended(sea)) {
+      space_(space),
+      options_(options) {
+  const Play middle = space.play(space.values(space.centre()));
+  extended_ = is_extended(middle.sea), feedback_ = middle.sea.feedback;
   std::iota(order_.begin(), order_.end(), 0);
   // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
   // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.
   constexpr long kUsual = 300, kTimes = 20;
   constexpr double kShare = 0.1;  // of the time that may go into finding that out
   deadline *= kShare;
-  const LandingPeak middle = peak_acceleration(
-      scene, sea, motion({}), {.accuracy = options.accuracy, .max_steps = 2 * kUsual * kTimes, .over = &over_});
+  const LandingPeak landing =
+      peak_acceleration(scene, middle.sea, middle.motion,
+                        {.accuracy = options.accuracy, .max_steps = 2 * kUsual * kTimes, .over = &over_});
   deadline = options.deadline;
   landing_time_ = watch.seconds();
-  const long steps = middle.work.steps;
-  patient_ = steps > kUsual * kTimes || middle.end == End::kStopped;
+  const long steps = landing.work.steps;
+  patient_ = steps > kUsual * kTimes || landing.end == End::kStopped;
   max_steps_ = kTimes * std::max(kUsual, steps);
-}
-
-Motion Objective::motion(const Point3& p) const {
-  const SearchRange& r = scene_.search;
-  const auto in = [](const std::array<double, 2>& range, double s) {
-    return std::clamp(range[0] + s * (range[1] - range[0]), range[0], range[1]);
-  };
-  return {in(r.phi, p.u[0]), in(r.phi, p.u[1]), in(r.duration, p.u[2])};
 }
 
 /// Motions raced over their execution boxes: each lane takes a motion of its own and plays its box until the first
@@ -45,11 +47,11 @@ class Objective::Race : public BatchSource {
  public:
   static constexpr std::size_t kMost = 64;
 
-  Race(const Objective& o, std::span<Point3> points, Goal goal, long granted)
+  Race(const Objective& o, std::span<Candidate> points, Goal goal, long granted)
       : o_(o), points_(points), granted_(granted), corners_(goal == Goal::kPeak ? 1 : kExecutionPoints) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].value = 0;
-      const double rate = peak_reference_rate(o.motion(points[i]));
+      const double rate = peak_reference_rate(o.play(points[i]).motion);
       if (rate > o.options_.reference_rate) fail(i, kNoMotion * (1 + rate));
     }
   }
@@ -60,11 +62,12 @@ class Objective::Race : public BatchSource {
     if (mine < 0 || !open(std::size_t(mine))) mine = take();
     if (mine < 0) return false;
     const auto i = std::size_t(mine);
-    const Point3& p = points_[i];
+    const Candidate& p = points_[i];
     const int k = corner(p, step_[i]++);
     corner_[lane] = k;
-    const Motion m = o_.motion(p);
-    c = {&o_.scene_, &o_.sea_, k == 0 ? m : execution_point(m, o_.scene_.execution, k), p.bound};
+    Play& play = play_[lane] = o_.play(p);
+    if (k > 0) play = o_.space_.inexact(play, o_.scene_.execution, execution_deviation(k));
+    c = {&o_.scene_, &play.sea, play.motion, p.bound};
     return true;
   }
 
@@ -98,7 +101,7 @@ class Objective::Race : public BatchSource {
     points_[i].value = std::max(points_[i].value, value);
   }
   /// The one that was this motion's worst comes first, then those that were the worst of the most motions.
-  int corner(const Point3& p, int step) const {
+  int corner(const Candidate& p, int step) const {
     if (corners_ == 1) return 0;
     const int first = first_[std::size_t(&p - points_.data())];
     if (step == 0) return first;
@@ -118,17 +121,19 @@ class Objective::Race : public BatchSource {
   }
 
   const Objective& o_;
-  std::span<Point3> points_;
+  std::span<Candidate> points_;
   const long granted_;  ///< work
   const int corners_;
   std::size_t fresh_ = 0;
   std::array<bool, kMost> failed_{};
   std::array<int, kMost> step_{}, first_{}, ended_{};
   bool late_ = false;
-  std::array<int, lanes(InstructionSet::kAvx512)> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, corner_{};
+  static constexpr int kLanes = lanes(InstructionSet::kAvx512);
+  std::array<int, kLanes> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, corner_{};
+  std::array<Play, kLanes> play_;  ///< what the lane's landing points to
 };
 
-void Objective::evaluate(std::span<Point3> points, Goal goal) {
+void Objective::evaluate(std::span<Candidate> points, Goal goal) {
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
   std::atomic<long> landings{0}, flights{0}, work{0};
@@ -136,7 +141,7 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
   const BatchOptions batch{.accuracy = options_.accuracy,
                            .limits = options_.limits,
                            .extended = extended_,
-                           .feedback = sea_.feedback,
+                           .feedback = feedback_,
                            .too_long = patient_ ? BatchOptions::Long::kScalar : BatchOptions::Long::kFail,
                            .max_steps = patient_ ? BatchOptions().max_steps : max_steps_};
   parallel_for(parts, options_.threads, [&](int i) {
@@ -148,7 +153,7 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
     landings += race.landings, flights += race.flights, work += race.work;
   });
   if (goal == Goal::kTolerant) {
-    for (const Point3& p : points) ++failures_[std::size_t(p.worst)];
+    for (const Candidate& p : points) ++failures_[std::size_t(p.worst)];
     std::sort(order_.begin(), order_.end(), [&](int a, int b) {
       const long fa = failures_[std::size_t(a)], fb = failures_[std::size_t(b)];
       return fa != fb ? fa > fb : a < b;
@@ -158,15 +163,16 @@ void Objective::evaluate(std::span<Point3> points, Goal goal) {
   landings_ += landings, flights_ += flights, work_ += work;
 }
 
-double Objective::verified(const Motion& m, double accuracy, double bound) {
+double Objective::verified(const Play& play, double accuracy, double bound) {
   double worst = 0;
   const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
   // A deadline has no time for a landing that chatters without end.
   const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
-  if (peak_reference_rate(m) > options_.reference_rate) return kNoMotion;
+  if (peak_reference_rate(play.motion) > options_.reference_rate) return kNoMotion;
   for (int k = 0; k < n && !late(); ++k) {
+    const Play at = k == 0 ? play : space_.inexact(play, scene_.execution, execution_deviation(k));
     const LandingPeak p = peak_acceleration(
-        scene_, sea_, k == 0 ? m : execution_point(m, scene_.execution, k),
+        scene_, at.sea, at.motion,
         {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits, .over = &over_});
     work_ += work_of(p.work);
     if (no_landing(p.end)) return kNoMotion;

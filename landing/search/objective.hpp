@@ -1,16 +1,18 @@
-// What a search minimises: the peak of a motion, or its tolerant peak, over the scene's box; many motions at once.
+// What a search minimises: the peak of a motion, or its tolerant peak, over a motion space; many motions at once.
 #pragma once
 
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "common/stopwatch.hpp"
 #include "landing/lanes/batch.hpp"
-#include "landing/search/robust.hpp"
+#include "landing/model/motion_space.hpp"
 #include "landing/run/work.hpp"
+#include "landing/search/tolerant_peak.hpp"
 
 namespace ukemi::landing {
 
@@ -19,16 +21,16 @@ enum class Goal {
   kTolerant,  ///< the worst f within the scene's execution tolerance, see robust.hpp
 };
 
-/// Above every peak: a motion that could not be followed, or broke a limit.
+/// Above every peak: a motion that could not be followed, or broke a limit [m/s^2].
 inline constexpr double kNoMotion = 1e9;
 
-/// A motion as the solvers see it: in the unit cube of the search range.
-struct Point3 {
-  std::array<double, 3> u{0.5, 0.5, 0.5};
+/// A point of the motion space as the solvers carry it.
+struct Candidate {
+  Coordinates u;             ///< its place in the unit cube
   double value = kNoMotion;  ///< the goal [m/s^2]; above `bound` only a lower bound of it
   double bound = kNoMotion;  ///< what the caller still cares for: landings are abandoned above it
-  int worst = 0;             ///< which motion of the execution box gave the value, and is tried first next time
-  bool operator<(const Point3& o) const { return value < o.value; }
+  int worst = 0;             ///< which point of the execution box gave the value, and is tried first next time
+  bool operator<(const Candidate& o) const { return value < o.value; }
 };
 
 class Objective {
@@ -37,34 +39,37 @@ class Objective {
     Goal goal = Goal::kPeak;
     double accuracy = 1e-6;  ///< see BatchOptions
     Limits limits;           ///< what no landing may do
-    double reference_rate =
-        kNoMotion;    ///< of the reference, 15/8 |phi_F - phi_I| / t [rad/s]; no landing is spent above it
-    int threads = 1;  ///< 0: all cores; without influence on the results
+    /// Of the reference, 15/8 |phi_F - phi_I| / t [rad/s]; no landing is spent above it.
+    double reference_rate = std::numeric_limits<double>::infinity();
+    int threads = 1;                                            ///< 0: all cores; without influence on the results
     Stopwatch::Time time = Stopwatch::Time::kWall;              ///< that deadlines are counted in
     double deadline = std::numeric_limits<double>::infinity();  ///< from the construction on, which plays a landing [s]
     std::function<bool()> stop;                                 ///< see Objective::stop
   };
 
   /// Both must outlive the objective; the scene's drop may change between calls.
+  Objective(const Scene& scene, const MotionSpace& space, const Options& options);
+  /// Over the motions of Eq. 6.
   Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
 
-  Motion motion(const Point3& p) const;
+  const MotionSpace& space() const { return space_; }
+  /// What a candidate stands for.
+  Play play(const Candidate& c) const { return space_.play(space_.values(c.u)); }
   Objective(const Objective&) = delete;
   /// Values of many motions. On one thread it allocates nothing. What ends it early (see `late`) cuts landings off:
   /// their motions come back with kNoMotion.
-  void evaluate(std::span<Point3> points, Goal goal);
+  void evaluate(std::span<Candidate> points, Goal goal);
   double deadline;  ///< on `watch` [s]
   Stopwatch watch;
   std::function<bool()> stop;  ///< asked often, from any thread, if set; true: no time is left
   /// The value of one motion in the scalar path, limits included, as far as it may be played; 0 where nothing of it
   /// may. With a deadline, a landing of very many steps counts as one that cannot be followed.
-  double verified(const Motion& motion, double accuracy, double bound = kNoMotion);
+  double verified(const Play& play, double accuracy, double bound = kNoMotion);
 
   double accuracy() const { return options_.accuracy; }
   void set_accuracy(double accuracy) { options_.accuracy = accuracy; }
   const Options& options() const { return options_; }
   const Scene& scene() const { return scene_; }
-  const SeaParameters<double>& sea() const { return sea_; }
   long motions() const { return motions_; }    ///< evaluated so far
   long landings() const { return landings_; }  ///< followed for them, abandoned ones included
   long flights() const { return flights_; }    ///< of these, never touched the floor
@@ -86,10 +91,14 @@ class Objective {
 
  private:
   class Race;
+  Objective(const Scene& scene, std::unique_ptr<const MotionSpace> own, const Options& options);
+  std::unique_ptr<const MotionSpace> own_;
   const Scene& scene_;
-  const SeaParameters<double>& sea_;
+  const MotionSpace& space_;
   Options options_;
-  bool extended_, patient_ = false;  ///< patient: landings may be as long as they like
+  bool extended_;
+  Feedback feedback_;
+  bool patient_ = false;  ///< landings may be as long as they like
   long max_steps_ = 0;
   std::array<int, kExecutionPoints> order_;        ///< in which an execution box is played: the worst come first
   std::array<long, kExecutionPoints> failures_{};  ///< how often each was the worst

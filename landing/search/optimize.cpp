@@ -19,6 +19,7 @@ void OptimizeOptions::validate() const {
   if (!(tolerance >= 0 && tolerance < 1))
     throw InputError("tolerance: " + shortest(tolerance) + ": at least 0 and below 1 is needed");
   check_solver(solver);
+  settings.validate();
 }
 
 namespace {
@@ -33,7 +34,8 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
   if (objective.flights() > 0 && objective.flights() == objective.landings())
     return "no point of the robot touches the floor: there is no landing to plan";
   if (options.deadline) return fmt::format("no motion could be followed in the {:g} s given", *options.deadline);
-  const bool limited = options.limits.any_forbidden() || options.limits.rated() || options.reference_rate < kNoMotion;
+  const bool limited =
+      options.limits.any_forbidden() || options.limits.rated() || std::isfinite(options.reference_rate);
   const std::string none = limited ? "no motion of the search range was found that keeps the limits"
                                    : "no motion of the search range could be followed";
   return exhausted ? none + "; " + bound : none;
@@ -42,10 +44,14 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
 }  // namespace
 
 Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const OptimizeOptions& options) {
+  return optimize(scene, QuinticSpace(scene.search, sea), options);
+}
+
+Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOptions& options) {
   options.validate();
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const double deadline = options.deadline.value_or(kNever);
-  Objective objective(scene, sea,
+  Objective objective(scene, space,
                       {.goal = options.goal,
                        .accuracy = options.search_accuracy,
                        .limits = options.limits,
@@ -71,7 +77,7 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   out.progress.reserve(kKept);
   Search search(objective, budget, options.seed, &out.progress);
   search.tell = options.monitor.tell;
-  run_solver(options.solver, search);
+  run_solver(options.solver, search, options.settings);
   out.evaluations = search.motions();
   out.work = objective.work();
   const bool exhausted = objective.exhausted();
@@ -83,9 +89,11 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
     last = 0.5 * (until - objective.watch.seconds());
   };
   leave();
-  const Point3 best = search.settle(options.accuracy, until - last);
+  const Candidate best = search.judge(options.accuracy, until - last);
   out.seconds = objective.watch.seconds();
-  out.motion = objective.motion(best);
+  out.values = space.values(best.u);
+  const Play play = space.play(out.values);
+  out.motion = play.motion, out.sea = play.sea;
   out.landings = objective.landings();
   out.found = best.value < kNoMotion;
   out.message = message_of(options, objective, out.found, exhausted);
@@ -95,12 +103,12 @@ Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const Opt
   objective.grant(kUnbounded);
   const SimulateOptions tight{.accuracy = options.accuracy, .over = objective.over()};
   const bool peak = options.goal == Goal::kPeak;
-  out.landing = peak_acceleration(scene, sea, out.motion, tight);
+  out.landing = peak_acceleration(scene, play.sea, play.motion, tight);
   out.verified = out.landing.end != End::kStopped;
   if (!out.verified)
     out.landing.peak = peak ? std::max(out.landing.peak, best.value) : std::numeric_limits<double>::quiet_NaN();
   const int samples = std::isfinite(until) ? 0 : options.tolerance_samples;
-  out.tolerant = tolerant_peak(scene, sea, out.motion, tight, samples, options.seed, options.threads);
+  out.tolerant = tolerant_peak(scene, space, play, tight, samples, options.seed, options.threads);
   if (!out.tolerant.complete) out.tolerant.value = std::max(out.tolerant.value, peak ? out.landing.peak : best.value);
   out.value = peak ? out.landing.peak : out.tolerant.value;
   return out;

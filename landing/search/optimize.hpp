@@ -9,22 +9,24 @@
 #include <vector>
 
 #include "common/monitor.hpp"
-#include "landing/search/robust.hpp"
+#include "landing/search/auto_settings.hpp"
 #include "landing/search/search.hpp"
+#include "landing/search/tolerant_peak.hpp"
 
 namespace ukemi::landing {
 
 struct OptimizeOptions {
   std::string solver = "auto";      ///< one of solver_names()
   Goal goal = Goal::kPeak;          ///< what is minimised
+  AutoSettings settings;            ///< of auto
   std::optional<long> evaluations;  ///< motions in all; absent: default_evaluations(goal), or no bound with a deadline
   std::optional<double> deadline;   ///< [s], > 0: `optimize` returns by then, whatever has been found
   Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that the deadline is counted in; kProcessor: on one thread
   double tolerance = 0;                           ///< see Budget::tolerance; 0: never
   Limits limits;                                  ///< what no landing may do
-  double reference_rate = kNoMotion;              ///< largest |dphi_ref| of a motion [rad/s]
-  double search_accuracy = 1e-6;                  ///< of the landings that are searched
-  double accuracy = 1e-9;                         ///< of the result
+  double reference_rate = std::numeric_limits<double>::infinity();  ///< largest |dphi_ref| of a motion [rad/s]
+  double search_accuracy = 1e-6;                                    ///< of the landings that are searched
+  double accuracy = 1e-9;                                           ///< of the result
   std::uint64_t seed = 1;
   int threads = 0;               ///< 0: all cores; with a number of evaluations the result does not depend on it
   int tolerance_samples = 2000;  ///< random points inside the execution box of the result; with a deadline none
@@ -37,6 +39,8 @@ constexpr long default_evaluations(Goal goal) { return goal == Goal::kPeak ? 40'
 
 struct Optimum {
   Motion motion{};
+  SeaParameters<double> sea;       ///< the drive that plays it
+  Coordinates values;              ///< of the space's variables
   LandingPeak landing;             ///< of the motion, at OptimizeOptions::accuracy
   TolerantPeak tolerant;           ///< the same within the execution tolerance
   double value = kNoMotion;        ///< the goal, at OptimizeOptions::accuracy
@@ -55,6 +59,8 @@ struct Optimum {
 /// and a number of evaluations, whatever the number of threads; with a deadline the clock decides, and what judging
 /// takes is kept back from it: some landings as long as that in the middle of the box, whose time is measured. However
 /// stiff the scene, a search of a number of motions ends with work_allowed, counted and not timed.
+[[nodiscard]] Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOptions& options = {});
+/// The same over the motions of Eq. 6.
 [[nodiscard]] Optimum optimize(const Scene& scene, const SeaParameters<double>& sea,
                                const OptimizeOptions& options = {});
 

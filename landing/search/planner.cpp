@@ -15,11 +15,11 @@ void check_deadline(double deadline) {
   if (!(deadline > 0)) throw InputError("deadline: " + shortest(deadline) + " s: above 0 is needed");
 }
 
-Planner::Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
+Planner::Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options)
     : scene_(scene),
-      sea_(sea),
+      space_(std::move(space)),
       options_(options),
-      objective_(scene_, sea_,
+      objective_(scene_, *space_,
                  {.goal = options.goal,
                   .accuracy = options.accuracy,
                   .limits = options.limits,
@@ -33,8 +33,9 @@ Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   Search search(objective_, {.seconds = deadline - verification_time(deadline, objective_.landing_time())}, seed);
   search_.run(search);
   const long searched = objective_.motions() - before;
-  const Point3 best = search.settle(options_.verified, deadline);
-  return {objective_.motion(best), best.value, searched, best.value < kNoMotion};
+  const Candidate best = search.judge(options_.verified, deadline);
+  const Play play = objective_.play(best);
+  return {play.motion, play.sea, best.value, searched, best.value < kNoMotion};
 }
 
 }  // namespace ukemi::landing

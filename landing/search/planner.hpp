@@ -1,6 +1,8 @@
 // The search as a part of a robot's control program: an answer by a deadline, again and again.
 #pragma once
 
+#include <memory>
+
 #include "landing/search/auto_search.hpp"
 
 namespace ukemi::landing {
@@ -8,24 +10,28 @@ namespace ukemi::landing {
 /// What a planner answers with.
 struct Plan {
   Motion motion{};
-  double value = kNoMotion;  ///< the goal, as Search::settle judges it [m/s^2]
-  long motions = 0;          ///< evaluated
-  bool found = false;        ///< false: nothing could be followed within the limits in the time given
+  SeaParameters<double> sea;  ///< the drive that plays it
+  double value = kNoMotion;   ///< the goal, as Search::judge finds it [m/s^2]
+  long motions = 0;           ///< evaluated
+  bool found = false;         ///< false: nothing could be followed within the limits in the time given
 };
 
-/// Owns a scene, an actuator and all the memory that a search needs; `plan` allocates nothing and starts no thread.
+/// Owns a scene, a motion space and all the memory that a search needs; `plan` allocates nothing and starts no thread.
 /// Not to be called from two threads at once.
 class Planner {
  public:
   struct Options {
     Goal goal = Goal::kTolerant;
-    double accuracy = 1e-6;             ///< of the search
-    double verified = 1e-8;             ///< of the scalar path, which judges the answer as far as the time goes
-    Limits limits;                      ///< what no landing may do
-    double reference_rate = kNoMotion;  ///< [rad/s]
+    double accuracy = 1e-6;  ///< of the search
+    double verified = 1e-8;  ///< of the scalar path, which judges the answer as far as the time goes
+    Limits limits;           ///< what no landing may do
+    double reference_rate = std::numeric_limits<double>::infinity();  ///< [rad/s]
   };
 
-  Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
+  Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options);
+  /// Over the motions of Eq. 6.
+  Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
+      : Planner(scene, std::make_shared<QuinticSpace>(scene.search, sea), options) {}
   Planner(const Scene& scene, const SeaParameters<double>& sea) : Planner(scene, sea, Options()) {}
   Planner(const Planner&) = delete;
   Planner& operator=(const Planner&) = delete;
@@ -37,7 +43,7 @@ class Planner {
 
  private:
   Scene scene_;
-  SeaParameters<double> sea_;
+  std::shared_ptr<const MotionSpace> space_;
   Options options_;
   Objective objective_;
   AutoSearch search_;

@@ -11,8 +11,9 @@
 
 namespace ukemi::landing {
 
-inline Point3 random_point(Random& r) {
-  Point3 p;
+/// Anywhere in the cube of so many variables.
+inline Candidate random_point(Random& r, int dimension) {
+  Candidate p{Coordinates(dimension)};
   for (double& u : p.u) u = r.uniform();
   return p;
 }
@@ -22,32 +23,28 @@ inline int random_index(Random& r, int n) { return std::min(n - 1, int(r.uniform
 inline std::size_t low_index(Random& r, std::size_t n) { return std::size_t(r.uniform() * r.uniform() * double(n)); }
 
 /// Largest difference of two points in any variable, in parts of the box.
-inline double distance(const Point3& a, const Point3& b) {
-  double d = 0;
-  for (int k = 0; k < 3; ++k) d = std::max(d, std::abs(a.u[std::size_t(k)] - b.u[std::size_t(k)]));
-  return d;
-}
+inline double distance(const Candidate& a, const Candidate& b) { return (a.u - b.u).lpNorm<Eigen::Infinity>(); }
 /// Side of the smallest cube that holds them all.
-inline double spread(std::span<const Point3> points) {
+inline double spread(std::span<const Candidate> points) {
   double widest = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (int k = 0; k < points[0].u.size(); ++k) {
     double low = 1, high = 0;
-    for (const Point3& p : points) low = std::min(low, p.u[k]), high = std::max(high, p.u[k]);
+    for (const Candidate& p : points) low = std::min(low, p.u[k]), high = std::max(high, p.u[k]);
     widest = std::max(widest, high - low);
   }
   return widest;
 }
 
 /// A point beside another, to be followed whatever comes: normal, `size` in parts of the box.
-inline Point3 beside(Point3 p, double size, Random& r) {
+inline Candidate beside(Candidate p, double size, Random& r) {
   p.bound = kNoMotion;
   for (double& u : p.u) u = std::clamp(u + size * r.normal(), 0.0, 1.0);
   return p;
 }
 
 /// A population close by a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
-inline void scatter(const Point3& centre, Random& r, std::vector<Point3>& population) {
-  for (Point3& p : population)
+inline void scatter(const Candidate& centre, Random& r, std::vector<Candidate>& population) {
+  for (Candidate& p : population)
     p = beside(centre, &p == &population.front() ? 0 : 0.02 * std::pow(10.0, -2 * r.uniform()), r);
 }
 
@@ -61,13 +58,13 @@ struct Differential {
 /// One generation of best/1/bin: a trial for every member, played only until it is worse than its parent, and taken in
 /// its place if it is not. `trials` is scratch of the population's size; nothing is allocated. `play` evaluates them.
 template <class Play>
-void evolve(Play&& play, Random& r, std::span<Point3> population, std::span<Point3> trials,
+void evolve(Play&& play, Random& r, std::span<Candidate> population, std::span<Candidate> trials,
             const Differential& choice) {
   const int n = int(population.size());
   std::partial_sort(population.begin(), population.begin() + std::min(n, choice.leaders), population.end());
   for (int i = 0; i < n; ++i) {
-    const Point3& parent = population[std::size_t(i)];
-    Point3& trial = trials[std::size_t(i)] = parent;
+    const Candidate& parent = population[std::size_t(i)];
+    Candidate& trial = trials[std::size_t(i)] = parent;
     const double f = r.uniform(choice.factor_low, choice.factor_high);
     const auto& base = population[std::size_t(random_index(r, choice.leaders))].u;
     int a = 0, b = 0;
@@ -77,8 +74,8 @@ void evolve(Play&& play, Random& r, std::span<Point3> population, std::span<Poin
     while (b == i || b == a);
     const auto& ua = population[std::size_t(a)].u;
     const auto& ub = population[std::size_t(b)].u;
-    const auto sure = std::size_t(random_index(r, 3));
-    for (std::size_t k = 0; k < 3; ++k) {
+    const int sure = random_index(r, int(base.size()));
+    for (int k = 0; k < base.size(); ++k) {
       if (k != sure && r.uniform() >= choice.crossover) continue;
       const double x = base[k] + f * (ua[k] - ub[k]);
       trial.u[k] = x < 0   ? 0.5 * parent.u[k]

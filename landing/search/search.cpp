@@ -18,7 +18,9 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       budget_(budget),
       start_(objective.watch.seconds()),
       first_motion_(objective.motions()),
-      progress_(progress) {
+      progress_(progress),
+      screened_(nothing()) {
+  few_.fill(nothing());
   objective.deadline = start_ + budget.seconds;
   objective.grant(budget.work);
 }
@@ -28,17 +30,17 @@ double Search::share() const {
   return std::min(1.0, std::max(time, double(motions()) / double(budget_.motions)));
 }
 
-void Search::evaluate(std::span<Point3> points) { evaluate(points, objective_.options().goal); }
+void Search::evaluate(std::span<Candidate> points) { evaluate(points, objective_.options().goal); }
 
-void Search::evaluate(std::span<Point3> points, Goal goal) {
+void Search::evaluate(std::span<Candidate> points, Goal goal) {
   const auto n = std::size_t(std::clamp<long>(budget_.motions - motions(), 0, long(points.size())));
-  for (Point3& p : points.subspan(n)) p.value = kNoMotion;
+  for (Candidate& p : points.subspan(n)) p.value = kNoMotion;
   if (n == 0) return;
   if (goal == objective_.options().goal) {
     play(points.first(n));
   } else {
     objective_.evaluate(points.first(n), goal);
-    for (const Point3& p : points.first(n))
+    for (const Candidate& p : points.first(n))
       if (p.value <= p.bound && p < screened_) screened_ = p;
   }
   report();
@@ -53,13 +55,13 @@ void Search::report() const {
     tell(long(kMilli * seconds()), long(kMilli * budget_.seconds));
 }
 
-void Search::play(std::span<Point3> points) {
+void Search::play(std::span<Candidate> points) {
   objective_.evaluate(points, objective_.options().goal);
-  for (const Point3& p : points)
+  for (const Candidate& p : points)
     if (p.value <= p.bound && p.value < few_.back().value) keep(p);
 }
 
-void Search::keep(const Point3& p) {
+void Search::keep(const Candidate& p) {
   constexpr double kSame = 1e-3;  // of the box: of neighbours only the best is kept
   const bool better = p.value < few_[0].value;
   std::size_t i = few_.size() - 1;
@@ -76,7 +78,7 @@ void Search::keep(const Point3& p) {
     progress_->push_back({motions(), objective_.landings(), seconds(), p});
 }
 
-Point3 Search::settle(double accuracy, double deadline) {
+Candidate Search::judge(double accuracy, double deadline) {
   constexpr double kFallen = 1e-3, kTight = 1e-9;
   constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
   if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) {
@@ -91,13 +93,13 @@ Point3 Search::settle(double accuracy, double deadline) {
   const double searched = objective_.accuracy();
   const Few found = few_;
   objective_.set_accuracy(kTight);
-  few_.fill({});
+  few_.fill(nothing());
   // A tolerant peak fills the lanes by itself.
   const std::size_t at_once = objective_.options().goal == Goal::kPeak ? 4 : 1;
   Few again = found;
   for (std::size_t i = 0; i < again.size() && found[i].value < few_[0].value && !objective_.late(); i += at_once) {
     const auto part = std::span(again).subspan(i, at_once);
-    for (Point3& p : part) p.bound = few_[0].value;
+    for (Candidate& p : part) p.bound = few_[0].value;
     play(part);
   }
   if (few_[0].value > found[0].value * (1 + kFallen)) {
@@ -106,19 +108,19 @@ Point3 Search::settle(double accuracy, double deadline) {
     constexpr int kGenerations = 80;
     constexpr double kConverged = 1e-8;
     Random random(seed, 0x5e77);
-    std::array<Point3, 24> population, trials;
-    for (Point3& p : population) p = beside(found[0], std::pow(10.0, random.uniform(-7, -2)), random);
+    std::array<Candidate, 24> population, trials;
+    for (Candidate& p : population) p = beside(found[0], std::pow(10.0, random.uniform(-7, -2)), random);
     play(population);
     for (int n = 0; n < kGenerations && spread(population) > kConverged && !objective_.late(); ++n)
-      evolve([this](std::span<Point3> p) { play(p); }, random, population, trials, {});
+      evolve([this](std::span<Candidate> p) { play(p); }, random, population, trials, {});
   }
   objective_.set_accuracy(searched);
   objective_.grant(kCheckWork);
-  Point3 best;
+  Candidate best = nothing();
   // Where nothing stood in the lanes, or the deadline came before, what was found is judged.
-  for (Point3 p : few_[0].value < kNoMotion ? few_ : found) {
+  for (Candidate p : few_[0].value < kNoMotion ? few_ : found) {
     if (p.value >= best.value) break;
-    p.value = std::max(p.value, objective_.verified(objective_.motion(p), accuracy, best.value));
+    p.value = std::max(p.value, objective_.verified(objective_.play(p), accuracy, best.value));
     if (p < best) best = p;
   }
   return best;

@@ -11,7 +11,7 @@ namespace ukemi::landing {
 struct Budget {
   long motions = std::numeric_limits<long>::max();           ///< evaluated in all
   double seconds = std::numeric_limits<double>::infinity();  ///< from the start of the search; a clock is never exact
-  long work = kUnbounded;  ///< see work_of; what settling the result takes is granted apart
+  long work = kUnbounded;  ///< see work_of; what judging the result takes is granted apart
   double tolerance = 0;    ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
   long patience = 5'000;   ///< [motions]
 };
@@ -24,7 +24,7 @@ long work_allowed(Goal goal, long motions);
 struct Progress {
   long motions, landings;
   double seconds;
-  Point3 best;
+  Candidate best;
 };
 
 class Search {
@@ -41,18 +41,21 @@ class Search {
   double share() const;
 
   /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion.
-  void evaluate(std::span<Point3> points);
+  void evaluate(std::span<Candidate> points);
   /// The same for another goal than the search's own: what only screens is no result until it is played again.
-  void evaluate(std::span<Point3> points, Goal goal);
-  const Point3& best() const { return few_[0]; }
+  void evaluate(std::span<Candidate> points, Goal goal);
+  const Candidate& best() const { return few_[0]; }
+  int dimension() const { return objective_.space().dimension(); }
+  /// The middle of the space, not yet played.
+  Candidate nothing() const { return {objective_.space().centre()}; }
 
   /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
   /// be beside it: the best few are evaluated anew at 1e-9, and where they have fallen, the search steps back from the
   /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where there was time for screening
   /// alone, the best of that is played first, for 3 ms if need be. All else until `deadline` on the objective's watch:
-  /// what it cuts off is not judged, and where it comes first of all, the search's own value stands. Of work, settling
+  /// what it cuts off is not judged, and where it comes first of all, the search's own value stands. Of work, judging
   /// has twice kCheckWork.
-  Point3 settle(double accuracy, double deadline = std::numeric_limits<double>::infinity());
+  Candidate judge(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
   std::function<void(long done, long total)> tell;  ///< told of the motions spent, else of the milliseconds, if set
@@ -62,8 +65,8 @@ class Search {
 
  private:
   /// Evaluates, and keeps what is good enough.
-  void play(std::span<Point3> points);
-  void keep(const Point3& p);
+  void play(std::span<Candidate> points);
+  void keep(const Candidate& p);
   void report() const;
   bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }
 
@@ -74,9 +77,9 @@ class Search {
   long milestone_motions_ = 0;    ///< when the best last became better by more than the tolerance
   double milestone_ = kNoMotion;  ///< and what it was then
   std::vector<Progress>* progress_;
-  using Few = std::array<Point3, 12>;
-  Few few_;          ///< the best that are apart, in order
-  Point3 screened_;  ///< the best by another goal
+  using Few = std::array<Candidate, 12>;
+  Few few_;             ///< the best that are apart, in order
+  Candidate screened_;  ///< the best by another goal
 };
 
 }  // namespace ukemi::landing

@@ -24,9 +24,9 @@ void check_solver(const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) throw InputError("solver: " + one_of(name, names));
 }
 
-void run_solver(const std::string& name, Search& search) {
+void run_solver(const std::string& name, Search& search, const AutoSettings& settings) {
   check_solver(name);
-  if (name == "auto") return auto_search(search);
+  if (name == "auto") return auto_search(search, settings);
   if (name == "sqp") return sequential_quadratic(search);
   if (name == "pattern") return pattern_search(search);
   if (name == "ga") return genetic_algorithm(search);
@@ -38,17 +38,18 @@ void run_solver(const std::string& name, Search& search) {
 void nlopt_search(const std::string& name, Search& search) {
   for (std::uint64_t restart = 0; !search.over(); ++restart) {
     Random random(search.seed, restart);
-    const Point3 start = restart == 0 ? Point3{} : random_point(random);
+    const Candidate start = restart == 0 ? search.nothing() : random_point(random, search.dimension());
+    const auto n = std::size_t(search.dimension());
     NloptProblem problem{[&](const double* u) {
-                           Point3 p;
-                           std::copy(u, u + 3, p.u.begin());
+                           Candidate p = search.nothing();
+                           std::copy_n(u, n, p.u.begin());
                            search.evaluate({&p, 1});
                            return p.value;
                          },
-                         {0, 0, 0},
-                         {1, 1, 1},
+                         std::vector<double>(n, 0),
+                         std::vector<double>(n, 1),
                          {start.u.begin(), start.u.end()},
-                         {0.1, 0.1, 0.1}};
+                         std::vector<double>(n, 0.1)};
     const long left = std::min<long>(search.budget().motions - search.motions(), 1'000'000'000);
     const long before = search.motions();
     minimize(name, problem, {.evaluations = left, .x_tolerance = 1e-6, .over = [&] { return search.over(); }},

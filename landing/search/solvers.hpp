@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "landing/search/auto_settings.hpp"
 #include "landing/search/search.hpp"
 
 namespace ukemi::landing {
@@ -13,18 +14,19 @@ namespace ukemi::landing {
 const std::vector<std::string>& solver_names();
 /// Throws InputError for a name that is not one of them.
 void check_solver(const std::string& name);
-/// Searches until the search is over. Deterministic for the search's seed and a number of motions.
-void run_solver(const std::string& name, Search& search);
+/// Searches until the search is over; `settings` are those of auto. Deterministic for the search's seed and a number of
+/// motions.
+void run_solver(const std::string& name, Search& search, const AutoSettings& settings = {});
 
 /// Ours (auto_search.cpp): populations that restart away from what is known, are given up early where they fall behind,
 /// and play every motion only until it is worse than the one it would replace.
-void auto_search(Search& search);
+void auto_search(Search& search, const AutoSettings& settings = {});
 /// Differential evolution, best/1/bin with a dithered factor (Storn, Price 1997).
 void differential_evolution(Search& search);
 /// A genetic algorithm on real numbers: tournaments of two, blend crossover, Gaussian mutation, one elite.
 void genetic_algorithm(Search& search);
-/// Generalised pattern search (Torczon 1997): polls the six directions in one batch, halves its mesh on failure, and
-/// starts again at random once the mesh is fine.
+/// Generalised pattern search (Torczon 1997): polls both ways along every variable in one batch, halves its mesh on
+/// failure, and starts again at random once the mesh is fine.
 void pattern_search(Search& search);
 /// NLopt's SLSQP on the epigraph min s, a_k <= s over the largest peaks of the landing, with exact gradients; from the
 /// middle of the box, then from random starts.

@@ -10,41 +10,82 @@
 
 namespace ukemi::landing {
 
+namespace {
+
+/// The largest local maxima of a play, and their gradients by its numbers (landing/model/motion_space.hpp).
+struct Peaks {
+  std::vector<std::pair<double, Eigen::Matrix<double, kPlayNumbers, 1>>> largest;
+  integrate::Counters work;
+};
+
+/// `drive`: the gradients by the actuator's constants too, at the price of a landing with all derivatives.
+Peaks peaks_of(const Scene& scene, const Play& play, const SimulateOptions& options, int most, bool drive) {
+  Peaks out;
+  const auto take = [&](const auto& found) {
+    out.work = found.work;
+    for (const auto& p : found.peaks) {
+      Eigen::Matrix<double, kPlayNumbers, 1> d = Eigen::Matrix<double, kPlayNumbers, 1>::Zero();
+      d.template head<kMotionParameters>() = p.d.template head<kMotionParameters>();
+      if (p.d.size() > kMotionParameters) d.template tail<5>() = p.d.template tail<5>();
+      out.largest.emplace_back(p.value, d);
+    }
+  };
+  if (drive)
+    take(all_gradients(scene, play.sea, play.motion, options, most));
+  else
+    take(motion_peaks(scene, play.sea, play.motion, options, most));
+  return out;
+}
+
+}  // namespace
+
 void sequential_quadratic(Search& search) {
   const Objective& objective = search.objective();
+  const MotionSpace& space = objective.space();
   const bool tolerant = objective.options().goal == Goal::kTolerant;
   const int boxes = tolerant ? kExecutionPoints : 1, each = tolerant ? 2 : 6, count = boxes * each;
-  const SearchRange& range = objective.scene().search;
-  const Eigen::Vector3d scale(range.phi[1] - range.phi[0], range.phi[1] - range.phi[0],
-                              range.duration[1] - range.duration[0]);
+  const int n = space.dimension();
+  Eigen::VectorXd range(n);
+  for (int k = 0; k < n; ++k)
+    range[k] = space.variables()[std::size_t(k)].upper - space.variables()[std::size_t(k)].lower;
   // Padded to a fixed number: where there are fewer, a constraint that is always kept.
   const auto peaks = [&](const double* u, double* a, double* gradient) {
-    Point3 p;
-    std::copy(u, u + 3, p.u.begin());
+    Candidate p = search.nothing();
+    std::copy_n(u, n, p.u.begin());
     search.evaluate({&p, 1});
     std::fill(a, a + count, 0.0);
-    std::fill(gradient, gradient + 3 * count, 0.0);
-    const Motion m = objective.motion(p);
+    std::fill(gradient, gradient + n * count, 0.0);
+    const Coordinates x = space.values(p.u);
+    const Play play = space.play(x);
+    const Eigen::MatrixXd jacobian = space.jacobian(x);
+    const bool drive = !jacobian.bottomRows(kPlayNumbers - kMotionParameters).isZero(0);
     for (int k = 0; k < boxes && !search.over(); ++k) {
-      const auto found = motion_peaks(objective.scene(), objective.sea(),
-                                      tolerant ? execution_point(m, objective.scene().execution, k) : m,
-                                      {.accuracy = objective.accuracy(), .over = objective.over()}, each);
+      const Play at = k == 0 ? play : space.inexact(play, objective.scene().execution, execution_deviation(k));
+      const Peaks found =
+          peaks_of(objective.scene(), at, {.accuracy = objective.accuracy(), .over = objective.over()}, each, drive);
       search.spend(found.work);
-      for (std::size_t i = 0; i < found.peaks.size(); ++i) {
+      for (std::size_t i = 0; i < found.largest.size(); ++i) {
         const auto row = std::size_t(k * each) + i;
-        if (!std::isfinite(found.peaks[i].value) || !found.peaks[i].d.allFinite()) continue;
-        a[row] = found.peaks[i].value;
-        Eigen::Map<Eigen::Vector3d>(gradient + 3 * row) = found.peaks[i].d.cwiseProduct(scale);
+        const auto& [value, d] = found.largest[i];
+        if (!std::isfinite(value) || !d.allFinite()) continue;
+        a[row] = value;
+        Eigen::Map<Eigen::VectorXd>(gradient + std::size_t(n) * row, n) =
+            (jacobian.transpose() * d).cwiseProduct(range);
       }
     }
     return !search.over();
   };
   for (std::uint64_t restart = 0; !search.over(); ++restart) {
     Random random(search.seed, restart);
-    Point3 start;
-    if (restart > 0) start = random_point(random);
+    Candidate start = restart == 0 ? search.nothing() : random_point(random, n);
     search.evaluate({&start, 1});
-    minimize_epigraph({count, peaks, {0, 0, 0}, {1, 1, 1}, {start.u.begin(), start.u.end()}, start.value}, 1e-7);
+    minimize_epigraph({count,
+                       peaks,
+                       std::vector<double>(std::size_t(n), 0),
+                       std::vector<double>(std::size_t(n), 1),
+                       {start.u.begin(), start.u.end()},
+                       start.value},
+                      1e-7);
   }
 }
 

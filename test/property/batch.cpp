@@ -57,12 +57,9 @@ TEST_CASE("batch: the field in a lane is the field of a double, in every mode") 
       Single s(scene, sea, {-0.5, -1.2, 0.3});
       Single::State x;
       for (int k = 0; k < kMechanical; ++k) x[k] = r.uniform(-1, 1) * (k < kVx ? 1 : 5), y[k].set(i, x[k]);
-      for (int j = 0; j < kPoints; ++j) {
-        s.contact[std::size_t(j)] = Contact(int(r.uniform(0, 3)));
-        set_lane(lanes.contact[std::size_t(j)], i, s.contact[std::size_t(j)]);
-      }
+      for (Contact& c : s.contact) c = Contact(int(r.uniform(0, 3)));
       s.saturation = int(r.uniform(0, 3)) - 1, s.phase = Phase(int(r.uniform(0, 3))), s.motion_start = 0.1;
-      set_lane(lanes.saturation, i, s.saturation), set_lane(lanes.phase, i, s.phase);
+      lanes.set_lane(i, s);
       singles.push_back(s), states.push_back(x);
     }
     lanes.derivative(Pack<W>(0.23), y, dy);

@@ -1,11 +1,12 @@
-// The landing motion (landing/model/motion.hpp) and the box of motions of the tolerant peak (landing/search/robust.hpp).
+// The landing motion (landing/model/motion.hpp) and the box of motions of the tolerant peak
+// (landing/search/tolerant_peak.hpp).
 #include "landing/model/motion.hpp"
 
 #include <catch2/catch.hpp>
 #include <set>
 #include <tuple>
 
-#include "landing/search/robust.hpp"
+#include "landing/model/motion_space.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -62,7 +63,7 @@ TEST_CASE("motion: Jet derivatives of the quintic are its central differences") 
 TEST_CASE("motion: the execution box is the motion, six face centres and eight corners") {
   const ExecutionTolerance tolerance{.phi = 0.01, .duration = 0.002};
   std::vector<Motion> box;
-  for (int k = 0; k < kExecutionPoints; ++k) box.push_back(execution_point(kMotion, tolerance, k));
+  for (int k = 0; k < kExecutionPoints; ++k) box.push_back(deviated(kMotion, tolerance, execution_deviation(k)));
   REQUIRE(box.size() == 15);
   CHECK((box[0].phi_i == kMotion.phi_i && box[0].phi_f == kMotion.phi_f && box[0].duration == kMotion.duration));
   std::set<std::tuple<long, long, long>> seen;
@@ -77,5 +78,6 @@ TEST_CASE("motion: the execution box is the motion, six face centres and eight c
   CHECK(seen.size() == 15);
   CHECK(moved == std::array{1, 6, 0, 8});
   // A box wider than the motion is long keeps a positive duration.
-  for (int k = 0; k < kExecutionPoints; ++k) CHECK(execution_point({0, 0, 0.001}, tolerance, k).duration > 0);
+  for (int k = 0; k < kExecutionPoints; ++k)
+    CHECK(deviated({0, 0, 0.001}, tolerance, execution_deviation(k)).duration > 0);
 }

@@ -12,6 +12,13 @@ using namespace landing;
 
 namespace {
 
+/// Angles are shown in degrees.
+struct Shown {
+  double factor;
+  std::string suffix, unit;
+};
+Shown shown_in(const Variable& v) { return v.unit == "rad" ? Shown{kDegrees, "_deg", "deg"} : Shown{1, "", v.unit}; }
+
 std::string letters(const ContactOrder& contacts) {
   std::string s;
   for (int i = 0; i < contacts.size(); ++i) s += "HKF"[contacts[i]];
@@ -23,42 +30,42 @@ std::string map_csv(const Run& run, const PeakMap& map) {
   csv.comment(
       "contacts: H hip, K knee, F foot, in the order in which they touch; peak_contact: which of them made the "
       "peak, counted from 1, 0: none.");
-  csv.header({"phi_i_deg", "phi_f_deg", "duration", "peak", "peak_contact", "contacts"});
-  for (int i = 0; i < map.cells[0]; ++i)
-    for (int j = 0; j < map.cells[1]; ++j)
-      for (int k = 0; k < map.cells[2]; ++k) {
-        const PeakMap::Cell& c = map.grid[map.index(i, j, k)];
-        const Motion m = map.motion(i, j, k);
-        if (c.end == End::kStopped) continue;
-        csv.cell(m.phi_i * kDegrees).cell(m.phi_f * kDegrees).cell(m.duration);
-        csv.cell(c.peak).cell(c.peak_contact + 1).cell(letters(c.contacts)).end_row();
-      }
+  std::vector<std::string> header;
+  for (const Variable& v : map.variables) header.push_back(v.name + shown_in(v).suffix);
+  header.insert(header.end(), {"peak", "peak_contact", "contacts"});
+  csv.header(header);
+  for (std::size_t i = 0; i < map.grid.size(); ++i) {
+    const PeakMap::Cell& c = map.grid[i];
+    if (c.end == End::kStopped) continue;
+    const Coordinates x = map.values(map.place(i));
+    for (int k = 0; k < int(x.size()); ++k) csv.cell(x[k] * shown_in(map.variables[std::size_t(k)]).factor);
+    csv.cell(c.peak).cell(c.peak_contact + 1).cell(letters(c.contacts)).end_row();
+  }
   return csv.text();
 }
 
-/// The smallest peak over the axis that is not drawn.
-Heatmap projection(const PeakMap& map, int x, int y, int over) {
-  static constexpr std::array<const char*, 3> kLabels = {"phi_I [deg]", "phi_F [deg]", "duration [s]"};
-  const auto unit = [](int axis) { return axis == 2 ? 1 : kDegrees; };
-  Heatmap h{kLabels[std::size_t(x)], kLabels[std::size_t(y)], {}, {}, {}};
-  for (int i = 0; i < map.cells[std::size_t(x)]; ++i) h.x.push_back(map.coordinate(x, i) * unit(x));
-  for (int j = 0; j < map.cells[std::size_t(y)]; ++j) h.y.push_back(map.coordinate(y, j) * unit(y));
-  for (int j = 0; j < map.cells[std::size_t(y)]; ++j)
-    for (int i = 0; i < map.cells[std::size_t(x)]; ++i) {
-      double best = std::numeric_limits<double>::infinity();
-      for (int k = 0; k < map.cells[std::size_t(over)]; ++k) {
-        std::array<int, 3> at{};
-        at[std::size_t(x)] = i, at[std::size_t(y)] = j, at[std::size_t(over)] = k;
-        best = std::fmin(best, map.grid[map.index(at[0], at[1], at[2])].peak);
-      }
-      h.values.push_back(best);
-    }
+/// The smallest peak over the axes that are not drawn.
+Heatmap projection(const PeakMap& map, int x, int y) {
+  const auto axis = [&](int k, std::vector<double>& at) {
+    const Variable& v = map.variables[std::size_t(k)];
+    const Shown shown = shown_in(v);
+    for (int i = 0; i < map.cells[std::size_t(k)]; ++i) at.push_back(map.coordinate(k, i) * shown.factor);
+    return v.words + " [" + shown.unit + "]";
+  };
+  Heatmap h;
+  h.x_label = axis(x, h.x), h.y_label = axis(y, h.y);
+  h.values.assign(h.x.size() * h.y.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < map.grid.size(); ++i) {
+    const PeakMap::Place at = map.place(i);
+    double& best = h.values[std::size_t(at[std::size_t(y)]) * h.x.size() + std::size_t(at[std::size_t(x)])];
+    best = std::fmin(best, map.grid[i].peak);
+  }
   return h;
 }
 
 Quantities<JudgedBasin> basin_quantities() {
   Quantities<JudgedBasin> out;
-  append(out, "motion/", motion_quantities(), [](auto& b) { return b.basin.motion; });
+  append(out, "motion/", motion_quantities(), [](auto& b) { return b.basin.play.motion; });
   out.push_back({"peak", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.basin.peak; }});
   append(out, "", evidence_quantities("tolerant peak [m/s^2]"), &JudgedBasin::evidence);
   return out;
@@ -89,17 +96,17 @@ int report(const Survey& s, Run& run) {
   const std::string said = fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, s.basins.size());
   run.say(said);
   for (const JudgedBasin& b : s.basins)
-    run.say(fmt::format("  {}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.motion), b.basin.peak,
+    run.say(fmt::format("  {}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion), b.basin.peak,
                         b.evidence.tolerant.value));
 
   Report report("The box of motions: " + s.scene.name);
   floor_source(report, s.scene);
   report.paragraph(said + fmt::format(". The best found: {:.4f} m/s² at {}.", s.basins.front().basin.peak,
-                                      motion_words(s.basins.front().basin.motion)));
-  report.heading("Smallest peak over the third variable [m/s²]");
-  report.heatmap(projection(s.map, 0, 1, 2));
-  report.heatmap(projection(s.map, 0, 2, 1));
-  report.heatmap(projection(s.map, 1, 2, 0));
+                                      motion_words(s.basins.front().basin.play.motion)));
+  report.heading("Smallest peak over the other variables [m/s²]");
+  for (int x = 0; x < int(s.map.cells.size()); ++x)
+    for (int y = x + 1; y < int(s.map.cells.size()); ++y)
+      if (s.map.cells[std::size_t(x)] > 1 && s.map.cells[std::size_t(y)] > 1) report.heatmap(projection(s.map, x, y));
   report.heading("Basins");
   report.paragraph(
       "How far each variable may move down and up before the peak rises by 5 %, and the worst peaks under deviations.");

@@ -28,10 +28,10 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   if (a.grid.size() != 3) throw InputError("--grid: three numbers are needed, as in 64,64,32");
   SurveyOptions options{.basins = run.monitor("map: basins"), .evidence = run.monitor("map: evidence")};
   MapOptions& map = options.map;
-  map.cells = {a.grid[0], a.grid[1], a.grid[2]};
+  map.cells = a.grid;
   map.polished = a.polish, map.seed = common.seed, map.threads = common.threads;
   map.monitor = run.monitor("map: rows");
-  return report(survey(scene, actuator.sea, options), run);
+  return report(survey(scene, QuinticSpace(scene.search, actuator.sea), options), run);
 }
 
 }  // namespace

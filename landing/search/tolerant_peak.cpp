@@ -1,4 +1,4 @@
-#include "landing/search/robust.hpp"
+#include "landing/search/tolerant_peak.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,32 +10,14 @@
 
 namespace ukemi::landing {
 
-namespace {
-constexpr double kShortest = 1e-4;  // a box wider than the duration itself stops here [s]
-
-Motion moved(const Motion& m, const ExecutionTolerance& tol, double i, double j, double k) {
-  return {m.phi_i + i * tol.phi, m.phi_f + j * tol.phi, std::max(kShortest, m.duration + k * tol.duration)};
-}
-}  // namespace
-
-Motion execution_point(const Motion& m, const ExecutionTolerance& tol, int k) {
-  if (k == 0) return m;
-  if (k <= 6) {
-    const double s = k % 2 ? -1 : 1;
-    const int axis = (k - 1) / 2;
-    return moved(m, tol, axis == 0 ? s : 0, axis == 1 ? s : 0, axis == 2 ? s : 0);
-  }
-  const int c = k - 7;
-  return moved(m, tol, c & 4 ? 1 : -1, c & 2 ? 1 : -1, c & 1 ? 1 : -1);
-}
-
-TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                           const SimulateOptions& options, int samples, std::uint64_t seed, int threads) {
+TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const Play& x, const SimulateOptions& options,
+                           int samples, std::uint64_t seed, int threads) {
   TolerantPeak out;
   std::vector<LandingPeak> peaks(kExecutionPoints);
-  const auto play = [&](const Motion& m) { return peak_acceleration(scene, sea, m, options); };
+  const auto at = [&](const Deviation& d) { return space.inexact(x, scene.execution, d); };
+  const auto play = [&](const Play& p) { return peak_acceleration(scene, p.sea, p.motion, options); };
   parallel_for(kExecutionPoints, threads,
-               [&](int k) { peaks[std::size_t(k)] = play(execution_point(motion, scene.execution, k)); });
+               [&](int k) { peaks[std::size_t(k)] = play(k == 0 ? x : at(execution_deviation(k))); });
   out.peak = peaks[0].peak;
   const auto count = [&](std::array<int, kPoints>& touching) {
     for (const LandingPeak& p : peaks) {
@@ -49,7 +31,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea,
   for (int k = 0; k < kExecutionPoints; ++k) {
     const LandingPeak& p = peaks[std::size_t(k)];
     longest = std::max(longest, work_of(p.work));
-    if (p.peak > out.value) out.value = p.peak, out.worst = execution_point(motion, scene.execution, k);
+    if (p.peak > out.value) out.value = p.peak, out.worst = k == 0 ? x.motion : at(execution_deviation(k)).motion;
   }
   constexpr long kInLanes = 10;  // a lane's step takes a tenth
   if (samples * longest > kInLanes * kCheckWork) samples = int(kCheckWork / longest);
@@ -57,19 +39,27 @@ TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea,
   out.samples = samples;
   if (samples == 0) return out;
   // Many, so in lanes; the scalar path says what the worst of them is.
+  std::vector<Play> plays;
   std::vector<BatchCase> inside;
+  plays.reserve(std::size_t(samples));
   for (int i = 0; i < samples; ++i) {
     Random r(seed, std::uint64_t(i));
     const double a = r.uniform(-1, 1), b = r.uniform(-1, 1), c = r.uniform(-1, 1);
-    inside.push_back({&scene, &sea, moved(motion, scene.execution, a, b, c)});
+    plays.push_back(at({a, b, c}));
+    inside.push_back({&scene, &plays.back().sea, plays.back().motion});
   }
   peaks.resize(inside.size());
   batch_peaks(inside, peaks, {.accuracy = 1e-6, .over = options.over}, threads);
   count(out.samples_touching);
   const auto worst = std::max_element(peaks.begin(), peaks.end(),
                                       [](const LandingPeak& a, const LandingPeak& b) { return a.peak < b.peak; });
-  out.sampled = play(inside[std::size_t(worst - peaks.begin())].motion).peak;
+  out.sampled = play(plays[std::size_t(worst - peaks.begin())]).peak;
   return out;
+}
+
+TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                           const SimulateOptions& options, int samples, std::uint64_t seed, int threads) {
+  return tolerant_peak(scene, QuinticSpace(scene.search, sea), {motion, sea}, options, samples, seed, threads);
 }
 
 }  // namespace ukemi::landing

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "landing/model/motion_space.hpp"
 #include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
@@ -21,13 +22,12 @@ struct TolerantPeak {
   bool complete = true;  ///< false: options.over ended it before all was played, and `value` is a lower bound
 };
 
-/// The motions of the tolerant peak: x (k = 0), six face centres, eight corners. The box may leave the search range; a
-/// duration stops at 0.1 ms.
-inline constexpr int kExecutionPoints = 15;
-Motion execution_point(const Motion& motion, const ExecutionTolerance& tolerance, int k);
-
-/// Evaluates them, and random points inside for the check (in lanes at 1e-6; the worst by the scalar path), on
-/// `threads` threads: `samples` of them, or as many as kCheckWork allows where every landing is long.
+/// Evaluates the motions of the tolerant peak (kExecutionPoints), and random points inside for the check (in lanes at
+/// 1e-6; the worst by the scalar path), on `threads` threads: `samples` of them, or as many as kCheckWork allows where
+/// every landing is long.
+[[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const Play& play,
+                                         const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
+/// The same of a motion of Eq. 6.
 [[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                          const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
 

@@ -1,0 +1,28 @@
+// Derivatives through an event. A guard g(t, y) falls through zero at a time t* that depends on the parameters p:
+//
+//     dt*/dp = -(dg/dp) / (dg/dt),      y_p(+) = y_p(-) + (f(-) - f(+)) dt*/dp                           (saltation)
+//
+// with y_p the derivatives of the state at a fixed time and f the field before and behind the event.
+// Source: Hiskens, Pai, "Trajectory sensitivity analysis of hybrid systems", IEEE Trans. Circuits Syst. I 47 (2000).
+// Tests: test/property/gradient.cpp.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/scalar.hpp"
+
+namespace ukemi::integrate {
+
+/// dt*/dp of the event of a guard that falls at `rate` [1/s] there; not finite where it is met at no speed.
+template <int P>
+Eigen::Matrix<double, P, 1> event_shift(const ceres::Jet<double, P>& guard, double rate) {
+  return guard.v / -rate;
+}
+
+/// y_p(-) to y_p(+); `before` and `behind` are the values of the field, `shift` is dt*/dp.
+template <class State, class Values, class Shift>
+void saltate(State& y, const Values& before, const Values& behind, const Shift& shift) {
+  for (int k = 0; k < y.size(); ++k) y[k].v += (before[k] - behind[k]) * shift;
+}
+
+}  // namespace ukemi::integrate

@@ -1,0 +1,23 @@
+// The batch kernels of one instruction set: compiled once for each, with UKEMI_BATCH_LANES lanes (see CMakeLists.txt).
+#if !defined(__x86_64__) || UKEMI_BATCH_LANES == 2
+#define UKEMI_BATCH_TARGET
+#elif UKEMI_BATCH_LANES == 4
+#define UKEMI_BATCH_TARGET [[gnu::target("avx2,fma")]]
+#else
+#define UKEMI_BATCH_TARGET [[gnu::target("avx512f,avx512dq,avx512vl,avx2,fma,prefer-vector-width=512")]]
+#endif
+
+#include "landing/lanes/batch_engine.hpp"
+#include "landing/lanes/batch_entry.hpp"
+
+namespace ukemi::landing {
+
+template <>
+void run_lanes<UKEMI_BATCH_LANES>(BatchSource& source, const BatchOptions& options) {
+  if (options.extended)
+    BatchEngine<LandingTerms(SeaTerms{true, true}), UKEMI_BATCH_LANES>(source, options).run();
+  else
+    BatchEngine<LandingTerms(SeaTerms{true, false}), UKEMI_BATCH_LANES>(source, options).run();
+}
+
+}  // namespace ukemi::landing

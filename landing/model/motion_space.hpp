@@ -1,0 +1,88 @@
+// The motions that a search may choose from: a box of variables, and what a point of it means. Solvers, map, evidence,
+// gradients and reports count no variables of their own: they ask the space.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "landing/model/motion.hpp"
+#include "landing/model/scene.hpp"
+
+namespace ukemi::landing {
+
+/// A variable of a motion space.
+struct Variable {
+  std::string name;     ///< key and column in files, without its unit: "phi_i"
+  std::string words;    ///< for a reader: "phi_I"
+  std::string unit;     ///< of its values, SI: "rad", "s", "1"
+  double lower, upper;  ///< the range that is searched
+};
+
+/// A space has at most so many variables: points of it need no allocation.
+inline constexpr int kMostVariables = 12;
+/// A number for each variable: values in their units, or places 0..1 in their ranges.
+using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostVariables, 1>;
+
+/// What a point of a space stands for: the reference that is played, and the drive that follows it.
+struct Play {
+  Motion motion;
+  SeaParameters<double> sea;
+};
+
+/// The numbers of a play that gradients know: phi_I, phi_F, duration, then K_p, K_d, K_SEA, C_SEA, I_motor.
+inline constexpr int kPlayNumbers = 8;
+inline Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
+  Eigen::Matrix<double, kPlayNumbers, 1> n;
+  n << p.motion.phi_i, p.motion.phi_f, p.motion.duration, p.sea.k_p, p.sea.k_d, p.sea.k_sea, p.sea.c_sea, p.sea.i_motor;
+  return n;
+}
+
+/// The motions of the tolerant peak: x (k = 0), six face centres, eight corners of the box of an execution tolerance.
+inline constexpr int kExecutionPoints = 15;
+struct Deviation {
+  double phi_i, phi_f, duration;  ///< in parts of the tolerance, -1..1
+};
+Deviation execution_deviation(int k);
+
+class MotionSpace {
+ public:
+  /// 1 to kMostVariables of them. Throws InputError for a range that is empty or not finite.
+  explicit MotionSpace(std::vector<Variable> variables);
+  virtual ~MotionSpace() = default;
+
+  int dimension() const { return int(variables_.size()); }
+  const std::vector<Variable>& variables() const { return variables_; }
+  /// Values of a point of the unit cube, within their ranges; and the middle of the cube.
+  Coordinates values(const Coordinates& unit) const;
+  Coordinates centre() const { return Coordinates::Constant(dimension(), 0.5); }
+
+  /// What the values stand for.
+  virtual Play play(const Coordinates& values) const = 0;
+  /// The same as a robot plays it: end angles and duration are what it misses, whatever the other variables. The box
+  /// may leave the ranges; a duration stops at 0.1 ms.
+  virtual Play inexact(Play play, const ExecutionTolerance& tolerance, const Deviation& deviation) const;
+  /// d numbers(play) / d values, kPlayNumbers by dimension(): by central differences where a space knows no better.
+  virtual Eigen::MatrixXd jacobian(const Coordinates& values) const;
+
+ private:
+  std::vector<Variable> variables_;
+};
+
+/// Eq. 6 of [1]: x = [phi_I phi_F t] within the scene's search range, played by one actuator.
+class QuinticSpace : public MotionSpace {
+ public:
+  QuinticSpace(const SearchRange& range, const SeaParameters<double>& sea);
+  Play play(const Coordinates& x) const override { return {{x[0], x[1], x[2]}, sea_}; }
+  Eigen::MatrixXd jacobian(const Coordinates&) const override {
+    return Eigen::MatrixXd::Identity(kPlayNumbers, dimension());
+  }
+
+ private:
+  SeaParameters<double> sea_;
+};
+
+/// A motion with its deviation; a duration stops at 0.1 ms.
+Motion deviated(const Motion& motion, const ExecutionTolerance& tolerance, const Deviation& deviation);
+
+}  // namespace ukemi::landing

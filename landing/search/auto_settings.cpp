@@ -1,0 +1,73 @@
+#include "landing/search/auto_settings.hpp"
+
+#include <cmath>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+
+namespace ukemi::landing {
+
+const std::vector<AutoSetting>& auto_settings() {
+  using S = AutoSettings;
+  static const std::vector<AutoSetting> kAll = {
+      {"leads", &S::leads, 1, 16, "scouts follow so many of the best motions at once"},
+      {"lead_apart", &S::lead_apart, 0, 1, "leads are further apart, in parts of the box"},
+      {"first", &S::first, 16, 4096, "scouts that go anywhere before any follows a lead"},
+      {"anywhere", &S::anywhere, 0, 1, "share of the next scouts that goes anywhere"},
+      {"early", &S::early, 0, 1e6, "motions until `later` counts and no longer `anywhere`"},
+      {"later", &S::later, 0, 1, "share of the scouts that goes anywhere after `early`"},
+      {"near", &S::near, 0, 8, "scouts stand beside a lead by 10^-near of the box at most"},
+      {"by", &S::by, 0, 8, "and by 10^-by at least, at first"},
+      {"at_last", &S::at_last, 0, 8, "and by 10^-at_last at least when the scouts are spent"},
+      {"scouting", &S::scouting, 0, 1, "share of the budget that scouts may take"},
+      {"few", &S::few, 16, 1e6, "motions that scouts have in any case"},
+      {"many", &S::many, 16, 1e6, "motions that scouts have at most"},
+      {"best_scouts", &S::best_scouts, 6, 64, "the best scouts are the first population"},
+      {"scouts_apart", &S::scouts_apart, 0, 1, "so far apart, in parts of the box"},
+      {"smallest", &S::smallest, 6, 64, "size of the second population; every restart has one more"},
+      {"largest", &S::largest, 6, 128, "and at most so many"},
+      {"race", &S::race, 1, 1000, "motions that race for a place in a population"},
+      {"race_share", &S::race_share, 0, 1, "share of the budget that one race may take"},
+      {"first_share", &S::first_share, 0, 1, "and the one before the scouts of tolerant peaks"},
+      {"screen", &S::screen, 1, 5000, "motions a place that are screened by the peak alone, for tolerant peaks"},
+      {"converged", &S::converged, 1e-12, 1, "side of a population that has found its basin, in parts of the box"},
+      {"apart", &S::apart, 0, 1, "basins are further apart, in parts of the box"},
+      {"trial_period", &S::trial_period, 0, 1000, "generations that every population has"},
+      {"behind", &S::behind, 1, 10, "a population is given up where its best is this much worse than the best of all"},
+      {"finest", &S::finest, 1e-14, 1, "side of a population where nothing is left to find"},
+      {"global", &S::global, 0, 1000, "populations that start anywhere"},
+      {"close", &S::close, 0, 1, "share of the later ones that starts about a basin"},
+      {"side", &S::side, 0, 1, "in a box of this side"},
+      {"nearly", &S::nearly, 1, 10, "about a basin that is at most this much worse than the best"},
+      {"refinement", &S::refinement, 1, 1000,
+       "populations until the best basin is searched once more; then four times as many"},
+      {"late", &S::late, 0, 1, "share of the budget after which it is searched for the last time"},
+      {"batch", &S::batch, 1, 64, "motions that are evaluated at once"},
+      {"basins", &S::basins, 1, 4096, "basins that are remembered"}};
+  return kAll;
+}
+
+double AutoSetting::value_in(const AutoSettings& settings) const {
+  return std::visit([&](auto m) { return double(settings.*m); }, member);
+}
+
+void AutoSettings::validate() const {
+  for (const AutoSetting& s : auto_settings())
+    if (const double v = s.value_in(*this); !(v >= s.lower && v <= s.upper))
+      throw InputError("setting " + s.name + ": " + shortest(v) + ": " + shortest(s.lower) + " to " +
+                       shortest(s.upper) + " is needed: " + s.meaning);
+  if (best_scouts > largest) throw InputError("setting best_scouts: at most `largest` is needed");
+}
+
+void AutoSettings::set(const std::string& name, double value) {
+  std::vector<std::string> names;
+  for (const AutoSetting& s : auto_settings()) {
+    names.push_back(s.name);
+    if (s.name != name) continue;
+    std::visit([&](auto m) { this->*m = std::decay_t<decltype(this->*m)>(value); }, s.member);
+    return validate();
+  }
+  throw InputError("setting: " + one_of(name, names));
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,149 @@
+// A motion space that this test alone knows: what searches, maps and judges motions asks a space what it may vary.
+#include "landing/model/motion_space.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "common/actuator.hpp"
+#include "common/error.hpp"
+#include "landing/derivatives/gradient.hpp"
+#include "landing/judge/evidence.hpp"
+#include "landing/judge/map.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/search/optimize.hpp"
+#include "landing/search/planner.hpp"
+#include "landing/search/solvers.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
+SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
+
+std::vector<Variable> four_variables(const Scene& scene, const std::array<double, 2>& stiffness) {
+  std::vector<Variable> v = QuinticSpace(scene.search, {}).variables();
+  v.push_back({"stiffness", "stiffness", "1", stiffness[0], stiffness[1]});
+  return v;
+}
+
+/// The motions of Eq. 6, and a factor of the drive's K_p.
+class CompliantSpace : public MotionSpace {
+ public:
+  explicit CompliantSpace(const Scene& scene, const std::array<double, 2>& stiffness = {0.25, 4})
+      : MotionSpace(four_variables(scene, stiffness)) {}
+  Play play(const Coordinates& x) const override {
+    Play p{{x[0], x[1], x[2]}, table2_};
+    p.sea.k_p *= x[3];
+    return p;
+  }
+
+ private:
+  SeaParameters<double> table2_ = table2();
+};
+
+}  // namespace
+
+TEST_CASE("motion space: every solver searches four variables, and repeats itself") {
+  const Scene scene = paper();
+  const CompliantSpace space(scene);
+  for (const std::string& solver : solver_names())
+    for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
+      INFO(solver);
+      const auto run = [&](int threads) {
+        return optimize(
+            scene, space,
+            {.solver = solver, .goal = goal, .evaluations = 150, .threads = threads, .tolerance_samples = 0});
+      };
+      const Optimum a = run(1), b = run(2);
+      REQUIRE(a.found);
+      CHECK(a.values == b.values);
+      REQUIRE(a.values.size() == 4);
+      CHECK(a.sea.k_p == table2().k_p * a.values[3]);
+      CHECK(a.landing.peak == peak_acceleration(scene, a.sea, a.motion, {.accuracy = 1e-9}).peak);
+    }
+}
+
+TEST_CASE("motion space: a variable whose range is one value changes nothing of a landing") {
+  const Scene scene = paper();
+  const CompliantSpace fixed(scene, {1, 1});
+  const Optimum best = optimize(scene, fixed, {.evaluations = 3'000, .tolerance_samples = 0});
+  REQUIRE(best.found);
+  CHECK(best.values[3] == 1);
+  CHECK(best.landing.peak == peak_acceleration(scene, table2(), best.motion, {.accuracy = 1e-9}).peak);
+  CHECK(best.value < 200);
+}
+
+TEST_CASE("motion space: gradients follow its variables") {
+  const Scene scene = paper();
+  const CompliantSpace space(scene);
+  Coordinates x(4);
+  x << -0.6, -1.1, 0.3, 0.8;
+  const SimulateOptions tight{.accuracy = 1e-13};
+  const auto peak = [&](const Coordinates& at) {
+    const Play p = space.play(at);
+    return peak_acceleration(scene, p.sea, p.motion, tight).peak;
+  };
+  const Play play = space.play(x);
+  const auto found = all_gradients(scene, play.sea, play.motion, tight, 1);
+  REQUIRE(found.peaks.size() == 1);
+  Eigen::Matrix<double, kPlayNumbers, 1> by_numbers;
+  by_numbers << found.peaks[0].d.head<3>(), found.peaks[0].d.tail<5>();
+  const Eigen::VectorXd gradient = space.jacobian(x).transpose() * by_numbers;
+  for (int k = 0; k < 4; ++k) {
+    constexpr double kStep = 1e-5;
+    Coordinates up = x, down = x;
+    up[k] += kStep, down[k] -= kStep;
+    INFO(space.variables()[std::size_t(k)].name);
+    CHECK(gradient[k] == Approx((peak(up) - peak(down)) / (2 * kStep)).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("motion space: a slice of its map, its basins and its evidence") {
+  const Scene scene = paper();
+  const CompliantSpace space(scene);
+  MapOptions options;
+  options.cells = {8, 8, 1, 3}, options.polished = 2;
+  options.slice = space.values(space.centre());
+  options.slice[2] = 0.3;
+  const PeakMap map = map_peaks(scene, space, options);
+  REQUIRE(map.grid.size() == 8 * 8 * 3);
+  for (const std::size_t i : {std::size_t(0), std::size_t(77), map.grid.size() - 1}) {
+    const Coordinates x = map.values(map.place(i));
+    CHECK(map.index(map.place(i)) == i);
+    CHECK(x[2] == 0.3);
+    const Play p = space.play(x);
+    CHECK(map.grid[i].peak == Approx(peak_acceleration(scene, p.sea, p.motion).peak).epsilon(1e-3));
+  }
+  CHECK(map.neighbours(0).size() == 8);           // a corner of three axes
+  CHECK(map.neighbours(3 * 9 + 1).size() == 27);  // inside
+  const auto found = basins(scene, space, map, options);
+  REQUIRE_FALSE(found.empty());
+  CHECK(found[0].peak <= map.grid[0].peak);
+  const Evidence e = evidence(scene, space, found[0].values, {});
+  REQUIRE(e.width.size() == 4);
+  for (const auto& [down, up] : e.width) CHECK((down >= 0 && up >= 0));
+  CHECK(e.peak == Approx(found[0].peak).epsilon(1e-6));
+  options.cells = {8, 8, 8, 8, 8};
+  CHECK_THROWS_AS(map_peaks(scene, space, options), InputError);
+}
+
+TEST_CASE("motion space: a planner plans in it") {
+  const Scene scene = paper();
+  Planner planner(scene, std::make_shared<CompliantSpace>(scene), {.goal = Goal::kPeak});
+  const Plan plan = planner.plan(scene.drop, 0.2);
+  REQUIRE(plan.found);
+  CHECK(plan.sea.k_p <= 4 * table2().k_p);
+  CHECK(plan.value == Approx(peak_acceleration(scene, plan.sea, plan.motion, {.accuracy = 1e-10}).peak).epsilon(1e-7));
+}
+
+TEST_CASE("motion space: ranges must be ranges") {
+  class Bare : public MotionSpace {
+   public:
+    using MotionSpace::MotionSpace;
+    Play play(const Coordinates&) const override { return {}; }
+  };
+  CHECK_THROWS_AS(Bare(std::vector<Variable>{}), InputError);
+  CHECK_THROWS_AS(Bare(std::vector<Variable>{{"x", "x", "1", 2, 1}}), InputError);
+  CHECK_THROWS_AS(Bare(std::vector<Variable>(kMostVariables + 1, {"x", "x", "1", 0, 1})), InputError);
+}
