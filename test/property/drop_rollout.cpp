@@ -1,5 +1,5 @@
-// The rollout of landing/drops/drop_rollout.hpp against `simulate`, another path through the events, and its derivatives
-// against difference quotients of its own values, which know nothing of them.
+// The rollout of landing/drops/drop_rollout.hpp against `simulate`, another path through the events, and its
+// derivatives against difference quotients of its own values, which know nothing of them.
 #include "landing/drops/drop_rollout.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
-// The gradients of landing/derivatives/gradient.hpp against difference quotients of `peak_acceleration`, which knows nothing of
-// them.
+// The gradients of landing/derivatives/gradient.hpp against difference quotients of `peak_acceleration`, which knows
+// nothing of them.
 #include "landing/derivatives/gradient.hpp"
 
 #include <catch2/catch.hpp>

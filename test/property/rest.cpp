@@ -1,13 +1,13 @@
-// Stopping at rest (landing/run/rest.hpp) must not change the peak: a run that stops is compared with the same run followed
-// to its time limit. The steps are the same until the stop, so the peaks agree to the last bit or not at all.
+// Stopping at rest (landing/run/rest.hpp) must not change the peak: a run that stops is compared with the same run
+// followed to its time limit. The steps are the same until the stop, so the peaks agree to the last bit or not at all.
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
 #include "landing/lanes/batch.hpp"
-#include "landing/search/optimize.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
+#include "landing/search/optimize.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

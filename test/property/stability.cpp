@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/judge/sensitivity.hpp"
+#include "landing/model/scene_file.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

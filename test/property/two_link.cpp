@@ -1,6 +1,6 @@
-// The reduced form of Eq. 1 (landing/model/two_link.hpp) and the landing built on it, held against laws that its derivation
-// does not use: a generic H(q) ddq + c + g = S tau + J^T F from body Jacobians, conserved quantities of flight, the
-// power balance of contacts, finite differences, and the mirror.
+// The reduced form of Eq. 1 (landing/model/two_link.hpp) and the landing built on it, held against laws that its
+// derivation does not use: a generic H(q) ddq + c + g = S tau + J^T F from body Jacobians, conserved quantities of
+// flight, the power balance of contacts, finite differences, and the mirror.
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <catch2/catch.hpp>

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
-#include "landing/search/optimize.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/search/optimize.hpp"
 #include "landing/search/solvers.hpp"
 
 using namespace ukemi;

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "common/actuator.hpp"
-#include "tools/bench/reference.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
 #include "test/folder.hpp"
+#include "tools/bench/reference.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

@@ -15,8 +15,8 @@
 #include "common/csv.hpp"
 #include "common/files.hpp"
 #include "common/toml.hpp"
-#include "identify/rig/rig.hpp"
 #include "identify/logs/trial.hpp"
+#include "identify/rig/rig.hpp"
 #include "landing/model/scene_file.hpp"
 #include "test/folder.hpp"
 
