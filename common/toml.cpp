@@ -288,7 +288,7 @@ std::optional<std::vector<std::string>> TomlSection::optional_texts(const std::s
 }
 std::optional<std::string> TomlSection::optional_choice(const std::string& key,
                                                         const std::vector<std::string>& choices) {
-  const auto v = optional_text(key);
+  auto v = optional_text(key);
   if (!v) return std::nullopt;
   std::string all;
   for (const std::string& c : choices) {

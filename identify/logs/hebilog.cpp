@@ -170,6 +170,27 @@ void check_magic(const Bytes& all, std::size_t at) {
     all.fail(at, fmt::format("0x{:04x}: a record of a .hebilog starts with 0x{:04x}", magic, kMagic));
 }
 
+/// The modules that the header lists.
+std::vector<HebiModule> read_header(const Bytes& all) {
+  if (all.size() == 0) all.fail(0, "the file is empty: the header of a .hebilog is needed");
+  if (all.size() < 8) all.fail(all.size(), "the file ends inside its header");
+  check_magic(all, 0);
+  if (const auto type = all.big_endian<std::uint16_t>(2); type != kHeader)
+    all.fail(2, fmt::format("record type {}: a .hebilog starts with its header, type {}", type, int(kHeader)));
+  const auto count = all.big_endian<std::uint32_t>(4);
+  if (count == 0) all.fail(4, "0 modules: at least one is needed");
+  if (count > (all.size() - 8) / kAddress)
+    all.fail(4, fmt::format("{} modules: the file has room for {}", count, (all.size() - 8) / kAddress));
+  std::vector<HebiModule> modules;
+  for (std::size_t i = 0; i < count; ++i) {
+    HebiModule m;
+    m.port = all.big_endian<std::uint32_t>(8 + kAddress * i);
+    m.address = address_of(all, 12 + kAddress * i);
+    modules.push_back(m);
+  }
+  return modules;
+}
+
 }  // namespace
 
 bool is_hebilog(const std::string& path) {
@@ -183,25 +204,11 @@ HebiLog read_hebilog(const std::string& path) {
   HebiLog log;
   log.file = path;
   const Bytes all{text, 0, &path};
-  if (text.empty()) all.fail(0, "the file is empty: the header of a .hebilog is needed");
-  if (text.size() < 8) all.fail(text.size(), "the file ends inside its header");
-  check_magic(all, 0);
-  if (const auto type = all.big_endian<std::uint16_t>(2); type != kHeader)
-    all.fail(2, fmt::format("record type {}: a .hebilog starts with its header, type {}", type, int(kHeader)));
-  const auto count = all.big_endian<std::uint32_t>(4);
-  if (count == 0) all.fail(4, "0 modules: at least one is needed");
-  if (count > (text.size() - 8) / kAddress)
-    all.fail(4, fmt::format("{} modules: the file has room for {}", count, (text.size() - 8) / kAddress));
-  for (std::size_t i = 0; i < count; ++i) {
-    HebiModule m;
-    m.port = all.big_endian<std::uint32_t>(8 + kAddress * i);
-    m.address = address_of(all, 12 + kAddress * i);
-    log.modules.push_back(m);
-  }
+  log.modules = read_header(all);
 
   bool stamped = false;
   std::uint64_t first = 0;
-  std::size_t samples = 0, at = 8 + kAddress * count;
+  std::size_t samples = 0, at = 8 + kAddress * log.modules.size();
   while (at < text.size()) {
     const std::size_t left = text.size() - at;
     if (left >= 2) check_magic(all, at);
