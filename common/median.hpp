@@ -1,4 +1,5 @@
 // The median of a sample.
+// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // A folder that holds the results of one run at a time.
+// Private: not installed.
 #pragma once
 
 #include <map>

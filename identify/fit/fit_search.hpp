@@ -1,5 +1,6 @@
 // The search of a fit: one problem, from the given start, from starts that are drawn to explore, or from screened ones
 // until a minimum is believed.
+// Private: not installed.
 #pragma once
 
 #include <atomic>

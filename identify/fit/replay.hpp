@@ -1,4 +1,5 @@
 // Trials replayed for given constants: predictions beside the logs, and their residuals.
+// Private: not installed.
 #pragma once
 
 #include <vector>

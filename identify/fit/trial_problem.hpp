@@ -1,4 +1,5 @@
 // The fit of one set of trials as a least-squares problem: a residual block a trial, with its derivatives.
+// Private: not installed.
 #pragma once
 
 #include <vector>

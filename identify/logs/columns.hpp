@@ -1,4 +1,5 @@
 // The map from a file's columns to quantities in SI units: names, unit suffixes, scales, signs.
+// Private: not installed.
 #pragma once
 
 #include <map>

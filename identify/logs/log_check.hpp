@@ -1,4 +1,5 @@
 // What is wrong with logs whatever the model: short pulses, gaps, a force whose sign is flipped.
+// Private: not installed.
 #pragma once
 
 #include <string>

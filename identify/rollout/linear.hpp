@@ -5,6 +5,7 @@
 // is followed exactly, and so are its derivatives where T is a Jet: exp(A h) by scaling and squaring, once for a
 // trial's sampling interval, and its action on a state by the Taylor series where samples are uneven or the reference
 // moves. Tests: test/unit/one_link.cpp against the integrated path and closed forms.
+// Private: not installed.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,6 @@
 // One trial from stretch to stretch: exactly where the rig is linear, integrated where it is not. Included by the files
 // that compile kernels (rollout.cpp, rollout_methods.cpp), by no other.
+// Private: not installed.
 #pragma once
 
 #include <cmath>

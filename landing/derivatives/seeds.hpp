@@ -1,4 +1,5 @@
 // The parameters of landing/derivatives/gradient.hpp as scalars that carry derivatives.
+// Private: not installed.
 #pragma once
 
 #include <cmath>

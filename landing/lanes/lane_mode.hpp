@@ -1,4 +1,5 @@
 // The mode of a landing system whose lanes are landings of their own.
+// Private: not installed.
 #pragma once
 
 #include "common/pack.hpp"

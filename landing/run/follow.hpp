@@ -1,5 +1,6 @@
 // One landing from event to event: the loop that every method and every kernel shares. Included by what compiles
 // kernels (kernels.hpp, methods.cpp), by no other.
+// Private: not installed.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // What a report needs of a run beside its peak. Private to simulate.cpp.
+// Private: not installed.
 #pragma once
 
 #include <algorithm>

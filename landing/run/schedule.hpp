@@ -5,6 +5,7 @@
 //     before the first touchdown   phi_I is held                      until flight_limit
 //     first touchdown at t_0       the motion starts, if it moves     until t_0 + duration
 //     after it                     phi_F is held                      until t_end, or t_0 + Scene::kFollow
+// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // Pieces that the solvers with populations share.
+// Private: not installed.
 #pragma once
 
 #include <algorithm>

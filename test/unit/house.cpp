@@ -127,6 +127,29 @@ TEST_CASE("includes follow the arrows that the page of the architecture draws") 
   }
 }
 
+TEST_CASE("what is installed includes nothing that is private") {
+  const std::regex own("^\\s*#\\s*include\\s*\"([a-z_/0-9.]+)\"");
+  std::map<std::string, bool> is_private;
+  std::map<std::string, std::vector<std::string>> includes;
+  for (const std::string top : {"common", "identify", "landing"})
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(UKEMI_SOURCE) / top)) {
+      if (entry.path().extension() != ".hpp") continue;
+      const std::string name = fs::relative(entry.path(), UKEMI_SOURCE).generic_string();
+      std::ifstream in(entry.path());
+      for (std::string line; std::getline(in, line);) {
+        std::smatch m;
+        if (line == "// Private: not installed.") is_private[name] = true;
+        if (std::regex_search(line, m, own)) includes[name].push_back(m[1]);
+      }
+    }
+  CHECK(is_private.size() > 20);
+  for (const auto& [name, targets] : includes)
+    for (const std::string& target : targets) {
+      INFO(name << " includes " << target);
+      if (!is_private.count(name)) CHECK(is_private.count(target) == 0);
+    }
+}
+
 TEST_CASE("the top level has no strangers") {
   const std::set<std::string> known = {"CMakeLists.txt", "CMakePresets.json",
                                        "README.md",      "CHANGELOG.md",

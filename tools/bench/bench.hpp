@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "landing/search/auto_settings.hpp"
 #include "tools/program/command.hpp"
 
 namespace ukemi::tools {
@@ -26,6 +27,8 @@ struct BenchArguments {
   std::vector<double> times;         ///< optimizers: budgets of one core [s]; empty: the quick mode's
   std::vector<std::string> solvers;  ///< optimizers: empty: all
   std::vector<std::string> with;     ///< optimizers: files of earlier runs, whose searches are not run again
+  landing::AutoSettings settings;    ///< optimizers, drawn: of auto
+  int drawn = 12;                    ///< drawn: scenes
   std::string only;                  ///< scenes: one side of one omission, for the instruction count
 };
 
@@ -35,6 +38,7 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common);
 int bench_identify(const BenchArguments& arguments, const CommonOptions& common);
 int bench_stability(const BenchArguments& arguments, const CommonOptions& common);
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common);
+int bench_drawn(const BenchArguments& arguments, const CommonOptions& common);
 int bench_scenes(const BenchArguments& arguments, const CommonOptions& common);
 
 }  // namespace ukemi::tools

@@ -167,7 +167,7 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
 
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
   Run run("bench optimizers", common);
-  Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds};
+  Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds, arguments.settings};
   if (cases.solvers.empty()) cases.solvers = landing::solver_names();
   for (const std::string& s : cases.solvers) landing::check_solver(s);
   std::vector<double>& times = cases.times;

@@ -22,9 +22,10 @@ using namespace landing;
 
 namespace {
 
-std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaParameters<double>& sea) {
+std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaParameters<double>& sea,
+                                  const AutoSettings& settings) {
   OptimizeOptions o;
-  o.solver = t.solver, o.goal = Goal(int(t.goal)), o.deadline = t.budget, o.threads = 1;
+  o.settings = settings, o.solver = t.solver, o.goal = Goal(int(t.goal)), o.deadline = t.budget, o.threads = 1;
   o.time = Stopwatch::Time::kProcessor;
   o.seed = t.seed, o.tolerance_samples = 0;
   const Optimum r = optimize(scene, sea, o);
@@ -123,7 +124,7 @@ std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, cons
   long done = 0;
   parallel_for(int(open.size()), run.options().threads, [&](int i) {
     Trial& t = trials[open[std::size_t(i)]];
-    t.found = search(t, scenes[t.scene], actuator.sea);
+    t.found = search(t, scenes[t.scene], actuator.sea, cases.settings);
     const std::lock_guard lock(mutex);
     run.progress("searches", ++done, long(open.size()));
   });

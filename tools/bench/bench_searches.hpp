@@ -42,6 +42,7 @@ struct Cases {
   std::vector<double> times;  ///< [s], increasing
   std::uint64_t first_seed;
   int seeds;
+  landing::AutoSettings settings = {};  ///< of auto
 };
 
 /// The searches that an earlier run's optimizers.csv holds.

@@ -34,6 +34,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"demo", {}},
       {"map", {"map.csv", "basins.csv"}},
       {"bench batch", {"batch.csv", "planner.csv"}},
+      {"bench drawn", {"drawn.csv"}},
       {"bench identify", {"identify.csv"}},
       {"bench integrators", {"integrators.csv"}},
       {"bench optimizers",
