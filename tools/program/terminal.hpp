@@ -1,4 +1,5 @@
-// The program's two streams. A message never ends the program; a result that did not get through is reported at the end.
+// The program's two streams. A message never ends the program; a result that did not get through is reported at the
+// end.
 #pragma once
 
 #include <optional>
