@@ -11,6 +11,7 @@
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/calibrate.hpp"
+#include "tools/verbs/term_help.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -191,8 +192,7 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       ->take_all();
   verb->add_option("--free", args->free,
                    "constants that are fitted [stiffness,damping_normal,damping_tangential,pitch]");
-  verb->add_option("--nuisance", args->nuisance,
-                   "fitted along, each drop its own: time_shift, height_offset, speed_offset, pitch_offset");
+  verb->add_option("--nuisance", args->nuisance, nuisance_help(drop_terms(), "A drop each"));
   verb->add_option("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand")
       ->expected(1)
       ->take_all();

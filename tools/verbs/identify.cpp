@@ -10,6 +10,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/report/identify.hpp"
 #include "tools/verbs/runs.hpp"
+#include "tools/verbs/term_help.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -141,10 +142,7 @@ void add_identify(CLI::App& app, Action& chosen) {
     if (!predict) {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
       verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
-      verb->add_option("--nuisance", args->nuisance,
-                       "fitted along: friction, viscous_friction, stiffening, force_gain (one for all trials); "
-                       "initial_angle, initial_rate, "
-                       "encoder_offset, force_bias, time_shift (a trial each)");
+      verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
       verb->add_option("--prior", args->prior,
                        "k_sea=65:5,...: what is known beforehand, VALUE:STD, counted like a measurement");
       verb->add_option(
