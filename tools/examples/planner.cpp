@@ -10,9 +10,9 @@
 #include <exception>
 
 #include "common/actuator.hpp"
-#include "landing/search/planner.hpp"
 #include "landing/model/release.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/search/planner.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 6) {

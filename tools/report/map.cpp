@@ -96,8 +96,8 @@ int report(const Survey& s, Run& run) {
   const std::string said = fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, s.basins.size());
   run.say(said);
   for (const JudgedBasin& b : s.basins)
-    run.say(fmt::format("  {}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion), b.basin.peak,
-                        b.evidence.tolerant.value));
+    run.say(fmt::format("  {}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion),
+                        b.basin.peak, b.evidence.tolerant.value));
 
   Report report("The box of motions: " + s.scene.name);
   floor_source(report, s.scene);
