@@ -1,4 +1,6 @@
 // ukemi map.
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "common/error.hpp"
@@ -26,6 +28,8 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   run.input(a.scene);
   const Actuator actuator = actuator_of(a.actuator, run);
   if (a.grid.size() != 3) throw InputError("--grid: three numbers are needed, as in 64,64,32");
+  for (const int n : a.grid)
+    if (n < 2) throw InputError(fmt::format("--grid: {}: at least 2 points along each variable are needed", n));
   SurveyOptions options{.basins = run.monitor("map: basins"), .evidence = run.monitor("map: evidence")};
   MapOptions& map = options.map;
   map.cells = a.grid;
