@@ -53,13 +53,19 @@ struct Surroundings {
   std::string out, err;  ///< where its streams go instead of being captured, as ">/dev/full", ">&-"
 };
 
+/// Seconds after which a run of the program counts as endless: $UKEMI_TEST_TIMEOUT, for builds that are slow.
+inline std::string patience() {
+  const char* given = std::getenv("UKEMI_TEST_TIMEOUT");
+  return given ? given : "60";
+}
+
 /// `ukemi ARGUMENTS...` started in the folder `directory`. What it prints goes to files outside of it. The code of a
 /// run that a signal ended is 128 and the signal, as in a shell.
 inline Result run(const Arguments& arguments, const std::string& directory, const Surroundings& around = {}) {
   const Folder capture;
   std::string command = "cd " + shell_quoted(directory) + " && ";
   if (!around.limits.empty()) command += around.limits + " && ";
-  command += "exec timeout 60 " + shell_quoted(UKEMI_PROGRAM);
+  command += "exec timeout " + patience() + " " + shell_quoted(UKEMI_PROGRAM);
   for (const std::string& a : arguments) command += " " + shell_quoted(a);
   command += " " + (around.out.empty() ? ">" + capture.write("out", "") : around.out);
   command += " 2" + (around.err.empty() ? ">" + capture.write("err", "") : around.err) + " </dev/null";
