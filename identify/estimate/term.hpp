@@ -64,6 +64,16 @@ struct Terms : Choice {
   void validate() const;  ///< throws InputError
 };
 
+/// All constants of a table, nothing along.
+template <class T>
+Terms<T> all_constants(const std::vector<T>& table) {
+  Terms<T> out;
+  out.table = table;
+  for (const T& t : table)
+    if (t.is_constant()) out.free.push_back(t.name);
+  return out;
+}
+
 /// Which column of a problem is which term: the constants, then the other shared terms, then those of each trial. The
 /// terms must outlive it.
 template <class T>

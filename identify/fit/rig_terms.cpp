@@ -115,12 +115,6 @@ const std::vector<RigTerm>& rig_terms() {
   return terms;
 }
 
-Terms<RigTerm> rig_choice() {
-  Terms<RigTerm> out;
-  out.table = rig_terms();
-  for (const RigTerm& t : out.table)
-    if (t.is_constant()) out.free.push_back(t.name);
-  return out;
-}
+Terms<RigTerm> rig_choice() { return all_constants(rig_terms()); }
 
 }  // namespace ukemi::identify

@@ -14,9 +14,9 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// When each part has to end for the answer to be there by the deadline; without one, and until it is stopped, never.
-class Schedule {
+class Timetable {
  public:
-  Schedule(const Scene& scene, const Actuator& actuator, const AnswerOptions& options)
+  Timetable(const Scene& scene, const Actuator& actuator, const AnswerOptions& options)
       : scene_(scene), sea_(actuator.sea), options_(options) {}
 
   /// Plays the held reference, and rehearses with it what follows the search: so the time that has to be kept back is
@@ -85,15 +85,15 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
   OptimizeOptions searched = options.search;
   searched.validate();
   Answer a{.scene = scene, .actuator = actuator, .options = options};
-  Schedule schedule(scene, actuator, options);
-  schedule.begin(a);
-  if (searched.deadline) searched.deadline = schedule.search();
+  Timetable timetable(scene, actuator, options);
+  timetable.begin(a);
+  if (searched.deadline) searched.deadline = timetable.search();
   a.tried = search(scene, actuator.sea, searched, options.solvers);
   Optimum& best = a.best;
   best = *std::min_element(a.tried.begin(), a.tried.end(),
                            [](const Optimum& x, const Optimum& y) { return x.value < y.value; });
   if (!best.found) return a;
-  a.landing = schedule.play(best.motion);
+  a.landing = timetable.play(best.motion);
   const bool always = options.evidence == AnswerOptions::Extras::kAlways;
   if ((always || !searched.deadline) && !searched.monitor.stopped()) {
     const Stopwatch watch(Stopwatch::Time::kWall);

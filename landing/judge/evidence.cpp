@@ -104,9 +104,7 @@ class Beside {
 
 Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                   const EvidenceOptions& options) {
-  Coordinates values(3);
-  values << motion.phi_i, motion.phi_f, motion.duration;
-  return evidence(scene, QuinticSpace(scene.search, sea), values, options);
+  return evidence(scene, QuinticSpace(scene.search, sea), QuinticSpace::values_of(motion), options);
 }
 
 Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinates& values,

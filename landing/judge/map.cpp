@@ -48,16 +48,15 @@ Coordinates PeakMap::values(const Place& at) const {
 }
 
 std::vector<std::size_t> PeakMap::neighbours(std::size_t here) const {
-  std::vector<Place> places{place(here)};
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    for (std::size_t i = 0, n = places.size(); i < n; ++i)
-      for (const int step : {-1, 1}) {
-        Place at = places[i];
-        at[k] += step;
-        if (at[k] >= 0 && at[k] < cells[k]) places.push_back(at);
-      }
-  std::vector<std::size_t> out;
-  for (const Place& at : places) out.push_back(index(at));
+  std::vector<std::size_t> out{here};
+  std::size_t stride = 1;  // between two points along variable k
+  for (std::size_t k = cells.size(); k-- > 0; stride *= std::size_t(cells[k])) {
+    const auto points = std::size_t(cells[k]), at = here / stride % points;
+    for (std::size_t i = 0, n = out.size(); i < n; ++i) {
+      if (at > 0) out.push_back(out[i] - stride);
+      if (at + 1 < points) out.push_back(out[i] + stride);
+    }
+  }
   return out;
 }
 

@@ -62,6 +62,10 @@ class MotionSpace {
   /// The same as a robot plays it: end angles and duration are what it misses, whatever the other variables. The box
   /// may leave the ranges; a duration stops at 0.1 ms.
   virtual Play inexact(Play play, const ExecutionTolerance& tolerance, const Deviation& deviation) const;
+  /// Point k of its execution box, the play itself first.
+  Play execution_point(const Play& play, const ExecutionTolerance& tolerance, int k) const {
+    return k == 0 ? play : inexact(play, tolerance, execution_deviation(k));
+  }
   /// d numbers(play) / d values, kPlayNumbers by dimension(): by central differences where a space knows no better.
   virtual Eigen::MatrixXd jacobian(const Coordinates& values) const;
 
@@ -74,6 +78,7 @@ class QuinticSpace : public MotionSpace {
  public:
   QuinticSpace(const SearchRange& range, const SeaParameters<double>& sea);
   Play play(const Coordinates& x) const override { return {{x[0], x[1], x[2]}, sea_}; }
+  static Coordinates values_of(const Motion& m) { return Eigen::Vector3d(m.phi_i, m.phi_f, m.duration); }
   Eigen::MatrixXd jacobian(const Coordinates&) const override {
     return Eigen::MatrixXd::Identity(kPlayNumbers, dimension());
   }

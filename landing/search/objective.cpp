@@ -65,8 +65,7 @@ class Objective::Race : public BatchSource {
     const Candidate& p = points_[i];
     const int k = corner(p, step_[i]++);
     corner_[lane] = k;
-    Play& play = play_[lane] = o_.play(p);
-    if (k > 0) play = o_.space_.inexact(play, o_.scene_.execution, execution_deviation(k));
+    const Play& play = play_[lane] = o_.space_.execution_point(o_.play(p), o_.scene_.execution, k);
     c = {&o_.scene_, &play.sea, play.motion, p.bound};
     return true;
   }
@@ -170,7 +169,7 @@ double Objective::verified(const Play& play, double accuracy, double bound) {
   const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
   if (peak_reference_rate(play.motion) > options_.reference_rate) return kNoMotion;
   for (int k = 0; k < n && !late(); ++k) {
-    const Play at = k == 0 ? play : space_.inexact(play, scene_.execution, execution_deviation(k));
+    const Play at = space_.execution_point(play, scene_.execution, k);
     const LandingPeak p = peak_acceleration(
         scene_, at.sea, at.motion,
         {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits, .over = &over_});

@@ -60,7 +60,7 @@ void sequential_quadratic(Search& search) {
     const Eigen::MatrixXd jacobian = space.jacobian(x);
     const bool drive = !jacobian.bottomRows(kPlayNumbers - kMotionParameters).isZero(0);
     for (int k = 0; k < boxes && !search.over(); ++k) {
-      const Play at = k == 0 ? play : space.inexact(play, objective.scene().execution, execution_deviation(k));
+      const Play at = space.execution_point(play, objective.scene().execution, k);
       const Peaks found =
           peaks_of(objective.scene(), at, {.accuracy = objective.accuracy(), .over = objective.over()}, each, drive);
       search.spend(found.work);

@@ -14,10 +14,9 @@ TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const P
                            int samples, std::uint64_t seed, int threads) {
   TolerantPeak out;
   std::vector<LandingPeak> peaks(kExecutionPoints);
-  const auto at = [&](const Deviation& d) { return space.inexact(x, scene.execution, d); };
+  const auto box = [&](int k) { return space.execution_point(x, scene.execution, k); };
   const auto play = [&](const Play& p) { return peak_acceleration(scene, p.sea, p.motion, options); };
-  parallel_for(kExecutionPoints, threads,
-               [&](int k) { peaks[std::size_t(k)] = play(k == 0 ? x : at(execution_deviation(k))); });
+  parallel_for(kExecutionPoints, threads, [&](int k) { peaks[std::size_t(k)] = play(box(k)); });
   out.peak = peaks[0].peak;
   const auto count = [&](std::array<int, kPoints>& touching) {
     for (const LandingPeak& p : peaks) {
@@ -31,7 +30,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const P
   for (int k = 0; k < kExecutionPoints; ++k) {
     const LandingPeak& p = peaks[std::size_t(k)];
     longest = std::max(longest, work_of(p.work));
-    if (p.peak > out.value) out.value = p.peak, out.worst = k == 0 ? x.motion : at(execution_deviation(k)).motion;
+    if (p.peak > out.value) out.value = p.peak, out.worst = box(k).motion;
   }
   constexpr long kInLanes = 10;  // a lane's step takes a tenth
   if (samples * longest > kInLanes * kCheckWork) samples = int(kCheckWork / longest);
@@ -45,7 +44,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const P
   for (int i = 0; i < samples; ++i) {
     Random r(seed, std::uint64_t(i));
     const double a = r.uniform(-1, 1), b = r.uniform(-1, 1), c = r.uniform(-1, 1);
-    plays.push_back(at({a, b, c}));
+    plays.push_back(space.inexact(x, scene.execution, {a, b, c}));
     inside.push_back({&scene, &plays.back().sea, plays.back().motion});
   }
   peaks.resize(inside.size());

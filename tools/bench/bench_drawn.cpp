@@ -13,9 +13,9 @@
 #include "common/actuator.hpp"
 #include "common/median.hpp"
 #include "common/parallel.hpp"
+#include "landing/judge/answer.hpp"
 #include "landing/model/scene_file.hpp"
-#include "landing/search/optimize.hpp"
-#include "tools/bench/bench.hpp"
+#include "tools/bench/bench_searches.hpp"
 #include "tools/bench/stability.hpp"
 #include "tools/report/table.hpp"
 
@@ -25,8 +25,6 @@ using namespace landing;
 
 namespace {
 
-constexpr std::array<Goal, 2> kBothGoals = {Goal::kPeak, Goal::kTolerant};
-constexpr std::array<const char*, 2> kGoalNames = {"peak", "tolerant"};
 constexpr std::array<const char*, 3> kLong = {"auto", "de", "crs2"};
 constexpr double kLonger = 5;  ///< times the longest budget, for the searches that say what is best
 
@@ -35,9 +33,9 @@ struct DrawnSearch {
   std::size_t scene, goal;
   std::string solver;
   std::uint64_t seed;
-  double budget;  ///< [s]
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double gap = std::numeric_limits<double>::quiet_NaN();  ///< to the scene's best known
+  double budget;                                           ///< [s]
+  double value = std::numeric_limits<double>::infinity();  ///< nothing found: infinite
+  double gap = std::numeric_limits<double>::quiet_NaN();   ///< to the scene's best known
 };
 
 /// Drawn scenes where the robot falls onto the floor and the held reference can be followed.
@@ -47,18 +45,10 @@ std::vector<StabilityCase> draw(int scenes, std::uint64_t seed) {
   std::vector<StabilityCase> out;
   for (std::uint64_t i = 0; int(out.size()) < scenes; ++i) {
     StabilityCase c = random_landing(paper, table2, seed, i);
-    const LandingPeak held = peak_acceleration(c.scene, c.sea, {-45 / kDegrees, -45 / kDegrees, 1});
+    const LandingPeak held = peak_acceleration(c.scene, c.sea, kHeld);
     if (c.scene.touches() && !no_landing(held.end)) out.push_back(std::move(c));
   }
   return out;
-}
-
-double search(const StabilityCase& c, const DrawnSearch& s, const AutoSettings& settings) {
-  OptimizeOptions o;
-  o.solver = s.solver, o.goal = kBothGoals[s.goal], o.settings = settings, o.deadline = s.budget, o.seed = s.seed;
-  o.threads = 1, o.time = Stopwatch::Time::kProcessor, o.tolerance_samples = 0;
-  const Optimum best = optimize(c.scene, c.sea, o);
-  return best.found ? best.value : std::numeric_limits<double>::infinity();
 }
 
 /// The gaps of one goal and budget, over all scenes: of each the median over its seeds.
@@ -76,7 +66,7 @@ int bench_drawn(const BenchArguments& a, const CommonOptions& common) {
   const std::vector<StabilityCase> scenes = draw(a.drawn, common.seed);
   std::vector<DrawnSearch> searches;
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    for (std::size_t g = 0; g < kBothGoals.size(); ++g) {
+    for (std::size_t g = 0; g < kGoalNames.size(); ++g) {
       for (int s = 0; s < a.seeds; ++s)
         for (const double t : times) searches.push_back({i, g, "auto", common.seed + std::uint64_t(s), t});
       for (const char* solver : kLong) searches.push_back({i, g, solver, common.seed + 1000, kLonger * times.back()});
@@ -85,7 +75,9 @@ int bench_drawn(const BenchArguments& a, const CommonOptions& common) {
   long done = 0;
   parallel_for(int(searches.size()), common.threads, [&](int i) {
     DrawnSearch& s = searches[std::size_t(i)];
-    s.value = search(scenes[s.scene], s, s.solver == "auto" ? a.settings : AutoSettings());
+    const StabilityCase& c = scenes[s.scene];
+    const Optimum best = search_on_a_core(c.scene, c.sea, s.solver, Goal(int(s.goal)), s.budget, s.seed, a.settings);
+    if (best.found) s.value = best.value;
     const std::lock_guard lock(mutex);
     run.progress("searches", ++done, long(searches.size()));
   });
@@ -96,7 +88,7 @@ int bench_drawn(const BenchArguments& a, const CommonOptions& common) {
     s.gap = s.value / best - 1;
   }
   std::vector<DrawnGap> gaps;
-  for (std::size_t g = 0; g < kBothGoals.size(); ++g)
+  for (std::size_t g = 0; g < kGoalNames.size(); ++g)
     for (const double t : times) {
       std::vector<double> of_scenes;
       for (std::size_t i = 0; i < scenes.size(); ++i) {

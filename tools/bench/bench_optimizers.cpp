@@ -30,7 +30,7 @@ double gap_of(const Trial& t, std::size_t column, const BestKnown& best) {
 using Gaps = std::vector<std::array<std::vector<double>, kScenes.size()>>;
 using GapsOfSolvers = std::map<std::string, Gaps>;
 struct AllGaps {
-  std::array<GapsOfSolvers, kGoals.size()> after_time, after_motions;
+  std::array<GapsOfSolvers, kGoalNames.size()> after_time, after_motions;
 };
 AllGaps gaps_of(const std::vector<Trial>& trials, const std::vector<double>& times, const BestKnown& best) {
   AllGaps gaps;
@@ -67,7 +67,7 @@ Range range_of(const std::vector<double>& seeds, Range of = {}) {
 
 Quantities<Trial> trial_quantities(const BestKnown& best) {
   Quantities<Trial> out = {{"scene", "", [](auto& t) { return kScenes[t.scene]; }},
-                           {"objective", "", [](auto& t) { return kGoals[t.goal]; }},
+                           {"objective", "", [](auto& t) { return kGoalNames[t.goal]; }},
                            {"solver", "", &Trial::solver},
                            {"seed", "", [](auto& t) { return std::to_string(t.seed); }},
                            {"budget_s", "", &Trial::budget},
@@ -82,11 +82,11 @@ void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, c
   run.add("optimizers.csv", Table(trial_quantities(best), trials).csv(run));
   std::vector<Range> ranges;
   for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
-    for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
+    for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal)
       for (const std::string& solver : cases.solvers)
         for (std::size_t k = 0; k < cases.times.size(); ++k)
           ranges.push_back(range_of(gaps.after_time[goal].at(solver)[k][scene],
-                                    {kScenes[scene], kGoals[goal], solver, cases.times[k]}));
+                                    {kScenes[scene], kGoalNames[goal], solver, cases.times[k]}));
   run.add("gaps.csv", Table(kRangeQuantities, ranges)
                           .csv(run, "The gap to the best known over the seeds of each search; nothing found: empty."));
   CsvWriter known = run.csv();
@@ -192,10 +192,10 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
       "(in brackets the largest); one core's own time, verification included.",
       arguments.seeds));
   Json summary;
-  for (std::size_t goal = 0; goal < kGoals.size(); ++goal) {
-    report.heading(kGoals[goal]), run.say(fmt::format("{}:", kGoals[goal]));
-    Json& of_goal = summary[kGoals[goal]];
-    of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoals[goal]), cases.solvers, gaps.after_time[goal],
+  for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal) {
+    report.heading(kGoalNames[goal]), run.say(fmt::format("{}:", kGoalNames[goal]));
+    Json& of_goal = summary[kGoalNames[goal]];
+    of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoalNames[goal]), cases.solvers, gaps.after_time[goal],
                            times, "s", "time of one core [s]");
     if (gaps.after_time[goal].count("auto")) {
       of_goal["auto_leads"] = beside_others(report, gaps.after_time[goal], times);
@@ -206,7 +206,7 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
     report.paragraph(
         "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
         "NLopt's solvers evaluate one motion at a time.");
-    of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoals[goal]), cases.solvers,
+    of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoalNames[goal]), cases.solvers,
                                  gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
   }
   summary["times"] = times, summary["seeds"] = arguments.seeds;

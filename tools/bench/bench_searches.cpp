@@ -20,15 +20,19 @@ namespace ukemi::tools {
 
 using namespace landing;
 
+Optimum search_on_a_core(const Scene& scene, const SeaParameters<double>& sea, const std::string& solver, Goal goal,
+                         double budget, std::uint64_t seed, const AutoSettings& settings) {
+  OptimizeOptions o;
+  o.settings = settings, o.solver = solver, o.goal = goal, o.deadline = budget, o.seed = seed;
+  o.threads = 1, o.time = Stopwatch::Time::kProcessor, o.tolerance_samples = 0;
+  return optimize(scene, sea, o);
+}
+
 namespace {
 
 std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaParameters<double>& sea,
                                   const AutoSettings& settings) {
-  OptimizeOptions o;
-  o.settings = settings, o.solver = t.solver, o.goal = Goal(int(t.goal)), o.deadline = t.budget, o.threads = 1;
-  o.time = Stopwatch::Time::kProcessor;
-  o.seed = t.seed, o.tolerance_samples = 0;
-  const Optimum r = optimize(scene, sea, o);
+  const Optimum r = search_on_a_core(scene, sea, t.solver, Goal(int(t.goal)), t.budget, t.seed, settings);
   std::array<double, kFound> found;
   found.fill(std::numeric_limits<double>::quiet_NaN());
   found[kTime] = r.seconds, found[kEvaluations] = double(r.evaluations), found[kLandings] = double(r.landings);
@@ -68,7 +72,7 @@ std::vector<Trial> read_trials(const std::string& path) {
   std::vector<Trial> trials;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     Trial t{one_of(kScenes, table.texts[scene][i], table.at(int(scene), i)),
-            one_of(kGoals, table.texts[goal][i], table.at(int(goal), i)),
+            one_of(kGoalNames, table.texts[goal][i], table.at(int(goal), i)),
             table.texts[solver][i],
             seed_at(table, seed, i),
             table.columns[budget][i],
@@ -86,14 +90,14 @@ BestKnown best_known(const std::string& path) {
   const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene"});
   if (table.rows() != kScenes.size()) throw InputError(path + ": a row for each of the ten scenes is needed");
   const std::size_t scene = column(table, "scene");
-  for (const char* goal : kGoals) table.require_full(table.require(goal));
+  for (const char* goal : kGoalNames) table.require_full(table.require(goal));
   BestKnown best{};
   std::array<bool, kScenes.size()> known{};
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const Location where = table.at(int(scene), i);
     const std::size_t s = one_of(kScenes, table.texts[scene][i], where);
     if (std::exchange(known[s], true)) throw InputError(where, quoted(kScenes[s]) + ": the scene is given twice");
-    for (std::size_t g = 0; g < kGoals.size(); ++g) best[s][g] = table.columns[column(table, kGoals[g])][i];
+    for (std::size_t g = 0; g < kGoalNames.size(); ++g) best[s][g] = table.columns[column(table, kGoalNames[g])][i];
   }
   return best;
 }
@@ -104,7 +108,7 @@ std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, cons
   std::vector<std::size_t> open;
   double seconds = 0;
   for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
-    for (std::size_t goal = 0; goal < kGoals.size(); ++goal)
+    for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal)
       for (const std::string& solver : cases.solvers)
         for (int s = 0; s < cases.seeds; ++s)
           for (const double t : cases.times) {

@@ -7,12 +7,13 @@
 #include <tuple>
 #include <vector>
 
+#include "landing/search/optimize.hpp"
 #include "tools/bench/bench.hpp"
+#include "tools/report/landing.hpp"
 
 namespace ukemi::tools {
 
 inline constexpr auto& kScenes = kShippedScenes;
-inline constexpr std::array<const char*, 2> kGoals = {"peak", "tolerant"};
 inline constexpr std::array<double, 5> kMarks = {100, 300, 1'000, 5'000, 20'000};
 
 /// What a row of optimizers.csv tells of a search; after_N: its best after N motions, by its own accuracy. Nothing
@@ -45,13 +46,17 @@ struct Cases {
   landing::AutoSettings settings = {};  ///< of auto
 };
 
+/// What one core finds in `budget` seconds of its own time.
+landing::Optimum search_on_a_core(const landing::Scene& scene, const SeaParameters<double>& sea,
+                                  const std::string& solver, landing::Goal goal, double budget, std::uint64_t seed,
+                                  const landing::AutoSettings& settings);
 /// The searches that an earlier run's optimizers.csv holds.
 std::vector<Trial> read_trials(const std::string& path);
 /// Every search of the cases; those of `earlier` runs are taken from there.
 std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, const Run& run);
 
 /// The best that any search has found, ours or an earlier one's: [scene][goal], datasets/best_known.csv.
-using BestKnown = std::array<std::array<double, kGoals.size()>, kScenes.size()>;
+using BestKnown = std::array<std::array<double, kGoalNames.size()>, kScenes.size()>;
 BestKnown best_known(const std::string& path);
 
 }  // namespace ukemi::tools

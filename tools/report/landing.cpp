@@ -20,12 +20,20 @@ std::string peak_words(double peak) { return peak_to(6, peak); }
 std::string short_peak_words(double peak) { return peak_to(4, peak); }
 std::string percent_words(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
 
+Display display(const Variable& v, const std::string& middle) {
+  if (v.unit == "rad") return {kDegrees, v.name + middle + "_deg", v.words + " [deg]"};
+  return {1, v.name + middle, v.words + " [" + v.unit + "]"};
+}
+
 Quantities<Motion> motion_quantities() {
-  return {
-      {"phi_i_deg", "phi_i_deg", "phi_I [deg]", "{:.6g}", [](auto& m) { return m.phi_i * kDegrees; }},
-      {"phi_f_deg", "phi_f_deg", "phi_F [deg]", "{:.6g}", [](auto& m) { return m.phi_f * kDegrees; }},
-      {"duration", "duration", "duration [s]", "{:.6g}", &Motion::duration},
-  };
+  Quantities<Motion> out;
+  const QuinticSpace space({}, {});
+  for (int k = 0; k < space.dimension(); ++k) {
+    const Display s = display(space.variables()[std::size_t(k)]);
+    out.push_back({s.key, s.key, s.words, "{:.6g}",
+                   [k, factor = s.factor](const Motion& m) { return QuinticSpace::values_of(m)[k] * factor; }});
+  }
+  return out;
 }
 Json motion_json(const Motion& motion) { return Table::of(motion_quantities(), motion).object(); }
 std::string motion_words(const Motion& motion) { return Table::of(motion_quantities(), motion).line(); }
@@ -73,18 +81,14 @@ Quantities<Evidence> deviation_quantities() {
           peak("damping_ten_percent", "with the floor's damping off by 10 %", &Evidence::damping_ten_percent)};
 }
 
-Quantities<Evidence> evidence_quantities(const std::string& tolerant_peak) {
+Quantities<Evidence> evidence_quantities(const std::vector<Variable>& variables, const std::string& tolerant_peak) {
   Quantities<Evidence> out;
-  const Quantities<Motion> variables = motion_quantities();
   for (std::size_t k = 0; k < variables.size(); ++k)
     for (const std::size_t side : {0, 1}) {
-      // "phi_i_deg" is "phi_i_down_deg" and "phi_i_up_deg", in JSON a pair.
-      const Quantity<Motion>& v = variables[k];
-      const bool degrees = v.csv.size() > 4 && v.csv.compare(v.csv.size() - 4, 4, "_deg") == 0;
-      const std::string name = degrees ? v.csv.substr(0, v.csv.size() - 4) : v.csv, way = side == 0 ? "down" : "up";
-      out.push_back({name + "_" + way + (degrees ? "_deg" : ""), "width_of_5_percent/" + v.json + (side ? "/1" : "/0"),
-                     (side == 0 ? "room below " : "room above ") + v.words, "{:.2g}",
-                     [=](const Evidence& e) { return e.width[k][side] * (degrees ? kDegrees : 1); }});
+      const Display whole = display(variables[k]), room = display(variables[k], side == 0 ? "_down" : "_up");
+      out.push_back({room.key, "width_of_5_percent/" + whole.key + (side ? "/1" : "/0"),
+                     (side == 0 ? "room below " : "room above ") + whole.words, "{:.2g}",
+                     [k, side, factor = whole.factor](const Evidence& e) { return e.width[k][side] * factor; }});
     }
   out.push_back({"tolerant_peak", "tolerant_peak", tolerant_peak, peak_words,
                  [](const Evidence& e) { return e.tolerant.value; }});

@@ -19,12 +19,22 @@ std::string peak_words(double peak);
 std::string short_peak_words(double peak);  ///< to 4 digits
 std::string percent_words(double fraction);
 
+/// A variable as readers and files have it: angles in degrees.
+struct Display {
+  double factor;
+  std::string key;    ///< "phi_i_deg", or with a middle "phi_i_down_deg"
+  std::string words;  ///< "phi_I [deg]"
+};
+Display display(const landing::Variable& variable, const std::string& middle = "");
+
 Quantities<landing::Motion> motion_quantities();
 Quantities<landing::Touch> contact_quantities();
 /// The worst peaks under one deviation each.
 Quantities<landing::Evidence> deviation_quantities();
-/// How wide the motion's basin is, its tolerant peak by that name (empty: in files alone), the deviations.
-Quantities<landing::Evidence> evidence_quantities(const std::string& tolerant_peak);
+/// How wide the motion's basin is in each variable, its tolerant peak by that name (empty: in files alone), the
+/// deviations.
+Quantities<landing::Evidence> evidence_quantities(const std::vector<landing::Variable>& variables,
+                                                  const std::string& tolerant_peak);
 
 Json motion_json(const landing::Motion& motion);
 /// A motion on one line.

@@ -12,13 +12,6 @@ using namespace landing;
 
 namespace {
 
-/// Angles are shown in degrees.
-struct Shown {
-  double factor;
-  std::string suffix, unit;
-};
-Shown shown_in(const Variable& v) { return v.unit == "rad" ? Shown{kDegrees, "_deg", "deg"} : Shown{1, "", v.unit}; }
-
 std::string letters(const ContactOrder& contacts) {
   std::string s;
   for (int i = 0; i < contacts.size(); ++i) s += "HKF"[contacts[i]];
@@ -30,15 +23,16 @@ std::string map_csv(const Run& run, const PeakMap& map) {
   csv.comment(
       "contacts: H hip, K knee, F foot, in the order in which they touch; peak_contact: which of them made the "
       "peak, counted from 1, 0: none.");
+  std::vector<Display> axes;
   std::vector<std::string> header;
-  for (const Variable& v : map.variables) header.push_back(v.name + shown_in(v).suffix);
+  for (const Variable& v : map.variables) axes.push_back(display(v)), header.push_back(axes.back().key);
   header.insert(header.end(), {"peak", "peak_contact", "contacts"});
   csv.header(header);
   for (std::size_t i = 0; i < map.grid.size(); ++i) {
     const PeakMap::Cell& c = map.grid[i];
     if (c.end == End::kStopped) continue;
     const Coordinates x = map.values(map.place(i));
-    for (int k = 0; k < int(x.size()); ++k) csv.cell(x[k] * shown_in(map.variables[std::size_t(k)]).factor);
+    for (int k = 0; k < int(x.size()); ++k) csv.cell(x[k] * axes[std::size_t(k)].factor);
     csv.cell(c.peak).cell(c.peak_contact + 1).cell(letters(c.contacts)).end_row();
   }
   return csv.text();
@@ -47,10 +41,9 @@ std::string map_csv(const Run& run, const PeakMap& map) {
 /// The smallest peak over the axes that are not drawn.
 Heatmap projection(const PeakMap& map, int x, int y) {
   const auto axis = [&](int k, std::vector<double>& at) {
-    const Variable& v = map.variables[std::size_t(k)];
-    const Shown shown = shown_in(v);
-    for (int i = 0; i < map.cells[std::size_t(k)]; ++i) at.push_back(map.coordinate(k, i) * shown.factor);
-    return v.words + " [" + shown.unit + "]";
+    const Display variable = display(map.variables[std::size_t(k)]);
+    for (int i = 0; i < map.cells[std::size_t(k)]; ++i) at.push_back(map.coordinate(k, i) * variable.factor);
+    return variable.words;
   };
   Heatmap h;
   h.x_label = axis(x, h.x), h.y_label = axis(y, h.y);
@@ -63,11 +56,11 @@ Heatmap projection(const PeakMap& map, int x, int y) {
   return h;
 }
 
-Quantities<JudgedBasin> basin_quantities() {
+Quantities<JudgedBasin> basin_quantities(const std::vector<Variable>& variables) {
   Quantities<JudgedBasin> out;
   append(out, "motion/", motion_quantities(), [](auto& b) { return b.basin.play.motion; });
   out.push_back({"peak", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.basin.peak; }});
-  append(out, "", evidence_quantities("tolerant peak [m/s^2]"), &JudgedBasin::evidence);
+  append(out, "", evidence_quantities(variables, "tolerant peak [m/s^2]"), &JudgedBasin::evidence);
   return out;
 }
 
@@ -79,7 +72,7 @@ int report(const Survey& s, Run& run) {
   if (s.missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", s.missing, points));
   if (s.basins.empty() && s.missing == 0)
     run.warn("no landing of the grid could be followed to the floor: no basin was found");
-  const Table basins(basin_quantities(), s.basins);
+  const Table basins(basin_quantities(s.map.variables), s.basins);
   run.add("map.csv", map_csv(run, s.map));
   const Json summary = {{"grid", s.map.cells},
                         {"landings", points - std::size_t(s.missing)},

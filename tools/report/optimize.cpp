@@ -18,6 +18,7 @@ namespace {
 Quantities<Answer> answer_quantities(const Answer& answer) {
   const ExecutionTolerance& box = answer.scene.execution;
   const std::string within = fmt::format("within {:g} deg, {:g} ms [m/s^2]", box.phi * kDegrees, box.duration * 1e3);
+  const QuinticSpace space(answer.scene.search, answer.actuator.sea);
   Quantities<Answer> out;
   append(out, "motion/", motion_quantities(), [](const Answer& a) { return a.best.motion; });
   out.insert(out.end(), {
@@ -27,7 +28,8 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
                             {"", "hold/peak_acceleration", "held at -45 deg [m/s^2]", peak_words, &Answer::held_peak},
                             {"", "reduction", "reduction", percent_words, &Answer::reduction},
                         });
-  if (answer.evidence) append(out, "evidence/", evidence_quantities(""), [](const Answer& a) { return *a.evidence; });
+  if (answer.evidence)
+    append(out, "evidence/", evidence_quantities(space.variables(), ""), [](const Answer& a) { return *a.evidence; });
   out.insert(out.end(),
              {
                  {"", "", "contacts", {}, [](auto& a) { return a.played() ? contact_order(a.landing) : "not played"; }},
@@ -47,7 +49,7 @@ std::string motion_csv(const Run& run, const Motion& m, double rate) {
   const long rows = long(std::ceil(m.duration * rate - 1e-9));
   for (long i = 0; i <= rows; ++i) {
     const double t = std::min(double(i) / rate, m.duration);
-    const Reference<double> r = quintic(m.phi_i, m.phi_f, m.duration, t);
+    const Reference<double> r = reference_of(m, t);
     csv.row({t, r.phi, r.dphi});
   }
   return csv.text();

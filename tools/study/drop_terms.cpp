@@ -78,12 +78,6 @@ const std::vector<DropTerm>& drop_terms() {
   return terms;
 }
 
-identify::Terms<DropTerm> drop_choice() {
-  identify::Terms<DropTerm> out;
-  out.table = drop_terms();
-  for (const DropTerm& t : out.table)
-    if (t.is_constant()) out.free.push_back(t.name);
-  return out;
-}
+identify::Terms<DropTerm> drop_choice() { return identify::all_constants(drop_terms()); }
 
 }  // namespace ukemi::tools
