@@ -215,6 +215,13 @@ std::optional<double> TomlSection::angle_of(const std::string& key, bool require
 double TomlSection::angle(const std::string& key) { return *angle_of(key, true); }
 std::optional<double> TomlSection::optional_angle(const std::string& key) { return angle_of(key, false); }
 
+std::optional<double> TomlSection::optional_rate(const std::string& key) {
+  const std::string in_degrees = key + "_deg";
+  if (has(key) && has(in_degrees)) fail(in_degrees, "given beside '" + key + "': one of the two is needed");
+  if (const auto v = optional_number(in_degrees, Range::any())) return node(key), *v * kDegree;
+  return optional_number(key, Range::any());
+}
+
 std::optional<std::array<double, 2>> TomlSection::optional_angle_pair(const std::string& key) {
   const std::string in_degrees = key + "_deg";
   if (has(key) && has(in_degrees)) fail(in_degrees, "given beside '" + key + "': one of the two is needed");
@@ -241,6 +248,22 @@ std::optional<std::vector<double>> TomlSection::optional_numbers(const std::stri
   std::vector<double> out;
   for (const toml::node& x : *array) out.push_back(checked(key, &x, range));
   return out;
+}
+std::vector<double> TomlSection::optional_list(const std::string& key, std::size_t most, const Range& range) {
+  const void* n = node(key);
+  if (!n) return {};
+  const toml::array* array = as_node(n)->as_array();
+  if (!array || array->size() > most)
+    fail(key, show(*as_node(n)) + ": at most " + std::to_string(most) + " numbers in [ ] are needed");
+  return *optional_numbers(key, array->size(), range);
+}
+std::optional<long> TomlSection::optional_count(const std::string& key, long lowest, long highest) {
+  const auto v = optional_number(key, Range::any());
+  if (!v) return std::nullopt;
+  if (*v != std::floor(*v) || *v < double(lowest) || *v > double(highest))
+    fail(key, shortest(*v) + ": a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest) +
+                  " is needed");
+  return long(*v);
 }
 std::vector<double> TomlSection::numbers(const std::string& key, std::size_t count, const Range& range) {
   if (auto v = optional_numbers(key, count, range)) return *v;

@@ -55,9 +55,14 @@ class TomlSection {
   /// `key` [rad] or `key_deg`; an angle in radians beyond 2 pi is refused with a hint.
   double angle(const std::string& key);
   std::optional<double> optional_angle(const std::string& key);
+  /// [rad/s], of KEY or, in degrees a second, KEY_deg.
+  std::optional<double> optional_rate(const std::string& key);
   std::optional<std::array<double, 2>> optional_angle_pair(const std::string& key);
   std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range);
   std::optional<std::vector<double>> optional_numbers(const std::string& key, std::size_t count, const Range& range);
+  /// At most so many; none is an empty list.
+  std::vector<double> optional_list(const std::string& key, std::size_t most, const Range& range);
+  std::optional<long> optional_count(const std::string& key, long lowest, long highest);
   std::optional<std::vector<std::vector<double>>> optional_matrix(const std::string& key);
   std::string text(const std::string& key);
   std::optional<std::string> optional_text(const std::string& key);

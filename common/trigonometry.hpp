@@ -24,7 +24,7 @@ struct SinCos {
 inline constexpr double kReducible = 1 << 19;
 
 /// Two doubles in one register of any x86-64 or ARM64 machine.
-typedef double Double2 __attribute__((vector_size(16)));
+typedef double Double2 __attribute__((vector_size(16)));  // NOLINT(modernize-use-using): GCC's vector types
 
 [[gnu::noinline, gnu::cold]] inline SinCos<double> sin_cos_library(double x) { return {std::sin(x), std::cos(x)}; }
 
@@ -50,7 +50,7 @@ struct SinCosTable {
                     {-1.13585365213876817300e-11, -1.13585365213876817300e-11}};
 };
 inline const SinCosTable kSinCosTable;
-typedef std::int64_t Bits2 __attribute__((vector_size(16)));
+typedef std::int64_t Bits2 __attribute__((vector_size(16)));  // NOLINT(modernize-use-using)
 
 /// Every lane of D, a vector of doubles, below kReducible; I is the vector of integers of its size.
 template <class D, class I>

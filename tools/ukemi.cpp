@@ -37,16 +37,9 @@ int run(int argc, char** argv) {
       "interrupted (Ctrl-C).");
   set_command_line(argc, argv);
   Action chosen;
-  add_identify(app, chosen);
-  add_simulate(app, chosen);
-  add_optimize(app, chosen);
-  add_calibrate(app, chosen);
-  add_compare(app, chosen);
-  add_design(app, chosen);
-  add_demo(app, chosen);
-  add_map(app, chosen);
-  add_bench(app, chosen);
-  add_later(app, chosen);
+  for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
+                         add_map, add_ratings, add_bench, add_later})
+    add(app, chosen);
   try {
     std::vector<std::string> verbs;
     for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());

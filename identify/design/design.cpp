@@ -17,12 +17,7 @@ using Eigen::MatrixXd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// A hit that was looked over; `information` only where it is safe.
-struct Candidate {
-  Hit hit;
-  HitSafety safety;
-  MatrixXd information;
-};
+using Candidate = ProposedHit;
 
 /// Looks a hit over: what it tells where it is safe.
 Candidate look(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
@@ -240,10 +235,8 @@ Design design(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
   const auto turn = [&](Hit& hit, std::size_t place) {
     if (o.budget.directions == HitBudget::Directions::kAlternate && place % 2 == 1) hit.peak = -hit.peak;
   };
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    out.hits.push_back({set[i].hit, set[i].safety, set[i].information});
-    turn(out.hits.back().hit, i);
-  }
+  for (std::size_t i = 0; i < set.size(); ++i) turn(set[i].hit, i);
+  out.hits = std::move(set);
   for (RunnerUp& r : out.runners_up)
     for (std::size_t i = 0; i < r.hits.size(); ++i) turn(r.hits[i], i);
   return out;

@@ -65,10 +65,11 @@ struct DesignOptions {
 /// Whether the hit stays within `budget.angle` wherever the constants may lie. `knowledge` must be determined.
 HitSafety safety_of(const Rig& rig, const Knowledge& knowledge, const Hit& hit, const DesignOptions& options);
 
+/// A hit that was looked over.
 struct ProposedHit {
   Hit hit;
   HitSafety safety;
-  Eigen::MatrixXd information;
+  Eigen::MatrixXd information;  ///< where it is safe
 };
 
 /// Another set, and how good it is.

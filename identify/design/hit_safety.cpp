@@ -27,15 +27,8 @@ SeaParameters<double> scaled(const Knowledge& k, const VectorXd& relative) {
 }  // namespace
 
 const char* name(HitSafety::Outcome outcome) {
-  switch (outcome) {
-    case HitSafety::Outcome::kSafe:
-      return "safe";
-    case HitSafety::Outcome::kTooFar:
-      return "beyond the largest angle";
-    case HitSafety::Outcome::kEscapes:
-      return "the link escapes";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"safe", "beyond the largest angle", "the link escapes"};
+  return kNames[int(outcome)];
 }
 
 Trial blank_log(const Hit& hit, const HitLog& log) {
@@ -70,11 +63,9 @@ HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const De
     if (out.worst_angle > o.budget.angle) out.outcome = HitSafety::Outcome::kTooFar;
     return out.safe();
   };
-  if (!stays(k.sea)) {
-    out.angle = out.worst_angle;
-    return out;
-  }
+  const bool safe = stays(k.sea);
   out.angle = out.worst_angle;
+  if (!safe) return out;
   for (std::size_t i = 1; i + 1 < phi.size(); ++i) {
     const double d = phi_m[i] - phi[i],
                  rate = (phi_m[i + 1] - phi[i + 1] - phi_m[i - 1] + phi[i - 1]) * 0.5 * close.rate;

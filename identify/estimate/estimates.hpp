@@ -9,6 +9,7 @@
 
 namespace ukemi::identify {
 
+/// The result of a fit, whatever it fits.
 struct Estimates {
   std::vector<Estimate> parameters;         ///< every constant of the table, in its order, fitted or not
   std::vector<Estimate> nuisance;           ///< shared, then term by term those of each trial
@@ -17,7 +18,15 @@ struct Estimates {
   Eigen::VectorXd eigenvalues;              ///< of the scaled information, ascending, largest 1
   double half_width = 1.96;                 ///< 95 % interval in standard errors (Student's t)
   std::optional<Weakest> weakest;           ///< the combination of constants that the data know least
+  double cost = 0;                          ///< the sum of squares; weighted or robust where asked for
+  bool converged = false;
+  int iterations = 0;   ///< of the start that won
+  int starts = 0;       ///< how many were run
+  std::string message;  ///< why it did not converge, or that it was interrupted
+  std::vector<std::string> warnings;
 
+  /// Whether it converged and every fitted constant is trusted.
+  bool trusted() const { return converged && all_trusted(parameters); }
   /// What was fitted for all trials, in the order of `fitted`.
   std::vector<const Estimate*> globals() const;
 };
@@ -39,18 +48,15 @@ std::vector<Estimate> as_given(const Terms<T>& terms, Value&& value) {
   return out;
 }
 
-/// The estimates of a solution whose globals are `shared`, constants first; `given` are the constants as they are
-/// given.
-[[nodiscard]] Estimates estimates_of(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
-                                     const std::vector<const Term*>& shared, std::vector<Estimate> given);
-
 /// How warnings speak.
 struct Wording {
   const char* data;                                                             ///< "trials"
   enum class Interval { kRelative, kAbsolute } interval = Interval::kRelative;  ///< of a constant that is not known
   enum class Correlated { kAlways, kUnlessTrusted } correlated = Correlated::kAlways;  ///< said of two
 };
-/// Constants at a bound, not identifiable, or hardly told apart.
-std::vector<std::string> warnings_of(const Estimates& estimates, const Wording& wording);
+/// Fills in what a solution says whose globals are `shared`, constants first; `out.parameters` are the constants as
+/// they are given. Warns of constants at a bound, not identifiable, or hardly told apart.
+void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
+                   const std::vector<const Term*>& shared, const Wording& wording, Estimates& out);
 
 }  // namespace ukemi::identify

@@ -35,10 +35,10 @@ double Choice::upper_of(const Term& t) const {
 namespace {
 
 void check_names(const std::vector<const Term*>& table, const Choice& c) {
-  const auto role = [](Term::Role wanted) { return [wanted](const Term* t) { return t->role == wanted; }; };
   const auto check = [&](const char* what, const std::vector<std::string>& list, Term::Role wanted) {
     std::vector<const Term*> among;
-    std::copy_if(table.begin(), table.end(), std::back_inserter(among), role(wanted));
+    for (const Term* t : table)
+      if (t->role == wanted) among.push_back(t);
     for (auto name = list.begin(); name != list.end(); ++name) {
       (void)index_of(among, what, *name);
       if (std::find(list.begin(), name, *name) != name)

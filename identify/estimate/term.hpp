@@ -54,14 +54,26 @@ struct Choice {
   double upper_of(const Term& term) const;
 };
 
+/// Index of a term in a table; throws InputError "WHAT: no such term".
+std::size_t index_of(const std::vector<const Term*>& table, const std::string& what, const std::string& name);
+/// Names, bounds and priors. Throws InputError.
+void validate(const std::vector<const Term*>& table, const Choice& choice);
+
 /// A choice and its table.
 template <class T>
 struct Terms : Choice {
   std::vector<T> table;
 
   /// Throws InputError where there is no such term.
-  const T& operator[](const std::string& name) const;
-  void validate() const;  ///< throws InputError
+  const T& operator[](const std::string& name) const { return table[index_of(pointers(), "term", name)]; }
+  void validate() const { identify::validate(pointers(), *this); }  ///< throws InputError
+
+ private:
+  std::vector<const Term*> pointers() const {
+    std::vector<const Term*> out;
+    for (const T& t : table) out.push_back(&t);
+    return out;
+  }
 };
 
 /// All constants of a table, nothing along.
@@ -86,7 +98,6 @@ struct Layout {
     for (const std::string& name : terms.nuisance)
       (terms[name].scope == Scope::kShared ? shared : own).push_back(&terms[name]);
   }
-  std::size_t columns() const { return shared.size() + own.size(); }
   /// f(term, value, column) for each, at a point of the problem.
   template <class F>
   void for_each(const double* of_shared, const double* of_own, F&& f) const {
@@ -102,27 +113,5 @@ struct Layout {
 
 /// The term as a column that starts at `start` and is scaled by `size`.
 Parameter parameter_of(const Term& term, double start, double size, const Choice& choice);
-
-// --- what the templates stand on ---
-
-/// Index of a term in a table; throws InputError "WHAT: no such term".
-std::size_t index_of(const std::vector<const Term*>& table, const std::string& what, const std::string& name);
-/// Names, bounds and priors. Throws InputError.
-void validate(const std::vector<const Term*>& table, const Choice& choice);
-
-template <class T>
-std::vector<const Term*> pointers(const std::vector<T>& table) {
-  std::vector<const Term*> out;
-  for (const T& t : table) out.push_back(&t);
-  return out;
-}
-template <class T>
-const T& Terms<T>::operator[](const std::string& name) const {
-  return table[index_of(pointers(table), "term", name)];
-}
-template <class T>
-void Terms<T>::validate() const {
-  identify::validate(pointers(table), *this);
-}
 
 }  // namespace ukemi::identify

@@ -11,19 +11,15 @@
 namespace ukemi::identify {
 
 const char* name(Identifiability v) {
-  switch (v) {
-    case Identifiability::kTrusted:
-      return "trusted";
-    case Identifiability::kWeak:
-      return "weak";
-    case Identifiability::kNotIdentifiable:
-      return "not identifiable";
-    case Identifiability::kAtBound:
-      return "at its bound";
-    case Identifiability::kFixed:
-      return "fixed";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"trusted", "weak", "not identifiable", "at its bound", "fixed"};
+  return kNames[int(v)];
+}
+
+Estimate estimate_of(const Parameter& p, double value, double variance, double half_width, int trial) {
+  Estimate e{.name = p.name, .unit = p.unit, .value = value, .std = {}, .trial = trial};
+  e.at_bound = value <= p.lower || value >= p.upper;
+  set_error(e, variance, half_width);
+  return e;
 }
 
 void set_error(Estimate& e, double variance, double half_width) {

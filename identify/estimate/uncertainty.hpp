@@ -40,6 +40,9 @@ struct Estimate {
   double half_width() const { return (ci_high - ci_low) / 2; }  ///< of the 95 % interval, with `std`
 };
 
+/// What a parameter came to, at its bound where the value is.
+[[nodiscard]] Estimate estimate_of(const Parameter& parameter, double value, double variance, double half_width,
+                                   int trial = -1);
 /// Standard error and 95 % interval from a variance; none where it is not a number.
 void set_error(Estimate& e, double variance, double half_width);
 

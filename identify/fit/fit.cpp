@@ -90,9 +90,8 @@ bool reweigh(FitSearch& search, const std::vector<Trial>& trials, const FitOptio
 /// The estimates, and what can be said of them.
 void report(const FitSearch& search, const std::vector<Trial>& trials, const FitOptions& options, Fit& out) {
   const std::vector<const Term*> shared(search.layout().shared.begin(), search.layout().shared.end());
-  static_cast<Estimates&>(out) =
-      estimates_of(search.best(), search.best_problem(), shared, constants_of(options.terms, out.sea));
-  for (std::string& w : warnings_of(out, {.data = "trials"})) out.warnings.push_back(std::move(w));
+  out.parameters = constants_of(options.terms, out.sea);
+  set_estimates(search.best(), search.best_problem(), shared, {.data = "trials"}, out);
   out.identifiable = std::none_of(out.parameters.begin(), out.parameters.end(),
                                   [](const Estimate& e) { return e.verdict == Identifiability::kNotIdentifiable; });
   if (out.weakest && !all_trusted(out.parameters))
@@ -132,7 +131,6 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
     replay_best(search, search.weights(), options, out);
   }
   const LeastSquaresSolution& best = search.best();
-  out.cost = best.cost, out.converged = best.converged, out.iterations = best.iterations;
   out.rms = pooled(out.trials, trials, raw_rms);
   if (!best.converged)
     out.message = out.interrupted ? "interrupted" : search.spent().empty() ? best.message : search.spent();

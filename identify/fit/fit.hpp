@@ -37,8 +37,6 @@ struct FitOptions {
     return {.accuracy = accuracy, .max_step = max_step, .method = method, .escape = escape};
   }
   void validate() const;  ///< throws InputError
-
-  static constexpr double kInfinity = Term::kInfinity;
 };
 
 /// A minimum that starts ended at.
@@ -60,21 +58,13 @@ struct TrialResult {
 
 struct Fit : Estimates {
   SeaParameters<double> sea;  ///< the result, tau_max and feedback included; without what a RigTerm::change does
-  double rms = 0;             ///< unweighted, over every measured output [rad]
-  double cost = 0;            ///< E(U) [rad^2]; weighted or robust where asked for
-  bool converged = false, identifiable = false;
+  double rms = 0;             ///< unweighted, over every measured output [rad]; `cost` is E(U) [rad^2]
+  bool identifiable = false;
   bool far_above_noise = false;  ///< the residual, beyond kFarAboveNoise: no constant is trusted
   bool flawed_logs = false;      ///< a gap in a hit, or a force of the wrong sign: no constant is trusted
   bool interrupted = false;      ///< by the monitor; what stands here is the best until then
-  int iterations = 0;            ///< of the start that won
-  int starts = 0;                ///< how many were run
   std::vector<Minimum> minima;   ///< that they ended at, the lowest first
-  std::vector<std::string> warnings;
   std::vector<TrialResult> trials;
-  std::string message;  ///< why it did not converge
-
-  /// Whether it converged and every fitted constant is trusted.
-  bool trusted() const { return converged && all_trusted(parameters); }
 };
 
 /// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max,

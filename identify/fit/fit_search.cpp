@@ -74,7 +74,6 @@ void FitSearch::run() {
     starts_.search_all(1, search(0));
   }
   const std::size_t first = tried_.size();
-  const auto add = [&](const std::vector<Sea>& list) { tried_.insert(tried_.end(), list.begin(), list.end()); };
   if (options_.explore > 0) {
     const double spread = options_.starts.spread;
     for (const Sea& drawn : draw_starts(
@@ -83,7 +82,7 @@ void FitSearch::run() {
       tried_.push_back(admitted(drawn));
     starts_.search_all(options_.explore, search(first));
   } else if (options_.restarts > 0 && !starts_.believed()) {
-    add(candidates());
+    for (const Sea& candidate : candidates()) tried_.push_back(candidate);
     starts_.search_until_believed(std::min(options_.restarts, int(tried_.size() - first)), search(first));
   }
 }

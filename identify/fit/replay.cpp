@@ -18,9 +18,8 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutI
     return out;
   }
   double sum = 0;
-  for (std::size_t i = 0; i < trial.phi.size(); ++i) sum += (out.phi[i] - trial.phi[i]) * (out.phi[i] - trial.phi[i]);
-  for (std::size_t i = 0; i < trial.phi_motor.size(); ++i)
-    sum += (out.phi_m[i] - trial.phi_motor[i]) * (out.phi_m[i] - trial.phi_motor[i]);
+  for (const auto& [measured, predicted] : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}})
+    for (std::size_t i = 0; i < measured->size(); ++i) sum += std::pow((*predicted)[i] - (*measured)[i], 2);
   if (trial.measurements() > 0) out.rms = std::sqrt(sum / double(trial.measurements()));
   return out;
 }

@@ -62,48 +62,33 @@ RigTerm in_ladder(RigTerm t) {
 std::vector<RigTerm> table() {
   constexpr auto kShared = Scope::kShared, kEach = Scope::kEach;
   return {
-      constant(
-          0, "proportional gain of the motor", 0, [](auto& in) -> auto& { return in.sea.k_p; }),
-      constant(
-          1, "derivative gain of the motor", 0, [](auto& in) -> auto& { return in.sea.k_d; }),
-      constant(
-          2, "stiffness of the spring", 0, [](auto& in) -> auto& { return in.sea.k_sea; }),
-      constant(
-          3, "damping of the spring", 0, [](auto& in) -> auto& { return in.sea.c_sea; }),
+      constant(0, "proportional gain of the motor", 0, [](auto& in) { return &in.sea.k_p; }),
+      constant(1, "derivative gain of the motor", 0, [](auto& in) { return &in.sea.k_d; }),
+      constant(2, "stiffness of the spring", 0, [](auto& in) { return &in.sea.k_sea; }),
+      constant(3, "damping of the spring", 0, [](auto& in) { return &in.sea.c_sea; }),
       // It divides Eq. 4.
-      constant(
-          4, "reflected inertia of the motor", 1e-6, [](auto& in) -> auto& { return in.sea.i_motor; }),
-      in_ladder(optional(nuisance(
-                             "friction", "Nm", "dry friction on the motor", kShared, 0.1,
-                             [](auto& in) -> auto& { return in.sea.friction; }),
+      constant(4, "reflected inertia of the motor", 1e-6, [](auto& in) { return &in.sea.i_motor; }),
+      in_ladder(optional(nuisance("friction", "Nm", "dry friction on the motor", kShared, 0.1,
+                                  [](auto& in) { return &in.sea.friction; }),
                          0.01, &Sea::k_p, "friction")),
-      optional(nuisance(
-                   "viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared, 0.1,
-                   [](auto& in) -> auto& { return in.sea.viscous; }),
+      optional(nuisance("viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared, 0.1,
+                        [](auto& in) { return &in.sea.viscous; }),
                0.1, &Sea::k_d, "viscous_friction"),
       // As much torque as the linear part at a deflection of 1 rad.
-      in_ladder(optional(nuisance(
-                             "stiffening", "Nm/rad^3", "cubic stiffness of the spring", kShared, 10,
-                             [](auto& in) -> auto& { return in.sea.k_sea_cubic; }),
+      in_ladder(optional(nuisance("stiffening", "Nm/rad^3", "cubic stiffness of the spring", kShared, 10,
+                                  [](auto& in) { return &in.sea.k_sea_cubic; }),
                          1, &Sea::k_sea, "k_sea_cubic")),
-      bounded(nuisance(
-                  "force_gain", "1", "the force over the load cell's", kShared, 1,
-                  [](auto& in) -> auto& { return in.nuisance.force_gain; }),
+      bounded(nuisance("force_gain", "1", "the force over the load cell's", kShared, 1,
+                       [](auto& in) { return &in.nuisance.force_gain; }),
               0.01, 100, 1),
-      nuisance(
-          "initial_angle", "rad", "angle at the start", kEach, 0.01,
-          [](auto& in) -> auto& { return in.nuisance.angle; }),
-      nuisance(
-          "initial_rate", "rad/s", "rate at the start", kEach, 0.1, [](auto& in) -> auto& { return in.nuisance.rate; }),
-      nuisance(
-          "encoder_offset", "rad", "the measured angle minus the link's", kEach, 0.01,
-          [](auto& in) -> auto& { return in.nuisance.encoder_offset; }),
-      nuisance(
-          "force_bias", "N", "the force minus the load cell's", kEach, 1,
-          [](auto& in) -> auto& { return in.nuisance.force_bias; }),
-      bounded(nuisance(
-                  "time_shift", "s", "by which the hit came later than logged", kEach, 1e-3,
-                  [](auto& in) -> auto& { return in.nuisance.time_shift; }),
+      nuisance("initial_angle", "rad", "angle at the start", kEach, 0.01, [](auto& in) { return &in.nuisance.angle; }),
+      nuisance("initial_rate", "rad/s", "rate at the start", kEach, 0.1, [](auto& in) { return &in.nuisance.rate; }),
+      nuisance("encoder_offset", "rad", "the measured angle minus the link's", kEach, 0.01,
+               [](auto& in) { return &in.nuisance.encoder_offset; }),
+      nuisance("force_bias", "N", "the force minus the load cell's", kEach, 1,
+               [](auto& in) { return &in.nuisance.force_bias; }),
+      bounded(nuisance("time_shift", "s", "by which the hit came later than logged", kEach, 1e-3,
+                       [](auto& in) { return &in.nuisance.time_shift; }),
               -0.1, 0.1, 0),
   };
 }

@@ -23,27 +23,26 @@ struct RolloutInputs {
 
 /// Where a term's value stands in them, for each scalar: the rollout's derivative by it is exact.
 struct InputField {
-  double& (*in_double)(RolloutInputs<double>&) = nullptr;
-  SmallJet& (*in_small)(RolloutInputs<SmallJet>&) = nullptr;
-  LargeJet& (*in_large)(RolloutInputs<LargeJet>&) = nullptr;
+  double* (*in_double)(RolloutInputs<double>&) = nullptr;
+  SmallJet* (*in_small)(RolloutInputs<SmallJet>&) = nullptr;
+  LargeJet* (*in_large)(RolloutInputs<LargeJet>&) = nullptr;
 
   explicit operator bool() const { return in_double != nullptr; }
   template <class T>
   T& of(RolloutInputs<T>& in) const {
     if constexpr (std::is_same_v<T, double>)
-      return in_double(in);
+      return *in_double(in);
     else if constexpr (std::is_same_v<T, SmallJet>)
-      return in_small(in);
+      return *in_small(in);
     else
-      return in_large(in);
+      return *in_large(in);
   }
 };
-/// From one generic lambda: input_field([](auto& in) -> auto& { return in.sea.friction; }).
+/// From one generic lambda: input_field([](auto& in) { return &in.sea.friction; }).
 template <class F>
 InputField input_field(F) {
-  return {[](RolloutInputs<double>& in) -> double& { return F{}(in); },
-          [](RolloutInputs<SmallJet>& in) -> SmallJet& { return F{}(in); },
-          [](RolloutInputs<LargeJet>& in) -> LargeJet& { return F{}(in); }};
+  return {[](RolloutInputs<double>& in) { return F{}(in); }, [](RolloutInputs<SmallJet>& in) { return F{}(in); },
+          [](RolloutInputs<LargeJet>& in) { return F{}(in); }};
 }
 
 /// A term enters the model by `field`, exactly, or by `change`, whose derivative is a central difference.

@@ -17,16 +17,7 @@ struct Unit {
 const std::vector<Unit>& units_of(Quantity quantity) {
   static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", std::numbers::pi / 180}, {"_mrad", 1e-3}},
                                  force = {{"_N", 1}, {"_kN", 1e3}};
-  switch (quantity) {
-    case Quantity::kTime:
-      return time;
-    case Quantity::kAngle:
-    case Quantity::kRate:
-      return angle;
-    case Quantity::kForce:
-      return force;
-  }
-  return angle;
+  return quantity == Quantity::kTime ? time : quantity == Quantity::kForce ? force : angle;
 }
 
 double unit_of(const std::string& column, Quantity quantity) {

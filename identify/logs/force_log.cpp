@@ -8,6 +8,7 @@
 
 #include "common/median.hpp"
 #include "identify/logs/columns.hpp"
+#include "identify/logs/hits.hpp"
 
 namespace ukemi::identify {
 
@@ -16,12 +17,6 @@ namespace {
 /// Value of a signal at rest: the median of its first 2 % (5 samples or more).
 double rest_of(const std::vector<double>& x) {
   return median({x.begin(), x.begin() + long(std::min(x.size(), std::max<std::size_t>(5, x.size() / 50)))});
-}
-
-double largest_deviation(const std::vector<double>& x, double rest) {
-  double largest = 0;
-  for (const double v : x) largest = std::max(largest, std::abs(v - rest));
-  return largest;
 }
 
 /// Index of the first sample that is beyond `threshold` from `rest`, as is the one after it; size() where there is

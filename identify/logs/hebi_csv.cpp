@@ -12,23 +12,17 @@ namespace {
 
 using Values = std::vector<double> HebiModule::*;
 
-/// The fields that are read, in lower case without '_' and blanks.
-const std::map<std::string, Values>& fields() {
-  static const std::map<std::string, Values> all = {{"time", &HebiModule::t},
-                                                    {"position", &HebiModule::position},
-                                                    {"velocity", &HebiModule::velocity},
-                                                    {"effort", &HebiModule::effort},
-                                                    {"deflection", &HebiModule::deflection},
-                                                    {"motorvelocity", &HebiModule::motor_velocity},
-                                                    {"motorposition", &HebiModule::motor_position},
-                                                    {"positioncmd", &HebiModule::position_command},
-                                                    {"positioncommand", &HebiModule::position_command},
-                                                    {"velocitycmd", &HebiModule::velocity_command},
-                                                    {"velocitycommand", &HebiModule::velocity_command},
-                                                    {"effortcmd", &HebiModule::effort_command},
-                                                    {"effortcommand", &HebiModule::effort_command}};
-  return all;
-}
+/// The fields that are read, in lower case without '_' and blanks, "command" as "cmd".
+const std::map<std::string, Values> kFields = {{"time", &HebiModule::t},
+                                               {"position", &HebiModule::position},
+                                               {"velocity", &HebiModule::velocity},
+                                               {"effort", &HebiModule::effort},
+                                               {"deflection", &HebiModule::deflection},
+                                               {"motorvelocity", &HebiModule::motor_velocity},
+                                               {"motorposition", &HebiModule::motor_position},
+                                               {"positioncmd", &HebiModule::position_command},
+                                               {"velocitycmd", &HebiModule::velocity_command},
+                                               {"effortcmd", &HebiModule::effort_command}};
 
 struct Field {
   Values values = nullptr;  ///< none: not a field that is read
@@ -48,7 +42,8 @@ Field parse_name(const std::string& name) {
   std::string base;
   for (const char c : name.substr(0, closed ? digits - 1 : digits))
     if (c != '_' && c != ' ') base += char(std::tolower(static_cast<unsigned char>(c)));
-  if (const auto it = fields().find(base); it != fields().end()) f.values = it->second;
+  if (base.ends_with("command")) base.replace(base.size() - 7, 7, "cmd");
+  if (const auto it = kFields.find(base); it != kFields.end()) f.values = it->second;
   return f;
 }
 
@@ -84,7 +79,7 @@ HebiLog read_hebi_csv(const std::string& path) {
   if (modules.empty()) modules[1] = HebiModule();
   for (auto& [index, m] : modules) {
     m.name = std::to_string(index);
-    for (const auto& [name, values] : fields()) {
+    for (const auto& [name, values] : kFields) {
       std::vector<double>& column = m.*values;
       if (column.empty()) column = common.*values;
       if (column.empty()) column.assign(table.rows(), std::numeric_limits<double>::quiet_NaN());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <cmath>
 #include <limits>
@@ -48,9 +49,9 @@ const Bytes& submessage(const Bytes& in, const ProtobufField& f) {
   return f.bytes;
 }
 double float_of(const Bytes& in, const ProtobufField& f) {
-  const auto value = f.number32();
-  if (!value) in.fail(f.at, fmt::format("field {}: a 32-bit float is needed", f.number));
-  return *value;
+  if (f.type != ProtobufField::Type::kFixed32)
+    in.fail(f.at, fmt::format("field {}: a 32-bit float is needed", f.number));
+  return double(std::bit_cast<float>(std::uint32_t(f.value)));
 }
 
 /// {1: revolutions (zigzag), 2: offset [rad]}: an angle of many turns [rad].
@@ -63,59 +64,15 @@ double turns(const Bytes& message) {
   return 2 * std::numbers::pi * revolutions + offset;
 }
 
-struct Sample {
-  double position = kNone, velocity = kNone, effort = kNone, deflection = kNone, motor_velocity = kNone,
-         fine_position = kNone, motor_position = kNone;
-  double position_command = kNone, velocity_command = kNone, effort_command = kNone;
-};
-
-/// 11.9: what the module measured.
-void read_feedback(const Bytes& message, Sample& s) {
-  for_fields(message, [&](const ProtobufField& f) {
-    switch (f.number) {
-      case 1:
-        s.position = float_of(message, f);
-        break;
-      case 2:
-        s.velocity = float_of(message, f);
-        break;
-      case 3:
-        s.effort = float_of(message, f);
-        break;
-      case 4:
-        s.deflection = float_of(message, f);
-        break;
-      case 5:
-        s.motor_velocity = float_of(message, f);
-        break;
-      case 12:
-        s.fine_position = turns(submessage(message, f));
-        break;
-      case 13:
-        s.motor_position = turns(submessage(message, f));
-        break;
-      default:
-        break;
-    }
-  });
-}
-
-/// 10.9: what it was told.
-void read_commands(const Bytes& message, Sample& s) {
-  for_fields(message, [&](const ProtobufField& f) {
-    if (f.number == 1) s.position_command = float_of(message, f);
-    if (f.number == 2) s.velocity_command = float_of(message, f);
-    if (f.number == 3) s.effort_command = float_of(message, f);
-  });
+/// A field from 1 on that is a float: into its place of the list, if it has one.
+template <class Number>
+void set_float(const Bytes& in, const ProtobufField& f, std::initializer_list<Number*> places) {
+  if (f.number <= places.size()) *places.begin()[f.number - 1] = float_of(in, f);
 }
 
 HebiGains read_gains(const Bytes& message) {
   HebiGains g;
-  for_fields(message, [&](const ProtobufField& f) {
-    if (f.number == 1) g.k_p = float_of(message, f);
-    if (f.number == 2) g.k_i = float_of(message, f);
-    if (f.number == 3) g.k_d = float_of(message, f);
-  });
+  for_fields(message, [&](const ProtobufField& f) { set_float(message, f, {&g.k_p, &g.k_i, &g.k_d}); });
   return g;
 }
 
@@ -137,31 +94,38 @@ void read_info(const Bytes& message, HebiModule& m) {
   });
 }
 
-/// The part .9 of a message, given to `read`.
-template <class Read>
-void read_nine(const Bytes& in, const ProtobufField& f, Read&& read) {
+/// Calls use(message, field) for each field of the part .9 of a message.
+template <class Use>
+void for_fields_of_nine(const Bytes& in, const ProtobufField& f, Use&& use) {
   for_fields(submessage(in, f), [&](const ProtobufField& n) {
-    if (n.number == 9) read(submessage(f.bytes, n));
+    if (n.number != 9) return;
+    const Bytes& nine = submessage(f.bytes, n);
+    for_fields(nine, [&](const ProtobufField& field) { use(nine, field); });
   });
 }
 
 void read_payload(const Bytes& payload, double t, HebiModule& m) {
-  Sample s;
+  m.t.push_back(t);
+  for (auto* column : {&m.position, &m.velocity, &m.effort, &m.deflection, &m.motor_velocity, &m.motor_position,
+                       &m.position_command, &m.velocity_command, &m.effort_command})
+    column->push_back(kNone);
+  double fine_position = kNone;
   for_fields(payload, [&](const ProtobufField& f) {
-    if (f.number == 10) read_nine(payload, f, [&](const Bytes& b) { read_commands(b, s); });
-    if (f.number == 11) read_nine(payload, f, [&](const Bytes& b) { read_feedback(b, s); });
+    if (f.number == 10)  // 10.9: what the module was told
+      for_fields_of_nine(payload, f, [&](const Bytes& in, const ProtobufField& n) {
+        set_float(in, n, {&m.position_command.back(), &m.velocity_command.back(), &m.effort_command.back()});
+      });
+    if (f.number == 11)  // 11.9: what it measured
+      for_fields_of_nine(payload, f, [&](const Bytes& in, const ProtobufField& n) {
+        set_float(
+            in, n,
+            {&m.position.back(), &m.velocity.back(), &m.effort.back(), &m.deflection.back(), &m.motor_velocity.back()});
+        if (n.number == 12) fine_position = turns(submessage(in, n));
+        if (n.number == 13) m.motor_position.back() = turns(submessage(in, n));
+      });
     if (f.number == 20) read_info(submessage(payload, f), m);
   });
-  m.t.push_back(t);
-  m.position.push_back(std::isnan(s.position) ? s.fine_position : s.position);
-  m.velocity.push_back(s.velocity);
-  m.effort.push_back(s.effort);
-  m.deflection.push_back(s.deflection);
-  m.motor_velocity.push_back(s.motor_velocity);
-  m.motor_position.push_back(s.motor_position);
-  m.position_command.push_back(s.position_command);
-  m.velocity_command.push_back(s.velocity_command);
-  m.effort_command.push_back(s.effort_command);
+  if (std::isnan(m.position.back())) m.position.back() = fine_position;
 }
 
 void check_magic(const Bytes& all, std::size_t at) {

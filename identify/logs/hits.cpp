@@ -5,17 +5,17 @@
 
 namespace ukemi::identify {
 
-namespace {
-
-double largest(const std::vector<double>& force) {
+double largest_deviation(const std::vector<double>& x, double from) {
   double out = 0;
-  for (const double f : force) out = std::max(out, std::abs(f));
+  for (const double v : x) out = std::max(out, std::abs(v - from));
   return out;
 }
 
+namespace {
+
 /// Samples before the force first exceeds a twentieth of its largest, but for the last fifth, which may hold its rise.
 std::size_t samples_at_rest(const std::vector<double>& force) {
-  const double small = 0.05 * largest(force);
+  const double small = 0.05 * largest_deviation(force);
   std::size_t n = 0;
   while (n < force.size() && std::abs(force[n]) <= small) ++n;
   return n < force.size() ? 4 * n / 5 : 0;
@@ -100,7 +100,7 @@ std::vector<Gap> gaps(const Trial& trial) {
     std::nth_element(intervals.begin(), usual, intervals.end());
     const double longest = 1.5 * *usual;
     const std::vector<double>& ft = force_times(trial);
-    const double loud = std::max(0.005 * largest(trial.force), 5 * trial.force_noise);
+    const double loud = std::max(0.005 * largest_deviation(trial.force), 5 * trial.force_noise);
     for (std::size_t i = 0; i + 1 < t.size(); ++i) {
       if (t[i + 1] - t[i] < longest) continue;
       bool acts = false;  // from the force's last sample before to its first after
@@ -120,7 +120,7 @@ std::vector<Gap> gaps(const Trial& trial) {
 std::optional<double> answer_to_first_hit(const Trial& trial) {
   if (trial.force.empty() || trial.phi.size() < 9) return std::nullopt;
   const std::vector<double> force = force_at_samples(trial);
-  const double small = 0.05 * largest(force);
+  const double small = 0.05 * largest_deviation(force);
   std::size_t begin = 0, end;
   while (begin < force.size() && std::abs(force[begin]) <= small) ++begin;
   for (end = begin; end < force.size() && std::abs(force[end]) > small && (force[end] > 0) == (force[begin] > 0);)

@@ -10,6 +10,9 @@
 
 namespace ukemi::identify {
 
+/// The largest |x - from|.
+double largest_deviation(const std::vector<double>& x, double from = 0);
+
 /// Samples first .. last of a trial's force, between which it acts.
 struct Hit {
   std::size_t first, last;

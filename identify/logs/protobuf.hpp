@@ -2,9 +2,7 @@
 // Private: not installed.
 #pragma once
 
-#include <bit>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -44,12 +42,6 @@ struct ProtobufField {
   std::uint64_t value = 0;
   Bytes bytes;         ///< kBytes: the content
   std::size_t at = 0;  ///< offset of the field in its message
-
-  /// The field as a 32-bit float; none where it is of another type.
-  std::optional<double> number32() const {
-    if (type != Type::kFixed32) return std::nullopt;
-    return double(std::bit_cast<float>(std::uint32_t(value)));
-  }
 };
 
 /// Walks the fields of a message. Throws InputError on a field that runs over the end, a varint of more than 10 bytes,
@@ -64,24 +56,22 @@ class ProtobufReader {
     const std::uint64_t key = varint();
     field.number = std::uint32_t(key >> 3);
     if (key >> 3 == 0 || key >> 3 >= (1u << 29)) message_.fail(field.at, "a protobuf field number that cannot be");
-    switch (key & 7) {
-      case 0:
-        field.type = ProtobufField::Type::kVarint, field.value = varint();
+    field.type = ProtobufField::Type(key & 7);
+    switch (field.type) {
+      case ProtobufField::Type::kVarint:
+        field.value = varint();
         break;
-      case 1:
-        field.type = ProtobufField::Type::kFixed64, field.value = little_endian(8);
+      case ProtobufField::Type::kFixed64:
+      case ProtobufField::Type::kFixed32:
+        field.value = little_endian(field.type == ProtobufField::Type::kFixed64 ? 8 : 4);
         break;
-      case 2: {
-        field.type = ProtobufField::Type::kBytes;
+      case ProtobufField::Type::kBytes: {
         const std::uint64_t length = varint();
         if (length > message_.size() - at_) message_.fail(field.at, "a protobuf field runs over its message's end");
         field.bytes = message_.part(at_, std::size_t(length), "a protobuf field");
         at_ += std::size_t(length);
         break;
       }
-      case 5:
-        field.type = ProtobufField::Type::kFixed32, field.value = little_endian(4);
-        break;
       default:
         message_.fail(field.at, "protobuf wire type " + std::to_string(key & 7) + ": 0, 1, 2 or 5 is needed");
     }

@@ -9,6 +9,7 @@
 #include "common/csv.hpp"
 #include "common/median.hpp"
 #include "identify/logs/columns.hpp"
+#include "identify/logs/hits.hpp"
 
 namespace ukemi::identify {
 
@@ -102,8 +103,7 @@ std::vector<double> force_at_samples(const Trial& trial) {
 }
 
 int shortest_pulse(const Trial& trial) {
-  double peak = 0;
-  for (const double f : trial.force) peak = std::max(peak, std::abs(f));
+  const double peak = largest_deviation(trial.force);
   if (peak == 0) return 0;
   int fewest = 0, run = 0;
   for (std::size_t i = 0; i <= trial.force.size(); ++i) {

@@ -9,15 +9,8 @@
 namespace ukemi::identify {
 
 const char* name(RolloutStatus status) {
-  switch (status) {
-    case RolloutStatus::kDone:
-      return "done";
-    case RolloutStatus::kEscaped:
-      return "the link escapes";
-    case RolloutStatus::kDiverged:
-      return "the motion diverges";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"done", "the link escapes", "the motion diverges"};
+  return kNames[int(status)];
 }
 
 PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cut(0)) {

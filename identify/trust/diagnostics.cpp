@@ -101,9 +101,7 @@ namespace {
 /// absence explains more, or less, than its slope there says. Of many trials eight stand for all.
 void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
   constexpr std::size_t kMostTerms = 4, kMostTrials = 8;
-  const auto worth = [&](std::size_t i) {
-    return tests.score_tests[i].gain / tests.score->variance - tests.score_tests[i].degrees * std::log(tests.samples);
-  };
+  const auto worth = [&](std::size_t i) { return tests.worth(tests.score_tests[i]); };
   std::vector<std::size_t> candidates;
   for (std::size_t i = 0; i < tests.score_tests.size(); ++i)
     if (tests.score_tests[i].rejected) candidates.push_back(i);
@@ -134,8 +132,11 @@ bool ResidualTests::model_rejected() const {
          std::any_of(score_tests.begin(), score_tests.end(), [](const ScoreTest& t) { return t.rejected; });
 }
 
+double ResidualTests::worth(const ScoreTest& test) const {
+  return test.gain / score->variance - test.degrees * std::log(samples);
+}
+
 const ScoreTest* ResidualTests::missing() const {
-  const auto worth = [&](const ScoreTest& l) { return l.gain / score->variance - l.degrees * std::log(samples); };
   const ScoreTest* best = nullptr;
   for (const ScoreTest& t : score_tests)
     if (t.rejected && (!best || worth(t) > worth(*best))) best = &t;

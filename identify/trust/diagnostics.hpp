@@ -46,8 +46,9 @@ struct ResidualTests {
 
   /// Whether the model does not explain the logs: the residuals are not white, or ask for a term.
   bool model_rejected() const;
-  /// Of the terms that the residuals ask for, the one that explains most: the largest fall of the cost in units of the
-  /// residual variance, less log(samples) for each parameter that it takes.
+  /// The fall of the cost by a term in units of the residual variance, less log(samples) for each parameter it takes.
+  double worth(const ScoreTest& test) const;
+  /// Of the terms that the residuals ask for, the one that is worth most.
   const ScoreTest* missing() const;
   /// rms of the residuals with that term, to first order [rad].
   double rms_with(const ScoreTest& test) const;

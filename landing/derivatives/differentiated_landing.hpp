@@ -55,7 +55,8 @@ class DifferentiatedLanding {
         motion_(seed_(m)),
         system_(scene.robot, seed_(scene.floor.value_or(Floor<double>{1, 0, 0})), seed_(sea), motion_),
         plain_(scene, sea, m),
-        schedule_(scene, m.duration, true) {  // played even where phi_I = phi_F: the derivatives need it
+        plain_motion_(m),
+        schedule_(scene, m, true) {  // played even where phi_I = phi_F: the derivatives need it
     system_.present = plain_.present;
   }
 
@@ -104,6 +105,7 @@ class DifferentiatedLanding {
                    .max_step = options_.max_step});
     Outcome out;
     const double impact = impact_energy(plain_);
+    turn(schedule_.opening(system_), Jet(t));
     observer.begin(*this, t, start);
     for (long n = 0;; ++n) {
       if (system_.phase == Phase::kMoving) driver.limit_next_step(schedule_.motion_part());
@@ -118,14 +120,18 @@ class DifferentiatedLanding {
         break;
       }
       if (outcome.status == integrate::Status::kReached) {
-        const auto end = schedule_.reached(t, system_);
-        plain_.phase = system_.phase;
-        if (end) {
-          out.end = *end;
-          const Derivatives shift = schedule_.fixed_end() ? Derivatives::Zero() : system_.motion_start.v;
+        const Schedule::Deadline deadline = schedule_.reached(t, system_);
+        if (deadline.end) {
+          out.end = *deadline.end;
+          const Derivatives shift = schedule_.fixed_end() ? Derivatives::Zero() : touchdown_;
           observer.cut(*this, t, driver.state(), driver.slope(), shift);
           break;
         }
+        // The field is continuous at every turn but that to the landing motion, which moves with the touchdown.
+        if (deadline.turn == Turn::kLand)
+          jump(t, driver, touchdown_, kLandingGuards, observer, [&] { turn(Turn::kLand, Jet(t, touchdown_)); });
+        else
+          turn(deadline.turn, Jet(t));
       }
       if (options_.rest == SimulateOptions::Rest::kStop &&
           at_rest(plain_, values(driver.state()), observer.running(), impact)) {
@@ -146,15 +152,30 @@ class DifferentiatedLanding {
     system_.guards(t, driver.state(), driver.slope(), guards);
     const Derivatives shift = integrate::event_shift(guards.value[event], value_of(guards.rate[event]));
     if (!shift.allFinite()) return false;
+    jump(t, driver, shift, event, observer, [&] {
+      const bool first = contacts_.size() == 0;
+      const Schedule::Crossing crossing = schedule_.cross(event, t, system_, Limits(), contacts_);
+      if (first && crossing.touchdown) touchdown_ = shift;
+      turn(crossing.turn, Jet(t, shift));
+    });
+    return true;
+  }
+
+  /// Through a change of the field at a time that moves by `shift`.
+  template <class Observer, class Change>
+  void jump(double t, Driver& driver, const Derivatives& shift, int event, Observer& observer, Change&& change) {
     observer.before(*this, t, driver.state(), driver.slope(), shift);
-    if (schedule_.cross(event, t, system_, Limits(), contacts_).first) system_.motion_start = Jet(t, shift);
-    static_cast<Mode&>(plain_) = system_;
-    plain_.motion_start = value_of(system_.motion_start);
+    change();
     State y = driver.state();
     integrate::saltate(y, values(driver.slope()), plain_.derivative(t, values(y)), shift);
     driver.refresh(y);
     observer.behind(*this, t, y, shift, event);
-    return true;
+  }
+
+  void turn(Turn to, const Jet& t) {
+    static_cast<Mode&>(plain_) = system_;
+    system_.turn(to, motion_, t);
+    plain_.turn(to, plain_motion_, t.a);
   }
 
   const Scene& scene_;
@@ -163,7 +184,9 @@ class DifferentiatedLanding {
   MotionOf<Jet> motion_;
   System system_;
   Plain plain_;
+  const Motion plain_motion_;
   Schedule schedule_;
+  Derivatives touchdown_ = Derivatives::Zero();  ///< dt_0/dp of the first
   ContactOrder contacts_;
 };
 

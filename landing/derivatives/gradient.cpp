@@ -165,6 +165,11 @@ PeakGradients<P> differentiate(const Scene& scene, const SeaParameters<double>& 
 
 }  // namespace
 
+PeakGradients<kQuinticParameters> quintic_peaks(const Scene& scene, const SeaParameters<double>& sea,
+                                                const Motion& motion, const SimulateOptions& options, int most) {
+  return differentiate<kQuinticParameters>(scene, sea, motion, options, most);
+}
+
 PeakGradients<kMotionParameters> motion_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                               const Motion& motion, const SimulateOptions& options, int most) {
   return differentiate<kMotionParameters>(scene, sea, motion, options, most);

@@ -21,6 +21,13 @@ enum class Parameter {
   kPhiI,               ///< [rad]
   kPhiF,               ///< [rad]
   kDuration,           ///< [s]
+  kBump0,              ///< [rad]
+  kBump1,              ///< [rad]
+  kBump2,              ///< [rad]
+  kBump3,              ///< [rad]
+  kGainP,              ///< of the motion, a factor
+  kGainD,              ///< of the motion, a factor
+  kTo,                 ///< the end of the move in the air [s]
   kHeight,             ///< [m]
   kForwardSpeed,       ///< [m/s]
   kPitch,              ///< [rad]
@@ -33,13 +40,15 @@ enum class Parameter {
   kCSea,               ///< [Nm/(rad/s)]
   kIMotor,             ///< [kg m^2]
 };
-inline constexpr int kMotionParameters = 3, kParameters = 14;
+/// Eq. 6's; the motion's; all.
+inline constexpr int kQuinticParameters = 3, kMotionParameters = 10, kParameters = 21;
 inline constexpr std::array<const char*, kParameters> kParameterNames = {
-    "motion.phi_i",    "motion.phi_f",         "motion.duration",
-    "drop.height",     "drop.forward_speed",   "drop.pitch",
-    "floor.stiffness", "floor.damping_normal", "floor.damping_tangential",
-    "actuator.k_p",    "actuator.k_d",         "actuator.k_sea",
-    "actuator.c_sea",  "actuator.i_motor"};
+    "motion.phi_i",    "motion.phi_f",    "motion.duration",      "motion.bump_0",
+    "motion.bump_1",   "motion.bump_2",   "motion.bump_3",        "motion.gain_p",
+    "motion.gain_d",   "motion.to",       "drop.height",          "drop.forward_speed",
+    "drop.pitch",      "floor.stiffness", "floor.damping_normal", "floor.damping_tangential",
+    "actuator.k_p",    "actuator.k_d",    "actuator.k_sea",       "actuator.c_sea",
+    "actuator.i_motor"};
 
 /// Where a local maximum lies, and so how its derivative is taken.
 enum class PeakKind : unsigned char {
@@ -68,9 +77,14 @@ struct PeakGradients {
   integrate::Counters work;
 };
 
-/// The `most` largest local maxima with their gradients by the motion. Of the options, accuracy, max_step, max_steps
-/// rest and over count: a run is never abandoned and knows no limits. A failure is a status, never an exception; what
-/// was found until then is kept.
+/// The `most` largest local maxima with their gradients by the three numbers of Eq. 6. Of the options, accuracy,
+/// max_step, max_steps rest and over count: a run is never abandoned and knows no limits. A failure is a status, never
+/// an exception; what was found until then is kept.
+[[nodiscard]] PeakGradients<kQuinticParameters> quintic_peaks(const Scene& scene, const SeaParameters<double>& sea,
+                                                              const Motion& motion, const SimulateOptions& options,
+                                                              int most);
+
+/// The same by all that a motion is made of; by `to` 0 where nothing moves in the air.
 [[nodiscard]] PeakGradients<kMotionParameters> motion_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                                             const Motion& motion, const SimulateOptions& options,
                                                             int most);

@@ -24,12 +24,18 @@ class Seeds {
     return seeded;
   }
   MotionOf<Jet> operator()(const Motion& m) {
-    return {(*this)(m.phi_i, Parameter::kPhiI), (*this)(m.phi_f, Parameter::kPhiF),
-            (*this)(m.duration, Parameter::kDuration)};
+    MotionOf<Jet> out{(*this)(m.phi_i, Parameter::kPhiI), (*this)(m.phi_f, Parameter::kPhiF),
+                      (*this)(m.duration, Parameter::kDuration)};
+    for (std::size_t k = 0; k < kMostBumps; ++k)
+      out.bumps[k] = (*this)(m.bumps[k], Parameter(int(Parameter::kBump0) + int(k)));
+    out.gain_p = (*this)(m.gain_p, Parameter::kGainP), out.gain_d = (*this)(m.gain_d, Parameter::kGainD);
+    if (const auto& r = m.reposition)
+      out.reposition = {Jet(r->phi), Jet(r->rate), Jet(r->from), (*this)(r->to, Parameter::kTo)};
+    return out;
   }
   DropOf<Jet> operator()(const Drop& d) {
     return {(*this)(d.height, Parameter::kHeight), (*this)(d.forward_speed, Parameter::kForwardSpeed),
-            (*this)(d.pitch, Parameter::kPitch), Jet(d.pitch_rate)};
+            (*this)(d.pitch, Parameter::kPitch), Jet(d.pitch_rate), Jet(d.vertical_speed)};
   }
   Floor<Jet> operator()(const Floor<double>& f) {
     return {(*this)(f.stiffness, Parameter::kStiffness), (*this)(f.damping_normal, Parameter::kDampingNormal),

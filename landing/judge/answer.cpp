@@ -30,6 +30,7 @@ class Timetable {
     landing_ = 2 * (now() - start);
     a.landing = a.held;
     a.best.motion = {scene_.search.phi[0], scene_.search.phi[1], scene_.search.duration[1]};  // the longest file
+    if (const auto& r = scene_.release) a.best.motion.reposition = Reposition{r->phi, r->rate, r->from, r->from + 1};
     if (options_.rehearse) handing_over_ = options_.rehearse(a);
     rehearsed_ = true;
   }
@@ -104,6 +105,7 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
                            .threads = searched.threads,
                            .work = always ? kUnbounded : kCheckWork,
                            .monitor = options.evidence_monitor});
+    if (a.evidence->complete) a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
     a.evidence_seconds = watch.seconds();
     if (searched.deadline && a.evidence->tolerant.complete) best.tolerant = a.evidence->tolerant;
   }

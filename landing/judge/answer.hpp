@@ -9,6 +9,7 @@
 
 #include "landing/judge/checked.hpp"
 #include "landing/judge/evidence.hpp"
+#include "landing/judge/limit.hpp"
 #include "landing/search/optimize.hpp"
 
 namespace ukemi::landing {
@@ -41,8 +42,9 @@ struct Answer {
   std::vector<Optimum> tried;  ///< what each solver came to; one where one was asked for
   Landing landing, held;       ///< of `best.motion` and kHeld; End::kStopped where there was no time to play them
   std::optional<Evidence> evidence;
-  double evidence_seconds = 0;     ///< that it took
-  std::optional<Ratings> ratings;  ///< where the landing was played
+  std::optional<TouchdownLimit> limit;  ///< with the evidence
+  double evidence_seconds = 0;          ///< that it took
+  std::optional<Ratings> ratings;       ///< where the landing was played
   std::optional<Instability> instability;
   bool tolerant_known = false;  ///< best.tolerant was played whole, or was what the search minimised
 

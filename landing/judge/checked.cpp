@@ -5,14 +5,18 @@
 namespace ukemi::landing {
 
 Ratings ratings(const Actuator& actuator, const Motion& motion, const Landing& landing) {
-  return {peak_reference_rate(motion), landing.demands, actuator.speed_max, actuator.sea.tau_max};
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double start = landing.touches.empty() ? kNever : landing.touches[0].t_touchdown;
+  return {peak_reference_rate(motion, start), landing.demands, actuator.speed_max, actuator.sea.tau_max};
 }
 
 std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
   const TwoLinkDynamics<double> links(scene.robot);
   std::optional<Instability> worst;
-  for (const double phi : {motion.phi_i, motion.phi_f})
-    if (const double rate = growth_rate(sea, joint_inertia(links, phi)); rate > (worst ? worst->rate : 0))
+  SeaParameters<double> landing = sea;
+  landing.k_p *= motion.gain_p, landing.k_d *= motion.gain_d;
+  for (const auto& [phi, drive] : {std::pair{motion.phi_i, &sea}, {motion.phi_f, &landing}})
+    if (const double rate = growth_rate(*drive, joint_inertia(links, phi)); rate > (worst ? worst->rate : 0))
       worst = {phi, rate};
   return worst;
 }

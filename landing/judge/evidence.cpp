@@ -104,7 +104,8 @@ class Beside {
 
 Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                   const EvidenceOptions& options) {
-  return evidence(scene, QuinticSpace(scene.search, sea), QuinticSpace::values_of(motion), options);
+  const ReferenceSpace space(scene, sea);
+  return evidence(scene, space, space.values_of(motion), options);
 }
 
 Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinates& values,

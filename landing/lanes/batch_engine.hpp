@@ -72,7 +72,7 @@ class BatchEngine {
       }
       Single single(scene, *c.sea, c.motion);
       auto y = released(single, scene, scene.drop, c.motion);
-      const Schedule& schedule = schedule_[i] = Schedule(scene, c.motion.duration, moves(c.motion));
+      Schedule& schedule = schedule_[i] = Schedule(scene, c.motion, moves(c.motion));
       LandingPeak& out = out_[i] = {};
       const double t = schedule.start(), g = scene.robot.gravity;
       square_.set(i, schedule.ballistic() ? g * g : 0), t_peak_.set(i, 0);
@@ -86,10 +86,11 @@ class BatchEngine {
       TwoLinkDynamics<T>::for_each(system_.link, single.link, set);
       Floor<T>::for_each(system_.floor, single.floor, set);
       SeaParameters<T>::for_each(system_.sea, single.sea, set);
-      MotionOf<T>::for_each(system_.motion, single.motion, set);
+      system_.shaped = system_.shaped || has_bumps(c.motion);
+      single.turn(schedule.opening(single), c.motion, t);
+      ReferencePiece<T>::for_each(system_.piece, single.piece, set);
       for (int j = 0; j < kPoints; ++j) system_.present[j].set(i, single.present[j]);
       system_.set_lane(i, single);
-      system_.motion_start.set(i, 0);
       for (int k = 0; k < kMechanical; ++k) {
         step_.y[k].set(i, y[k]);
         unit_[k].set(i, single.tolerance_unit(k));
@@ -140,22 +141,34 @@ class BatchEngine {
     const Schedule::Crossing crossing = schedule_[i].cross(g, t, mode, options_.limits, out_[i].contacts);
     if (crossing.forbidden) return false;
     system_.set_lane(i, mode);
-    if (crossing.first) {
-      system_.motion_start.set(i, t);
-      stop_.set(i, schedule_[i].stop());
-      h_next_.set(i, std::min(h_next_[i], motion_part_[i]));
-    }
+    if (crossing.touchdown) turn(i, crossing.turn);
     stale_.set(i, true);
     return true;
+  }
+
+  /// The reference's turn, as LandingSystem::turn; the next deadline with it.
+  [[gnu::noinline]] void turn(int i, Turn to) {
+    stop_.set(i, schedule_[i].stop());
+    if (to == Turn::kNone || to == Turn::kHold) return;
+    ReferencePiece<double> piece;
+    ReferencePiece<double>::for_each(piece, system_.piece, [i](double& x, const T& lanes) { x = lanes[i]; });
+    piece = piece_behind(to, case_[i].motion, piece, step_.t[i]);
+    ReferencePiece<T>::for_each(system_.piece, piece, [i](T& lanes, double x) { lanes.set(i, x); });
+    motion_part_.set(i, schedule_[i].motion_part());
+    h_next_.set(i, std::min(h_next_[i], motion_part_[i]));
+    stale_.set(i, true);
+    if (to != Turn::kLand) return;
+    system_.sea.k_p.set(i, case_[i].sea->k_p * case_[i].motion.gain_p);
+    system_.sea.k_d.set(i, case_[i].sea->k_d * case_[i].motion.gain_d);
   }
 
   /// The lane's step has ended at its deadline: the next one, or how the landing ended.
   [[gnu::noinline]] std::optional<End> reached(int i) {
     Mode mode = system_.lane(i);
-    const auto end = schedule_[i].reached(step_.t[i], mode);
+    const Schedule::Deadline deadline = schedule_[i].reached(step_.t[i], mode);
     system_.set_lane(i, mode);
-    stop_.set(i, schedule_[i].stop());
-    return end;
+    turn(i, deadline.turn);
+    return deadline.end;
   }
 
   /// A zero of a guard inside a step.
@@ -361,10 +374,12 @@ class BatchEngine {
         if (at_deadline[i]) end[i] = reached(i);
     const M abandoned = accepted_ & (square_ > abandon_square_);
     M broken(false);
-    if (options_.limits.rated()) {
-      const T torque = system_.motor_torque_of(System::sea_state(step_.y), system_.reference(step_.t));
-      broken = accepted_ & ((abs(step_.y[kOmegaM]) > T(options_.limits.motor_speed)) |
-                            (abs(torque) > T(options_.limits.motor_torque)));
+    if (options_.limits.within_steps()) {
+      const SeaState<T> s = System::sea_state(step_.y);
+      const T torque = system_.motor_torque_of(s, system_.reference(step_.t));
+      broken = accepted_ &
+               ((s.phi < T(options_.limits.joint[0])) | (s.phi > T(options_.limits.joint[1])) |
+                (abs(s.dphi_m) > T(options_.limits.motor_speed)) | (abs(torque) > T(options_.limits.motor_torque)));
     }
     const M rest = plain & at_rest(system_, step_.y, square_, rest_scale_);
     const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));

@@ -43,15 +43,15 @@ class LandingSystem : public ModeOf<T>::type {
     std::array<Vec2<T>, kPoints> force;
   };
 
-  LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const MotionOf<T>& played)
+  LandingSystem(const Scene& scene, const SeaParameters<T>& actuator, const MotionOf<T>& motion)
       : LandingSystem(scene.robot.template cast<Constant>(),
-                      scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(), actuator, played) {
+                      scene.floor.value_or(Floor<double>{1, 0, 0}).template cast<T>(), actuator, motion) {
     for (int j = 0; j < kPoints; ++j) present[j] = scene.floor && scene.contacts[j];
   }
   /// With constants that may carry derivatives; no point may touch until `present` says so.
   LandingSystem(const TwoLink<Constant>& robot, const Floor<T>& f, const SeaParameters<T>& actuator,
-                const MotionOf<T>& played)
-      : link(robot), floor(f), sea(actuator), motion(played) {
+                const MotionOf<T>& motion)
+      : link(robot), floor(f), sea(actuator), piece(standing_at(motion.release_phi())) {
     if constexpr (kTerms.torque_limit && !kIsPack<T>)
       if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
   }
@@ -63,17 +63,25 @@ class LandingSystem : public ModeOf<T>::type {
         link(o.link.template cast<Constant>()),
         floor(o.floor.template cast<T>()),
         sea(o.sea.template cast<T>()),
-        motion(o.motion.template cast<T>()),
-        present(o.present),
-        motion_start(o.motion_start) {}
+        piece(o.piece.template cast<T>()),
+        shaped(o.shaped),
+        present(o.present) {}
 
   TwoLinkDynamics<Constant> link;
   Floor<T> floor;
   SeaParameters<T> sea;
-  MotionOf<T> motion;
+  ReferencePiece<T> piece;  ///< of the reference, at present
+  bool shaped = false;      ///< it has bumps
   std::array<Lane, kPoints> present{};
 
-  T motion_start{0};  ///< time of the first touchdown [s]
+  /// The reference does something else from the time t on; the schedule has set the phase. With the landing motion
+  /// begin the gains that it is played with.
+  void turn(Turn to, const MotionOf<T>& motion, const T& t) {
+    piece = piece_behind(to, motion, piece, t);
+    if (to != Turn::kLand) return;
+    shaped = has_bumps(motion);
+    sea.k_p *= motion.gain_p, sea.k_d *= motion.gain_d;
+  }
 
   /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
   /// turn.
@@ -89,9 +97,9 @@ class LandingSystem : public ModeOf<T>::type {
 
   template <class Time>
   Reference<T> reference(const Time& t) const {
-    const Reference<T> held{select(after(phase), motion.phi_f, motion.phi_i), T(0)};
+    const Reference<T> held = standing();
     if (!any(moving(phase))) return held;
-    const Reference<T> played = reference_of(motion, T(t - motion_start));
+    const Reference<T> played = piece.at(T(t), shaped);
     return {select(moving(phase), played.phi, held.phi), select(moving(phase), played.dphi, held.dphi)};
   }
 
@@ -162,7 +170,7 @@ class LandingSystem : public ModeOf<T>::type {
   T unheld_motor_torque(const State& y) const {
     using std::abs;
     const SeaState<T> still{y[kTheta1] - y[kTheta0], y[kPhiM], T(0), T(0)};
-    const Reference<T> held{select(after(phase), motion.phi_f, motion.phi_i), T(0)};
+    const Reference<T> held = standing();
     const T torque = abs(T(motor_torque<kTerms>(sea, still, held) - spring_torque<kTerms>(sea, still)));
     if constexpr (!kTerms.extended) return torque;
     return select(torque > sea.friction, T(torque - sea.friction), T(0));
@@ -220,6 +228,8 @@ class LandingSystem : public ModeOf<T>::type {
   T motor_energy(const State& y) const { return T(0.5) * sea.i_motor * y[kOmegaM] * y[kOmegaM]; }
 
  private:
+  Reference<T> standing() const { return {select(after(phase), piece.b, piece.a), T(0)}; }
+
   mutable T theta0_{std::numeric_limits<double>::quiet_NaN()}, theta1_{};
   mutable std::array<SinCos<T>, 2> turn_{};
 };

@@ -1,10 +1,14 @@
 #include "landing/model/motion_space.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "landing/model/release.hpp"
 
 namespace ukemi::landing {
 
@@ -46,6 +50,15 @@ Coordinates MotionSpace::values(const Coordinates& unit) const {
   return x;
 }
 
+Coordinates MotionSpace::unit(const Coordinates& values) const {
+  Coordinates u(values.size());
+  for (int k = 0; k < int(u.size()); ++k) {
+    const Variable& v = variables_[std::size_t(k)];
+    u[k] = v.upper > v.lower ? std::clamp((values[k] - v.lower) / (v.upper - v.lower), 0.0, 1.0) : 0.5;
+  }
+  return u;
+}
+
 Play MotionSpace::inexact(Play play, const ExecutionTolerance& tolerance, const Deviation& deviation) const {
   play.motion = deviated(play.motion, tolerance, deviation);
   return play;
@@ -67,10 +80,93 @@ Eigen::MatrixXd MotionSpace::jacobian(const Coordinates& values) const {
   return j;
 }
 
-QuinticSpace::QuinticSpace(const SearchRange& range, const SeaParameters<double>& sea)
-    : MotionSpace({{"phi_i", "phi_I", "rad", range.phi[0], range.phi[1]},
-                   {"phi_f", "phi_F", "rad", range.phi[0], range.phi[1]},
-                   {"duration", "duration", "s", range.duration[0], range.duration[1]}}),
-      sea_(sea) {}
+namespace {
+
+/// Where the numbers of a motion stand behind Eq. 6's three.
+constexpr int kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps, kToSlot = kGainSlot + 2;
+
+std::array<double*, kMotionNumbers> numbers_of(Motion& m, double& to) {
+  return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
+          &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   &to};
+}
+
+/// The move in the air ends before a robot that does not move would meet the floor, but lasts its shortest.
+std::array<double, 2> ends_of_move(const Scene& scene) {
+  constexpr double kShortest = 0.02, kRoom = 0.08;  // [s]
+  const double from = scene.release->from, fall = fall_time(scene);
+  return {from + kShortest, std::max(from + kShortest + kRoom, std::isfinite(fall) ? fall : 0)};
+}
+
+std::vector<Variable> variables_of(const Scene& scene) {
+  const SearchRange& range = scene.search;
+  std::vector<Variable> v = {{"phi_i", "phi_I", "rad", range.phi[0], range.phi[1]},
+                             {"phi_f", "phi_F", "rad", range.phi[0], range.phi[1]},
+                             {"duration", "duration", "s", range.duration[0], range.duration[1]}};
+  const Freedom& free = scene.freedom;
+  for (int k = 0; k < free.bumps; ++k)
+    v.push_back({fmt::format("b{}", k), fmt::format("b_{}", k), "rad", free.bump[0], free.bump[1]});
+  if (const auto& gains = free.gains) {
+    v.push_back({"gain_p", "factor of K_p", "1", (*gains)[0], (*gains)[1]});
+    v.push_back({"gain_d", "factor of K_d", "1", (*gains)[0], (*gains)[1]});
+  }
+  if (scene.release) {
+    const auto to = ends_of_move(scene);
+    v.push_back({"to", "end of the move in the air", "s", to[0], to[1]});
+  }
+  return v;
+}
+
+std::vector<int> slots_of(const Scene& scene) {
+  std::vector<int> slots = {0, 1, 2};
+  for (int k = 0; k < scene.freedom.bumps; ++k) slots.push_back(kBumpSlot + k);
+  if (scene.freedom.gains) slots.insert(slots.end(), {kGainSlot, kGainSlot + 1});
+  if (scene.release) slots.push_back(kToSlot);
+  return slots;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
+  Eigen::Matrix<double, kPlayNumbers, 1> n;
+  Motion m = p.motion;
+  double to = m.reposition ? m.reposition->to : 0;
+  const auto of = numbers_of(m, to);
+  for (int k = 0; k < kMotionNumbers; ++k) n[k] = *of[std::size_t(k)];
+  n.tail<5>() << p.sea.k_p, p.sea.k_d, p.sea.k_sea, p.sea.c_sea, p.sea.i_motor;
+  return n;
+}
+
+ReferenceSpace::ReferenceSpace(const Scene& scene, const SeaParameters<double>& sea)
+    : MotionSpace(variables_of(scene)), slots_(slots_of(scene)), release_(scene.release), sea_(sea) {}
+
+void ReferenceSpace::release(const Scene& scene) {
+  assert(scene.release.has_value() == release_.has_value());
+  if (!scene.release) return;
+  release_ = scene.release;
+  const auto to = ends_of_move(scene);
+  set_range(dimension() - 1, to[0], to[1]);
+}
+
+Motion ReferenceSpace::motion(const Coordinates& x) const {
+  Motion m{};
+  double to = 0;
+  const auto of = numbers_of(m, to);
+  for (int k = 0; k < dimension(); ++k) *of[std::size_t(slots_[std::size_t(k)])] = x[k];
+  if (release_) m.reposition = Reposition{release_->phi, release_->rate, release_->from, to};
+  return m;
+}
+
+Coordinates ReferenceSpace::values_of(const Motion& m) const {
+  const auto all = numbers({m, sea_});
+  Coordinates x(dimension());
+  for (int k = 0; k < dimension(); ++k) x[k] = all[slots_[std::size_t(k)]];
+  return x;
+}
+
+Eigen::MatrixXd ReferenceSpace::jacobian(const Coordinates&) const {
+  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(kPlayNumbers, dimension());
+  for (int k = 0; k < dimension(); ++k) j(slots_[std::size_t(k)], k) = 1;
+  return j;
+}
 
 }  // namespace ukemi::landing

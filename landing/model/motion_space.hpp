@@ -30,13 +30,10 @@ struct Play {
   SeaParameters<double> sea;
 };
 
-/// The numbers of a play that gradients know: phi_I, phi_F, duration, then K_p, K_d, K_SEA, C_SEA, I_motor.
-inline constexpr int kPlayNumbers = 8;
-inline Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
-  Eigen::Matrix<double, kPlayNumbers, 1> n;
-  n << p.motion.phi_i, p.motion.phi_f, p.motion.duration, p.sea.k_p, p.sea.k_d, p.sea.k_sea, p.sea.c_sea, p.sea.i_motor;
-  return n;
-}
+/// The numbers of a play that gradients know, in the order of Parameter (landing/derivatives/gradient.hpp): those of
+/// the motion, phi_I, phi_F and duration first, then K_p, K_d, K_SEA, C_SEA, I_motor.
+inline constexpr int kMotionNumbers = 10, kPlayNumbers = kMotionNumbers + 5;
+Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p);
 
 /// The motions of the tolerant peak: x (k = 0), six face centres, eight corners of the box of an execution tolerance.
 inline constexpr int kExecutionPoints = 15;
@@ -55,6 +52,8 @@ class MotionSpace {
   const std::vector<Variable>& variables() const { return variables_; }
   /// Values of a point of the unit cube, within their ranges; and the middle of the cube.
   Coordinates values(const Coordinates& unit) const;
+  /// And back; a range of one value has its middle.
+  Coordinates unit(const Coordinates& values) const;
   Coordinates centre() const { return Coordinates::Constant(dimension(), 0.5); }
 
   /// What the values stand for.
@@ -69,21 +68,32 @@ class MotionSpace {
   /// d numbers(play) / d values, kPlayNumbers by dimension(): by central differences where a space knows no better.
   virtual Eigen::MatrixXd jacobian(const Coordinates& values) const;
 
+ protected:
+  void set_range(int variable, double lower, double upper) {
+    variables_[std::size_t(variable)].lower = lower, variables_[std::size_t(variable)].upper = upper;
+  }
+
  private:
   std::vector<Variable> variables_;
 };
 
-/// Eq. 6 of [1]: x = [phi_I phi_F t] within the scene's search range, played by one actuator.
-class QuinticSpace : public MotionSpace {
+/// Eq. 6 of [1], x = [phi_I phi_F t] within the scene's search range, played by one actuator; and what the scene lets a
+/// motion have beside it, in this order: bumps, gains, the end of the move in the air.
+class ReferenceSpace : public MotionSpace {
  public:
-  QuinticSpace(const SearchRange& range, const SeaParameters<double>& sea);
-  Play play(const Coordinates& x) const override { return {{x[0], x[1], x[2]}, sea_}; }
-  static Coordinates values_of(const Motion& m) { return Eigen::Vector3d(m.phi_i, m.phi_f, m.duration); }
-  Eigen::MatrixXd jacobian(const Coordinates&) const override {
-    return Eigen::MatrixXd::Identity(kPlayNumbers, dimension());
-  }
+  ReferenceSpace(const Scene& scene, const SeaParameters<double>& sea);
+  Play play(const Coordinates& x) const override { return {motion(x), sea_}; }
+  /// The values of a motion; what it has and the space has not is lost.
+  Coordinates values_of(const Motion& m) const;
+  Eigen::MatrixXd jacobian(const Coordinates&) const override;
+  /// The same space for another release: of `scene`, which has one if and only if the space's own had.
+  void release(const Scene& scene);
 
  private:
+  Motion motion(const Coordinates& x) const;
+
+  std::vector<int> slots_;  ///< of `numbers`, by variable
+  std::optional<Release> release_;
   SeaParameters<double> sea_;
 };
 

@@ -1,6 +1,7 @@
 // How a landing begins: the state at release, and the flight that follows it in closed form.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,14 +16,15 @@ typename System::State released(const System& system, const Scene& scene, const 
                                 const MotionOf<T>& motion) {
   typename System::State y;
   for (int i = 0; i < y.size(); ++i) y[i] = T(0);
-  y[kTheta0] = drop.pitch, y[kTheta1] = drop.pitch + motion.phi_i, y[kPhiM] = motion.phi_i;
+  y[kTheta0] = drop.pitch, y[kTheta1] = drop.pitch + motion.release_phi(), y[kPhiM] = motion.release_phi();
   y[kVx] = drop.forward_speed;
   y[kOmega0] = y[kOmega1] = drop.pitch_rate;
+  y[kOmega1] += motion.release_rate(), y[kOmegaM] = motion.release_rate();
   const Pose<T> p = system.pose(y);
   const T k(system.link.k1 * system.link.a);
   y[kX] = k * (p.s0 + p.s1);  // r_0 = (0, .)
   y[kVx] += k * (p.omega0 * p.c0 + p.omega1 * p.c1);
-  y[kVy] = k * (p.omega0 * p.s0 + p.omega1 * p.s1);
+  y[kVy] = drop.vertical_speed + k * (p.omega0 * p.s0 + p.omega1 * p.s1);
   T lowest(std::numeric_limits<double>::infinity());
   for (int j = 0; j < kPoints; ++j)
     if (scene.contacts[j] || !scene.touches()) {
@@ -33,23 +35,26 @@ typename System::State released(const System& system, const Scene& scene, const 
   return y;
 }
 
-/// With no pitch rate nothing moves relative to anything else until the floor is reached: ballistic, in closed form.
-inline bool is_ballistic(const Scene& scene) { return scene.drop.pitch_rate == 0; }
-/// How long it then takes to the floor; infinite if it never comes [s].
+/// With no rates at release nothing moves relative to anything else until the floor is reached or the reference moves:
+/// ballistic, in closed form.
+inline bool is_ballistic(const Drop& drop, double joint_rate) { return drop.pitch_rate == 0 && joint_rate == 0; }
+/// How long it takes to the floor where nothing moves; infinite if it never comes [s].
 inline double fall_time(const Scene& scene) {
-  const double g = scene.robot.gravity;
-  if (!scene.touches() || !(g > 0 || scene.drop.height == 0)) return std::numeric_limits<double>::infinity();
-  return g > 0 ? std::sqrt(2 * scene.drop.height / g) : 0;
+  const double g = scene.robot.gravity, h = scene.drop.height, v = scene.drop.vertical_speed;
+  if (!scene.touches() || !(g > 0 || h == 0 || v < 0)) return std::numeric_limits<double>::infinity();
+  if (!(g > 0)) return h == 0 ? 0 : h / -v;
+  return v == 0 ? std::sqrt(2 * h / g) : (v + std::sqrt(v * v + 2 * g * h)) / g;
 }
 /// How long a run without t_end is followed for its first touchdown: until every point must have met the floor, and as
 /// long again as any landing; with t_end until then [s].
-inline double flight_limit(const Scene& scene) {
+inline double flight_limit(const Scene& scene, const Motion& motion) {
   if (scene.t_end) return *scene.t_end;
-  const double g = scene.robot.gravity;
+  const double g = scene.robot.gravity, joint_rate = motion.release_rate();
   if (!scene.touches() || !(g > 0)) return Scene::kFollow;
-  if (is_ballistic(scene)) return fall_time(scene) + Scene::kFollow;
+  if (is_ballistic(scene.drop, joint_rate) && !motion.reposition) return fall_time(scene) + Scene::kFollow;
   const double reach = 2 * scene.robot.link_length;  // no point is farther from the centre of mass
-  const double rise = reach * std::abs(scene.drop.pitch_rate);
+  const double rise =
+      reach * (std::abs(scene.drop.pitch_rate) + std::abs(joint_rate)) + std::max(0.0, scene.drop.vertical_speed);
   return (rise + std::sqrt(rise * rise + 2 * g * (scene.drop.height + 2 * reach))) / g + Scene::kFollow;
 }
 /// The state after `t` of ballistic flight from release; on the floor if t is `fall_time`. Derivatives are those at a
@@ -57,10 +62,10 @@ inline double flight_limit(const Scene& scene) {
 template <class System>
 void fly(const System& system, const Scene& scene, double t, typename System::State& y) {
   using T = typename System::State::Scalar;
-  const T g(system.link.gravity);
-  T fallen = T(0.5) * g * T(t) * T(t);
+  const T g(system.link.gravity), v = y[kVy];
+  T fallen = T(0.5) * g * T(t) * T(t) - v * T(t);
   if (t == fall_time(scene)) fallen += T(scene.drop.height - value_of(fallen));  // free of rounding
-  y[kX] += y[kVx] * T(t), y[kVy] = -g * T(t);
+  y[kX] += y[kVx] * T(t), y[kVy] = v - g * T(t);
   y[kY] -= fallen;
 }
 

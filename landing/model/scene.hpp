@@ -13,17 +13,32 @@ namespace ukemi::landing {
 /// How the robot is thrown (Sec. 4 of [1]): at rest relative to itself, from `height`.
 template <class T>
 struct DropOf {
-  T height;                ///< h, clearance of the lowest contact point at release [m], >= 0
-  T forward_speed = T(0);  ///< V_H = dx_0 [m/s]
-  T pitch = T(0);          ///< phi_0, thigh pitch; 0: vertical with the knee below the hip [rad]
-  T pitch_rate = T(0);     ///< d phi_0 at release [rad/s]; 0 in [1]
+  T height;                 ///< h, clearance of the lowest contact point at release [m], >= 0
+  T forward_speed = T(0);   ///< V_H = dx_0 [m/s]
+  T pitch = T(0);           ///< phi_0, thigh pitch; 0: vertical with the knee below the hip [rad]
+  T pitch_rate = T(0);      ///< d phi_0 at release [rad/s]; 0 in [1]
+  T vertical_speed = T(0);  ///< dy_0, upwards [m/s]; 0 in [1]. Not 0 where a plan begins in the air.
 };
 using Drop = DropOf<double>;
+
+/// How the joint hangs when the robot lets go, or when a plan arrives. Ours; absent: at phi_I, as in [1].
+struct Release {
+  double phi;       ///< joint angle, the spring relaxed [rad]
+  double rate = 0;  ///< [rad/s]
+  double from = 0;  ///< when the reference may begin to move, from release [s], >= 0
+};
 
 /// Ranges of Eq. 6 / Table 3 of [1]: -90..0 deg for both angles, 0.1..1 s.
 struct SearchRange {
   std::array<double, 2> phi{-1.5707963267948966, 0};  ///< of phi_I and phi_F [rad]
   std::array<double, 2> duration{0.1, 1.0};           ///< [s]
+};
+
+/// What motions have beside Eq. 6's three numbers (landing/model/motion.hpp). Ours; absent by default.
+struct Freedom {
+  int bumps = 0;                                                        ///< shape terms, 0..kMostBumps
+  std::array<double, 2> bump{-2.0943951023931953, 2.0943951023931953};  ///< range of each: +-120 deg [rad]
+  std::optional<std::array<double, 2>> gains;                           ///< range of gain_p and gain_d; absent: 1
 };
 
 /// How exactly the robot plays a motion; half sides of the box of the tolerant peak. Ours: 0.2 deg, 2 ms.
@@ -39,7 +54,11 @@ struct Scene {
   std::optional<Floor<double>> floor;    ///< absent: nothing to touch
   std::string floor_source;              ///< where the floor's constants come from
   Drop drop;
+  std::optional<Release> release;              ///< absent: released at phi_I
+  std::optional<std::array<double, 2>> joint;  ///< stops of the joint angle phi_1 [rad]
+  double detection_delay = 0;                  ///< from the first touchdown to the motion's start [s], >= 0
   SearchRange search;
+  Freedom freedom;
   ExecutionTolerance execution;
   std::optional<double> t_end;  ///< upper bound of a run, from release [s]; absent: 10 s after the first touchdown
 

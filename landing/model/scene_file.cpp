@@ -3,13 +3,64 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numbers>
 
 #include "common/csv.hpp"
 #include "common/toml.hpp"
+#include "landing/model/release.hpp"
 
 namespace ukemi::landing {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// A range [low, high] of at least one value.
+template <class Pair>
+std::array<double, 2> rising(const TomlSection& section, const std::string& key, const Pair& v) {
+  if (!(v[0] < v[1])) section.fail(key, "the range is empty: [low, high] with low < high is needed");
+  return {v[0], v[1]};
+}
+
+/// [motion], [release], [joint] and [detection]: what motions of this scene have beside the paper's three numbers.
+void read_freedom(TomlFile& file, Scene& scene) {
+  if (auto motion = file.optional("motion")) {
+    scene.freedom.bumps = int(motion->optional_count("bumps", 0, kMostBumps).value_or(0));
+    if (const auto bump = motion->optional_angle_pair("bump")) scene.freedom.bump = rising(*motion, "bump_deg", *bump);
+    if (const auto gains = motion->optional_numbers("landing_gains", 2, Range::non_negative()))
+      scene.freedom.gains = rising(*motion, "landing_gains", *gains);
+  }
+  if (auto joint = file.optional("joint"))
+    if (const auto stops = joint->optional_angle_pair("phi")) scene.joint = rising(*joint, "phi_deg", *stops);
+  if (auto release = file.optional("release")) {
+    scene.release = Release{release->angle("phi"), release->optional_rate("rate").value_or(0),
+                            release->optional_number("from", Range::non_negative()).value_or(0)};
+    if (const auto wrong = release_fault(scene)) release->fail(wrong->key, wrong->message);
+  }
+  if (auto detection = file.optional("detection")) {
+    constexpr double kLatest = 0.1;  // [s]
+    scene.detection_delay = detection->optional_number("delay", Range::non_negative()).value_or(0);
+    if (scene.detection_delay > kLatest)
+      detection->fail("delay", shortest(scene.detection_delay) + " s: at most " + shortest(kLatest) + " s is needed");
+  }
+}
+
+}  // namespace
+
+std::optional<ReleaseFault> release_fault(const Scene& scene) {
+  if (!scene.release) return std::nullopt;
+  const Release& r = *scene.release;
+  const auto angle = [](double x) { return shortest(std::round(x / kDegree * 1e9) / 1e9); };
+  if (scene.joint && !(r.phi >= (*scene.joint)[0] && r.phi <= (*scene.joint)[1]))
+    return ReleaseFault{"phi_deg", fmt::format("{} deg: an angle within the joint's stops, {} to {} deg, is needed",
+                                               angle(r.phi), angle((*scene.joint)[0]), angle((*scene.joint)[1]))};
+  if (const double fall = fall_time(scene); is_ballistic(scene.drop, r.rate) && !(r.from < fall))
+    return ReleaseFault{
+        "from", fmt::format("{} s: a time before the first touchdown, at {:.6g} s, is needed", shortest(r.from), fall)};
+  return std::nullopt;
+}
 
 Scene read_scene(const std::string& path) {
   TomlFile file(path);
@@ -46,15 +97,9 @@ Scene read_scene(const std::string& path) {
   scene.drop.pitch_rate = drop.optional_number("pitch_rate", Range::any()).value_or(0);
 
   if (auto search = file.optional("search")) {
-    if (const auto phi = search->optional_angle_pair("phi")) {
-      scene.search.phi = *phi;
-      if (!((*phi)[0] < (*phi)[1]))
-        search->fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
-    }
-    if (const auto d = search->optional_numbers("duration", 2, Range::positive())) {
-      scene.search.duration = {(*d)[0], (*d)[1]};
-      if (!((*d)[0] < (*d)[1])) search->fail("duration", "the range is empty: [low, high] with low < high is needed");
-    }
+    if (const auto phi = search->optional_angle_pair("phi")) scene.search.phi = rising(*search, "phi_deg", *phi);
+    if (const auto d = search->optional_numbers("duration", 2, Range::positive()))
+      scene.search.duration = rising(*search, "duration", *d);
   }
   if (auto execution = file.optional("execution")) {
     if (const auto phi = execution->optional_angle("phi")) {
@@ -64,6 +109,7 @@ Scene read_scene(const std::string& path) {
     if (const auto d = execution->optional_number("duration", Range::non_negative())) scene.execution.duration = *d;
   }
   if (auto run = file.optional("run")) scene.t_end = run->optional_number("t_end", Range::positive());
+  read_freedom(file, scene);
   file.finish();
   return scene;
 }
@@ -71,7 +117,17 @@ Scene read_scene(const std::string& path) {
 Motion read_motion(const std::string& path) {
   TomlFile file(path);
   TomlSection s = file.require("motion");
-  const Motion motion{s.angle("phi_i"), s.angle("phi_f"), s.number("duration", Range::positive())};
+  Motion motion{s.angle("phi_i"), s.angle("phi_f"), s.number("duration", Range::positive())};
+  const std::vector<double> bumps = s.optional_list("bumps_deg", kMostBumps, Range::any());
+  for (std::size_t k = 0; k < bumps.size(); ++k) motion.bumps[k] = bumps[k] * kDegree;
+  motion.gain_p = s.optional_number("gain_p", Range::non_negative()).value_or(1);
+  motion.gain_d = s.optional_number("gain_d", Range::non_negative()).value_or(1);
+  if (auto r = file.optional("reposition")) {
+    motion.reposition = Reposition{r->angle("phi"), r->optional_rate("rate").value_or(0),
+                                   r->number("from", Range::non_negative()), r->number("to", Range::positive())};
+    if (!(motion.reposition->to > motion.reposition->from))
+      r->fail("to", shortest(motion.reposition->to) + " s: later than `from` is needed");
+  }
   if (auto p = file.optional("provenance")) p->accept_all();
   file.finish();
   return motion;
@@ -116,6 +172,26 @@ std::string to_toml(const Scene& s, const std::string& comments) {
     text += "\n[run]\n";
     line("t_end", shortest(*s.t_end), "s");
   }
+  if (s.freedom.bumps > 0 || s.freedom.gains) {
+    text += "\n[motion]\n";
+    line("bumps", std::to_string(s.freedom.bumps), "shape terms");
+    line("bump_deg", pair(s.freedom.bump[0] * kDegrees, s.freedom.bump[1] * kDegrees), "deg");
+    if (s.freedom.gains) line("landing_gains", pair((*s.freedom.gains)[0], (*s.freedom.gains)[1]), "factors");
+  }
+  if (s.joint) {
+    text += "\n[joint]\n";
+    line("phi_deg", pair((*s.joint)[0] * kDegrees, (*s.joint)[1] * kDegrees), "deg");
+  }
+  if (s.release) {
+    text += "\n[release]\n";
+    line("phi_deg", shortest(s.release->phi * kDegrees), "deg");
+    line("rate_deg", shortest(s.release->rate * kDegrees), "deg/s");
+    line("from", shortest(s.release->from), "s");
+  }
+  if (s.detection_delay > 0) {
+    text += "\n[detection]\n";
+    line("delay", shortest(s.detection_delay), "s");
+  }
   return text;
 }
 
@@ -123,8 +199,22 @@ std::string to_toml(const Motion& m, const std::string& comments) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   CsvWriter head;
   head.comment(comments);
-  return head.text() + fmt::format("[motion]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n",
-                                   shortest(m.phi_i * kDegrees), shortest(m.phi_f * kDegrees), shortest(m.duration));
+  std::string text =
+      head.text() + fmt::format("[motion]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n",
+                                shortest(m.phi_i * kDegrees), shortest(m.phi_f * kDegrees), shortest(m.duration));
+  if (has_bumps(m)) {
+    std::string bumps;
+    for (const double b : m.bumps) bumps += (bumps.empty() ? "" : ", ") + shortest(b * kDegrees);
+    text += "bumps_deg = [" + bumps + "]\n";
+  }
+  if (m.gain_p != 1 || m.gain_d != 1)
+    text += fmt::format("gain_p = {}  # factor of K_p from the first touchdown on\ngain_d = {}  # of K_d\n",
+                        shortest(m.gain_p), shortest(m.gain_d));
+  if (const auto& r = m.reposition)
+    text +=
+        fmt::format("\n[reposition]\nphi_deg = {}  # at release\nrate_deg = {}\nfrom = {}  # s from release\nto = {}\n",
+                    shortest(r->phi * kDegrees), shortest(r->rate * kDegrees), shortest(r->from), shortest(r->to));
+  return text;
 }
 
 }  // namespace ukemi::landing

@@ -8,14 +8,23 @@
 
 namespace ukemi::landing {
 
-/// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run] optional; an absent table
-/// or key is an absent term. Throws InputError with file:line:column.
+/// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run], [motion],
+/// [release], [joint], [detection] optional; an absent table or key is an absent term. Throws InputError with
+/// file:line:column.
 Scene read_scene(const std::string& path);
+
+/// What is wrong with a scene's release.
+struct ReleaseFault {
+  std::string key, message;
+};
+/// A release outside of the joint's stops, or a move that would begin after the first touchdown; else nothing.
+std::optional<ReleaseFault> release_fault(const Scene& scene);
 
 /// The text of a scene.toml that `read_scene` reads back; `comments` goes in front, each line behind "# ".
 std::string to_toml(const Scene& scene, const std::string& comments);
 
-/// Reads motion.toml: [motion] phi_i_deg, phi_f_deg (or phi_i, phi_f in rad), duration.
+/// Reads motion.toml: [motion] phi_i_deg, phi_f_deg (or phi_i, phi_f in rad), duration; optional bumps_deg, gain_p,
+/// gain_d, and [reposition] phi_deg, rate_deg, from, to.
 Motion read_motion(const std::string& path);
 
 /// The text of a motion.toml; `comments` goes in front, each line behind "# ".

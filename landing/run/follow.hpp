@@ -16,7 +16,8 @@ namespace ukemi::landing {
 /// True where the motor turns faster or pulls harder than the limits allow.
 template <class System>
 bool exceeds(const System& system, const Limits& limits, double t, const typename System::State& y) {
-  return std::abs(y[kOmegaM]) > limits.motor_speed ||
+  const double phi = y[kTheta1] - y[kTheta0];
+  return phi < limits.joint[0] || phi > limits.joint[1] || std::abs(y[kOmegaM]) > limits.motor_speed ||
          std::abs(system.motor_torque_of(system.sea_state(y), system.reference(t))) > limits.motor_torque;
 }
 
@@ -35,7 +36,7 @@ class Follower {
         options_(options),
         out_(out),
         system_(scene, sea, motion),
-        schedule_(scene, motion.duration, moves(motion)),
+        schedule_(scene, motion, moves(motion)),
         recorder_(landing, rate) {}
 
   void follow() {
@@ -51,6 +52,7 @@ class Follower {
                           {.accuracy = options_.accuracy,
                            .first_step = std::min(options_.max_step, schedule_.first_step()),
                            .max_step = options_.max_step});
+    system_.turn(schedule_.opening(system_), motion_, t_);
     impact_ = impact_energy(system_);
     std::optional<End> end;
     for (long n = 0; !end; ++n) end = advance(integrator, n);
@@ -80,8 +82,11 @@ class Follower {
     if (peak_.square > options_.abandon_above * options_.abandon_above) return End::kAbandoned;
     if (options_.stopped(n)) return End::kStopped;
     if (outcome.event >= 0) return cross(integrator, outcome.event);
-    if (outcome.status == integrate::Status::kReached)
-      if (const auto end = schedule_.reached(t_, system_)) return end;
+    if (outcome.status == integrate::Status::kReached) {
+      const Schedule::Deadline deadline = schedule_.reached(t_, system_);
+      if (deadline.end) return deadline.end;
+      turn(integrator, deadline.turn);
+    }
     const bool asked = options_.rest == SimulateOptions::Rest::kStop;
     if (asked && at_rest(system_, integrator.state(), peak_.square, impact_)) return End::kRest;
     return std::nullopt;
@@ -92,9 +97,20 @@ class Follower {
     const double before = peak_.square;
     if (!peak_.step(system_, integrator)) return failed(Failure::kUnresolved);
     if (peak_.square != before) out_.peak_contact = out_.contacts.size() - 1;
-    if (options_.limits.rated() && exceeds(system_, options_.limits, t_, integrator.state())) return End::kBroken;
+    if (options_.limits.within_steps() && exceeds(system_, options_.limits, t_, integrator.state()))
+      return End::kBroken;
     if constexpr (kReport) recorder_.step(system_, integrator);
     return std::nullopt;
+  }
+
+  /// The reference turns at a deadline. The field jumps with it where the landing motion begins.
+  void turn(Integrator& integrator, Turn to) {
+    if (to == Turn::kNone) return;
+    system_.turn(to, motion_, t_);
+    if (to == Turn::kHold) return;
+    integrator.refresh();
+    peak_.jump();
+    if constexpr (kReport) recorder_.jump();
   }
 
   std::optional<End> cross(Integrator& integrator, int event) {
@@ -102,7 +118,7 @@ class Follower {
     const Schedule::Crossing crossing = schedule_.cross(event, t_, system_, options_.limits, out_.contacts);
     if (crossing.forbidden) return End::kBroken;
     if (crossing.touchdown && options_.touchdowns) options_.touchdowns->push_back(t_);
-    if (crossing.first) system_.motion_start = t_;
+    system_.turn(crossing.turn, motion_, t_);
     integrator.refresh();
     peak_.jump();
     if constexpr (kReport) {

@@ -31,15 +31,15 @@ class Recorder {
 
   /// Rows before `until` of a ballistic flight from release, in closed form; the integrated run starts where it ends.
   void ballistic(const System& system, const Drop& drop, typename System::State y, double until) {
-    const double y0 = y[kY], x0 = y[kX], vx = y[kVx];
+    const double y0 = y[kY], x0 = y[kX], vx = y[kVx], vy = y[kVy], g = system.link.gravity;
     for (; rate_ > 0 && next_row() < until; ++rows_) {
       const double t = next_row();
-      y[kX] = x0 + vx * t, y[kY] = y0 - 0.5 * system.link.gravity * t * t;
-      y[kVy] = -system.link.gravity * t;
+      y[kX] = x0 + vx * t, y[kY] = y0 + vy * t - 0.5 * g * t * t;
+      y[kVy] = vy - g * t;
       row(system, t, y);
     }
-    turned_ += system.link.total_mass * system.link.gravity * drop.height;
-    touch_.consider(system.link.gravity * system.link.gravity, 0);
+    turned_ += system.link.total_mass * g * drop.height;
+    touch_.consider(g * g, 0);
   }
 
   template <class Integrator>

@@ -2,9 +2,10 @@
 // changes, and when it ends. The scalar run (follow.hpp), the lanes (landing/lanes) and the run with derivatives
 // (landing/derivatives) only step from one to the next.
 //
-//     before the first touchdown   phi_I is held                      until flight_limit
-//     first touchdown at t_0       the motion starts, if it moves     until t_0 + duration
-//     after it                     phi_F is held                      until t_end, or t_0 + Scene::kFollow
+//     released                     phi_I is held                                until flight_limit
+//       with a move in the air     phi_R is held until `from`, the move until `to`, then phi_I
+//     first touchdown at t_0       noticed at t_0 + detection_delay: the motion starts, from where the reference is
+//     after it                     phi_F is held                                until t_end, or t_0 + Scene::kFollow
 // Private: not installed.
 #pragma once
 
@@ -22,16 +23,18 @@ class Schedule {
  public:
   Schedule() = default;
   /// `moving`: the motion is played from the first touchdown on; else its end is held from there.
-  Schedule(const Scene& scene, double duration, bool moving)
-      : duration_(duration),
+  Schedule(const Scene& scene, const Motion& motion, bool moving)
+      : duration_(motion.duration),
+        delay_(scene.detection_delay),
         moving_(moving),
         open_(!scene.t_end),
-        ballistic_(is_ballistic(scene)),
-        limit_(flight_limit(scene)) {
+        ballistic_(is_ballistic(scene.drop, motion.release_rate())),
+        limit_(flight_limit(scene, motion)) {
+    if (motion.reposition) air_ = motion.reposition->from, to_ = motion.reposition->to;
     if (!ballistic_) return;
     const double fall = fall_time(scene);
-    start_ = std::min(fall, limit_);
-    flies_on_ = start_ < fall;
+    start_ = std::min({fall, limit_, air_});
+    flies_on_ = start_ == limit_ && start_ < fall;
   }
 
   /// The first flight is known in closed form, until start() [s].
@@ -39,18 +42,20 @@ class Schedule {
   double start() const { return start_; }
   /// The run ends in that flight.
   bool flies_on() const { return flies_on_; }
+  /// What the reference does at start().
+  Turn opening(Mode& mode) { return start_ < air_ ? Turn::kNone : turn(mode); }
   /// The first step behind it [s].
-  double first_step() const { return ballistic_ ? 1e-3 : 1e-2; }
-  /// A step while the motion is played is no longer, or the motion is passed over in a few steps [s].
-  double motion_part() const { return 0.125 * duration_; }
+  double first_step() const { return ballistic_ && to_ == kNever ? 1e-3 : 1e-2; }
+  /// A step while the reference moves is no longer, or the motion is passed over in a few steps [s].
+  double motion_part() const { return 0.125 * (in_air() ? to_ - start_of_move_ : duration_); }
   /// The next deadline: no step goes beyond it [s].
-  double stop() const { return std::min(limit_, motion_end_); }
+  double stop() const { return std::min({limit_, air_, detected_, motion_end_}); }
 
   /// What crossing a guard did.
   struct Crossing {
     bool touchdown = false, liftoff = false;
-    bool first = false;      ///< of all touchdowns: the motion's time starts here
-    bool forbidden = false;  ///< a point that must not touch; nothing was changed
+    bool forbidden = false;   ///< a point that must not touch; nothing was changed
+    Turn turn = Turn::kNone;  ///< of the reference
   };
   /// Guard `guard` has fallen through zero at time t: into the mode beyond it.
   Crossing cross(int guard, double t, Mode& mode, const Limits& limits, ContactOrder& contacts) {
@@ -62,19 +67,26 @@ class Schedule {
       out.forbidden = out.touchdown && limits.forbidden[std::size_t(guard)];
       if (out.forbidden) return out;
       out.touchdown ? contacts.touchdown(point, t) : contacts.liftoff(point, t);
-      out.first = out.touchdown && !touched_;
-      if (out.first) land(t, mode);
+      if (out.touchdown && !touched_) out.turn = touch(t, mode);
     }
     mode.cross(guard);
     return out;
   }
 
-  /// A step has ended at stop(), at time t: the motion is over, or the run is; how the latter ended.
-  std::optional<End> reached(double t, Mode& mode) {
+  /// What the end of a step at stop() means: how the run ended, or what the reference does now.
+  struct Deadline {
+    std::optional<End> end;
+    Turn turn = Turn::kNone;
+  };
+  Deadline reached(double t, Mode& mode) {
     constexpr double kRounding = 1e-14;  // [s]
-    if (t >= motion_end_ - kRounding) mode.phase = Phase::kAfter, motion_end_ = kNever;
-    if (t < limit_ - kRounding) return std::nullopt;
-    return touched_ ? End::kTimeLimit : End::kNoContact;
+    const double now = t + kRounding;
+    Deadline out;
+    if (now >= air_) out.turn = turn(mode);
+    if (now >= detected_) out.turn = land(t, mode);
+    if (now >= motion_end_) mode.phase = Phase::kAfter, motion_end_ = kNever, out.turn = Turn::kHold;
+    if (now >= limit_) out.end = touched_ ? End::kTimeLimit : End::kNoContact;
+    return out;
   }
   /// Whether the run's end stands fixed, and does not follow the first touchdown.
   bool fixed_end() const { return !open_ || !touched_; }
@@ -82,16 +94,37 @@ class Schedule {
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  void land(double t, Mode& mode) {
-    touched_ = true;
-    mode.phase = moving_ ? Phase::kMoving : Phase::kAfter;
-    if (moving_) motion_end_ = t + duration_;
-    if (open_) limit_ = t + Scene::kFollow;
+  bool in_air() const { return air_ < kNever; }
+
+  /// The next turn of the move in the air, whose time has come.
+  Turn turn(Mode& mode) {
+    const bool begins = air_ < to_;
+    start_of_move_ = air_;
+    air_ = begins ? to_ : kNever;
+    mode.phase = begins ? Phase::kMoving : Phase::kBefore;
+    return begins ? Turn::kReposition : Turn::kStand;
   }
 
-  double duration_ = 0;  ///< of the motion [s]
+  /// The first touchdown.
+  Turn touch(double t, Mode& mode) {
+    touched_ = true;
+    if (open_) limit_ = t + Scene::kFollow;
+    if (delay_ == 0) return land(t, mode);
+    detected_ = t + delay_;
+    return Turn::kNone;
+  }
+  Turn land(double t, Mode& mode) {
+    air_ = detected_ = kNever;
+    mode.phase = moving_ ? Phase::kMoving : Phase::kAfter;
+    if (moving_) motion_end_ = t + duration_;
+    return Turn::kLand;
+  }
+
+  double duration_ = 0, delay_ = 0;  ///< of the motion; see Scene::detection_delay [s]
   bool moving_ = false, open_ = false, ballistic_ = false, flies_on_ = false, touched_ = false;
-  double limit_ = kNever, start_ = 0, motion_end_ = kNever;
+  double limit_ = kNever, start_ = 0, detected_ = kNever, motion_end_ = kNever;
+  double air_ = kNever, to_ = kNever;  ///< the next turn of the move in the air, and its last [s]
+  double start_of_move_ = 0;           ///< [s]
 };
 
 }  // namespace ukemi::landing

@@ -48,8 +48,14 @@ struct Limits {
   std::array<bool, kPoints> forbidden{};                          ///< points that must never touch
   double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s]
   double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm]
+  /// Of the joint angle phi_1 [rad].
+  std::array<double, 2> joint{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
+  bool joint_stops() const { return std::isfinite(joint[0]) || std::isfinite(joint[1]); }
   bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
+  bool any() const { return any_forbidden() || within_steps(); }
+  /// Whether steps must be looked at.
+  bool within_steps() const { return rated() || joint_stops(); }
 };
 
 struct SimulateOptions {

@@ -2,10 +2,11 @@
 
 #include "landing/search/population.hpp"
 #include "landing/search/solvers.hpp"
+#include "landing/search/wide_search.hpp"
 
 namespace ukemi::landing {
 
-AutoSearch::AutoSearch(const AutoSettings& settings) : set_(settings) {
+AutoSearch::AutoSearch(const AutoSettings& settings) : set_(settings), wide_(std::make_unique<WideSearch>(settings)) {
   set_.validate();
   population_.reserve(std::size_t(2 * set_.largest + set_.batch));
   trials_.reserve(population_.capacity());
@@ -14,7 +15,14 @@ AutoSearch::AutoSearch(const AutoSettings& settings) : set_(settings) {
   batch_.resize(std::size_t(set_.batch));
 }
 
+namespace {
+constexpr int kFew = 3;  // variables, as many as the paper's motions have
+}
+
+AutoSearch::~AutoSearch() = default;
+
 void AutoSearch::run(Search& search) {
+  if (search.dimension() > kFew) return wide_->run(search);
   search_ = &search;
   random_ = Random(search.seed);
   basins_.clear();
@@ -42,6 +50,11 @@ void AutoSearch::run(Search& search) {
 /// from near the leads, each followed only while it may better one. Leaves the best of them as a population.
 void AutoSearch::scout() {
   leads_.clear();
+  if (search_->hint) {
+    Candidate p{*search_->hint};
+    search_->evaluate({&p, 1});
+    if (p.value < kNoMotion) lead(p);
+  }
   int n = 0;
   if (search_->objective().options().goal == Goal::kTolerant) {
     size_ = set_.leads;

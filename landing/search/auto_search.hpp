@@ -11,8 +11,10 @@
 //   4. one that falls behind the best so far, or into a known basin, is given up; one that converges is a basin, and
 //      the next races keep away from it: half of them anywhere, half close by the best basins, where thin cracks are;
 //   5. now and then, and at the end, the best basin is searched once more from close by.
+// Over more than three variables it is WideSearch (wide_search.hpp).
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -22,10 +24,13 @@
 
 namespace ukemi::landing {
 
+class WideSearch;
+
 class AutoSearch {
  public:
   /// Allocates all that `run` needs. Throws InputError for settings out of range.
   explicit AutoSearch(const AutoSettings& settings = {});
+  ~AutoSearch();
   /// Searches until the search is over. Allocates nothing.
   void run(Search& search);
 
@@ -45,6 +50,7 @@ class AutoSearch {
   void refine();
 
   AutoSettings set_;
+  std::unique_ptr<WideSearch> wide_;
   bool refined_last_ = false;
   int size_ = 0;
   Candidate centre_;  // of the region where the next race is run

@@ -43,7 +43,18 @@ const std::vector<AutoSetting>& auto_settings() {
        "populations until the best basin is searched once more; then four times as many"},
       {"late", &S::late, 0, 1, "share of the budget after which it is searched for the last time"},
       {"batch", &S::batch, 1, 64, "motions that are evaluated at once"},
-      {"basins", &S::basins, 1, 4096, "basins that are remembered"}};
+      {"basins", &S::basins, 1, 4096, "basins that are remembered"},
+      {"wide_scouts", &S::wide_scouts, 32, 1e6, "over three variables: motions from anywhere before the first run"},
+      {"wide_first", &S::wide_first, 1, 24, "the first runs start from so many of the best of these"},
+      {"wide_race", &S::wide_race, 32, 1e6, "motions from anywhere before a later run; the best is its start"},
+      {"wide_points", &S::wide_points, 6, 64, "motions of a generation"},
+      {"wide_size", &S::wide_size, 1e-6, 1, "standard deviation of a run's first generation, in parts of the box"},
+      {"wide_near", &S::wide_near, 0, 1, "share of the later runs that start beside a basin"},
+      {"wide_bound", &S::wide_bound, 1, 100,
+       "a motion is left where it is worse by this than the last generation's middle"},
+      {"wide_behind", &S::wide_behind, 1, 100, "a run is given up where it is worse than the best by this, at first"},
+      {"wide_patience", &S::wide_patience, 0.5, 1, "what of that is left after each generation"},
+      {"wide_poor", &S::wide_poor, 1e-12, 1, "side at which a run has converged that is not the best"}};
   return kAll;
 }
 
@@ -56,6 +67,7 @@ void AutoSettings::validate() const {
     if (const double v = s.value_in(*this); !(v >= s.lower && v <= s.upper))
       throw InputError("setting " + s.name + ": " + shortest(v) + ": " + shortest(s.lower) + " to " +
                        shortest(s.upper) + " is needed: " + s.meaning);
+  if (wide_points % 2) throw InputError("setting wide_points: an even number is needed");
   if (best_scouts > largest) throw InputError("setting best_scouts: at most `largest` is needed");
 }
 

@@ -9,7 +9,7 @@
 namespace ukemi::landing {
 
 Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
-    : Objective(scene, std::make_unique<QuinticSpace>(scene.search, sea), options) {}
+    : Objective(scene, std::make_unique<ReferenceSpace>(scene, sea), options) {}
 
 Objective::Objective(const Scene& scene, std::unique_ptr<const MotionSpace> own, const Options& options)
     : Objective(scene, *own, options) {
@@ -25,6 +25,7 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
       options_(options) {
   const Play middle = space.play(space.values(space.centre()));
   extended_ = is_extended(middle.sea), feedback_ = middle.sea.feedback;
+  if (scene.joint) options_.limits.joint = *scene.joint;
   std::iota(order_.begin(), order_.end(), 0);
   // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
   // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.
@@ -41,18 +42,30 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
   max_steps_ = kTimes * std::max(kUsual, steps);
 }
 
+/// The reference is quicker than it may be, played exactly or in the shortest time of its execution box.
+bool Objective::too_quick(const Play& play) const {
+  if (!std::isfinite(options_.reference_rate)) return false;
+  for (int k = 0; k < kExecutionPoints; ++k) {
+    if (k > 0 && execution_deviation(k).duration >= 0) continue;
+    if (peak_reference_rate(space_.execution_point(play, scene_.execution, k).motion) > options_.reference_rate)
+      return true;
+  }
+  return false;
+}
+
 /// Motions raced over their execution boxes: each lane takes a motion of its own and plays its box until the first
-/// landing above the bound; lanes without a motion of their own help with those that are left.
+/// landing above the bound; lanes without a motion of their own help with those that are left. Where the goal is the
+/// peak, the other points of the box only keep the limits.
 class Objective::Race : public BatchSource {
  public:
   static constexpr std::size_t kMost = 64;
 
   Race(const Objective& o, std::span<Candidate> points, Goal goal, long granted)
-      : o_(o), points_(points), granted_(granted), corners_(goal == Goal::kPeak ? 1 : kExecutionPoints) {
+      : o_(o), points_(points), granted_(granted), goal_(goal), corners_(o.points(goal)) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].value = 0;
-      const double rate = peak_reference_rate(o.play(points[i]).motion);
-      if (rate > o.options_.reference_rate) fail(i, kNoMotion * (1 + rate));
+      if (const Play play = o.play(points[i]); o.too_quick(play))
+        fail(i, kNoMotion * (1 + peak_reference_rate(play.motion)));
     }
   }
 
@@ -66,7 +79,7 @@ class Objective::Race : public BatchSource {
     const int k = corner(p, step_[i]++);
     corner_[lane] = k;
     const Play& play = play_[lane] = o_.space_.execution_point(o_.play(p), o_.scene_.execution, k);
-    c = {&o_.scene_, &play.sea, play.motion, p.bound};
+    c = {&o_.scene_, &play.sea, play.motion, counts(k) ? p.bound : std::numeric_limits<double>::infinity()};
     return true;
   }
 
@@ -77,7 +90,7 @@ class Objective::Race : public BatchSource {
     work += work_of(peak.work);
     if (no_landing(peak.end))
       fail(i, kNoMotion);
-    else if (peak.peak > points_[i].value) {
+    else if (counts(corner_[lane]) && peak.peak > points_[i].value) {
       points_[i].value = peak.peak, points_[i].worst = corner_[lane];
       if (peak.peak > points_[i].bound) failed_[i] = true;
     }
@@ -94,6 +107,8 @@ class Objective::Race : public BatchSource {
   long landings = 0, flights = 0, work = 0;
 
  private:
+  /// A landing of the execution box that is part of the value.
+  bool counts(int k) const { return k == 0 || goal_ == Goal::kTolerant; }
   bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners_; }
   void fail(std::size_t i, double value) {
     failed_[i] = true;
@@ -122,6 +137,7 @@ class Objective::Race : public BatchSource {
   const Objective& o_;
   std::span<Candidate> points_;
   const long granted_;  ///< work
+  const Goal goal_;
   const int corners_;
   std::size_t fresh_ = 0;
   std::array<bool, kMost> failed_{};
@@ -147,7 +163,7 @@ void Objective::evaluate(std::span<Candidate> points, Goal goal) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
     Race race(*this, points.subspan(a, b - a), goal, granted);
-    run_batch(race, batch, quickest_instruction_set((b - a) * (goal == Goal::kPeak ? 1 : kExecutionPoints)));
+    run_batch(race, batch, quickest_instruction_set((b - a) * std::size_t(this->points(goal))));
     race.close();
     landings += race.landings, flights += race.flights, work += race.work;
   });
@@ -164,18 +180,22 @@ void Objective::evaluate(std::span<Candidate> points, Goal goal) {
 
 double Objective::verified(const Play& play, double accuracy, double bound) {
   double worst = 0;
-  const int n = options_.goal == Goal::kPeak ? 1 : kExecutionPoints;
+  const int n = points(options_.goal);
+  constexpr double kAny = std::numeric_limits<double>::infinity();
   // A deadline has no time for a landing that chatters without end.
   const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
-  if (peak_reference_rate(play.motion) > options_.reference_rate) return kNoMotion;
+  if (too_quick(play)) return kNoMotion;
   for (int k = 0; k < n && !late(); ++k) {
     const Play at = space_.execution_point(play, scene_.execution, k);
-    const LandingPeak p = peak_acceleration(
-        scene_, at.sea, at.motion,
-        {.accuracy = accuracy, .abandon_above = bound, .max_steps = steps, .limits = options_.limits, .over = &over_});
+    const LandingPeak p = peak_acceleration(scene_, at.sea, at.motion,
+                                            {.accuracy = accuracy,
+                                             .abandon_above = k == 0 || options_.goal == Goal::kTolerant ? bound : kAny,
+                                             .max_steps = steps,
+                                             .limits = options_.limits,
+                                             .over = &over_});
     work_ += work_of(p.work);
     if (no_landing(p.end)) return kNoMotion;
-    worst = std::max(worst, p.peak);
+    if (k == 0 || options_.goal == Goal::kTolerant) worst = std::max(worst, p.peak);
     if (worst > bound) break;
   }
   return worst;

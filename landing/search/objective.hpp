@@ -18,7 +18,7 @@ namespace ukemi::landing {
 
 enum class Goal {
   kPeak,      ///< f(x), Eq. 6 of [1]
-  kTolerant,  ///< the worst f within the scene's execution tolerance, see robust.hpp
+  kTolerant,  ///< the worst f within the scene's execution tolerance, see tolerant_peak.hpp
 };
 
 /// Above every peak: a motion that could not be followed, or broke a limit [m/s^2].
@@ -38,8 +38,8 @@ class Objective {
   struct Options {
     Goal goal = Goal::kPeak;
     double accuracy = 1e-6;  ///< see BatchOptions
-    Limits limits;           ///< what no landing may do
-    /// Of the reference, 15/8 |phi_F - phi_I| / t [rad/s]; no landing is spent above it.
+    Limits limits;  ///< what no landing may do, wherever in the execution box; the scene's joint stops are added
+    /// Of the reference, wherever in the execution box [rad/s]; no landing is spent above it.
     double reference_rate = std::numeric_limits<double>::infinity();
     int threads = 1;                                            ///< 0: all cores; without influence on the results
     Stopwatch::Time time = Stopwatch::Time::kWall;              ///< that deadlines are counted in
@@ -96,6 +96,9 @@ class Objective {
   const Scene& scene_;
   const MotionSpace& space_;
   Options options_;
+  /// How many landings a motion takes: to be its value, or to keep the limits.
+  int points(Goal goal) const { return goal == Goal::kTolerant || options_.limits.any() ? kExecutionPoints : 1; }
+  bool too_quick(const Play& play) const;
   bool extended_;
   Feedback feedback_;
   bool patient_ = false;  ///< landings may be as long as they like

@@ -34,8 +34,7 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
   if (objective.flights() > 0 && objective.flights() == objective.landings())
     return "no point of the robot touches the floor: there is no landing to plan";
   if (options.deadline) return fmt::format("no motion could be followed in the {:g} s given", *options.deadline);
-  const bool limited =
-      options.limits.any_forbidden() || options.limits.rated() || std::isfinite(options.reference_rate);
+  const bool limited = objective.options().limits.any() || std::isfinite(options.reference_rate);
   const std::string none = limited ? "no motion of the search range was found that keeps the limits"
                                    : "no motion of the search range could be followed";
   return exhausted ? none + "; " + bound : none;
@@ -44,7 +43,7 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
 }  // namespace
 
 Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const OptimizeOptions& options) {
-  return optimize(scene, QuinticSpace(scene.search, sea), options);
+  return optimize(scene, ReferenceSpace(scene, sea), options);
 }
 
 Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOptions& options) {
@@ -69,7 +68,8 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   }
   if (options.evaluations || !options.deadline)
     budget.motions = options.evaluations.value_or(default_evaluations(options.goal));
-  budget.work = work_allowed(options.goal, budget.motions);
+  const bool boxed = options.limits.any() || scene.joint;  // a motion's whole execution box is played
+  budget.work = work_allowed(boxed ? Goal::kTolerant : options.goal, budget.motions);
   budget.tolerance = options.tolerance;
   Optimum out;
   out.solver = options.solver;

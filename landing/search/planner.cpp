@@ -4,6 +4,7 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "landing/model/release.hpp"
 
 namespace ukemi::landing {
 
@@ -26,16 +27,45 @@ Planner::Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, c
                   .reference_rate = options.reference_rate}) {}
 
 Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
-  objective_.watch.restart();
   check_deadline(deadline);
   scene_.drop = drop;
+  return search(deadline, seed, std::nullopt);
+}
+
+Plan Planner::search(double deadline, std::uint64_t seed, const std::optional<Coordinates>& hint) {
+  objective_.watch.restart();
   const long before = objective_.motions();
   Search search(objective_, {.seconds = deadline - verification_time(deadline, objective_.landing_time())}, seed);
+  search.hint = hint;
   search_.run(search);
   const long searched = objective_.motions() - before;
   const Candidate best = search.judge(options_.verified, deadline);
   const Play play = objective_.play(best);
   return {play.motion, play.sea, best.value, searched, best.value < kNoMotion};
+}
+
+Plan Planner::plan(const FallState& s, double deadline, std::uint64_t seed) {
+  check_deadline(deadline);
+  if (!in_air_ || !scene_.release)
+    throw InputError("planner: the scene has no [release]: it is needed for a plan in the air");
+  const double fallen = s.vertical_speed.value_or(-scene_.robot.gravity * s.gone);
+  scene_.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, fallen};
+  scene_.release = Release{s.phi, s.rate, deadline};
+  if (!(fall_time(scene_) > deadline))
+    throw InputError("planner: the floor comes in " + shortest(fall_time(scene_)) + " s, before the deadline of " +
+                     shortest(deadline) + " s");
+  in_air_->release(scene_);
+  // The last plan goes on where it was: its move ends when it would have.
+  std::optional<Coordinates> hint;
+  const int to = in_air_->dimension() - 1;
+  if (last_) {
+    Coordinates now = *last_;
+    now[to] -= s.gone;
+    hint = in_air_->unit(now);
+  }
+  const Plan out = search(deadline, seed, hint);
+  if (out.found) last_ = in_air_->values_of(out.motion), (*last_)[to] += s.gone;
+  return out;
 }
 
 }  // namespace ukemi::landing

@@ -2,14 +2,25 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "landing/search/auto_search.hpp"
 
 namespace ukemi::landing {
 
+/// What a robot measures in the air.
+struct FallState {
+  double height;                         ///< clearance of the lowest contact point now [m]
+  double forward_speed = 0;              ///< dx_0 [m/s]
+  double pitch = 0, pitch_rate = 0;      ///< of the thigh [rad], [rad/s]
+  double phi = 0, rate = 0;              ///< of the joint [rad], [rad/s]
+  double gone = 0;                       ///< since release, which was at rest; unused with vertical_speed [s]
+  std::optional<double> vertical_speed;  ///< dy_0, upwards [m/s]; absent: that of the time gone, -g `gone`
+};
+
 /// What a planner answers with.
 struct Plan {
-  Motion motion{};
+  Motion motion{};            ///< times of its move in the air count from the call of `plan`
   SeaParameters<double> sea;  ///< the drive that plays it
   double value = kNoMotion;   ///< the goal, as Search::judge finds it [m/s^2]
   long motions = 0;           ///< evaluated
@@ -29,9 +40,10 @@ class Planner {
   };
 
   Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options);
-  /// Over the motions of Eq. 6.
+  /// Over the motions of Eq. 6, and what the scene lets them have beside. With a [release] in the scene it plans the
+  /// move in the air too.
   Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
-      : Planner(scene, std::make_shared<QuinticSpace>(scene.search, sea), options) {}
+      : Planner(scene, std::make_shared<ReferenceSpace>(scene, sea), options) {}
   Planner(const Scene& scene, const SeaParameters<double>& sea) : Planner(scene, sea, Options()) {}
   Planner(const Planner&) = delete;
   Planner& operator=(const Planner&) = delete;
@@ -40,13 +52,26 @@ class Planner {
   /// answer comes 3 ms after it at most, however stiff the scene: landings are cut off). Throws InputError for a
   /// deadline that is not above 0.
   [[nodiscard]] Plan plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
+  /// The same for a robot in the air, whose reference stands at `state.phi` until the deadline and can move from then
+  /// on. Throws InputError where the scene has no [release], or the floor comes before the deadline. The release stays
+  /// for later calls.
+  [[nodiscard]] Plan plan(const FallState& state, double deadline, std::uint64_t seed = 1);
 
  private:
+  Planner(const Scene& scene, std::shared_ptr<ReferenceSpace> space, const Options& options)
+      : Planner(scene, std::shared_ptr<const MotionSpace>(space), options) {
+    in_air_ = std::move(space);
+  }
+
+  Plan search(double deadline, std::uint64_t seed, const std::optional<Coordinates>& hint);
+
   Scene scene_;
   std::shared_ptr<const MotionSpace> space_;
+  std::shared_ptr<ReferenceSpace> in_air_;  ///< the same, where it is ours to change
   Options options_;
   Objective objective_;
   AutoSearch search_;
+  std::optional<Coordinates> last_;  ///< the last plan in the air, its move's end counted from release
 };
 
 /// A landing at the accuracy that judges takes up to so many times as long as one of the search.

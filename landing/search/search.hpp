@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "landing/search/objective.hpp"
 
@@ -58,6 +59,7 @@ class Search {
   Candidate judge(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
+  std::optional<Coordinates> hint;                  ///< a place in the unit cube that is tried before all others
   std::function<void(long done, long total)> tell;  ///< told of the motions spent, else of the milliseconds, if set
   const Objective& objective() const { return objective_; }
   /// Landings that a solver played by itself.

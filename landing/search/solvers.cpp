@@ -11,7 +11,7 @@ namespace ukemi::landing {
 
 const std::vector<std::string>& solver_names() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> n = {"auto", "sqp", "pattern", "ga", "de"};
+    std::vector<std::string> n = {"auto", "sqp", "pattern", "ga", "de", "cma"};
     n.insert(n.end(), nlopt_names().begin(), nlopt_names().end());
     n.push_back("random");
     return n;
@@ -31,6 +31,7 @@ void run_solver(const std::string& name, Search& search, const AutoSettings& set
   if (name == "pattern") return pattern_search(search);
   if (name == "ga") return genetic_algorithm(search);
   if (name == "de") return differential_evolution(search);
+  if (name == "cma") return wide_search(search, settings);
   if (name == "random") return random_search(search);
   nlopt_search(name, search);
 }

@@ -9,8 +9,8 @@
 
 namespace ukemi::landing {
 
-/// auto; the paper's sqp, pattern and ga; de; NLopt's crs2, direct_l, isres, esch, mlsl, sbplx, nelder_mead, cobyla,
-/// bobyqa; random.
+/// auto; the paper's sqp, pattern and ga; de, cma; NLopt's crs2, direct_l, isres, esch, mlsl, sbplx, nelder_mead,
+/// cobyla, bobyqa; random.
 const std::vector<std::string>& solver_names();
 /// Throws InputError for a name that is not one of them.
 void check_solver(const std::string& name);
@@ -35,5 +35,7 @@ void sequential_quadratic(Search& search);
 /// over.
 void nlopt_search(const std::string& name, Search& search);
 void random_search(Search& search);
+/// See wide_search.hpp.
+void wide_search(Search& search, const AutoSettings& settings = {});
 
 }  // namespace ukemi::landing

@@ -18,22 +18,25 @@ struct Peaks {
   integrate::Counters work;
 };
 
-/// `drive`: the gradients by the actuator's constants too, at the price of a landing with all derivatives.
-Peaks peaks_of(const Scene& scene, const Play& play, const SimulateOptions& options, int most, bool drive) {
+/// `last`: the last of the play's numbers that anything depends on; fewer derivatives take less time.
+Peaks peaks_of(const Scene& scene, const Play& play, const SimulateOptions& options, int most, int last) {
   Peaks out;
   const auto take = [&](const auto& found) {
     out.work = found.work;
     for (const auto& p : found.peaks) {
       Eigen::Matrix<double, kPlayNumbers, 1> d = Eigen::Matrix<double, kPlayNumbers, 1>::Zero();
-      d.template head<kMotionParameters>() = p.d.template head<kMotionParameters>();
-      if (p.d.size() > kMotionParameters) d.template tail<5>() = p.d.template tail<5>();
+      const int motion = std::min(int(p.d.size()), kMotionNumbers);
+      d.head(motion) = p.d.head(motion);
+      if (p.d.size() > kMotionNumbers) d.template tail<5>() = p.d.template tail<5>();
       out.largest.emplace_back(p.value, d);
     }
   };
-  if (drive)
-    take(all_gradients(scene, play.sea, play.motion, options, most));
-  else
+  if (last < kQuinticParameters)
+    take(quintic_peaks(scene, play.sea, play.motion, options, most));
+  else if (last < kMotionNumbers)
     take(motion_peaks(scene, play.sea, play.motion, options, most));
+  else
+    take(all_gradients(scene, play.sea, play.motion, options, most));
   return out;
 }
 
@@ -58,11 +61,12 @@ void sequential_quadratic(Search& search) {
     const Coordinates x = space.values(p.u);
     const Play play = space.play(x);
     const Eigen::MatrixXd jacobian = space.jacobian(x);
-    const bool drive = !jacobian.bottomRows(kPlayNumbers - kMotionParameters).isZero(0);
+    int last = kPlayNumbers - 1;
+    while (last > 0 && jacobian.row(last).isZero(0)) --last;
     for (int k = 0; k < boxes && !search.over(); ++k) {
       const Play at = space.execution_point(play, objective.scene().execution, k);
       const Peaks found =
-          peaks_of(objective.scene(), at, {.accuracy = objective.accuracy(), .over = objective.over()}, each, drive);
+          peaks_of(objective.scene(), at, {.accuracy = objective.accuracy(), .over = objective.over()}, each, last);
       search.spend(found.work);
       for (std::size_t i = 0; i < found.largest.size(); ++i) {
         const auto row = std::size_t(k * each) + i;

@@ -58,7 +58,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const P
 
 TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                            const SimulateOptions& options, int samples, std::uint64_t seed, int threads) {
-  return tolerant_peak(scene, QuinticSpace(scene.search, sea), {motion, sea}, options, samples, seed, threads);
+  return tolerant_peak(scene, ReferenceSpace(scene, sea), {motion, sea}, options, samples, seed, threads);
 }
 
 }  // namespace ukemi::landing

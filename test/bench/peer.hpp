@@ -50,7 +50,7 @@ inline constexpr long kMaxEvents = 1000;  ///< a landing has tens; a run that is
 /// A landing from its first touchdown on, as far as no integrator is concerned.
 class Course {
  public:
-  explicit Course(const Case& c) : system(c.scene, c.sea, c.motion), limit_(*c.scene.t_end) {
+  explicit Course(const Case& c) : motion(c.motion), system(c.scene, c.sea, c.motion), limit_(*c.scene.t_end) {
     using namespace landing;
     const Drop& drop = c.scene.drop;
     y.setZero();
@@ -66,6 +66,7 @@ class Course {
     peak.consider(g * g, 0);
   }
 
+  landing::Motion motion;
   System system;
   double t;
   State y, dy;   ///< dy: right limit of the field at (t, y), kept by the peer
@@ -121,10 +122,10 @@ class Course {
     ++result.events;
     if (guard < landing::kPoints && system.contact[guard] == landing::Contact::kClear) {
       if (result.touched == 0) {
-        system.motion_start = t;
-        const bool moves = system.motion.phi_i != system.motion.phi_f;
+        const bool moves = landing::moves(motion);
+        system.turn(landing::Turn::kLand, motion, t);
         system.phase = moves ? landing::Phase::kMoving : landing::Phase::kAfter;
-        if (moves) motion_end_ = t + system.motion.duration;
+        if (moves) motion_end_ = t + motion.duration;
       }
       if (result.touched < int(result.touchdowns.size())) result.touchdowns[result.touched] = "HKF"[guard];
       ++result.touched;

@@ -291,6 +291,39 @@ TEST_CASE("a bad number in an option is refused with its rule") {
   check_optimize({"--solver", "compair"}, {"solver: 'compair': ", "auto"});
 }
 
+TEST_CASE("what a motion may have beside the paper's numbers is refused where it is none") {
+  check_optimize({"--bumps", "5"}, {"--bumps: 5: ", "from 0 to 4"});
+  check_optimize({"--bumps", "two"}, {"--bumps", "two"});
+  check_optimize({"--landing-gains", "-1:2"}, {"--landing-gains: -1: ", "at least 0"});
+  check_optimize({"--landing-gains", "2:1"}, {"--landing-gains: '2:1': ", "LO:HI"});
+  check_optimize({"--release-from", "0.1"}, {"--release-from", "--release-phi is needed"});
+  check_optimize({"--release-phi", "-45", "--release-from", "0.4"},
+                 {"--release-from: 0.4 s: ", "before the first touchdown, at 0.28"});
+  check_optimize({"--release-phi", "-45", "--release-from", "-1"}, {"--release-from: -1: ", "at least 0"});
+  check_optimize({"--release-phi", "nan"}, {"--release-phi: nan: ", "-360 to 360"});
+  const Folder f;
+  const auto scene = [&](const std::string& more) { return f.write("s.toml", read(kPaper) + "\n" + more); };
+  const auto refused = [&](const std::string& more, const std::vector<std::string>& words) {
+    check_refused(f, {"optimize", scene(more), "--actuator", kTable2, "-o", "out"}, words);
+  };
+  refused("[motion]\nbumps = 5\n", {"s.toml:", "bumps", "5: ", "0 to 4"});
+  refused("[motion]\nbumps = 1.5\n", {"s.toml:", "bumps", "1.5: ", "whole number"});
+  refused("[motion]\nlanding_gains = [-1, 2]\n", {"s.toml:", "landing_gains", "-1", "at least 0"});
+  refused("[release]\nphi_deg = -45\nfrom = 0.5\n", {"s.toml:", "from", "0.5 s: ", "before the first touchdown"});
+  refused("[joint]\nphi_deg = [-40, 0]\n[release]\nphi_deg = -45\n", {"s.toml:", "-45 deg: ", "stops, -40 to 0 deg"});
+  refused("[detection]\ndelay = 1\n", {"s.toml:", "delay", "1 s: ", "at most 0.1"});
+  refused("[release]\nrate_deg = 3\n", {"s.toml:", "phi_deg", "missing"});
+  const std::string motion = f.write("m.toml",
+                                     "[motion]\nphi_i_deg = 0\nphi_f_deg = 0\nduration = 1\n"
+                                     "[reposition]\nphi_deg = 0\nfrom = 0.2\nto = 0.1\n");
+  check_refused(f, {"simulate", kPaper, "--actuator", kTable2, "--motion", motion, "-o", "out"},
+                {"m.toml:8", "to", "0.1 s: ", "later than `from`"});
+  check_refused(f, {"ratings", kPaper, "--actuator", kTable2, "--motor-speed", "2:1:3", "-o", "out"},
+                {"--motor-speed: '2:1:3': ", "LO:HI:N"});
+  check_refused(f, {"ratings", kPaper, "--actuator", kTable2, "--motor-speed", "0:1:3", "-o", "out"},
+                {"--motor-speed: 0: ", "above 0"});
+}
+
 TEST_CASE("what a later version brings says so") {
   const Folder f;
   const std::string later = "not in this version";

@@ -469,6 +469,53 @@ TEST_CASE("optimize writes its files and keys, and its motion does what the summ
   CHECK(played["contacts"].size() == s["contacts"].size());
 }
 
+TEST_CASE("optimize: bumps, landing gains and the move in the air are written, read back and told") {
+  const Folder f;
+  done(f, {"optimize", kPaper, "--actuator", kTable2, "--bumps", "2", "--landing-gains", "0.5:2", "--release-phi",
+           "-45", "--release-from", "0.1", "--evaluations", "600", "-o", "out"});
+  const Json s = summary(f);
+  CHECK(s["motion"]["bumps_deg"].size() == 4);
+  check_keys(s["motion"], {"gain_p", "gain_d", "reposition"});
+  CHECK(s["motion"]["reposition"]["phi_deg"].get<double>() == Approx(-45));
+  check_keys(s["limit"], {"jump", "first_contact"});
+  const Table m = table(f, "out/motion.csv");
+  CHECK_THAT(m.comments, Contains("Rows with t < 0 are the move in the air"));
+  CHECK_THAT(m.comments, Contains("From t = 0 on K_p times"));
+  const auto t = m.numbers("t"), phi = m.numbers("phi_ref");
+  CHECK(t.front() < -0.1);
+  CHECK(increasing(t, true));
+  CHECK(phi.front() * 180 / M_PI == Approx(-45));
+  for (std::size_t i = 1; i < phi.size(); ++i) CHECK(std::abs(phi[i] - phi[i - 1]) < 0.2);
+  done(f, {"simulate", kPaper, "--actuator", kTable2, "--motion", "out/motion.toml", "-o", "played"});
+  CHECK(summary(f, "played")["peak_acceleration"].get<double>() ==
+        Approx(s["peak_acceleration"].get<double>()).epsilon(1e-6));
+}
+
+TEST_CASE("ratings: a faster motor lands no harder") {
+  const Folder f;
+  done(f, {"ratings", kPaper, "--actuator", kTable2, "--motor-speed", "3:9:3", "--evaluations", "300", "-o", "out"});
+  CHECK(files(f) == std::set<std::string>{"ratings.csv", "report.html", "summary.json"});
+  const Table r = table(f, "out/ratings.csv");
+  const auto speed = r.numbers("motor_speed"), peak = r.numbers("peak"), tolerant = r.numbers("tolerant_peak");
+  REQUIRE(speed == std::vector<double>{3, 6, 9});
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(tolerant[i] >= peak[i]);
+    if (i > 0) CHECK(peak[i] <= peak[i - 1]);
+    if (i > 0) CHECK(tolerant[i] <= tolerant[i - 1]);
+  }
+}
+
+TEST_CASE("joint stops: refused by the search, told by simulate") {
+  const Folder f;
+  const std::string scene = f.write("stops.toml", read(kPaper) + "\n[joint]\nphi_deg = [-60, -10]\n");
+  done(f, {"optimize", scene, "--actuator", kTable2, "--evaluations", "600", "-o", "out"});
+  const Json ratings = summary(f)["ratings"];
+  CHECK(ratings["phi_1_deg"][0].get<double>() >= -60);
+  CHECK(ratings["phi_1_deg"][1].get<double>() <= -10);
+  const Result r = done(f, {"simulate", scene, "--actuator", kTable2, "--hold", "-59", "-o", "held"});
+  CHECK_THAT(r.err, Contains("the joint leaves its stops"));
+}
+
 TEST_CASE("optimize warns where the robot could not follow") {
   const Folder f;
   const std::string slow = f.write("slow.toml", replaced(read(kNominal), "speed_max = 3.14", "speed_max = 0.14"));
@@ -513,7 +560,8 @@ TEST_CASE("compare tells the constants apart, and with trials and a scene what t
   }
   SECTION("the truth is inside most intervals") {
     done(f, {"compare", "--nominal", kTable2, "--identified", "fit/actuator.toml", "-o", "out"});
-    for (const auto& [name, p] : summary(f)["parameters"].items()) {
+    const Json parameters = summary(f)["parameters"];
+    for (const auto& [name, p] : parameters.items()) {
       INFO(name);
       const Json& ci = fit["parameters"][name]["ci95"];
       CHECK(p["inside_ci95"] == (ci[0] <= p["nominal"] && p["nominal"] <= ci[1]));
@@ -590,14 +638,15 @@ TEST_CASE("optimize: both objectives, limits, a deadline, and every solver side 
   CHECK(r["motor_torque"].get<double>() <= 20 * 1.01);
 
   done(f, base + Arguments{"--forbid", "hip", "--evaluations", "2000", "-o", "off"});
-  for (const Json& c : summary(f, "off")["contacts"]) CHECK(c["point"] != "hip");
+  const Json off = summary(f, "off")["contacts"];
+  for (const Json& c : off) CHECK(c["point"] != "hip");
 
   done(f, base + Arguments{"--deadline", "0.2", "-o", "soon"});
   CHECK(summary(f, "soon")["peak_acceleration"].get<double>() < 466);
 
   done(f, base + Arguments{"--solver", "compare", "--evaluations", "60", "-o", "all"});
   const Table all = table(f, "all/solvers.csv");
-  CHECK(all.rows.size() == 15);
+  CHECK(all.rows.size() == 16);
   const std::vector<double> best = all.numbers("best");
   CHECK(summary(f, "all")["peak_acceleration"].get<double>() ==
         Approx(*std::min_element(best.begin(), best.end())).epsilon(1e-9));

@@ -56,7 +56,7 @@ bool killed(const Arguments& arguments, const Folder& f, const std::function<boo
     if (::chdir(f.at("").c_str()) == 0) ::execv(UKEMI_PROGRAM, argv.data());
     ::_exit(127);
   }
-  for (int i = 0; i < 20'000 && !moment(); ++i) ::usleep(1000);
+  for (double t = 0; t < std::stod(patience()) && !moment(); t += 1e-3) ::usleep(1000);
   ::kill(child, SIGKILL);
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -119,7 +119,8 @@ TEST_CASE("files that are not results, and those of other verbs, stay") {
   CHECK(fs::exists(f.at("out/trajectory.csv")));  // of simulate
   CHECK(names_in(f.at("out")).count(".ukemi-commit") == 0);
   CHECK(names_in(f.at("")) == std::set<std::string>{"out"});
-  for (const Json& name : summary(f)["files"]) CHECK(fs::exists(f.at("out/" + name.get<std::string>())));
+  const Json listed = summary(f)["files"];
+  for (const Json& name : listed) CHECK(fs::exists(f.at("out/" + name.get<std::string>())));
 }
 
 TEST_CASE("a run that fails on its input leaves the earlier results as they were") {

@@ -44,21 +44,24 @@ TEST_CASE("batch: the field in a lane is the field of a double, in every mode") 
   const Scene scene = scene_of("paper_soft");
   SeaParameters<double> sea = table2();
   sea.friction = 0.2, sea.k_sea_cubic = 30;
-  Lanes lanes(scene, sea.cast<Pack<W>>(), Motion{-0.5, -1.2, 0.3}.cast<Pack<W>>());
+  Motion motion{-0.5, -1.2, 0.3};
+  motion.bumps = {0.3, -0.2, 0.1, 0.4};
+  Lanes lanes(scene, sea.cast<Pack<W>>(), {Pack<W>(-0.5), Pack<W>(-1.2), Pack<W>(0.3)});
+  lanes.piece = landing_of(motion, motion.phi_i, 0.1).cast<Pack<W>>(), lanes.shaped = true;
   double worst = 0;
   for (int n = 0; n < 200; ++n) {
     Lanes::State y, dy;
     Lanes::GuardValues g;
     std::vector<Single> singles;
     std::vector<Single::State> states;
-    lanes.motion_start = Pack<W>(0.1);
     for (int i = 0; i < W; ++i) {
       Random r(11, std::uint64_t(n * W + i));
-      Single s(scene, sea, {-0.5, -1.2, 0.3});
+      Single s(scene, sea, motion);
       Single::State x;
       for (int k = 0; k < kMechanical; ++k) x[k] = r.uniform(-1, 1) * (k < kVx ? 1 : 5), y[k].set(i, x[k]);
       for (Contact& c : s.contact) c = Contact(int(r.uniform(0, 3)));
-      s.saturation = int(r.uniform(0, 3)) - 1, s.phase = Phase(int(r.uniform(0, 3))), s.motion_start = 0.1;
+      s.saturation = int(r.uniform(0, 3)) - 1, s.phase = Phase(int(r.uniform(0, 3)));
+      s.turn(Turn::kLand, motion, 0.1);
       lanes.set_lane(i, s);
       singles.push_back(s), states.push_back(x);
     }

@@ -6,6 +6,7 @@
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
+#include "landing/model/release.hpp"
 #include "landing/model/scene_file.hpp"
 
 using namespace ukemi;
@@ -25,11 +26,19 @@ struct Case {
   Scene scene;
   SeaParameters<double> sea;
   Motion motion{};
+  double absent = 0;  ///< what the motion does not have
 
   double& at(int parameter) {
     const std::array<double*, kParameters> all = {&motion.phi_i,
                                                   &motion.phi_f,
                                                   &motion.duration,
+                                                  &motion.bumps[0],
+                                                  &motion.bumps[1],
+                                                  &motion.bumps[2],
+                                                  &motion.bumps[3],
+                                                  &motion.gain_p,
+                                                  &motion.gain_d,
+                                                  motion.reposition ? &motion.reposition->to : &absent,
                                                   &scene.drop.height,
                                                   &scene.drop.forward_speed,
                                                   &scene.drop.pitch,
@@ -56,8 +65,8 @@ struct Case {
   double peak(const SimulateOptions& options = kTight) const {
     return peak_acceleration(scene, sea, motion, options).peak;
   }
-  PeakGradients<kMotionParameters> motion_gradient(int most = 4) const {
-    return motion_peaks(scene, sea, motion, kTight, most);
+  PeakGradients<kQuinticParameters> quintic_gradient(int most = 4) const {
+    return quintic_peaks(scene, sea, motion, kTight, most);
   }
   PeakGradients<kParameters> gradient(int most = 4) const { return all_gradients(scene, sea, motion, kTight, most); }
 };
@@ -144,7 +153,7 @@ TEST_CASE("gradient: the largest peak is the landing's") {
   for (std::uint64_t i = 0; i < 20; ++i) {
     c.motion = draw(c.scene, 1000 + i);
     const LandingPeak p = peak_acceleration(c.scene, c.sea, c.motion, {.accuracy = 1e-12});
-    const auto g = motion_peaks(c.scene, c.sea, c.motion, {.accuracy = 1e-12}, 3);
+    const auto g = quintic_peaks(c.scene, c.sea, c.motion, {.accuracy = 1e-12}, 3);
     INFO(floor << ", seed " << kSeed << ", draw " << i);
     REQUIRE(g.end == p.end);
     REQUIRE(g.peaks.size() == 3);
@@ -163,7 +172,7 @@ TEST_CASE("gradient: by the motion, against difference quotients") {
     for (std::uint64_t i = 0; i < kDraws; ++i) {
       Case c = on_floor(floor);
       c.motion = draw(c.scene, i);
-      const auto g = c.motion_gradient();
+      const auto g = c.quintic_gradient();
       INFO(floor << ", seed " << kSeed << ", draw " << i);
       REQUIRE(!g.peaks.empty());
       const Comparison by = compare(c, g.peaks[0].d, kPeak);
@@ -178,13 +187,40 @@ TEST_CASE("gradient: by the motion, against difference quotients") {
   CHECK(skipped <= 2);
 }
 
+TEST_CASE("gradient: by bumps, gains and the move in the air, through release, touchdowns and gains") {
+  constexpr int kDraws = 12;
+  int compared = 0, interrupted = 0;
+  for (std::uint64_t i = 0; i < kDraws; ++i) {
+    Case c = on_floor(kFloors[i % 4]);
+    c.motion = draw(c.scene, 300 + i);
+    Random r(kSeed, 400 + i);
+    for (double& b : c.motion.bumps) b = r.uniform(-0.6, 0.6);
+    c.motion.gain_p = r.uniform(0.5, 2), c.motion.gain_d = r.uniform(0.5, 2);
+    const double from = r.uniform(0.02, 0.1), fall = fall_time(c.scene);
+    const bool cut_off = i % 3 == 0;  // the floor comes first
+    c.motion.reposition = Reposition{r.uniform(-1.2, -0.4), i % 4 == 1 ? r.uniform(-1, 1) : 0, from,
+                                     cut_off ? fall + r.uniform(0.02, 0.1) : from + r.uniform(0.08, 0.15)};
+    if (i % 2) c.scene.detection_delay = 0.006;
+    const auto g = motion_peaks(c.scene, c.sea, c.motion, kTight, 4);
+    INFO("seed " << kSeed << ", draw " << i);
+    REQUIRE(!g.peaks.empty());
+    CHECK(g.peaks[0].value == Approx(c.peak()).epsilon(1e-8));
+    const Comparison by = compare(c, g.peaks[0].d, kPeak);
+    if (by.doubt > kSure || by.kink > kSmooth) continue;
+    ++compared, interrupted += cut_off;
+    CHECK(by.difference < kExact);
+  }
+  CHECK(compared >= 9);
+  CHECK(interrupted >= 2);
+}
+
 TEST_CASE("gradient: by all parameters, against difference quotients") {
   const auto floor = GENERATE(from_range(std::begin(kFloors), std::end(kFloors)));
   Case c = on_floor(floor);
   for (std::uint64_t i = 0; i < 2; ++i) {
     c.motion = draw(c.scene, 100 + i);
     const auto g = c.gradient();
-    const auto m = c.motion_gradient();
+    const auto m = c.quintic_gradient();
     INFO(floor << ", seed " << kSeed << ", draw " << i);
     REQUIRE(!g.peaks.empty());
     const Comparison by = compare(c, g.peaks[0].d, kPeak);
@@ -228,7 +264,7 @@ TEST_CASE("gradient: at a kink of f each of the two peaks has the slope of its s
     c.motion = draw(c.scene, 200 + line);
     const auto at = [&](double phi_f, double accuracy) {
       c.motion.phi_f = phi_f;
-      return motion_peaks(c.scene, c.sea, c.motion, {.accuracy = accuracy}, 2).peaks;
+      return quintic_peaks(c.scene, c.sea, c.motion, {.accuracy = accuracy}, 2).peaks;
     };
     // Along phi_F: where do the two largest peaks change places?
     constexpr int kGrid = 40;
@@ -256,7 +292,7 @@ TEST_CASE("gradient: at a kink of f each of the two peaks has the slope of its s
     if (peaks[0].value - peaks[1].value > 1e-10 * peaks[0].value) continue;  // a jump, not a kink
     ++kinks;
     const double size = peaks[0].d.cwiseAbs().maxCoeff();
-    for (int k = 0; k < kMotionParameters; ++k) {
+    for (int k = 0; k < kQuinticParameters; ++k) {
       const auto f = [&](double x) { return c.moved(k, x).peak(); };
       const Quotient before = one_sided(-1, 1, f), behind = one_sided(1, 1, f);
       const double slope[] = {peaks[0].d[k], peaks[1].d[k]};

@@ -50,10 +50,11 @@ void check_landing() {
                               r.uniform(0, 3),   r.uniform(0.01, 0.2), 20};
     if (kTerms.sea.extended)
       sea.friction = 0.3, sea.k_sea_cubic = 50, sea.feedback = i % 2 ? Feedback::kMotor : Feedback::kOutput;
-    LandingSystem<kTerms, kAccounts> system(scene, sea, {r.uniform(-1.5, 0), r.uniform(-1.5, 0), 0.3});
+    const Motion motion{r.uniform(-1.5, 0), r.uniform(-1.5, 0), 0.3};
+    LandingSystem<kTerms, kAccounts> system(scene, sea, motion);
     for (Contact& c : system.contact) c = Contact(int(r.uniform(0, 3)));
     system.saturation = int(r.uniform(-1, 2));
-    system.phase = Phase::kMoving, system.motion_start = 0.1;
+    system.turn(Turn::kLand, motion, 0.1), system.phase = Phase::kMoving;
     typename LandingSystem<kTerms, kAccounts>::State y;
     for (int k = 0; k < y.size(); ++k) y[k] = r.uniform(-1, 1) * (k >= kVx ? 3 : 1);
     CAPTURE(i);

@@ -22,7 +22,7 @@ Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
 SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 
 std::vector<Variable> four_variables(const Scene& scene, const std::array<double, 2>& stiffness) {
-  std::vector<Variable> v = QuinticSpace(scene.search, {}).variables();
+  std::vector<Variable> v = ReferenceSpace(scene, {}).variables();
   v.push_back({"stiffness", "stiffness", "1", stiffness[0], stiffness[1]});
   return v;
 }
@@ -87,7 +87,7 @@ TEST_CASE("motion space: gradients follow its variables") {
   const auto found = all_gradients(scene, play.sea, play.motion, tight, 1);
   REQUIRE(found.peaks.size() == 1);
   Eigen::Matrix<double, kPlayNumbers, 1> by_numbers;
-  by_numbers << found.peaks[0].d.head<3>(), found.peaks[0].d.tail<5>();
+  by_numbers << found.peaks[0].d.head<kMotionNumbers>(), found.peaks[0].d.tail<5>();
   const Eigen::VectorXd gradient = space.jacobian(x).transpose() * by_numbers;
   for (int k = 0; k < 4; ++k) {
     constexpr double kStep = 1e-5;

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "common/actuator.hpp"
+#include "landing/derivatives/gradient.hpp"
+#include "landing/lanes/batch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
 #include "test/folder.hpp"
@@ -64,6 +66,31 @@ TEST_CASE(
 // time.
 TEST_CASE("reference landings at tight accuracy: peaks within 1e-8; all but the chattering one within 1e-10") {
   check({.accuracy = 1e-14}, 1e-10, 1e-9, 1e-8);
+}
+
+TEST_CASE("reference landings with shape terms and moves in the air: peaks within 1e-5, scalar, lanes and gradients") {
+  const auto all = read_rich_reference(UKEMI_DATASETS "/reference");
+  REQUIRE(all.size() == 80);
+  std::vector<BatchCase> cases;
+  for (const Case& c : all) cases.push_back({&c.scene, &c.sea, c.motion});
+  std::vector<LandingPeak> lanes(all.size());
+  batch_peaks(cases, lanes, {.accuracy = 1e-7});
+  int moved = 0, shaped = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Case& c = all[i];
+    const Landing l = simulate(c.scene, c.sea, c.motion);
+    const auto gradients = motion_peaks(c.scene, c.sea, c.motion, {}, 1);
+    INFO(c.id << " peak " << l.peak << " lanes " << lanes[i].peak << " reference " << c.peak);
+    CHECK(l.end == End::kRest);
+    CHECK(l.peak == Approx(c.peak).epsilon(1e-5));
+    CHECK(peak_acceleration(c.scene, c.sea, c.motion).peak == l.peak);
+    CHECK(lanes[i].peak == Approx(c.peak).epsilon(1e-5));
+    REQUIRE(!gradients.peaks.empty());
+    CHECK(gradients.peaks[0].value == Approx(c.peak).epsilon(1e-5));
+    moved += c.motion.reposition.has_value(), shaped += has_bumps(c.motion);
+  }
+  CHECK(moved >= 20);
+  CHECK(shaped >= 40);
 }
 
 TEST_CASE("published facts of the paper's landing and regression values of the calibrated floors") {

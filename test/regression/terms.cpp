@@ -23,7 +23,7 @@ RigTerm curvature() {
 /// The torque limit as a term.
 RigTerm limit() {
   return {{.name = "torque_limit", .unit = "Nm", .lower = 1, .upper = 100, .absent = 20, .size = 20},
-          input_field([](auto& in) -> auto& { return in.sea.tau_max; })};
+          input_field([](auto& in) { return &in.sea.tau_max; })};
 }
 
 constexpr double kCurvature = 2e-4;  // 6 % at 300 N

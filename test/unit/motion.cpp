@@ -81,3 +81,49 @@ TEST_CASE("motion: the execution box is the motion, six face centres and eight c
   for (int k = 0; k < kExecutionPoints; ++k)
     CHECK(deviated({0, 0, 0.001}, tolerance, execution_deviation(k)).duration > 0);
 }
+
+TEST_CASE("motion: shape terms start and end at rest, 64 makes b_0 a height, and the rate is the derivative") {
+  Motion m{-0.3, -0.3, 0.4};
+  m.bumps[0] = 0.7;
+  CHECK(reference_of(m, 0.2).phi == Approx(-0.3 + 0.7));
+  m = {-0.3, -1.1, 0.4, {0.5, -1.2, 0.8, -0.4}};
+  constexpr double kH = 1e-6;
+  for (const double end : {0.0, 0.4}) CHECK(reference_of(m, end).dphi == 0);
+  for (const double t : {1e-3, 1e-4})  // no acceleration either
+    CHECK(std::abs(reference_of(m, t).dphi) < 20'000 * t * t);
+  double fastest = 0;
+  for (double t = 0.002; t < 0.4; t += 0.002) {
+    CHECK(reference_of(m, t).dphi ==
+          Approx((reference_of(m, t + kH).phi - reference_of(m, t - kH).phi) / (2 * kH)).epsilon(1e-6).margin(1e-7));
+    fastest = std::max(fastest, std::abs(reference_of(m, t).dphi));
+  }
+  CHECK(peak_reference_rate(m) >= fastest);
+  CHECK(peak_reference_rate(m) == Approx(fastest).epsilon(1e-3));
+  // Legendre's polynomials are orthogonal: b_1 alone is odd about the middle.
+  m.bumps = {0, 0.6, 0, 0};
+  m.phi_f = m.phi_i;
+  for (double t = 0; t < 0.2; t += 0.01) CHECK(reference_of(m, t).phi + reference_of(m, 0.4 - t).phi == Approx(-0.6));
+}
+
+TEST_CASE("motion: the space has what the scene lets a motion have, and finds its own values again") {
+  Scene scene;
+  scene.robot.gravity = 9.81;
+  scene.contacts = {true, true, true}, scene.floor = Floor<double>{1e4, 10, 1}, scene.drop.height = 0.4;
+  CHECK(ReferenceSpace(scene, {}).dimension() == 3);
+  scene.freedom = {.bumps = 3, .gains = std::array{0.25, 4.0}};
+  scene.release = Release{-0.8, 0.5, 0.1};
+  const ReferenceSpace space(scene, {.k_p = 50});
+  REQUIRE(space.dimension() == 9);
+  CHECK(space.variables()[8].lower > 0.1);
+  const Coordinates x = space.values(Coordinates::Constant(9, 0.3));
+  const Motion m = space.play(x).motion;
+  CHECK(m.bumps[2] == x[5]);
+  CHECK(m.bumps[3] == 0);
+  CHECK(m.gain_d == x[7]);
+  REQUIRE(m.reposition);
+  CHECK(m.reposition->to == x[8]);
+  CHECK(m.reposition->phi == -0.8);
+  CHECK(space.values_of(m) == x);
+  const Eigen::MatrixXd j = space.jacobian(x), by_differences = space.MotionSpace::jacobian(x);
+  CHECK((j - by_differences).cwiseAbs().maxCoeff() < 1e-9);
+}

@@ -33,7 +33,6 @@ void add_bench(CLI::App& app, Action& chosen) {
   };
   for (const Kind& kind : kKinds) {
     auto args = std::make_shared<BenchArguments>();
-    auto common = std::make_shared<CommonOptions>();
     CLI::App* verb = bench->add_subcommand(kind.name, kind.what);
     verb->add_option("--repetitions", args->repetitions, "timed runs of each entry [30]")->check(CLI::Range(1, 100000));
     if (kind.run == bench_stability) {
@@ -66,16 +65,13 @@ void add_bench(CLI::App& app, Action& chosen) {
           ->check(CLI::Range(0.001, 1e4));
     }
     if (kind.run == bench_optimizers) {
-      verb->add_option("--solvers", args->solvers, "only these [all]")->delimiter(',');
+      verb->add_option("--solvers", args->solvers, "only these [all but cma]")->delimiter(',');
       verb->add_option("--with", args->with, "optimizers.csv of earlier runs: what they searched is not run again");
     }
     if (kind.run == bench_identify)
       verb->add_option("--draws", args->draws, "noise draws [20]")->check(CLI::Range(2, 100000));
     if (kind.run == bench_scenes) verb->add_option("--only", args->only)->group("");  // for its own instruction counts
-    add_common(*verb, *common);
-    verb->footer(std::string("Example: ") + kind.example);
-    verb->callback(
-        [args, common, &chosen, run = kind.run] { chosen = [args, common, run] { return run(*args, *common); }; });
+    add_action<BenchArguments>(*verb, args, kind.example, chosen, kind.run);
   }
 }
 

@@ -10,6 +10,8 @@
 
 namespace ukemi::tools {
 
+class Report;
+
 /// The scenes that the benches run, of datasets/scenes.
 inline constexpr std::array<const char*, 10> kShippedScenes = {
     "paper", "paper_rough_a", "paper_rough_b", "paper_soft", "low", "high", "straight", "fast", "tilted", "hard"};
@@ -40,5 +42,8 @@ int bench_stability(const BenchArguments& arguments, const CommonOptions& common
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common);
 int bench_drawn(const BenchArguments& arguments, const CommonOptions& common);
 int bench_scenes(const BenchArguments& arguments, const CommonOptions& common);
+
+/// Fits of stiff and extreme data, a part of `stability`: "cases" and "wrong" of the summary; stability_identify.csv.
+Json stability_of_fits(Run& run, Report& report);
 
 }  // namespace ukemi::tools

@@ -1,5 +1,3 @@
-#include "tools/bench/bench_fits.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "identify/design/design.hpp"
 #include "identify/fit/fit.hpp"
 #include "tools/bench/bench.hpp"
+#include "tools/report/report.hpp"
 
 namespace ukemi::tools {
 

@@ -81,22 +81,13 @@ struct Bench {
   std::function<bool(int, Method, double, integrate::Counters&, Errors*)> run;
 };
 
-struct LandingCase {
-  Scene scene;
-  SeaParameters<double> sea;
-  Motion motion;
-  double peak;
-  std::vector<double> touchdowns;
-  Eigen::Matrix<double, kVx, 1> place;
+struct LandingCase : ReferenceCase {
+  Eigen::Matrix<double, kVx, 1> place;  ///< at the end
 };
 
 SimulateOptions options_for(Method method, double setting) {
-  SimulateOptions o{.method = method, .rest = SimulateOptions::Rest::kIgnore};
-  if (fixed_step(method))
-    o.max_step = setting;
-  else
-    o.accuracy = setting;
-  o.max_steps = 2'000'000;
+  SimulateOptions o{.max_steps = 2'000'000, .method = method, .rest = SimulateOptions::Rest::kIgnore};
+  (fixed_step(method) ? o.max_step : o.accuracy) = setting;
   return o;
 }
 
@@ -115,7 +106,7 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
   double agreement = 0;
   bool own = false;
   for (std::size_t i = 0; i < all.size() && cases->size() < count; i += 2) {
-    LandingCase c{all[i].scene, all[i].sea, all[i].motion, all[i].peak, all[i].touchdowns, {}};
+    LandingCase c{all[i], {}};
     own = change(c);
     std::vector<double> touchdowns;
     SimulateOptions tight = options_for(Method::kDormandPrince853, kTight);
@@ -131,8 +122,7 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
     }
     cases->push_back(c);
   }
-  Bench b;
-  b.name = name, b.cases = int(cases->size());
+  Bench b{.name = name, .cases = int(cases->size())};
   b.reference =
       fmt::format("{} from our own run at {:g}; halving that moves them by {:.1e} at most",
                   own ? "peaks, touchdown times and final positions"
@@ -182,16 +172,12 @@ Bench rig_trials(Run& run) {
     for (std::size_t k = 0; k < phi.size(); ++k) agreement = std::max(agreement, std::abs(phi[k] - half[k]));
     d->phi.push_back(phi);
   }
-  Bench b;
-  b.name = "impact rig", b.cases = 8;
+  Bench b{.name = "impact rig", .cases = 8};
   b.reference =
       fmt::format("angles from our own run at {:g}; halving that moves them by {:.1e} at most", kTight, agreement);
   b.run = [d, roll](int i, Method method, double setting, integrate::Counters& work, Errors* errors) {
     identify::RolloutOptions o{.method = method, .work = &work, .max_steps = 1'000'000};
-    if (fixed_step(method))
-      o.max_step = setting;
-    else
-      o.accuracy = setting;
+    (fixed_step(method) ? o.max_step : o.accuracy) = setting;
     std::vector<double> phi;
     if (!roll(*d, i, o, phi)) return false;
     if (errors) {

@@ -177,12 +177,10 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
   (void)tell(table, report, run, "scenes.csv",
              "A landing each: instructions (callgrind), time_us (median, processor time); difference: largest "
              "relative, of the peaks.");
-  Json summary;
-  for (std::size_t i = 0; i < list.size(); ++i) summary[list[i].name] = table.object(i);
   run.add("report.html", report.html(run.provenance()));
   const auto unequal = std::count_if(savings.begin(), savings.end(), [](const Saving& s) { return !s.equal(); });
   if (unequal > 0) run.warn(fmt::format("{} omissions change a peak by more than they may", unequal));
-  return run.finish(summary, unequal > 0 ? kNumbers : kDone);
+  return run.finish(table.keyed(), unequal > 0 ? kNumbers : kDone);
 }
 
 }  // namespace ukemi::tools

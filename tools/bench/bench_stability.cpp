@@ -13,7 +13,6 @@
 #include "common/stopwatch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/bench/bench.hpp"
-#include "tools/bench/bench_fits.hpp"
 #include "tools/bench/stability.hpp"
 #include "tools/report/report.hpp"
 

@@ -14,19 +14,8 @@
 namespace ukemi::landing {
 
 const char* name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kPass:
-      return "pass";
-    case Verdict::kSensitive:
-      return "sensitive";
-    case Verdict::kCoarse:
-      return "coarse";
-    case Verdict::kRefused:
-      return "refused";
-    case Verdict::kWrong:
-      return "wrong";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"pass", "sensitive", "coarse", "refused", "wrong"};
+  return kNames[int(verdict)];
 }
 
 namespace {

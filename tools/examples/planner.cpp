@@ -1,44 +1,114 @@
-// A robot's control program that owns a planner: set up once, then an answer for every fall, by its deadline.
+// A robot's control program that owns a planner, from the moment at which it feels weightless.
 //
-//     planner SCENE.toml ACTUATOR.toml HEIGHT PITCH_DEG FORWARD_SPEED
+//     planner SCENE.toml ACTUATOR.toml HEIGHT PITCH_DEG FORWARD_SPEED PHI_DEG
 //
-// What a real robot would do between the lines: measure the drop when it feels weightless, send the reference to the
-// drive, and start it at the first touchdown.
+// Every 20 ms it measures the fall and plans anew; what it sends to the drive is the move in the air, by the clock from
+// now, and the landing motion, which starts when the touchdown is felt. Robot is a stand-in for the real one: it falls
+// as the simulation says, and has no noise.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <optional>
 
 #include "common/actuator.hpp"
 #include "landing/model/release.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/run/simulate.hpp"
 #include "landing/search/planner.hpp"
 
+namespace {
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kPeriod = 0.02;   // between two plans, and what each may take [s]
+constexpr double kRefuge = -0.87;  // held where nothing was found: a posture that lands softly by itself [rad]
+
+class Robot {
+ public:
+  Robot(const Scene& scene, const SeaParameters<double>& sea, double phi) : scene_(scene), sea_(sea) {
+    scene_.release.reset();
+    send({phi, phi, 1}, 0);
+  }
+  /// The reference from now on.
+  void send(const Motion& motion, double now) {
+    if (!course_.trajectory.empty()) {
+      const FallState s = measured(now);
+      scene_.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, *s.vertical_speed};
+    }
+    motion_ = motion, since_ = now;
+    course_ = simulate(scene_, sea_, motion, {}, 1000);
+  }
+  double touchdown() const {
+    return course_.touches.empty() ? std::numeric_limits<double>::infinity() : since_ + course_.touches[0].t_touchdown;
+  }
+  FallState measured(double now) const {
+    const auto after = [&](const Sample& s) { return since_ + s.t >= now - 1e-9; };
+    const Sample& s = *std::find_if(course_.trajectory.begin(), course_.trajectory.end() - 1, after);
+    const double half = 0.5 * scene_.robot.link_length, hip = s.y0 + half * std::cos(s.phi0),
+                 knee = s.y0 - half * std::cos(s.phi0), foot = knee - 2 * half * std::cos(s.phi0 + s.phi1);
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const auto& [point, y] : {std::pair{kHip, hip}, {kKnee, knee}, {kFoot, foot}})
+      if (scene_.contacts[point]) lowest = std::min(lowest, y);
+    return {std::max(0.0, lowest), s.dx0, s.phi0, s.dphi0, s.phi1, s.dphi1, now, s.dy0};
+  }
+  double peak() const { return course_.peak; }
+
+ private:
+  Scene scene_;
+  SeaParameters<double> sea_;
+  Motion motion_{};
+  double since_ = 0;
+  Landing course_;
+};
+
+int control(Scene scene, const SeaParameters<double>& sea, double phi) {
+  Robot robot(scene, sea, phi);
+  const double held = robot.peak();
+  scene.release = Release{phi};
+  Planner planner(scene, sea, {.goal = Goal::kPeak});  // all memory is taken here
+  std::optional<Plan> sent;
+  for (double now = 0; now + 2 * kPeriod < robot.touchdown(); now += kPeriod) {
+    const Plan plan = planner.plan(robot.measured(now), kPeriod);  // no allocation, no thread
+    // A plan that is no better than the one under way is not worth a new reference.
+    if (!plan.found || (sent && plan.value >= sent->value)) continue;
+    sent = plan;
+    robot.send(plan.motion, now);
+    std::printf(
+        "%3.0f ms: %.0f deg by %3.0f ms; from the touchdown to %.0f deg in %.0f ms; peak %.1f m/s^2 (%ld motions)\n",
+        1e3 * now, plan.motion.phi_i * kDegrees, 1e3 * (now + plan.motion.reposition->to), plan.motion.phi_f * kDegrees,
+        1e3 * plan.motion.duration, plan.value, plan.motions);
+  }
+  if (!sent) {  // hold a posture that lands softly by itself
+    robot.send({kRefuge, kRefuge, 1}, 0);
+    std::printf("no plan: %.0f deg is held\n", kRefuge * kDegrees);
+  }
+  // A real drive starts the landing motion when it feels the touchdown. Where it never does, the last posture of the
+  // move in the air is held: the motion must not run by the clock, which knows nothing of the floor.
+  if (std::isinf(robot.touchdown())) {
+    std::printf("no touchdown was felt: the posture is held\n");
+    return 1;
+  }
+  std::printf("touchdown after %.0f ms; peak %.1f m/s^2; had the joint been held at %.0f deg, %.1f\n",
+              1e3 * robot.touchdown(), robot.peak(), phi * kDegrees, held);
+  return sent ? 0 : 1;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  if (argc != 6) {
-    std::fprintf(stderr, "planner SCENE.toml ACTUATOR.toml HEIGHT PITCH_DEG FORWARD_SPEED\n");
+  if (argc != 7) {
+    std::fprintf(stderr, "planner SCENE.toml ACTUATOR.toml HEIGHT PITCH_DEG FORWARD_SPEED PHI_DEG\n");
     return 2;
   }
   try {
-    using namespace ukemi;
-    constexpr double kDegrees = 57.29577951308232, kReaction = 0.5;  // of the fall is left for the drive to get ready
-    landing::Scene scene = landing::read_scene(argv[1]);
-    landing::Planner planner(scene, read_actuator(argv[2]).sea);  // all memory is taken here
-
-    scene.drop.height = std::atof(argv[3]);
-    scene.drop.pitch = std::atof(argv[4]) / kDegrees;
-    scene.drop.forward_speed = std::atof(argv[5]);
-    const double fall = landing::fall_time(scene);
-    const landing::Plan plan = planner.plan(scene.drop, kReaction * fall);  // no allocation, no thread
-    if (!plan.found) {
-      std::printf("no plan in %.0f ms\n", 1e3 * kReaction * fall);
-      return 1;
-    }
-    std::printf(
-        "fall %.0f ms, planned in %.0f ms: %.2f deg to %.2f deg in %.4f s, worst peak %.1f m/s^2 (%ld motions)\n",
-        1e3 * fall, 1e3 * kReaction * fall, plan.motion.phi_i * kDegrees, plan.motion.phi_f * kDegrees,
-        plan.motion.duration, plan.value, plan.motions);
-    return 0;
+    Scene scene = read_scene(argv[1]);
+    scene.freedom.bumps = 2;
+    scene.drop = {std::atof(argv[3]), std::atof(argv[5]), std::atof(argv[4]) / kDegrees};
+    return control(scene, read_actuator(argv[2]).sea, std::atof(argv[6]) / kDegrees);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "planner: %s\n", e.what());
     return 2;

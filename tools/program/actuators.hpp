@@ -10,7 +10,5 @@ namespace ukemi::tools {
 
 /// Reads the file, lists it among the run's inputs, and warns of every constant that its fit did not trust.
 Actuator actuator_of(const std::string& path, Run& run);
-/// The warning alone: constants whose verdict is neither "trusted" nor "fixed"; none where the file has no verdicts.
-void warn_of_doubts(const Actuator& actuator, const std::string& path, Run& run);
 
 }  // namespace ukemi::tools

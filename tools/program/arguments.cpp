@@ -54,6 +54,22 @@ NamedPrior named_prior(const std::string& option, const std::string& item) {
           to_number(option, item.substr(colon + 1))};
 }
 
+NumberRange number_range(const std::string& option, const std::string& text, bool counted) {
+  std::vector<double> numbers;
+  for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+    end = text.find(':', begin);
+    numbers.push_back(to_number(option, text.substr(begin, end == std::string::npos ? end : end - begin)));
+  }
+  const bool right = numbers.size() == (counted ? 3U : 2U) && numbers[0] < numbers[1];
+  const double count = right && counted ? numbers[2] : 2;
+  if (!right || !(count >= 2 && count <= 1000 && count == std::floor(count)))
+    throw InputError(
+        option + ": " + quoted(text) + ": " +
+        (counted ? "LO:HI:N, numbers that rise and a count from 2 to 1000," : "LO:HI, numbers that rise,") +
+        " is needed");
+  return {numbers[0], numbers[1], int(count)};
+}
+
 std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices) {
   const auto at = std::find(choices.begin(), choices.end(), text);
   if (at != choices.end()) return std::size_t(at - choices.begin());

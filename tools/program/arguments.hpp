@@ -25,6 +25,13 @@ struct NamedPrior {
 };
 NamedPrior named_prior(const std::string& option, const std::string& item);
 
+/// LO:HI or, counted, LO:HI:N; the numbers rise, the count is 2 to 1000.
+struct NumberRange {
+  double lower, upper;
+  int count = 2;
+};
+NumberRange number_range(const std::string& option, const std::string& text, bool counted);
+
 /// Index of `text` in `choices`, of which there are few; the error names them all, and the nearest.
 std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices);
 /// What stands behind the choice.

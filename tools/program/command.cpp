@@ -1,7 +1,5 @@
 #include "tools/program/command.hpp"
 
-#include "tools/program/arguments.hpp"
-
 namespace ukemi::tools {
 
 void add_common(CLI::App& verb, CommonOptions& o) {

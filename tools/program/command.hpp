@@ -5,7 +5,9 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 
+#include "tools/program/arguments.hpp"
 #include "tools/program/output.hpp"
 
 namespace ukemi::tools {
@@ -14,6 +16,14 @@ using Action = std::function<int()>;  ///< returns the exit code
 
 /// -o, --json, --threads, --seed, --quiet, --no-report.
 void add_common(CLI::App& verb, CommonOptions& options);
+
+/// An option whose text is one of `choices`, of which `to` becomes what stands behind it.
+template <class T>
+void add_choice(CLI::App& verb, const std::string& option, T& to,
+                const std::type_identity_t<std::vector<std::pair<std::string, T>>>& choices, const std::string& help) {
+  verb.add_option_function<std::string>(
+      option, [=, &to](const std::string& text) { to = choice<T>(option, text, choices); }, help);
+}
 
 /// The common options, the example at the end of the help, and what the verb does when it is chosen.
 template <class Arguments>

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <pugixml.hpp>
 #include <sstream>
 #include <unordered_set>
@@ -43,27 +42,19 @@ std::vector<pugi::xml_node> elements(pugi::xml_node parent) {
   return out;
 }
 
-/// The members that elements become; each name once. In a time that grows with their number: an ordered object looks
-/// for a key from its start.
-class Members {
- public:
-  Members(Json& object, std::function<Location(pugi::xml_node)> place) : object_(object), place_(std::move(place)) {
-    for (const auto& member : object.items()) names_.insert(member.key());
+/// Adds a member for each element, as `value` has it; each name once. In a time that grows with their number: an
+/// ordered object looks for a key from its start.
+template <class Place, class Value>
+void add_members(Json& object, const std::vector<pugi::xml_node>& from, const Place& place, const Value& value) {
+  auto& members = object.get_ref<Json::object_t&>();
+  std::unordered_set<std::string> names;
+  for (const auto& member : members) names.insert(member.first);
+  for (const pugi::xml_node element : from) {
+    if (!names.insert(element.name()).second)
+      throw InputError(place(element), "<" + std::string(element.name()) + ">: given twice: once is needed");
+    members.Container::emplace_back(element.name(), value(element));
   }
-
-  Json& add(pugi::xml_node element) {
-    if (!names_.insert(element.name()).second)
-      throw InputError(place_(element), "<" + std::string(element.name()) + ">: given twice: once is needed");
-    if (!object_.is_object()) object_ = Json::object();
-    auto& members = object_.get_ref<Json::object_t&>();
-    return members.Container::emplace_back(element.name(), Json()).second;
-  }
-
- private:
-  Json& object_;
-  std::function<Location(pugi::xml_node)> place_;
-  std::unordered_set<std::string> names_;
-};
+}
 
 }  // namespace
 
@@ -80,14 +71,14 @@ Json read_gains(const std::string& path) {
                      "<" + std::string(root.name()) + ">: HEBI gains are headed <group_gains>");
   Json out = {{"file", path}};
   const auto place = [&](pugi::xml_node n) { return location(path, text, n.offset_debug()); };
-  Members controllers(out, place);
-  for (const pugi::xml_node controller : elements(root)) {
+  const auto gain = [](pugi::xml_node n) { return values(n.text().get()); };
+  add_members(out, elements(root), place, [&](pugi::xml_node controller) {
     const std::vector<pugi::xml_node> gains = elements(controller);
-    Json& of_controller = controllers.add(controller);
-    if (gains.empty()) of_controller = values(controller.text().get());
-    Members members(of_controller, place);
-    for (const pugi::xml_node gain : gains) members.add(gain) = values(gain.text().get());
-  }
+    if (gains.empty()) return gain(controller);
+    Json of_controller = Json::object();
+    add_members(of_controller, gains, place, gain);
+    return of_controller;
+  });
   return out;
 }
 

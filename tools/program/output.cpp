@@ -33,6 +33,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"design", {"hit_#.csv", "hits.csv"}},
       {"demo", {}},
       {"map", {"map.csv", "basins.csv"}},
+      {"ratings", {"ratings.csv"}},
       {"bench batch", {"batch.csv", "planner.csv"}},
       {"bench drawn", {"drawn.csv"}},
       {"bench identify", {"identify.csv"}},

@@ -8,7 +8,7 @@
 #include "common/error.hpp"
 #include "identify/logs/hebi_trial.hpp"
 #include "identify/logs/hits.hpp"
-#include "tools/program/arguments.hpp"
+#include "tools/program/command.hpp"
 
 namespace ukemi::tools {
 
@@ -57,14 +57,9 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
                   "CSV with t [s], force [N]: one for all trials, or the option once for each")
       ->allow_extra_args(false);
   verb.add_option("--force-columns", a.force_columns, "t=Time,force=-Fy: the force log's columns by other names");
-  verb.add_option_function<std::string>(
-      "--force-clock",
-      [&a](const std::string& name) {
-        using identify::ForceClock;
-        a.force_clock =
-            choice<ForceClock>("--force-clock", name, {{"own", ForceClock::kOwn}, {"shared", ForceClock::kShared}});
-      },
-      "own: the force log is shifted so that its onset meets the motion's; shared: it is not [own]");
+  using enum identify::ForceClock;
+  add_choice(verb, "--force-clock", a.force_clock, {{"own", kOwn}, {"shared", kShared}},
+             "own: the force log is shifted so that its onset meets the motion's; shared: it is not [own]");
   verb.add_option(
       "--force-noise", a.force_noise,
       "noise of the load cell [N], standard deviation: between hits the force is then at rest, within them it "
@@ -73,7 +68,7 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
 }
 
 double escape_of(const TrialArguments& a) {
-  return a.angles == identify::TrialOptions::Angles::kMultiTurn ? identify::FitOptions::kInfinity : identify::kEscape;
+  return a.angles == identify::TrialOptions::Angles::kMultiTurn ? identify::Term::kInfinity : identify::kEscape;
 }
 
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& a, const identify::Rig& rig,

@@ -1,5 +1,3 @@
-#include "tools/report/calibrate.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,6 +5,8 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
 #include "tools/report/estimates.hpp"
+#include "tools/report/results.hpp"
+#include "tools/study/calibration.hpp"
 
 namespace ukemi::tools {
 
@@ -71,12 +71,11 @@ std::string scene_toml(const Run& run, const Calibration& c) {
 }
 
 /// "outputs" and "drops" of the summary, as tables and, drop by drop, as plots.
-void tell_drops(const CalibratedDrops& c, Report& report, Json& summary, const Run& run) {
-  const std::vector<std::size_t> some = measured(c.result);
-  const Table outputs(output_quantities(c.result), some), drops(drop_quantities(c.result), c.result.drops);
-  for (std::size_t i = 0; i < some.size(); ++i) summary["outputs"][kOutputNames[some[i]]] = outputs.object(i);
-  summary["drops"] = drops.objects();
-  for (const Table* table : {&outputs, &drops}) say(*table, run), report.table(*table);
+void tell_drops(const CalibratedDrops& c, Report& report, Json& summary, Run& run) {
+  const Table outputs(output_quantities(c.result), measured(c.result));
+  summary["outputs"] = outputs.keyed();
+  (void)tell(outputs, report, run);
+  summary["drops"] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
   for (std::size_t m = 0; m < c.drops.size() && m < 12; ++m)
     for (std::size_t o = 0; o < kOutputs; ++o) {
       const DropLog& log = c.drops[m].log;

@@ -14,6 +14,8 @@ namespace {
 
 std::string signed_percent(double percent) { return fmt::format("{:+.1f} %", percent); }
 
+Json inside(const ConstantDifference& c) { return c.inside() ? Json(*c.inside()) : Json(); }
+
 const Quantities<ConstantDifference> kConstantQuantities = {
     {"parameter", "", "constant", {}, &ConstantDifference::name},
     {"unit", "", &ConstantDifference::unit},
@@ -23,40 +25,30 @@ const Quantities<ConstantDifference> kConstantQuantities = {
     {"difference_percent", "difference_percent", "difference", signed_percent, &ConstantDifference::percent},
     {"std", [](auto& c) { return number(c.std); }},
     {"z", "z", "in standard errors", "{:+.1f}", [](auto& c) { return number(c.z()); }},
-    {"inside_ci95",
-     "inside_ci95",
-     "nominal inside the 95 % interval",
-     {},
-     [](auto& c) { return c.inside() ? Json(*c.inside()) : Json(); }},
+    {"inside_ci95", "inside_ci95", "nominal inside the 95 % interval", {}, inside},
 };
 
-struct Residual {
-  std::string file;
-  OfSets<double> rms;
-};
-const Quantities<Residual> kResidualQuantities = {
-    {"", "file", "trial", {}, &Residual::file},
-    {"", "nominal", "nominal [rad]", "{:.4g}", [](auto& r) { return r.rms[0]; }},
-    {"", "identified", "identified [rad]", "{:.4g}", [](auto& r) { return r.rms[1]; }},
-};
+/// A trial, and how each set predicts it.
+Quantities<identify::Trial> residual_quantities(const Comparison& c) {
+  const auto rms = [&c](std::size_t set) {
+    return [&c, set](const identify::Trial& trial) {
+      const auto m = std::size_t(&trial - c.measured->trials.data());
+      const identify::TrialResult& t = (*c.predictions)[set].trials[m];
+      return t.status == identify::RolloutStatus::kDone ? t.rms : NAN;
+    };
+  };
+  return {
+      {"", "file", "trial", {}, &identify::Trial::file},
+      {"", "nominal", "nominal [rad]", "{:.4g}", rms(0)},
+      {"", "identified", "identified [rad]", "{:.4g}", rms(1)},
+  };
+}
 
 const Quantities<ComparedMotion> kPeakQuantities = {
     {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, motion_words(m.best.motion)); }},
     {"", "nominal", "peak with nominal [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[0]->peak; }},
     {"", "identified", "peak with identified [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[1]->peak; }},
 };
-
-std::vector<Residual> residuals(const Comparison& c) {
-  std::vector<Residual> out;
-  for (std::size_t m = 0; m < c.measured->trials.size(); ++m) {
-    out.push_back({c.measured->trials[m].file, {}});
-    for (std::size_t s = 0; s < 2; ++s) {
-      const identify::TrialResult& t = (*c.predictions)[s].trials[m];
-      out.back().rms[s] = t.status == identify::RolloutStatus::kDone ? t.rms : NAN;
-    }
-  }
-  return out;
-}
 
 void warn(const Comparison& c, Run& run) {
   for (std::size_t s = 0; s < 2 && c.predictions; ++s)
@@ -87,16 +79,14 @@ int report(const Comparison& c, Json summary, Run& run) {
   report.paragraph("nominal: " + c.sets[0].name + "; identified: " + c.sets[1].name);
 
   const Table constants(kConstantQuantities, c.constants);
-  for (std::size_t i = 0; i < c.constants.size(); ++i) summary["parameters"][c.constants[i].name] = constants.object(i);
-  run.add("parameters.csv", constants.csv(run,
-                                          "z: difference in standard errors of the identified constant; inside_ci95: "
-                                          "the nominal value inside its 95 % interval."));
-  say(constants, run);
+  summary["parameters"] = constants.keyed();
   report.heading("Constants");
-  report.table(constants);
+  (void)tell(constants, report, run, "parameters.csv",
+             "z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside its "
+             "95 % interval.");
 
   if (c.predictions) {
-    const Table rows(kResidualQuantities, residuals(c));
+    const Table rows(residual_quantities(c), c.measured->trials);
     summary["residuals"] = rows.objects();
     run.say(fmt::format("residual rms over {} trials: nominal {:.4g} rad, identified {:.4g} rad",
                         c.measured->trials.size(), (*c.predictions)[0].rms, (*c.predictions)[1].rms));
@@ -112,10 +102,9 @@ int report(const Comparison& c, Json summary, Run& run) {
   if (c.landed()) {
     const Table peaks(kPeakQuantities, c.motions);
     for (std::size_t m = 0; m < 2; ++m) summary["peaks"][c.motions[m].set + "_motion"] = peaks.object(m);
-    say(peaks, run);
     report.heading("Peak |ddr_0| on " + c.scene->name);
     floor_source(report, *c.scene);
-    report.table(peaks);
+    (void)tell(peaks, report, run);
     run.add("trajectories.csv", trajectories_csv(c, run));
     std::vector<Series> series;
     for (std::size_t s = 0; s < 2; ++s)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "identify/fit/fit.hpp"
 #include "tools/report/report.hpp"
@@ -18,79 +19,48 @@ std::string percent(double relative) {
 }
 std::string milliseconds(double seconds) { return fmt::format("{:.2f} ms", 1e3 * seconds); }
 
-/// A constant's relative 95 % half width.
-struct ErrorBar {
-  std::string name, unit;
-  double value, before, after;  ///< after: NaN where nothing is proposed
-};
-const Quantities<ErrorBar> kErrorBarQuantities = {
-    {"", "", "constant", {}, &ErrorBar::name},
-    {"", "value", "estimate", "{:.6g}", &ErrorBar::value},
-    {"", "unit", "unit", {}, &ErrorBar::unit},
-    {"", "half_width_before", "95 % before", percent, &ErrorBar::before},
-    {"", "half_width_after", "95 % after, predicted", percent, &ErrorBar::after},
-};
-
-struct HitRow {
-  std::size_t n;
-  ProposedHit proposed;
-  double start, largest_angle;
-};
-const Quantities<HitRow> kHitQuantities = {
-    {"hit", "", "hit", {}, &HitRow::n},
-    {"peak", "peak", "peak [N]", "{:.1f}", [](auto& h) { return h.proposed.hit.peak; }},
-    {"width", "width", "width", milliseconds, [](auto& h) { return h.proposed.hit.width; }},
-    {"start", &HitRow::start},
-    {"angle", "angle", "largest |phi_1| [rad]", "{:.4f}", [](auto& h) { return h.proposed.safety.angle; }},
-    {"angle_worst", "angle_within_uncertainty", "within the uncertainty [rad]", "{:.4f}",
-     [](auto& h) { return h.proposed.safety.worst_angle; }},
-    {"", "margin", [](auto& h) { return h.largest_angle - h.proposed.safety.worst_angle; }},
-    {"torque", "spring_torque", "spring torque before the limit [Nm]", "{:.1f}",
-     [](auto& h) { return h.proposed.safety.torque; }},
-    {"limited", "time_at_limit", "at the limit", milliseconds, [](auto& h) { return h.proposed.safety.limited; }},
-};
-
-struct CheckRow {
-  std::string name;
-  DesignCheck::Constant constant;
-  int repeats;
-};
-const Quantities<CheckRow> kCheckQuantities = {
-    {"", "", "constant", {}, &CheckRow::name},
-    {"", "std_predicted", "standard error, predicted", percent, [](auto& c) { return c.constant.predicted; }},
-    {"", "scatter", "scatter of the refits", percent, [](auto& c) { return c.constant.scatter; }},
-    {"", "half_width", "their mean 95 % half-width", percent, [](auto& c) { return c.constant.half_width; }},
-    {"", "covered", "intervals that hold the truth", {}, [](auto& c) { return c.constant.covered; }},
-    {"", "", "of", {}, &CheckRow::repeats},
-};
-
-std::vector<ErrorBar> error_bars(const Knowledge& k, const Design& d) {
-  std::vector<ErrorBar> out;
-  const auto u = constants(k.sea);
-  for (std::size_t i = 0; i < k.constants.size(); ++i) {
-    const std::size_t c = std::size_t(k.constants[i]);
-    out.push_back(
-        {kConstantNames[c], kConstantUnits[c], u[c], d.before[long(i)], d.hits.empty() ? NAN : d.after[long(i)]});
-  }
+std::size_t constant(const Knowledge& k, std::size_t i) { return std::size_t(k.constants[i]); }
+/// An uncertain constant, by its place among them; its relative 95 % half widths.
+Quantities<std::size_t> error_bar_quantities(const Knowledge& k, const Design& d) {
+  return {
+      {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant(k, i)]; }},
+      {"", "value", "estimate", "{:.6g}", [&k](auto& i) { return constants(k.sea)[constant(k, i)]; }},
+      {"", "unit", "unit", {}, [&k](auto& i) { return kConstantUnits[constant(k, i)]; }},
+      {"", "half_width_before", "95 % before", percent, [&d](auto& i) { return d.before[long(i)]; }},
+      {"", "half_width_after", "95 % after, predicted", percent,
+       [&d](auto& i) { return d.hits.empty() ? NAN : d.after[long(i)]; }},
+  };
+}
+Quantities<std::size_t> check_quantities(const Knowledge& k, const DesignCheck& c) {
+  return {
+      {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant(k, i)]; }},
+      {"", "std_predicted", "standard error, predicted", percent, [&c](auto& i) { return c.constants[i].predicted; }},
+      {"", "scatter", "scatter of the refits", percent, [&c](auto& i) { return c.constants[i].scatter; }},
+      {"", "half_width", "their mean 95 % half-width", percent, [&c](auto& i) { return c.constants[i].half_width; }},
+      {"", "covered", "intervals that hold the truth", {}, [&c](auto& i) { return c.constants[i].covered; }},
+      {"", "", "of", {}, [&c](auto&) { return c.repeats; }},
+  };
+}
+std::vector<std::size_t> places(const Knowledge& k) {
+  std::vector<std::size_t> out(k.constants.size());
+  std::iota(out.begin(), out.end(), std::size_t(0));
   return out;
 }
-std::vector<HitRow> hit_rows(const Design& d, const DesignOptions& o) {
-  std::vector<HitRow> out;
-  for (const ProposedHit& h : d.hits) out.push_back({out.size() + 1, h, o.log.start, o.budget.angle});
-  return out;
-}
-std::vector<CheckRow> check_rows(const Knowledge& k, const DesignCheck& check) {
-  std::vector<CheckRow> out;
-  for (std::size_t i = 0; i < k.constants.size(); ++i)
-    out.push_back({kConstantNames[std::size_t(k.constants[i])], check.constants[i], check.repeats});
-  return out;
-}
-/// An object with a key for each row.
-template <class Row>
-Json keyed(const Table& table, const std::vector<Row>& rows) {
-  Json out;
-  for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i].name] = table.object(i);
-  return out;
+
+Quantities<ProposedHit> hit_quantities(const Design& d, const DesignOptions& o) {
+  return {
+      {"hit", "", "hit", {}, [&d](auto& h) { return &h - d.hits.data() + 1; }},
+      {"peak", "peak", "peak [N]", "{:.1f}", [](auto& h) { return h.hit.peak; }},
+      {"width", "width", "width", milliseconds, [](auto& h) { return h.hit.width; }},
+      {"start", [&o](auto&) { return o.log.start; }},
+      {"angle", "angle", "largest |phi_1| [rad]", "{:.4f}", [](auto& h) { return h.safety.angle; }},
+      {"angle_worst", "angle_within_uncertainty", "within the uncertainty [rad]", "{:.4f}",
+       [](auto& h) { return h.safety.worst_angle; }},
+      {"", "margin", [&o](auto& h) { return o.budget.angle - h.safety.worst_angle; }},
+      {"torque", "spring_torque", "spring torque before the limit [Nm]", "{:.1f}",
+       [](auto& h) { return h.safety.torque; }},
+      {"limited", "time_at_limit", "at the limit", milliseconds, [](auto& h) { return h.safety.limited; }},
+  };
 }
 
 std::string words(const Hit& hit) { return fmt::format("{:.1f} N for {:.2f} ms", hit.peak, 1e3 * hit.width); }
@@ -114,27 +84,27 @@ void plot_hits(Report& report, const DesignQuestion& question, const Design& d, 
   report.plot("t [s]", "phi_1, predicted [rad]", angles);
 }
 
-Json runners_up(Report& report, const Design& d) {
+std::string hits_words(const RunnerUp& r) {
+  std::string text;
+  for (const Hit& h : r.hits) text += (text.empty() ? "" : "; ") + words(h);
+  return text;
+}
+Json hits_json(const RunnerUp& r) {
   Json out = Json::array();
-  std::vector<std::vector<std::string>> rows;
-  for (const RunnerUp& r : d.runners_up) {
-    Json hits = Json::array();
-    std::string text;
-    for (const Hit& h : r.hits) {
-      hits.push_back({{"peak", number(h.peak)}, {"width", number(h.width)}});
-      text += (text.empty() ? "" : "; ") + words(h);
-    }
-    out.push_back({{"hits", hits}, {"criterion", number(r.size)}});
-    rows.push_back({text, fmt::format("{:.2f}", r.size / d.size_after)});
-  }
-  report.heading("Runners-up");
-  report.table({"hits", "criterion against the proposal's"}, rows);
+  for (const Hit& h : r.hits) out.push_back({{"peak", number(h.peak)}, {"width", number(h.width)}});
   return out;
+}
+Quantities<RunnerUp> runner_up_quantities(const Design& d) {
+  return {
+      {"", "", "hits", {}, hits_words},
+      {"", "hits", hits_json},
+      {"", "criterion", &RunnerUp::size},
+      {"", "", "criterion against the proposal's", "{:.2f}", [&d](auto& r) { return r.size / d.size_after; }},
+  };
 }
 
 Json check_of(Report& report, const Knowledge& k, const DesignCheck& c, const Run& run) {
-  const std::vector<CheckRow> rows = check_rows(k, c);
-  const Table table(kCheckQuantities, rows);
+  const Table constants(check_quantities(k, c), places(k));
   const std::string verdict = fmt::format(
       "{} experiments simulated at the estimate and refitted, {} failed: the "
       "predicted bars {}",
@@ -142,8 +112,8 @@ Json check_of(Report& report, const Knowledge& k, const DesignCheck& c, const Ru
   run.say("check: " + verdict);
   report.heading("Check by simulation");
   report.paragraph(verdict + ".");
-  report.table(table);
-  return {{"repeats", c.repeats}, {"failed", c.failed}, {"agrees", c.agrees}, {"constants", keyed(table, rows)}};
+  report.table(constants);
+  return {{"repeats", c.repeats}, {"failed", c.failed}, {"agrees", c.agrees}, {"constants", constants.keyed()}};
 }
 
 }  // namespace
@@ -155,18 +125,16 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   const bool found = d.status == Design::Status::kDone, agrees = !answer.check || answer.check->agrees;
   if (!found) run.warn(d.message);
   if (!agrees) run.warn("the simulated experiments scatter otherwise than predicted: see the check");
-  const std::vector<ErrorBar> bars = error_bars(k, d);
-  const Table constants(kErrorBarQuantities, bars), hits(kHitQuantities, hit_rows(d, o));
+  const Table bars(error_bar_quantities(k, d), places(k)), hits(hit_quantities(d, o), d.hits);
   Report report("The next hits");
   report.paragraph(found ? "Done." : d.message);
   report.list(run.warnings());
   report.heading("Error bars, 95 %, relative");
-  report.table(constants);
-  say(constants, run);
+  (void)tell(bars, report, run);
 
   summary["criterion"] = {
       {"name", name(o.criterion)}, {"before", number(d.size_before)}, {"after", number(d.size_after)}};
-  summary["constants"] = keyed(constants, bars);
+  summary["constants"] = bars.keyed();
   summary["in_hand"] = question.trials == 0 ? "the actuator's covariance" : fmt::format("{} trials", question.trials);
   summary["noise"] = number(o.log.noise);
   summary["tau_max"] = number(k.sea.tau_max);
@@ -175,20 +143,21 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   summary["candidates"] = {{"looked_at", d.candidates}, {"beyond_the_angle", d.too_far}, {"escaping", d.escaping}};
   summary["check"] = nullptr;
   if (found) {
-    say(hits, run);
     report.heading("Hits");
-    report.table(hits);
+    (void)tell(
+        hits, report, run, "hits.csv",
+        "Proposed half-sine hits at the tip. angle_worst: largest |phi_1| within the estimate's 95 % ellipsoid; "
+        "torque: largest of the spring before the limit; limited: how long the limit acts. Units: N, s, rad, Nm.");
     std::vector<Trial> logs;
     for (const ProposedHit& h : d.hits) {
       logs.push_back(blank_log(h.hit, o.log));
       run.add(fmt::format("hit_{}.csv", logs.size()), force_csv(run, logs.back()));
     }
-    run.add("hits.csv", hits.csv(run,
-                                 "Proposed half-sine hits at the tip. angle_worst: largest |phi_1| within the "
-                                 "estimate's 95 % ellipsoid; torque: largest of the spring before the limit; limited: "
-                                 "how long the limit acts. Units: N, s, rad, Nm."));
     plot_hits(report, question, d, logs);
-    summary["runners_up"] = runners_up(report, d);
+    const Table others(runner_up_quantities(d), d.runners_up);
+    report.heading("Runners-up");
+    report.table(others);
+    summary["runners_up"] = others.objects();
     if (answer.check) summary["check"] = check_of(report, k, *answer.check, run);
   }
   run.add("report.html", report.html(run.provenance()));

@@ -18,28 +18,25 @@ std::string words(const Estimate& e) {
   return text;
 }
 
+namespace {
+std::string label(const Estimate& e) { return e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1); }
+Json interval(const Estimate& e) { return e.std ? Json{e.ci_low, e.ci_high} : Json(); }
+std::string interval_words(const Estimate& e) {
+  return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "";
+}
+}  // namespace
+
 Quantities<Estimate> estimate_quantities() {
   return {
-      {"",
-       "",
-       "constant",
-       {},
-       [](auto& e) { return e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1); }},
+      {"", "", "constant", {}, label},
       {"", "value", &Estimate::value},
       {"", "std", [](auto& e) { return number(e.std); }},
-      {"", "ci95",
-       [](auto& e) {
-         return e.std ? Json{e.ci_low, e.ci_high} : Json();
-       }},
+      {"", "ci95", interval},
       {"", "unit", &Estimate::unit},
       {"", "at_bound", &Estimate::at_bound},
       {"", "free", &Estimate::free},
       {"", "", "value ± standard error", {}, words},
-      {"",
-       "",
-       "95 % interval",
-       {},
-       [](auto& e) { return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : ""; }},
+      {"", "", "95 % interval", {}, interval_words},
   };
 }
 Quantities<Estimate> constant_quantities() {
@@ -59,6 +56,9 @@ Json nuisance_json(const std::vector<Estimate>& nuisance) {
   return out;
 }
 
+namespace {
+
+/// Row by row, null where it is not a number.
 Json matrix_json(const Eigen::MatrixXd& m) {
   Json rows = Json::array();
   for (long i = 0; i < m.rows(); ++i) {
@@ -68,6 +68,7 @@ Json matrix_json(const Eigen::MatrixXd& m) {
   return rows;
 }
 
+/// A section with the table.
 void add_correlations(Report& report, const std::vector<std::string>& names, const Eigen::MatrixXd& correlation) {
   report.heading("Correlations");
   std::vector<std::string> header = {""};
@@ -78,6 +79,28 @@ void add_correlations(Report& report, const std::vector<std::string>& names, con
     for (long j = 0; j < correlation.cols(); ++j) rows.back().push_back(fmt::format("{:.3f}", correlation(i, j)));
   }
   report.table(header, rows);
+}
+
+}  // namespace
+
+void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantities, Report& report, Json& summary,
+           Run& run) {
+  std::vector<Estimate> all = fit.parameters;
+  all.insert(all.end(), fit.nuisance.begin(), fit.nuisance.end());
+  summary["parameters"] = Table(quantities, fit.parameters).keyed();
+  summary["nuisance"] = nuisance_json(fit.nuisance);
+  summary["cost"] = number(fit.cost);
+  summary["converged"] = fit.converged;
+  summary["iterations"] = fit.iterations;
+  summary["starts"] = fit.starts;
+  summary["fitted"] = fit.fitted;
+  summary["correlation"] = matrix_json(fit.correlation);
+  summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
+  report.paragraph(fit.converged ? "Done." : "Not converged: " + fit.message);
+  report.list(run.warnings());
+  report.heading("Constants");
+  (void)tell(Table(quantities, all), report, run);
+  if (fit.correlation.rows() > 1) add_correlations(report, fit.fitted, fit.correlation);
 }
 
 }  // namespace ukemi::tools

@@ -79,18 +79,18 @@ std::string assumptions(const IdentifyQuestion& q) {
                                     : "default");
 }
 
-void warn(const IdentifyQuestion& q, const Fit& fit, const std::optional<Trust>& trust, Run& run) {
+void warn(const IdentifyQuestion& q, const identify::Identification& found, Run& run) {
+  const Fit& fit = found.fit;
   const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
   for (const std::string& w : fit.warnings) run.warn(w);
   if (!fit.converged && predict) run.warn(fit.message);
   if (!fit.converged && !predict && !fit.interrupted)
     run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
-  if (!q.found(fit)) run.warn("nothing was found: no actuator.toml is written");
-  if (trust && !fit.interrupted) warn(*trust, fit, run);
+  if (!predict && !found.trust) run.warn("nothing was found: no actuator.toml is written");
+  if (found.trust && !fit.interrupted) warn(*found.trust, fit, run);
 }
 
-}  // namespace
-
+/// The actuator as its file holds it: constants, verdicts, covariance, ratings.
 Actuator actuator_of(const IdentifyQuestion& q, const Fit& fit) {
   Actuator out;
   out.name = fmt::format("identified from {} trials", q.trials.size());
@@ -110,10 +110,12 @@ Actuator actuator_of(const IdentifyQuestion& q, const Fit& fit) {
   return out;
 }
 
-int report(const IdentifyQuestion& q, const Fit& fit, const std::optional<Trust>& trust, Doubt doubt, Json summary,
-           Run& run) {
+}  // namespace
+
+int report(const IdentifyQuestion& q, const identify::Identification& found, Doubt doubt, Json summary, Run& run) {
   const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
-  warn(q, fit, trust, run);
+  const Fit& fit = found.fit;
+  warn(q, found, run);
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
   run.say(assumptions(q));
@@ -130,7 +132,7 @@ int report(const IdentifyQuestion& q, const Fit& fit, const std::optional<Trust>
   summary["rms"] = number(fit.rms);
   summary["identifiable"] = fit.identifiable;
   if (!predict) summary["trusted"] = fit.trusted();
-  if (trust) tell(*trust, fit, report, summary, run);
+  if (found.trust) tell(*found.trust, fit, report, summary, run);
   summary["minima"] = minima.objects();
   summary["assumed"] = assumptions(q);
   summary["friction_speed"] = kFrictionSpeed;
@@ -138,7 +140,7 @@ int report(const IdentifyQuestion& q, const Fit& fit, const std::optional<Trust>
   report.heading("Trials");
   report.table(trials);
   plot_trials(report, q.trials, fit);
-  if (!predict && q.found(fit)) {
+  if (found.trust) {
     Actuator actuator = actuator_of(q, fit);
     actuator.provenance = run.provenance();
     actuator.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");

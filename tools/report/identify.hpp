@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "common/actuator.hpp"
+#include "identify/trust/identification.hpp"
 #include "tools/program/output.hpp"
-#include "tools/report/trust.hpp"
+#include "tools/report/estimates.hpp"
 
 namespace ukemi::tools {
 
@@ -18,14 +19,17 @@ struct IdentifyQuestion {
   identify::FitOptions options;
   std::optional<Actuator> given;  ///< to start from, to predict with
   SeaParameters<double> base;     ///< what is not fitted: limit, feedback, friction
-  bool found(const identify::Fit& fit) const { return verb == Verb::kPredict || !fit.fitted.empty(); }
 };
 
-/// The actuator as its file holds it: constants, verdicts, covariance, ratings.
-Actuator actuator_of(const IdentifyQuestion& question, const identify::Fit& fit);
-
 /// Adds to a summary that holds what was read, writes the files, returns the exit code.
-int report(const IdentifyQuestion& question, const identify::Fit& fit, const std::optional<Trust>& trust, Doubt doubt,
-           Json summary, Run& run);
+int report(const IdentifyQuestion& question, const identify::Identification& found, Doubt doubt, Json summary,
+           Run& run);
+
+// --- how far it can be trusted, trust.cpp ---
+
+/// Warns of what the tests find.
+void warn(const identify::Trust& trust, const identify::Fit& fit, Run& run);
+/// "weakest" and "diagnostics" of the summary, the lines for a reader, the section of the report, profile.csv.
+void tell(const identify::Trust& trust, const identify::Fit& fit, Report& report, Json& summary, Run& run);
 
 }  // namespace ukemi::tools

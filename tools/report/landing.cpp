@@ -25,18 +25,41 @@ Display display(const Variable& v, const std::string& middle) {
   return {1, v.name + middle, v.words + " [" + v.unit + "]"};
 }
 
-Quantities<Motion> motion_quantities() {
-  Quantities<Motion> out;
-  const QuinticSpace space({}, {});
-  for (int k = 0; k < space.dimension(); ++k) {
-    const Display s = display(space.variables()[std::size_t(k)]);
-    out.push_back({s.key, s.key, s.words, "{:.6g}",
-                   [k, factor = s.factor](const Motion& m) { return QuinticSpace::values_of(m)[k] * factor; }});
+Quantities<Motion> motion_quantities(const Motion& like) {
+  Quantities<Motion> out = {
+      {"phi_i_deg", "phi_i_deg", "phi_I [deg]", "{:.6g}", [](auto& m) { return m.phi_i * kDegrees; }},
+      {"phi_f_deg", "phi_f_deg", "phi_F [deg]", "{:.6g}", [](auto& m) { return m.phi_f * kDegrees; }},
+      {"duration", "duration", "duration [s]", "{:.6g}", &Motion::duration}};
+  if (has_bumps(like)) {
+    out.push_back({"", "bumps_deg", [](auto& m) {
+                     Json bumps = Json::array();
+                     for (const double b : m.bumps) bumps.push_back(b * kDegrees);
+                     return bumps;
+                   }});
+    for (std::size_t k = 0; k < kMostBumps; ++k)
+      if (like.bumps[k] != 0)
+        out.push_back({fmt::format("b{}_deg", k), "", fmt::format("b_{} [deg]", k), "{:.6g}",
+                       [k](auto& m) { return m.bumps[k] * kDegrees; }});
+  }
+  if (like.gain_p != 1 || like.gain_d != 1) {
+    out.push_back({"gain_p", "gain_p", "factor of K_p", "{:.6g}", &Motion::gain_p});
+    out.push_back({"gain_d", "gain_d", "factor of K_d", "{:.6g}", &Motion::gain_d});
+  }
+  if (like.reposition) {
+    const auto in_air = [&](const char* name, const char* words, double Reposition::*value, double factor) {
+      out.push_back(
+          {std::string("reposition_") + name, std::string("reposition/") + name, words, "{:.6g}",
+           [value, factor](const Motion& m) { return m.reposition ? Json((*m.reposition).*value * factor) : Json(); }});
+    };
+    in_air("phi_deg", "released at [deg]", &Reposition::phi, kDegrees);
+    in_air("rate_deg", "turning at [deg/s]", &Reposition::rate, kDegrees);
+    in_air("from", "moved in the air from [s]", &Reposition::from, 1);
+    in_air("to", "to [s]", &Reposition::to, 1);
   }
   return out;
 }
-Json motion_json(const Motion& motion) { return Table::of(motion_quantities(), motion).object(); }
-std::string motion_words(const Motion& motion) { return Table::of(motion_quantities(), motion).line(); }
+Json motion_json(const Motion& motion) { return Table::of(motion_quantities(motion), motion).object(); }
+std::string motion_words(const Motion& motion) { return Table::of(motion_quantities(motion), motion).line(); }
 
 Quantities<Touch> contact_quantities() {
   return {

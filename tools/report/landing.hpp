@@ -27,7 +27,7 @@ struct Display {
 };
 Display display(const landing::Variable& variable, const std::string& middle = "");
 
-Quantities<landing::Motion> motion_quantities();
+Quantities<landing::Motion> motion_quantities(const landing::Motion& like);
 Quantities<landing::Touch> contact_quantities();
 /// The worst peaks under one deviation each.
 Quantities<landing::Evidence> deviation_quantities();

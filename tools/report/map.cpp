@@ -56,9 +56,9 @@ Heatmap projection(const PeakMap& map, int x, int y) {
   return h;
 }
 
-Quantities<JudgedBasin> basin_quantities(const std::vector<Variable>& variables) {
+Quantities<JudgedBasin> basin_quantities(const std::vector<Variable>& variables, const Motion& like) {
   Quantities<JudgedBasin> out;
-  append(out, "motion/", motion_quantities(), [](auto& b) { return b.basin.play.motion; });
+  append(out, "motion/", motion_quantities(like), [](auto& b) { return b.basin.play.motion; });
   out.push_back({"peak", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.basin.peak; }});
   append(out, "", evidence_quantities(variables, "tolerant peak [m/s^2]"), &JudgedBasin::evidence);
   return out;
@@ -72,7 +72,8 @@ int report(const Survey& s, Run& run) {
   if (s.missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", s.missing, points));
   if (s.basins.empty() && s.missing == 0)
     run.warn("no landing of the grid could be followed to the floor: no basin was found");
-  const Table basins(basin_quantities(s.map.variables), s.basins);
+  const Table basins(basin_quantities(s.map.variables, s.basins.empty() ? Motion{} : s.basins[0].basin.play.motion),
+                     s.basins);
   run.add("map.csv", map_csv(run, s.map));
   const Json summary = {{"grid", s.map.cells},
                         {"landings", points - std::size_t(s.missing)},

@@ -18,9 +18,9 @@ namespace {
 Quantities<Answer> answer_quantities(const Answer& answer) {
   const ExecutionTolerance& box = answer.scene.execution;
   const std::string within = fmt::format("within {:g} deg, {:g} ms [m/s^2]", box.phi * kDegrees, box.duration * 1e3);
-  const QuinticSpace space(answer.scene.search, answer.actuator.sea);
+  const ReferenceSpace space(answer.scene, answer.actuator.sea);
   Quantities<Answer> out;
-  append(out, "motion/", motion_quantities(), [](const Answer& a) { return a.best.motion; });
+  append(out, "motion/", motion_quantities(answer.best.motion), [](const Answer& a) { return a.best.motion; });
   out.insert(out.end(), {
                             {"", "peak_acceleration", "peak |ddr_0| [m/s^2]", peak_words, &Answer::peak},
                             {"", "tolerant_peak", "tolerant peak, " + within, peak_words,
@@ -30,6 +30,14 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
                         });
   if (answer.evidence)
     append(out, "evidence/", evidence_quantities(space.variables(), ""), [](const Answer& a) { return *a.evidence; });
+  if (answer.limit) {
+    out.push_back({"", "limit/jump", "limit: smallest jump at the first touchdown [m/s^2]", peak_words,
+                   [](auto& a) { return a.limit->jump; }});
+    out.push_back({"", "limit/jump_phi_deg", [](auto& a) { return a.limit->jump_phi * kDegrees; }});
+    out.push_back({"", "limit/first_contact", "smallest peak of its first 20 ms, joint held [m/s^2]", peak_words,
+                   [](auto& a) { return a.limit->first_contact; }});
+    out.push_back({"", "limit/first_contact_phi_deg", [](auto& a) { return a.limit->first_contact_phi * kDegrees; }});
+  }
   out.insert(out.end(),
              {
                  {"", "", "contacts", {}, [](auto& a) { return a.played() ? contact_order(a.landing) : "not played"; }},
@@ -41,16 +49,46 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
   return out;
 }
 
-/// What a robot plays: t = 0 at the detected first touchdown.
-std::string motion_csv(const Run& run, const Motion& m, double rate) {
+/// When the landing motion is expected to start, from release [s]: the first touchdown, detected; infinite if it never
+/// does.
+double expected_start(const Answer& a) {
+  std::vector<double> touchdowns;
+  if (a.landing.touches.empty()) {
+    const std::function<bool()> touched = [&] { return !touchdowns.empty(); };
+    (void)peak_acceleration(a.scene, a.best.sea, a.best.motion, {.touchdowns = &touchdowns, .over = &touched});
+  } else {
+    touchdowns.push_back(a.landing.touches[0].t_touchdown);
+  }
+  return touchdowns.empty() ? std::numeric_limits<double>::infinity() : touchdowns[0] + a.scene.detection_delay;
+}
+
+/// What a robot plays: t = 0 at the detected first touchdown; the move in the air before it.
+std::string motion_csv(const Run& run, const Answer& a, double rate) {
+  const Motion& m = a.best.motion;
   CsvWriter csv = run.csv();
+  const auto row = [&](double t, const Reference<double>& r) { csv.row({t, r.phi, r.dphi}); };
   csv.comment("t = 0 at the detected first touchdown; before it hold phi_ref of the first row. Units: s, rad, rad/s.");
+  const double start = m.reposition ? expected_start(a) : std::numeric_limits<double>::infinity();
+  const bool moves = m.reposition && start > m.reposition->from && std::isfinite(start);
+  if (moves)
+    csv.comment(fmt::format(
+        "Rows with t < 0 are the move in the air, by the clock: t = 0 is then the expected detection of the touchdown, "
+        "{:.6f} s after release. The landing motion starts at the detected touchdown, from where the reference is.",
+        start));
+  if (m.gain_p != 1 || m.gain_d != 1)
+    csv.comment(fmt::format("From t = 0 on K_p times {:.6g} and K_d times {:.6g}.", m.gain_p, m.gain_d));
   csv.header({"t", "phi_ref", "dphi_ref"});
+  if (moves) {
+    const double begin = m.reposition->from - start;
+    row(begin, reference_before(m, m.reposition->from));
+    for (long i = long(std::ceil(-begin * rate - 1e-9)) - 1; i > 0; --i)
+      row(-double(i) / rate, reference_before(m, start - double(i) / rate));
+  }
+  const Motion played = started_at(m, start);
   const long rows = long(std::ceil(m.duration * rate - 1e-9));
   for (long i = 0; i <= rows; ++i) {
     const double t = std::min(double(i) / rate, m.duration);
-    const Reference<double> r = reference_of(m, t);
-    csv.row({t, r.phi, r.dphi});
+    row(t, reference_of(played, t));
   }
   return csv.text();
 }
@@ -80,7 +118,6 @@ std::string progress_csv(const Run& run, const Answer& a) {
 /// Where forbidden points touch after all when the motion is played inexactly.
 Json forbidden_touches(const Answer& a, Run& run) {
   const TolerantPeak& t = a.best.tolerant;
-  const bool exact = a.options.search.goal == Goal::kPeak;
   Json out;
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j) {
     if (!a.options.search.limits.forbidden[j]) continue;
@@ -92,11 +129,8 @@ Json forbidden_touches(const Answer& a, Run& run) {
     if (box + inside > 0)
       run.warn(fmt::format(
           "the {} touches in {} of the {} motions of the execution box and in {} of {} random ones inside: --forbid "
-          "holds for {}",
-          kPointNames[j], box, kExecutionPoints, inside, t.samples,
-          exact ? "the exact motion alone" : "those fifteen alone"));
-    else if (!t.complete && exact)
-      run.warn("--forbid holds for the exact motion: there was no time to play its execution box");
+          "holds for those {} alone",
+          kPointNames[j], box, kExecutionPoints, inside, t.samples, kExecutionPoints));
   }
   return out;
 }
@@ -167,7 +201,7 @@ std::string html(const Answer& a, const Run& run) {
 
 std::map<std::string, std::string> files_of(const Answer& a, double rate, const Run& run) {
   std::map<std::string, std::string> files = {{"motion.toml", to_toml(a.best.motion, run.provenance_text())},
-                                              {"motion.csv", motion_csv(run, a.best.motion, rate)},
+                                              {"motion.csv", motion_csv(run, a, rate)},
                                               {"solvers.csv", solvers(a).csv(run)},
                                               {"progress.csv", progress_csv(run, a)}};
   if (run.options().report == CommonOptions::Report::kWrite) files["report.html"] = html(a, run);
@@ -182,6 +216,9 @@ int report(const Answer& a, double rate, Run& run) {
     summary = summary_of(a, run);
     if (a.ratings) warn_of(*a.ratings, run);
     say(Table::of(answer_quantities(a), a).turned(), run);
+    if (a.limit)
+      run.say(fmt::format("limit {:.1f}, held through the first contact {:.1f}, yours {:.1f}, held throughout {}",
+                          a.limit->jump, a.limit->first_contact, a.peak(), short_peak_words(a.held_peak())));
     run.say(fmt::format("searched for {:.2f} s", a.best.seconds));
     for (auto& [name, content] : files_of(a, rate, run)) run.add(name, content);
   } else {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "common/text.hpp"
 
@@ -14,19 +15,9 @@ namespace ukemi::tools {
 namespace {
 
 std::string escape(const std::string& s) {
+  static const std::map<char, std::string> marks = {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}};
   std::string out;
-  for (const char c : shown(s)) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '&')
-      out += "&amp;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
+  for (const char c : shown(s)) out += marks.contains(c) ? marks.at(c) : std::string(1, c);
   return out;
 }
 

@@ -3,22 +3,31 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/program/output.hpp"
 
 namespace ukemi::landing {
 struct Answer;
 struct CheckedLanding;
+struct RatedPlan;
+struct Scene;
 struct Survey;
 }  // namespace ukemi::landing
 
 namespace ukemi::tools {
 
+struct CalibratedDrops;
 struct Comparison;
+enum class Doubt;
 
 int report(const landing::CheckedLanding& landing, Run& run);
 int report(const landing::Survey& survey, Run& run);
+int report(const landing::Scene& scene, const std::vector<landing::RatedPlan>& plans, Run& run);
+/// `validation`: of drops that were not fitted.
+int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run);
 /// `summary` holds what was read.
 int report(const Comparison& comparison, Json summary, Run& run);
 /// `rate`: rows of motion.csv a second [Hz].

@@ -68,6 +68,10 @@ void warn(const CheckedLanding& c, Run& run) {
   if (c.joint_lost())
     run.warn(fmt::format("the joint turns from {:.4g} to {:.4g} deg: the drive has lost it",
                          l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees));
+  if (const auto& stops = c.scene.joint; stops && (l.demands.phi_min < (*stops)[0] || l.demands.phi_max > (*stops)[1]))
+    run.warn(fmt::format(
+        "the joint leaves its stops: it moves from {:.4g} to {:.4g} deg, the stops are at {:.4g} and {:.4g}",
+        l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees, (*stops)[0] * kDegrees, (*stops)[1] * kDegrees));
   if (c.wrong())
     run.warn(
         fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",

@@ -19,8 +19,8 @@ std::string Format::operator()(const Json& v) const {
 
 Json Table::object(std::size_t row) const {
   Json out = Json::object();
-  for (std::size_t i = 0; i < heads_.size(); ++i)
-    if (const std::string& key = heads_[i].json; !key.empty())
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    if (const std::string& key = names_[i].json; !key.empty())
       out[Json::json_pointer("/" + key)] =
           rows_[row][i].is_number_float() ? number(rows_[row][i].get<double>()) : rows_[row][i];
   return out;
@@ -30,17 +30,22 @@ Json Table::objects() const {
   for (std::size_t row = 0; row < rows_.size(); ++row) out.push_back(object(row));
   return out;
 }
+Json Table::keyed() const {
+  Json out;
+  for (std::size_t row = 0; row < rows_.size(); ++row) out[rows_[row].front().get<std::string>()] = object(row);
+  return out;
+}
 
 std::string Table::csv(const Run& run, const std::string& comment) const {
   CsvWriter csv = run.csv();
   if (!comment.empty()) csv.comment(comment);
   std::vector<std::string> header;
-  for (const Head& h : heads_)
+  for (const Names& h : names_)
     if (!h.csv.empty()) header.push_back(h.csv);
   csv.header(header);
   for (const std::vector<Json>& row : rows_) {
-    for (std::size_t i = 0; i < heads_.size(); ++i) {
-      if (heads_[i].csv.empty()) continue;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (names_[i].csv.empty()) continue;
       const Json& v = row[i];
       if (v.is_number_float())
         csv.cell(v.get<double>());
@@ -56,7 +61,7 @@ std::string Table::csv(const Run& run, const std::string& comment) const {
 
 std::vector<std::string> Table::headings() const {
   std::vector<std::string> out;
-  for (const Head& h : heads_)
+  for (const Names& h : names_)
     if (!h.words.empty()) out.push_back(h.words);
   return out;
 }
@@ -64,14 +69,14 @@ std::vector<std::vector<std::string>> Table::shown() const {
   std::vector<std::vector<std::string>> out;
   for (const std::vector<Json>& row : rows_) {
     out.emplace_back();
-    for (std::size_t i = 0; i < heads_.size(); ++i)
-      if (!heads_[i].words.empty()) out.back().push_back(heads_[i].format(row[i]));
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      if (!names_[i].words.empty()) out.back().push_back(names_[i].format(row[i]));
   }
   return out;
 }
 Table Table::turned() const {
   Table out;
-  out.heads_ = {{"", "", "quantity", {}}, {"", "", "value", {}}};
+  out.names_ = {{"", "", "quantity", {}}, {"", "", "value", {}}};
   const std::vector<std::string> names = headings(), values = shown().front();
   for (std::size_t i = 0; i < names.size(); ++i) out.rows_.push_back({names[i], values[i]});
   return out;
@@ -89,8 +94,8 @@ std::vector<std::string> Table::lines() const {
   cells.insert(cells.begin(), headings());
   std::vector<std::size_t> width(cells.front().size(), 0);
   std::vector<bool> left;  // text; numbers stand at the right
-  for (std::size_t i = 0; i < heads_.size(); ++i)
-    if (!heads_[i].words.empty()) left.push_back(!rows_.empty() && rows_.front()[i].is_string());
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    if (!names_[i].words.empty()) left.push_back(!rows_.empty() && rows_.front()[i].is_string());
   for (const auto& row : cells)
     for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], length(row[i]));
   std::vector<std::string> out;

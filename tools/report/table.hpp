@@ -24,18 +24,21 @@ class Format {
   std::string (*words_)(double) = nullptr;
 };
 
-/// A quantity of a result or of a row. An empty name: it is not written there.
-template <class T>
-struct Quantity {
-  using Value = std::function<Json(const T&)>;
+/// What a quantity is called. An empty name: it is not written there.
+struct Names {
   std::string csv;    ///< column
   std::string json;   ///< key, or path as in "hold/peak_acceleration"
   std::string words;  ///< for a reader, with the unit: "duration [s]"
   Format format;
+};
+/// A quantity of a result or of a row.
+template <class T>
+struct Quantity : Names {
+  using Value = std::function<Json(const T&)>;
   Value value;
 
   Quantity(std::string column, std::string key, std::string heading, Format how, Value of)
-      : csv(std::move(column)), json(std::move(key)), words(std::move(heading)), format(how), value(std::move(of)) {}
+      : Names{std::move(column), std::move(key), std::move(heading), how}, value(std::move(of)) {}
   /// For files alone, under two names or one.
   Quantity(std::string column, std::string key, Value of) : Quantity(column, key, "", {}, of) {}
   Quantity(std::string name, Value of) : Quantity(name, name, of) {}
@@ -55,18 +58,21 @@ void append(Quantities<T>& to, const std::string& path, const Quantities<U>& qua
 class Table {
  public:
   template <class T>
-  Table(const Quantities<T>& quantities, const std::vector<std::type_identity_t<T>>& rows) : Table(quantities) {
-    for (const T& row : rows) add(quantities, row);
+  Table(const Quantities<T>& quantities, const std::vector<std::type_identity_t<T>>& rows)
+      : names_(quantities.begin(), quantities.end()) {
+    for (const T& row : rows) {
+      rows_.emplace_back();
+      for (const Quantity<T>& q : quantities) rows_.back().push_back(q.value(row));
+    }
   }
   template <class T>
   static Table of(const Quantities<T>& quantities, const T& result) {
-    Table out(quantities);
-    out.add(quantities, result);
-    return out;
+    return Table(quantities, std::vector<T>{result});
   }
 
   Json objects() const;                    ///< an array, an object a row
   Json object(std::size_t row = 0) const;  ///< one row
+  Json keyed() const;                      ///< an object, a key a row: the text of its first quantity
   std::string csv(const Run& run, const std::string& comment = "") const;
   std::vector<std::string> headings() const;
   std::vector<std::vector<std::string>> shown() const;  ///< as `headings`
@@ -76,21 +82,7 @@ class Table {
 
  private:
   Table() = default;
-  struct Head {
-    std::string csv, json, words;
-    Format format;
-  };
-  template <class T>
-  explicit Table(const Quantities<T>& quantities) {
-    for (const Quantity<T>& q : quantities) heads_.push_back({q.csv, q.json, q.words, q.format});
-  }
-  template <class T>
-  void add(const Quantities<T>& quantities, const T& row) {
-    rows_.emplace_back();
-    for (const Quantity<T>& q : quantities) rows_.back().push_back(q.value(row));
-  }
-
-  std::vector<Head> heads_;
+  std::vector<Names> names_;
   std::vector<std::vector<Json>> rows_;
 };
 

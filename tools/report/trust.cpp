@@ -1,5 +1,3 @@
-#include "tools/report/trust.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,12 +5,14 @@
 
 #include "common/actuator.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/report/identify.hpp"
 
 namespace ukemi::tools {
 
 using identify::Fit;
 using identify::kTestLevel;
 using identify::LeftOut;
+using identify::Trust;
 
 namespace {
 
@@ -78,32 +78,27 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
   return out;
 }
 
-/// A term that the model lacks, and its score test.
-struct MissingTerm {
-  const identify::ScoreTest& test;
-  bool missed;
-  double rms_with;
-};
-const Quantities<MissingTerm> kMissingTermQuantities = {
-    {"", "term", [](auto& t) { return t.test.term; }},
-    {"", "", "hypothesis", {}, [](auto& t) { return fmt::format("no {} (score test)", t.test.term); }},
-    {"", "p", "p", small, [](auto& t) { return t.test.p; }},
-    {"", "chi2", [](auto& t) { return t.test.statistic; }},
-    {"", "degrees", [](auto& t) { return t.test.degrees; }},
-    {"", "z", [](auto& t) { return t.test.scope == identify::Scope::kShared ? Json(t.test.z) : Json(); }},
-    {"", "size", [](auto& t) { return t.test.size; }},
-    {"", "rejected", "rejected", {}, [](auto& t) { return t.test.rejected; }},
-    {"", "missed", &MissingTerm::missed},
-    {"", "rms_with", "rms with the term [rad]", "{:.4g}", &MissingTerm::rms_with},
-    {"", "bias", [](auto& t) { return t.test.scope == identify::Scope::kShared ? Json(t.test.bias) : Json(); }},
-    // Below 3 of its own standard errors a term escapes its test more often than not.
-    {"", "", "bias that may hide [standard errors]", "{:.2g}",
-     [](auto& t) { return t.test.scope == identify::Scope::kShared ? Json(3 * t.test.bias) : Json(); }},
-};
-std::vector<MissingTerm> missing_terms(const identify::ResidualTests& tests) {
-  std::vector<MissingTerm> out;
-  for (const identify::ScoreTest& t : tests.score_tests) out.push_back({t, &t == tests.missing(), tests.rms_with(t)});
-  return out;
+/// The score test of a term that the model may lack.
+Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& tests) {
+  using Test = identify::ScoreTest;
+  const auto of_shared = [](double Test::*value, double factor = 1) {
+    return [=](const Test& t) { return t.scope == identify::Scope::kShared ? Json(factor * t.*value) : Json(); };
+  };
+  return {
+      {"", "term", &Test::term},
+      {"", "", "hypothesis", {}, [](auto& t) { return fmt::format("no {} (score test)", t.term); }},
+      {"", "p", "p", small, &Test::p},
+      {"", "chi2", &Test::statistic},
+      {"", "degrees", &Test::degrees},
+      {"", "z", of_shared(&Test::z)},
+      {"", "size", &Test::size},
+      {"", "rejected", "rejected", {}, &Test::rejected},
+      {"", "missed", [&](auto& t) { return &t == tests.missing(); }},
+      {"", "rms_with", "rms with the term [rad]", "{:.4g}", [&](auto& t) { return tests.rms_with(t); }},
+      {"", "bias", of_shared(&Test::bias)},
+      // Below 3 of its own standard errors a term escapes its test more often than not.
+      {"", "", "bias that may hide [standard errors]", "{:.2g}", of_shared(&Test::bias, 3)},
+  };
 }
 
 Quantities<identify::Rung> rung_quantities(const identify::Ladder& ladder) {
@@ -137,7 +132,7 @@ Quantities<LeftOut> left_out_quantities() {
 }
 
 void tell_residuals(const identify::ResidualTests& tests, Report& report, Json& j) {
-  const Table missing(kMissingTermQuantities, missing_terms(tests));
+  const Table missing(score_quantities(tests), tests.score_tests);
   j["level"] = kTestLevel;
   j["model_rejected"] = tests.model_rejected();
   j["whiteness"] = {{"p", number(tests.whiteness.p)},
@@ -159,25 +154,19 @@ void tell_residuals(const identify::ResidualTests& tests, Report& report, Json& 
   report.table(missing);
 }
 
-void tell_ladder(const identify::Ladder& ladder, Report& report, Json& j, const Run& run) {
-  const Table rungs(rung_quantities(ladder), ladder.rungs);
+void tell_ladder(const identify::Ladder& ladder, Report& report, Json& j, Run& run) {
+  report.heading("Model ladder");
   j["ladder"] = {{"preferred", ladder.rungs[ladder.preferred].name},
                  {"plain_p", number(ladder.p_plain)},
                  {"plain_rejected", ladder.plain_rejected()},
-                 {"rungs", rungs.objects()}};
-  say(rungs, run);
-  report.heading("Model ladder");
-  report.table(rungs);
+                 {"rungs", tell(Table(rung_quantities(ladder), ladder.rungs), report, run)}};
 }
 
-void tell_left_out(const std::vector<LeftOut>& left_out, Report& report, Json& j, const Run& run) {
-  const Table table(left_out_quantities(), left_out);
-  j["leave_one_out"] = table.objects();
-  say(table, run);
+void tell_left_out(const std::vector<LeftOut>& left_out, Report& report, Json& j, Run& run) {
   report.heading("Without each trial");
   report.paragraph(
       "Shifts in standard errors of the whole fit; p of Chow's test that the trial agrees with the others.");
-  report.table(table);
+  j["leave_one_out"] = tell(Table(left_out_quantities(), left_out), report, run);
 }
 
 void tell_profiles(const std::vector<identify::Profile>& profiles, const Fit& fit, Report& report, Json& j, Run& run) {

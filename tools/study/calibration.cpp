@@ -50,7 +50,7 @@ struct Problem {
     for (std::size_t m = 0; m < models.size(); ++m) {
       Scene thrown = start;
       thrown.drop = models[m].drop().thrown;
-      const double touchdown = is_ballistic(thrown) ? fall_time(thrown) : 0;
+      const double touchdown = is_ballistic(thrown.drop, 0) ? fall_time(thrown) : 0;
       std::vector<Prior> priors;  // those of the shared terms stand in the first block
       for (const Prior& prior : options.terms.priors)
         if (layout.holds(layout.own, prior.term) || (m == 0 && layout.holds(layout.shared, prior.term)))
@@ -135,12 +135,12 @@ std::vector<Estimate> as_given(const CalibrationOptions& options, const Scene& s
 void report(const LeastSquaresSolution& s, const Problem& fitted, const LeastSquaresProblem& problem,
             Calibration& out) {
   const std::vector<const identify::Term*> shared(fitted.layout.shared.begin(), fitted.layout.shared.end());
-  static_cast<identify::Estimates&>(out) = estimates_of(s, problem, shared, as_given(fitted.options, out.scene));
+  out.parameters = as_given(fitted.options, out.scene);
   using identify::Wording;
-  for (std::string& w : warnings_of(out, {.data = "drops",
-                                         .interval = Wording::Interval::kAbsolute,
-                                         .correlated = Wording::Correlated::kUnlessTrusted}))
-    out.warnings.push_back(std::move(w));
+  set_estimates(
+      s, problem, shared,
+      {.data = "drops", .interval = Wording::Interval::kAbsolute, .correlated = Wording::Correlated::kUnlessTrusted},
+      out);
   std::stable_sort(out.nuisance.begin(), out.nuisance.end(),
                    [](const Estimate& a, const Estimate& b) { return a.trial < b.trial; });
   for (const Estimate& e : out.nuisance)
@@ -170,14 +170,12 @@ void CalibrationOptions::validate() const {
   scene.floor.emplace();
   for (const std::string& constant : terms.free)
     for (const std::string& nuisance : terms.nuisance)
-      if (!terms[nuisance].shifts_log() && &terms[constant].field(scene) == &terms[nuisance].field(scene))
+      if (!terms[nuisance].shifts_log() && terms[constant].field(scene) == terms[nuisance].field(scene))
         throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
   if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
     throw InputError(
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
 }
-
-bool Calibration::trusted() const { return converged && identify::all_trusted(parameters); }
 
 void check_drops(const Scene& scene, const std::vector<LoggedDrop>& drops) {
   if (drops.empty()) throw InputError("no drops: at least one log is needed");
@@ -189,7 +187,7 @@ void check_drops(const Scene& scene, const std::vector<LoggedDrop>& drops) {
     if (measured == 0) throw InputError({d.log.file}, "no measured value of acc, ax, ay, x_0, y_0 or phi_0");
     Scene thrown = scene;
     thrown.drop = d.thrown;
-    if (is_ballistic(thrown) && d.log.t.back() <= fall_time(thrown))
+    if (is_ballistic(thrown.drop, 0) && d.log.t.back() <= fall_time(thrown))
       throw InputError({d.log.file}, fmt::format("the log ends at {:.4g} s, before the first touchdown at {:.4g} s: is "
                                                  "the drop's height right, is t = 0 the release?",
                                                  d.log.t.back(), fall_time(thrown)));
@@ -221,7 +219,6 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
     best = std::move(s);
   best.converged = best.converged && !options.monitor.stopped();
   out.scene = problem.scene_at(best, scene);
-  out.cost = best.cost, out.converged = best.converged, out.iterations = best.iterations;
   if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
   report(best, problem, last, out);
   out.drops = problem.replay(best);
@@ -248,16 +245,9 @@ Calibration validate(const Scene& scene, const SeaParameters<double>& sea, const
       const LeastSquaresProblem p = problem.problem(scene, out.noise, kWhole);
       s = identify::solve(p, {.max_iterations = options.max_iterations});
       const double variance = s.cost / double(std::max(1l, s.residuals - s.free_parameters));
-      for (long g = 0; s.usable && g < s.globals.size(); ++g) {
-        Estimate e{.name = p.globals[std::size_t(g)].name,
-                   .unit = p.globals[std::size_t(g)].unit,
-                   .value = s.globals[g],
-                   .std = {},
-                   .at_bound = s.at_bound[std::size_t(g)],
-                   .trial = int(m)};
-        identify::set_error(e, s.global_covariance(g, g) * variance, out.half_width);
-        out.nuisance.push_back(e);
-      }
+      for (long g = 0; s.usable && g < s.globals.size(); ++g)
+        out.nuisance.push_back(identify::estimate_of(p.globals[std::size_t(g)], s.globals[g],
+                                                     s.global_covariance(g, g) * variance, out.half_width, int(m)));
       if (!s.usable || !s.converged) out.converged = false, out.message = drops[m].log.file + ": " + s.message;
     }
     out.drops.push_back(s.usable || layout.shared.empty() ? problem.replay(s)[0]

@@ -58,15 +58,14 @@ struct DropResult {
 struct Calibration : identify::Estimates {
   landing::Scene scene;                           ///< the given one with the fitted constants
   std::array<double, landing::kOutputs> noise{};  ///< sigma_o of the logs themselves; NaN: not measured
-  std::array<double, landing::kOutputs> rms{};    ///< over all drops
-  double cost = 0;                                ///< the sum above, with sigma_o = rms
-  bool converged = false;
-  int iterations = 0, starts = 0;
-  std::string message;  ///< why it did not converge, or that it was interrupted
-  std::vector<std::string> warnings;
+  std::array<double, landing::kOutputs> rms{};    ///< over all drops; `cost` is the sum above, with sigma_o = rms
   std::vector<DropResult> drops;
+};
 
-  bool trusted() const;  ///< every fitted constant is
+/// Drops and what became of them.
+struct CalibratedDrops {
+  std::vector<LoggedDrop> drops;
+  Calibration result;
 };
 
 /// Throws InputError where the scene lacks a floor or contacts, where there is no drop, and where one has no measured

@@ -55,7 +55,7 @@ struct Comparison {
 };
 
 struct ComparisonOptions {
-  double escape = identify::FitOptions::kInfinity;  ///< see identify::FitOptions::escape
+  double escape = identify::Term::kInfinity;  ///< see identify::FitOptions::escape
   landing::OptimizeOptions search;
   std::optional<landing::Optimum> identified_best;     ///< where it is known already
   std::function<Monitor(const std::string&)> monitor;  ///< of the search with the set of this name

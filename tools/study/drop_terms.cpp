@@ -17,7 +17,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 DropTerm floor_constant(const char* name, const char* unit, const char* words, double smallest_part,
-                        double& (*field)(Scene&), Parameter derivative) {
+                        Parameter derivative, double* (*field)(Scene&)) {
   return {{.name = name,
            .unit = unit,
            .words = words,
@@ -30,17 +30,14 @@ DropTerm floor_constant(const char* name, const char* unit, const char* words, d
 
 std::vector<DropTerm> table() {
   constexpr auto kEach = Scope::kEach;
-  const auto pitch = [](Scene& s) -> double& { return s.drop.pitch; };
+  const auto pitch = [](Scene& s) { return &s.drop.pitch; };
   return {
-      floor_constant(
-          "stiffness", "N/m", "stiffness of the floor", 1e-3, [](Scene& s) -> double& { return s.floor->stiffness; },
-          Parameter::kStiffness),
-      floor_constant(
-          "damping_normal", "N/(m/s)", "damping of the floor along its normal", 0,
-          [](Scene& s) -> double& { return s.floor->damping_normal; }, Parameter::kDampingNormal),
-      floor_constant(
-          "damping_tangential", "N/(m/s)", "damping of the floor along it", 0,
-          [](Scene& s) -> double& { return s.floor->damping_tangential; }, Parameter::kDampingTangential),
+      floor_constant("stiffness", "N/m", "stiffness of the floor", 1e-3, Parameter::kStiffness,
+                     [](Scene& s) { return &s.floor->stiffness; }),
+      floor_constant("damping_normal", "N/(m/s)", "damping of the floor along its normal", 0, Parameter::kDampingNormal,
+                     [](Scene& s) { return &s.floor->damping_normal; }),
+      floor_constant("damping_tangential", "N/(m/s)", "damping of the floor along it", 0, Parameter::kDampingTangential,
+                     [](Scene& s) { return &s.floor->damping_tangential; }),
       {{.name = "pitch",
         .unit = "rad",
         .words = "pitch at release",
@@ -60,10 +57,10 @@ std::vector<DropTerm> table() {
         .upper = kLargestShift,
         .size = 1e-3}},
       {{.name = "height_offset", .unit = "m", .words = "added to the drop's height", .scope = kEach, .size = 0.01},
-       [](Scene& s) -> double& { return s.drop.height; },
+       [](Scene& s) { return &s.drop.height; },
        Parameter::kHeight},
       {{.name = "speed_offset", .unit = "m/s", .words = "added to its forward speed", .scope = kEach, .size = 0.05},
-       [](Scene& s) -> double& { return s.drop.forward_speed; },
+       [](Scene& s) { return &s.drop.forward_speed; },
        Parameter::kForwardSpeed},
       {{.name = "pitch_offset", .unit = "rad", .words = "added to its pitch", .scope = kEach, .size = 0.02},
        pitch,

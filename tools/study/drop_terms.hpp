@@ -12,14 +12,14 @@ namespace ukemi::tools {
 struct DropTerm : identify::Term {
   /// Where it stands in a scene: a constant is the number there, a nuisance is added to it. Absent: it shifts the log,
   /// and its derivative is the outputs' rate.
-  double& (*field)(landing::Scene&) = nullptr;
+  double* (*field)(landing::Scene&) = nullptr;
   landing::Parameter derivative = {};  ///< of the exact derivatives, which it takes
   double spread = 2;  ///< of drawn starts about the scene's: a factor either way, or where it has a sign, an amount
 
   bool shifts_log() const { return field == nullptr; }
-  double value_in(landing::Scene scene) const { return is_constant() ? field(scene) : absent; }
+  double value_in(landing::Scene scene) const { return is_constant() ? *field(scene) : absent; }
   void set_in(landing::Scene& scene, double value) const {
-    if (field) field(scene) = is_constant() ? value : field(scene) + value;
+    if (field) *field(scene) = is_constant() ? value : *field(scene) + value;
   }
   /// As a column that starts at a scene's value.
   identify::Parameter column(const landing::Scene& start, const identify::Choice& choice) const;

@@ -10,7 +10,9 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/report/calibrate.hpp"
+#include "tools/report/estimates.hpp"
+#include "tools/report/results.hpp"
+#include "tools/study/calibration.hpp"
 #include "tools/verbs/term_help.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -81,73 +83,56 @@ CalibrationOptions calibration_options(const CalibrateArguments& a, const Common
   return o;
 }
 
-/// The logs with how each was played and thrown. Options that name a drop do so by its path, file name or stem.
-class Throws {
- public:
-  Throws(const CalibrateArguments& a, const Scene& scene, Run& run) : arguments_(a), scene_(scene), run_(run) {
-    if (!a.motion.empty()) {
-      motion_ = read_motion(a.motion);
-      run.input(a.motion);
+/// Whether an option means the drop of that path: by its path, file name or stem.
+bool names(const std::string& drop, const std::string& path) {
+  const std::filesystem::path p(path);
+  return drop == path || drop == p.filename().string() || drop == p.stem().string();
+}
+/// What an option's items, DROP=VALUE, say of a drop.
+std::optional<std::string> given(const std::string& option, const std::vector<std::string>& items,
+                                 const std::string& path) {
+  for (const std::string& item : items)
+    if (const Assignment a = assignment(option, item); names(a.name, path)) return a.value;
+  return {};
+}
+/// Throws InputError where an option means a drop that is not there.
+void check(const std::string& option, const std::vector<std::string>& items, const CalibrateArguments& a) {
+  for (const std::string& item : items) {
+    const std::string drop = assignment(option, item).name;
+    const auto meant = [&](const std::string& path) { return names(drop, path); };
+    if (std::none_of(a.drops.begin(), a.drops.end(), meant) &&
+        std::none_of(a.validate.begin(), a.validate.end(), meant))
+      throw InputError(option + ": " + quoted(drop) + ": no such drop is given");
+  }
+}
+
+Motion motion_of(const std::string& path, Run& run) {
+  run.input(path);
+  return read_motion(path);
+}
+
+/// The logs with how each was played, `motion` unless told otherwise, and thrown.
+std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const CalibrateArguments& a,
+                                   const Scene& scene, const std::optional<Motion>& motion, Run& run) {
+  std::vector<LoggedDrop> out;
+  for (const std::string& path : paths) {
+    run.input(path);
+    LoggedDrop d{.log = read_drop(path), .motion = {}, .thrown = scene.drop};
+    const auto own = given("--motion-of", a.motion_of, path);
+    if (!own && !motion) throw InputError(quoted(path) + ": no motion: give --motion, or --motion-of for this drop");
+    d.motion = own ? motion_of(*own, run) : *motion;
+    if (const auto height = given("--height-of", a.height_of, path)) {
+      d.thrown.height = to_number("--height-of", *height);
+      if (!(d.thrown.height >= 0)) throw InputError("--height-of: " + quoted(*height) + ": at least 0 m is needed");
     }
-    const auto collect = [&](const std::string& option, const std::vector<std::string>& items,
-                             std::vector<Assignment>& to) {
-      for (const std::string& item : items) {
-        to.push_back(assignment(option, item));
-        const std::string& drop = to.back().name;
-        const auto any = [&](const std::vector<std::string>& paths) {
-          return std::any_of(paths.begin(), paths.end(), [&](const std::string& p) { return names(drop, p); });
-        };
-        if (!any(a.drops) && !any(a.validate))
-          throw InputError(option + ": " + quoted(drop) + ": no such drop is given");
-      }
-    };
-    collect("--motion-of", a.motion_of, motions_);
-    collect("--height-of", a.height_of, heights_);
-    collect("--speed-of", a.speed_of, speeds_);
+    if (const auto speed = given("--speed-of", a.speed_of, path))
+      d.thrown.forward_speed = to_number("--speed-of", *speed);
+    if (d.log.before_release > 0)
+      run.warn(fmt::format("{}: {} rows before the release (t < 0) are left out", path, d.log.before_release));
+    out.push_back(std::move(d));
   }
-
-  std::vector<LoggedDrop> read(const std::vector<std::string>& paths) const {
-    std::vector<LoggedDrop> out;
-    for (const std::string& path : paths) {
-      run_.input(path);
-      LoggedDrop d{.log = read_drop(path), .motion = {}, .thrown = scene_.drop};
-      if (const std::string* file = given(motions_, path)) {
-        d.motion = read_motion(*file);
-        run_.input(*file);
-      } else if (motion_) {
-        d.motion = *motion_;
-      } else {
-        throw InputError(quoted(path) + ": no motion: give --motion, or --motion-of for this drop");
-      }
-      if (const std::string* h = given(heights_, path)) {
-        d.thrown.height = to_number("--height-of", *h);
-        if (!(d.thrown.height >= 0)) throw InputError("--height-of: " + quoted(*h) + ": at least 0 m is needed");
-      }
-      if (const std::string* v = given(speeds_, path)) d.thrown.forward_speed = to_number("--speed-of", *v);
-      if (d.log.before_release > 0)
-        run_.warn(fmt::format("{}: {} rows before the release (t < 0) are left out", path, d.log.before_release));
-      out.push_back(std::move(d));
-    }
-    return out;
-  }
-
- private:
-  static bool names(const std::string& drop, const std::string& path) {
-    const std::filesystem::path p(path);
-    return drop == path || drop == p.filename().string() || drop == p.stem().string();
-  }
-  static const std::string* given(const std::vector<Assignment>& list, const std::string& path) {
-    for (const Assignment& a : list)
-      if (names(a.name, path)) return &a.value;
-    return nullptr;
-  }
-
-  const CalibrateArguments& arguments_;
-  const Scene& scene_;
-  Run& run_;
-  std::optional<Motion> motion_;
-  std::vector<Assignment> motions_, heights_, speeds_;
-};
+  return out;
+}
 
 int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   Run run("calibrate", common);
@@ -156,9 +141,10 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   const Scene scene = read_scene(a.scene);
   run.input(a.scene);
   const Actuator actuator = actuator_of(a.actuator, run);
-  const Throws throws(a, scene, run);
-  const std::vector<LoggedDrop> drops = throws.read(a.drops), unseen = throws.read(a.validate);
-
+  const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_of(a.motion, run));
+  check("--motion-of", a.motion_of, a), check("--height-of", a.height_of, a), check("--speed-of", a.speed_of, a);
+  const std::vector<LoggedDrop> drops = read_drops(a.drops, a, scene, motion, run),
+                                unseen = read_drops(a.validate, a, scene, motion, run);
   check_drops(scene, drops);
   if (!unseen.empty()) check_drops(scene, unseen);
   run.info(fmt::format("fitting {} drops", drops.size()));
@@ -175,6 +161,9 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
 void add_calibrate(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<CalibrateArguments>();
   CLI::App* verb = app.add_subcommand("calibrate", "fit the floor's constants and the pitch to logs of drops");
+  const auto repeated = [verb](const std::string& option, std::vector<std::string>& items, const std::string& help) {
+    verb->add_option(option, items, help)->expected(1)->take_all();
+  };
   verb->add_option("DROP", args->drops,
                    "drop logs (CSV: t [s] from release; any of acc, ax, ay [m/s^2], x_0, y_0 [m], phi_0 [rad] of the "
                    "thigh's centre of mass; _ms, _g, _mm, _deg convert)")
@@ -183,19 +172,13 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       ->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
   verb->add_option("--motion", args->motion, "motion file (TOML) that every drop played");
-  verb->add_option("--motion-of", args->motion_of, "DROP=MOTION.toml: another motion for one drop")
-      ->expected(1)
-      ->take_all();
-  verb->add_option("--height-of", args->height_of, "DROP=H: another height for one drop [m]")->expected(1)->take_all();
-  verb->add_option("--speed-of", args->speed_of, "DROP=V: another forward speed for one drop [m/s]")
-      ->expected(1)
-      ->take_all();
+  repeated("--motion-of", args->motion_of, "DROP=MOTION.toml: another motion for one drop");
+  repeated("--height-of", args->height_of, "DROP=H: another height for one drop [m]");
+  repeated("--speed-of", args->speed_of, "DROP=V: another forward speed for one drop [m/s]");
   verb->add_option("--free", args->free,
                    "constants that are fitted [stiffness,damping_normal,damping_tangential,pitch]");
   verb->add_option("--nuisance", args->nuisance, nuisance_help(drop_terms(), "A drop each"));
-  verb->add_option("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand")
-      ->expected(1)
-      ->take_all();
+  repeated("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand");
   verb->add_option("--lower", args->lower, "stiffness=1000,pitch_deg=-20,...: lower bounds [0; pitch: -180 deg]");
   verb->add_option("--upper", args->upper, "upper bounds [none; pitch: 180 deg]");
   verb->add_option("--validate", args->validate, "drop logs that are not fitted: measured against simulated");

@@ -16,21 +16,15 @@ using namespace landing;
 
 namespace {
 
-/// The best motion for a set of constants.
-struct BestOf {
-  std::string constants;
-  Motion motion;
-  double peak, tolerant_peak;
-};
+/// A set of constants, and the best motion for it.
+using BestOf = std::pair<std::string, const Optimum*>;
 Quantities<BestOf> best_quantities() {
-  Quantities<BestOf> out = {{"", "", "constants", {}, &BestOf::constants}};
-  append(out, "motion/", motion_quantities(), &BestOf::motion);
-  out.push_back({"", "peak_acceleration", "peak [m/s^2]", "{:.2f}", &BestOf::peak});
-  out.push_back({"", "tolerant_peak", "tolerant peak [m/s^2]", "{:.2f}", &BestOf::tolerant_peak});
+  Quantities<BestOf> out = {{"", "", "constants", {}, &BestOf::first}};
+  append(out, "motion/", motion_quantities({}), [](auto& b) { return b.second->motion; });
+  out.push_back({"", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.second->landing.peak; }});
+  out.push_back(
+      {"", "tolerant_peak", "tolerant peak [m/s^2]", "{:.2f}", [](auto& b) { return b.second->tolerant.value; }});
   return out;
-}
-BestOf best_of(const std::string& constants, const Optimum& o) {
-  return {constants, o.motion, o.landing.peak, o.tolerant.value};
 }
 
 /// A fact of the paper beside ours.
@@ -127,8 +121,8 @@ int run_demo(const DemoArguments&, const CommonOptions& common) {
     if (!of_table2.found) run.warn("Table 2: " + of_table2.message);
     return run.finish({{"identified", motion_json(answer.best.motion)}}, kNumbers);
   }
-  const Table best(best_quantities(), {best_of("identified", answer.best), best_of("Table 2", of_table2),
-                                       best_of("nominal", comparison.motions[0].best)});
+  const Table best(best_quantities(),
+                   {{"identified", &answer.best}, {"Table 2", &of_table2}, {"nominal", &comparison.motions[0].best}});
   const Table published(kFactQuantities, facts(scene, table2, of_table2));
   run.say(""), run.say("== how the best motion moves with the constants (scene paper.toml)");
   say(best, run);

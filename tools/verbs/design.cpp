@@ -8,7 +8,6 @@
 
 #include "common/error.hpp"
 #include "tools/program/actuators.hpp"
-#include "tools/program/arguments.hpp"
 #include "tools/program/trials.hpp"
 #include "tools/report/design.hpp"
 #include "tools/verbs/verbs.hpp"
@@ -19,7 +18,8 @@ namespace {
 
 struct DesignArguments {
   std::vector<std::string> trials;
-  std::string rig, actuator, criterion = "worst", directions = "both";
+  std::string rig, actuator;
+  identify::Criterion criterion = identify::Criterion::kWorst;
   TrialArguments reading;
   identify::HitBudget budget;
   std::vector<double> width = {0.010, 0.020};
@@ -28,20 +28,10 @@ struct DesignArguments {
   int hits = 2, check = 50;
 };
 
-identify::Criterion criterion_of(const std::string& text) {
-  using enum identify::Criterion;
-  return choice<identify::Criterion>("--criterion", text, {{"worst", kWorst}, {"d", kD}, {"e", kE}});
-}
-identify::HitBudget::Directions directions_of(const std::string& text) {
-  using enum identify::HitBudget::Directions;
-  return choice<identify::HitBudget::Directions>("--directions", text, {{"both", kAlternate}, {"positive", kPositive}});
-}
-
 identify::DesignOptions options_of(const DesignArguments& a, const std::vector<identify::Trial>& trials,
                                    const CommonOptions& common) {
-  identify::DesignOptions o{.budget = a.budget, .log = a.log, .hits = a.hits, .criterion = criterion_of(a.criterion)};
+  identify::DesignOptions o{.budget = a.budget, .log = a.log, .hits = a.hits, .criterion = a.criterion};
   o.budget.min_width = a.width.front(), o.budget.max_width = a.width.back();
-  o.budget.directions = directions_of(a.directions);
   o.seed = common.seed, o.threads = common.threads;
   if (trials.empty() && !a.noise) throw InputError("--noise: without trials the noise of the angle [rad] is needed");
   o.log.noise = a.noise ? *a.noise : identify::noise_level(trials);
@@ -118,10 +108,13 @@ void add_design(CLI::App& app, Action& chosen) {
   verb->add_option("--angle", args->budget.angle,
                    "largest |phi_1| [rad], kept wherever the constants may lie within their uncertainty [0.6]");
   verb->add_option("--hits", args->hits, "how many hits, each a trial of its own [2]");
-  verb->add_option("--criterion", args->criterion,
-                   "what becomes smallest: worst (the worst-known constant's interval), d (the volume of the "
-                   "ellipsoid), e (its longest axis) [worst]");
-  verb->add_option("--directions", args->directions, "both (hits alternate) or positive [both]");
+  using enum identify::Criterion;
+  add_choice(*verb, "--criterion", args->criterion, {{"worst", kWorst}, {"d", kD}, {"e", kE}},
+             "what becomes smallest: worst (the worst-known constant's interval), d (the volume of the "
+             "ellipsoid), e (its longest axis) [worst]");
+  using enum identify::HitBudget::Directions;
+  add_choice(*verb, "--directions", args->budget.directions, {{"both", kAlternate}, {"positive", kPositive}},
+             "both (hits alternate) or positive [both]");
   verb->add_option("--rate", args->log.rate, "of the next logs [Hz] [1000]");
   verb->add_option("--duration", args->log.duration, "of the next logs [s] [1]");
   verb->add_option("--noise", args->noise, "standard deviation of an angle [rad] [the trials' own]");

@@ -65,8 +65,7 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   } else if (a.loss != "none") {
     throw InputError("--loss: " + quoted(a.loss) + ": none or huber:DELTA is needed");
   }
-  using enum identify::FitOptions::Weights;
-  o.weights = choice<identify::FitOptions::Weights>("--weights", a.weights, {{"equal", kEqual}, {"trial", kTrial}});
+  o.weights = a.weights;
   o.validate();
   return o;
 }
@@ -117,13 +116,11 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));
   const auto start = q.given ? std::optional(q.given->sea) : std::nullopt;
-  identify::Fit fit = predict ? identify::predict(q.rig, q.trials, q.base, q.options)
-                              : identify::fit(q.rig, q.trials, start, q.base, q.options);
-  std::optional<Trust> trust;
-  if (!predict && q.found(fit))
-    trust = identify::examine({q.rig, q.trials, q.options}, fit,
-                              {.depth = a.depth, .profiles = split(a.profile), .threads = common.threads});
-  return report(q, fit, trust, a.doubt, std::move(inputs.summary), run);
+  const identify::TrustOptions depth{.depth = a.depth, .profiles = split(a.profile), .threads = common.threads};
+  const identify::Identification found =
+      predict ? identify::Identification{identify::predict(q.rig, q.trials, q.base, q.options), {}}
+              : identify::identify({q.rig, q.trials, q.options}, start, q.base, depth);
+  return report(q, found, a.doubt, std::move(inputs.summary), run);
 }
 
 void add_identify(CLI::App& app, Action& chosen) {
@@ -152,7 +149,9 @@ void add_identify(CLI::App& app, Action& chosen) {
       verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
       verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
       verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
-      verb->add_option("--weights", args->weights, "equal, or trial: 1 / each trial's own residual variance [equal]");
+      using enum identify::FitOptions::Weights;
+      add_choice(*verb, "--weights", args->weights, {{"equal", kEqual}, {"trial", kTrial}},
+                 "equal, or trial: 1 / each trial's own residual variance [equal]");
       verb->add_flag_callback(
           "--strict", [args] { args->doubt = Doubt::kFail; },
           "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");

@@ -8,6 +8,7 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/results.hpp"
+#include "tools/verbs/freedom.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -17,25 +18,46 @@ using namespace landing;
 namespace {
 
 struct MapArguments {
-  std::string scene, actuator;
+  std::string scene, actuator, slice;
   std::vector<int> grid{64, 64, 32};
+  FreedomArguments freedom;
   int polish = MapOptions().polished;
 };
 
+/// The values of a motion, which must lie in their ranges.
+Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
+  const Coordinates x = space.values_of(read_motion(path));
+  for (int k = 0; k < space.dimension(); ++k)
+    if (const Variable& v = space.variables()[std::size_t(k)]; !(x[k] >= v.lower && x[k] <= v.upper))
+      throw InputError({path}, fmt::format("--slice: {} = {:.6g} {}: {:.6g} to {:.6g} is needed", v.name, x[k], v.unit,
+                                           v.lower, v.upper));
+  return x;
+}
+
 int run_map(const MapArguments& a, const CommonOptions& common) {
   Run run("map", common);
-  const Scene scene = read_scene(a.scene);
+  Scene scene = read_scene(a.scene);
   run.input(a.scene);
+  apply(a.freedom, scene);
   const Actuator actuator = actuator_of(a.actuator, run);
-  if (a.grid.size() != 3) throw InputError("--grid: three numbers are needed, as in 64,64,32");
+  const ReferenceSpace space(scene, actuator.sea);
+  const bool slice = space.dimension() > 3;
+  if (slice ? a.grid.size() < 3 : a.grid.size() != 3)
+    throw InputError("--grid: three numbers are needed, as in 64,64,32");
   for (const int n : a.grid)
-    if (n < 2) throw InputError(fmt::format("--grid: {}: at least 2 points along each variable are needed", n));
+    if (n < (slice ? 1 : 2))
+      throw InputError(fmt::format("--grid: {}: at least {} needed", n,
+                                   slice ? "1 point along each variable is" : "2 points along each variable are"));
   SurveyOptions options{.basins = run.monitor("map: basins"), .evidence = run.monitor("map: evidence")};
   MapOptions& map = options.map;
   map.cells = a.grid;
+  if (!a.slice.empty()) {
+    map.slice = slice_of(a.slice, space);
+    run.input(a.slice);
+  }
   map.polished = a.polish, map.seed = common.seed, map.threads = common.threads;
   map.monitor = run.monitor("map: rows");
-  return report(survey(scene, QuinticSpace(scene.search, actuator.sea), options), run);
+  return report(survey(scene, space, options), run);
 }
 
 }  // namespace
@@ -45,7 +67,12 @@ void add_map(CLI::App& app, Action& chosen) {
   CLI::App* verb = app.add_subcommand("map", "the whole box of motions on a grid, and its basins");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
-  verb->add_option("--grid", args->grid, "points of phi_I, phi_F and duration [64,64,32]")->delimiter(',');
+  verb->add_option("--grid", args->grid,
+                   "points of phi_I, phi_F, duration and, if the motion has more, those; 1: it stands [64,64,32]")
+      ->delimiter(',');
+  verb->add_option("--slice", args->slice,
+                   "motion file: where variables without a grid stand [the middle of their ranges]");
+  add_freedom(*verb, args->freedom);
   verb->add_option("--polish", args->polish, "how many of the grid's local minima are searched from close by [24]");
   add_action<MapArguments>(*verb, args, "ukemi map scene.toml --actuator actuator.toml --grid 64,64,32 -o out", chosen,
                            run_map);

@@ -84,8 +84,9 @@ double writing_time(const Answer& a, double rate, const Run& run) {
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Answer* result) {
   const Clock clock;
   Run run("optimize", common);
-  const Scene scene = read_scene(a.scene);
+  Scene scene = read_scene(a.scene);
   run.input(a.scene);
+  apply(a.freedom, scene);
   const Actuator actuator = actuator_of(a.actuator, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
@@ -131,6 +132,7 @@ void add_optimize(CLI::App& app, Action& chosen) {
   verb->add_flag_callback(
       "--respect-ratings", [args] { args->ratings = OptimizeArguments::Ratings::kRespect; },
       "keep the reference's rate, the motor's speed and its torque within the actuator's speed_max and tau_max");
+  add_freedom(*verb, args->freedom);
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
   add_action<OptimizeArguments>(*verb, args, "ukemi optimize scene.toml --actuator actuator.toml -o out", chosen,
                                 [](auto& a, auto& common) { return run_optimize(a, common); });

@@ -9,15 +9,17 @@
 #include "landing/judge/answer.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/trials.hpp"
-#include "tools/report/trust.hpp"
+#include "tools/report/identify.hpp"
 #include "tools/study/comparison.hpp"
+#include "tools/verbs/freedom.hpp"
 
 namespace ukemi::tools {
 
 struct IdentifyArguments {
   std::vector<std::string> trials;
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
-  std::string free, nuisance, prior, lower, upper, loss = "none", weights = "equal";
+  std::string free, nuisance, prior, lower, upper, loss = "none";
+  identify::FitOptions::Weights weights = identify::FitOptions::Weights::kEqual;
   TrialArguments reading;
   double accuracy = 1e-9;
   int starts = 0;  ///< explored; 0: as few as needed
@@ -38,6 +40,7 @@ struct OptimizeArguments {
   enum class Ratings { kReport, kRespect } ratings = Ratings::kReport;
   landing::AnswerOptions::Extras evidence = landing::AnswerOptions::Extras::kWithoutDeadline;
   double rate = 1000;
+  FreedomArguments freedom;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common, landing::Answer* result = nullptr);
 

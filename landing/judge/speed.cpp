@@ -1,0 +1,48 @@
+#include "landing/judge/speed.hpp"
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+void check(const char* what, const std::vector<double>& values) {
+  if (values.empty()) throw InputError(std::string(what) + ": at least one value is needed");
+  for (const double v : values)
+    if (!(v > 0)) throw InputError(std::string(what) + ": " + shortest(v) + ": above 0 is needed");
+}
+
+}  // namespace
+
+std::vector<RatedPlan> rated_plans(const Scene& scene, const Actuator& actuator, const RatingOptions& options) {
+  check("speeds", options.speeds), check("torques", options.torques);
+  const ReferenceSpace space(scene, actuator.sea);
+  const auto search = [&](Goal goal, double speed, double torque) {
+    OptimizeOptions o = options.search;
+    o.goal = goal;
+    o.limits.motor_speed = o.reference_rate = speed, o.limits.motor_torque = torque;
+    return optimize(scene, space, o);
+  };
+  const auto better = [](Optimum& mine, const Optimum& lesser) {
+    if (lesser.found && (!mine.found || lesser.value < mine.value)) mine = lesser;
+  };
+  std::vector<RatedPlan> out;
+  const std::size_t columns = options.torques.size(), searches = 2 * columns * options.speeds.size();
+  const Monitor& monitor = options.search.monitor;
+  for (std::size_t i = 0; i < options.speeds.size(); ++i)
+    for (std::size_t j = 0; j < columns && !monitor.stopped(); ++j) {
+      const double speed = options.speeds[i], torque = options.torques[j];
+      RatedPlan plan{speed, torque, search(Goal::kPeak, speed, torque), search(Goal::kTolerant, speed, torque)};
+      if (const double peak = plan.tolerant.landing.peak;
+          plan.tolerant.found && (!plan.lowest.found || peak < plan.lowest.value))
+        plan.lowest = plan.tolerant, plan.lowest.value = peak;
+      for (const std::size_t lesser : {i > 0 ? out.size() - columns : out.size(), j > 0 ? out.size() - 1 : out.size()})
+        if (lesser < out.size()) better(plan.lowest, out[lesser].lowest), better(plan.tolerant, out[lesser].tolerant);
+      out.push_back(plan);
+      monitor.progress(long(2 * out.size()), long(searches));
+    }
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,52 @@
+#include "landing/model/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ukemi::landing {
+
+namespace {
+
+/// 15/8 |b - a| / t, at the middle of a quintic [rad/s].
+double quintic_rate(double a, double b, double duration) { return a == b ? 0 : 1.875 * std::abs(b - a) / duration; }
+
+/// Of a piece with bumps: its rate is a polynomial of degree 8, with at most seven extrema inside; the best of many
+/// places, and the top of the parabola through it and its neighbours.
+double shaped_rate(const ReferencePiece<double>& piece) {
+  constexpr int kParts = 64;
+  const double h = piece.duration / kParts;
+  const auto rate = [&](double t) { return std::abs(piece.at(piece.start + t, true).dphi); };
+  double best = 0, at = 0;
+  for (int i = 1; i < kParts; ++i)
+    if (const double r = rate(i * h); r > best) best = r, at = i * h;
+  const double left = rate(at - h), right = rate(at + h), bend = left - 2 * best + right;
+  if (bend < 0) best = std::max(best, rate(at + 0.5 * h * (left - right) / bend));
+  return best;
+}
+
+}  // namespace
+
+Reference<double> reference_before(const Motion& m, double time) {
+  if (!m.reposition || time >= m.reposition->to) return {m.phi_i, 0};
+  if (time <= m.reposition->from) return {m.reposition->phi, 0};
+  return reposition_of(m).at(time, false);
+}
+Motion started_at(const Motion& m, double time) {
+  Motion out = m;
+  out.phi_i = reference_before(m, time).phi;
+  return out;
+}
+
+Reference<double> reference_of(const Motion& m, double time) {
+  return landing_of(m, m.phi_i, 0.0).at(time, has_bumps(m));
+}
+
+double peak_reference_rate(const Motion& m, double start) {
+  const Motion played = started_at(m, start);
+  const double landing = has_bumps(m) ? shaped_rate(landing_of(played, played.phi_i, 0.0))
+                                      : quintic_rate(played.phi_i, m.phi_f, m.duration);
+  const auto& r = m.reposition;
+  return r ? std::max(landing, quintic_rate(r->phi, m.phi_i, r->to - r->from)) : landing;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,125 @@
+#include "landing/search/wide_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "landing/search/population.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+constexpr std::size_t kStarts = 24, kBasins = 24;
+constexpr double kStartsApart = 0.15, kBasinsApart = 0.02;  // in parts of the box
+constexpr int kBatch = 32;
+}  // namespace
+
+WideSearch::WideSearch(const AutoSettings& settings) : set_(settings) {
+  generation_.reserve(std::size_t(std::max(kBatch, set_.wide_points)));
+  starts_.reserve(kStarts + 1), basins_.reserve(kBasins + 1);
+}
+
+void WideSearch::run(Search& search) {
+  search_ = &search;
+  random_ = Random(search.seed);
+  starts_.clear(), basins_.clear();
+  Candidate middle = search.nothing();
+  search.evaluate({&middle, 1});  // so that there is an answer where there is time for one motion
+  try_hint();
+  scout(set_.wide_scouts);
+  for (int n = 0; n < set_.wide_first && n < int(starts_.size()); ++n) {
+    const Candidate start = starts_[std::size_t(n)];
+    close_in(start, set_.wide_size);
+  }
+  while (!search.over())
+    if (!basins_.empty() && random_.uniform() < set_.wide_near)
+      start_beside_a_basin();
+    else
+      start_anywhere();
+}
+
+void WideSearch::try_hint() {
+  if (!search_->hint) return;
+  Candidate p{*search_->hint};
+  search_->evaluate({&p, 1});
+  if (p.value < kNoMotion) close_in(p, 0.2 * set_.wide_size);
+}
+
+/// Motions from anywhere; the best that are apart are starts.
+void WideSearch::scout(int motions) {
+  starts_.clear();
+  for (int n = 0; n < motions && !search_->over(); n += kBatch) {
+    generation_.assign(std::size_t(std::min(kBatch, motions - n)), search_->nothing());
+    for (Candidate& p : generation_) {
+      p = random_point(random_, search_->dimension());
+      p.bound = starts_.size() < kStarts ? kNoMotion : starts_.back().value;
+    }
+    search_->evaluate(generation_, Goal::kPeak);
+    for (const Candidate& p : generation_)
+      if (p.value <= p.bound && p.value < kNoMotion) keep(starts_, kStarts, kStartsApart, p);
+  }
+}
+
+/// Takes a point among the best, in place of the one it is near.
+void WideSearch::keep(std::vector<Candidate>& best, std::size_t most, double apart, const Candidate& p) {
+  const auto near = std::find_if(best.begin(), best.end(), [&](const Candidate& b) { return distance(b, p) < apart; });
+  if (near == best.end())
+    best.push_back(p);
+  else if (p < *near)
+    *near = p;
+  std::sort(best.begin(), best.end());
+  if (best.size() > most) best.pop_back();
+}
+
+void WideSearch::start_anywhere() {
+  scout(set_.wide_race);
+  if (starts_.empty()) return;
+  const Candidate start = starts_[0];
+  close_in(start, set_.wide_size);
+}
+
+void WideSearch::start_beside_a_basin() {
+  constexpr double kNarrowest = -2, kWidest = -0.7;  // powers of ten, in parts of the box
+  const Candidate& basin = basins_[low_index(random_, basins_.size())];
+  const double size = std::pow(10.0, random_.uniform(kNarrowest, kWidest));
+  close_in(beside(basin, size, random_), size);
+}
+
+/// A run's best is so much worse than the best of all that it is not worth its time; the longer it runs, the less it
+/// may be.
+bool WideSearch::behind(double value, int generation) const {
+  constexpr int kFree = 8;  // generations that every run has
+  return generation > kFree &&
+         value >
+             search_->best().value * (1 + (set_.wide_behind - 1) * std::pow(set_.wide_patience, generation - kFree));
+}
+
+void WideSearch::close_in(const Candidate& start, double size) {
+  constexpr double kBetter = 1e-4, kContender = 1.005;
+  const auto points = std::size_t(set_.wide_points);
+  const int most_stalled = 12 + 3 * search_->dimension();
+  distribution_.start(start.u, size, set_.wide_points);
+  Candidate best = search_->nothing();
+  best.u = start.u;
+  double bound = kNoMotion, milestone = kNoMotion;
+  for (int n = 0, stalled = 0; !search_->over(); ++n) {
+    generation_.assign(points, search_->nothing());
+    distribution_.sample(random_, generation_);
+    for (Candidate& p : generation_) p.bound = bound;
+    search_->evaluate(generation_);
+    std::sort(generation_.begin(), generation_.end());
+    const double middle = generation_[points / 2].value;
+    bound = middle < kNoMotion ? set_.wide_bound * middle : kNoMotion;
+    if (generation_[0] < best) best = generation_[0];
+    distribution_.learn(generation_);
+    const bool better = best.value < milestone * (1 - kBetter);
+    if (better) milestone = best.value;
+    stalled = better ? 0 : stalled + 1;
+    const double converged = best.value > kContender * search_->best().value ? set_.wide_poor : set_.finest;
+    if (stalled > most_stalled || distribution_.widest() < converged || behind(best.value, n)) break;
+  }
+  if (best.value < kNoMotion) keep(basins_, kBasins, kBasinsApart, best);
+}
+
+void wide_search(Search& search, const AutoSettings& settings) { WideSearch(settings).run(search); }
+
+}  // namespace ukemi::landing

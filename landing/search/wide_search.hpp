@@ -1,0 +1,43 @@
+// The search of `auto` over more variables than the paper's three, and the solver `cma`.
+//
+//   1. the best of many motions from anywhere, far apart, are starts;
+//   2. from a start a narrow distribution (cma.hpp) finds its way down; a run that falls behind the best is given up;
+//   3. later runs start by turns beside the best basins, at any width, and from the best of a few motions from
+//   anywhere.
+// Tolerant peaks: the scouts are judged by the peak alone, a lower bound that costs one landing.
+// Private: not installed.
+#pragma once
+
+#include <vector>
+
+#include "common/random.hpp"
+#include "landing/search/auto_settings.hpp"
+#include "landing/search/cma.hpp"
+#include "landing/search/search.hpp"
+
+namespace ukemi::landing {
+
+class WideSearch {
+ public:
+  /// Allocates all that `run` needs.
+  explicit WideSearch(const AutoSettings& settings = {});
+  /// Searches until the search is over. Allocates nothing.
+  void run(Search& search);
+
+ private:
+  void try_hint();
+  void scout(int motions);
+  void keep(std::vector<Candidate>& best, std::size_t most, double apart, const Candidate& p);
+  void start_anywhere();
+  void start_beside_a_basin();
+  void close_in(const Candidate& start, double size);
+  bool behind(double value, int generation) const;
+
+  AutoSettings set_;
+  Search* search_ = nullptr;
+  Random random_{0};
+  CovarianceAdaptation distribution_;
+  std::vector<Candidate> generation_, starts_, basins_;
+};
+
+}  // namespace ukemi::landing

@@ -1,0 +1,73 @@
+// ukemi ratings.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "common/error.hpp"
+#include "landing/judge/speed.hpp"
+#include "landing/model/scene_file.hpp"
+#include "tools/program/actuators.hpp"
+#include "tools/program/arguments.hpp"
+#include "tools/report/results.hpp"
+#include "tools/verbs/freedom.hpp"
+#include "tools/verbs/verbs.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+struct RatingsArguments {
+  std::string scene, actuator, speed;
+  std::optional<std::string> torque;
+  std::optional<long> evaluations;
+  FreedomArguments freedom;
+};
+
+std::vector<double> points_of(const std::string& option, const std::string& text) {
+  const NumberRange r = number_range(option, text, true);
+  if (!(r.lower > 0)) throw InputError(fmt::format("{}: {}: above 0 is needed", option, r.lower));
+  std::vector<double> out;
+  for (int i = 0; i < r.count; ++i) out.push_back(r.lower + (r.upper - r.lower) * i / (r.count - 1));
+  return out;
+}
+
+int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
+  Run run("ratings", common);
+  Scene scene = read_scene(a.scene);
+  run.input(a.scene);
+  apply(a.freedom, scene);
+  const Actuator actuator = actuator_of(a.actuator, run);
+  RatingOptions options;
+  options.speeds = points_of("--motor-speed", a.speed);
+  if (a.torque)
+    options.torques = points_of("--motor-torque", *a.torque);
+  else
+    options.torques = {actuator.sea.tau_max};
+  options.search.evaluations = a.evaluations;
+  options.search.seed = common.seed, options.search.threads = common.threads;
+  options.search.tolerance_samples = 0;
+  options.search.validate();
+  options.search.monitor = run.monitor("ratings");
+  return report(scene, rated_plans(scene, actuator, options), run);
+}
+
+}  // namespace
+
+void add_ratings(CLI::App& app, Action& chosen) {
+  auto args = std::make_shared<RatingsArguments>();
+  CLI::App* verb = app.add_subcommand("ratings", "what speed buys: the best peaks against the motor's ratings");
+  verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
+  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option("--motor-speed", args->speed, "LO:HI:N, rated speeds [rad/s]")->required();
+  verb->add_option("--motor-torque", args->torque, "LO:HI:N, rated torques [Nm] [the actuator's tau_max]");
+  verb->add_option("--evaluations", args->evaluations, "motions tried in each search [40000; tolerant 10000]");
+  add_freedom(*verb, args->freedom);
+  add_action<RatingsArguments>(*verb, args,
+                               "ukemi ratings scene.toml --actuator actuator.toml --motor-speed 2:12:11 -o out", chosen,
+                               run_ratings);
+}
+
+}  // namespace ukemi::tools
