@@ -22,13 +22,18 @@ constexpr int kFew = 3;  // variables, as many as the paper's motions have
 AutoSearch::~AutoSearch() = default;
 
 void AutoSearch::run(Search& search) {
-  if (search.dimension() > kFew) return wide_->run(search);
   search_ = &search;
   random_ = Random(search.seed);
   basins_.clear();
   choose_region(0);
   refined_last_ = false;
   scout();
+  if (search.dimension() > kFew) {
+    wide_->begin(search);
+    for (const Candidate& p : population_) wide_->know(p);
+    while (!search.over()) wide_->run_once();
+    return;
+  }
   size_ = int(population_.size());
   converge(set_.converged, false);
   remember();
@@ -63,12 +68,13 @@ void AutoSearch::scout() {
     n = set_.first;
   }
   population_.clear();
+  const long most = search_->dimension() > kFew ? set_.wide_scouts : set_.many;
   const auto enough = [&] {
     const long done = search_->motions();
-    return done >= set_.many || (done >= set_.few && search_->share() >= set_.scouting);
+    return done >= most || (done >= set_.few && search_->share() >= set_.scouting);
   };
   for (; !search_->over() && !enough(); n += set_.batch) {
-    const double spent = std::clamp(double(search_->motions()) / double(set_.many), search_->share(), 1.0),
+    const double spent = std::clamp(double(search_->motions()) / double(most), search_->share(), 1.0),
                  by = set_.by + (set_.at_last - set_.by) * spent,
                  anywhere = search_->motions() < set_.early ? set_.anywhere : set_.later;
     for (Candidate& p : batch_) {

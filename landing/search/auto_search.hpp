@@ -11,7 +11,7 @@
 //   4. one that falls behind the best so far, or into a known basin, is given up; one that converges is a basin, and
 //      the next races keep away from it: half of them anywhere, half close by the best basins, where thin cracks are;
 //   5. now and then, and at the end, the best basin is searched once more from close by.
-// Over more than three variables it is WideSearch (wide_search.hpp).
+// Over more than three variables the scouts are followed by runs of WideSearch (wide_search.hpp).
 #pragma once
 
 #include <memory>

@@ -21,7 +21,7 @@ struct AutoSettings {
   double scouts_apart = 0.01, race_share = 0.2, first_share = 0.3, converged = 1e-4, apart = 0.04, behind = 1.12,
          finest = 1e-7, close = 0.5, side = 0.15, nearly = 1.06, late = 0.7;
   // More variables than three (wide_search.hpp).
-  int wide_scouts = 1'500, wide_first = 4, wide_race = 200, wide_points = 16;
+  int wide_scouts = 3'000, wide_race = 200, wide_points = 16;
   double wide_size = 0.03, wide_near = 0.5, wide_bound = 1.2, wide_behind = 1.6, wide_patience = 0.985,
          wide_poor = 1e-3;
 

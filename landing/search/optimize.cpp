@@ -67,7 +67,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
         deadline - objective.watch.seconds() - last - verification_time(deadline, objective.landing_time());
   }
   if (options.evaluations || !options.deadline)
-    budget.motions = options.evaluations.value_or(default_evaluations(options.goal));
+    budget.motions = options.evaluations.value_or(default_evaluations(options.goal, space.dimension()));
   const bool boxed = options.limits.any() || scene.joint;  // a motion's whole execution box is played
   budget.work = work_allowed(boxed ? Goal::kTolerant : options.goal, budget.motions);
   budget.tolerance = options.tolerance;

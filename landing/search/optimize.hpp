@@ -19,7 +19,7 @@ struct OptimizeOptions {
   std::string solver = "auto";      ///< one of solver_names()
   Goal goal = Goal::kPeak;          ///< what is minimised
   AutoSettings settings;            ///< of auto
-  std::optional<long> evaluations;  ///< motions in all; absent: default_evaluations(goal), or no bound with a deadline
+  std::optional<long> evaluations;  ///< motions in all; absent: default_evaluations, or no bound with a deadline
   std::optional<double> deadline;   ///< [s], > 0: `optimize` returns by then, whatever has been found
   Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that the deadline is counted in; kProcessor: on one thread
   double tolerance = 0;                           ///< see Budget::tolerance; 0: never
@@ -35,7 +35,10 @@ struct OptimizeOptions {
   static constexpr double kLeave = 0.15;  ///< [s]
 };
 /// A motion's tolerant peak costs several landings.
-constexpr long default_evaluations(Goal goal) { return goal == Goal::kPeak ? 40'000 : 10'000; }
+constexpr long default_evaluations(Goal goal, int variables = 3) {
+  const long more = variables > 3 ? 2 * (variables - 2) : 1;  // basins grow quicker than their box
+  return more * (goal == Goal::kPeak ? 40'000 : 10'000);
+}
 
 struct Optimum {
   Motion motion{};

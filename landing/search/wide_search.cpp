@@ -18,30 +18,29 @@ WideSearch::WideSearch(const AutoSettings& settings) : set_(settings) {
   starts_.reserve(kStarts + 1), basins_.reserve(kBasins + 1);
 }
 
-void WideSearch::run(Search& search) {
+void WideSearch::begin(Search& search) {
   search_ = &search;
-  random_ = Random(search.seed);
+  random_ = Random(search.seed, 1);
   starts_.clear(), basins_.clear();
-  Candidate middle = search.nothing();
-  search.evaluate({&middle, 1});  // so that there is an answer where there is time for one motion
-  try_hint();
-  scout(set_.wide_scouts);
-  for (int n = 0; n < set_.wide_first && n < int(starts_.size()); ++n) {
-    const Candidate start = starts_[std::size_t(n)];
-    close_in(start, set_.wide_size);
-  }
-  while (!search.over())
-    if (!basins_.empty() && random_.uniform() < set_.wide_near)
-      start_beside_a_basin();
-    else
-      start_anywhere();
 }
 
-void WideSearch::try_hint() {
-  if (!search_->hint) return;
-  Candidate p{*search_->hint};
-  search_->evaluate({&p, 1});
-  if (p.value < kNoMotion) close_in(p, 0.2 * set_.wide_size);
+void WideSearch::know(const Candidate& p) {
+  if (p.value < kNoMotion) keep(basins_, kBasins, kBasinsApart, p);
+}
+
+void WideSearch::scout_first() {
+  Candidate middle = search_->nothing();
+  search_->evaluate({&middle, 1});  // so that there is an answer where there is time for one motion
+  know(middle);
+  scout(set_.wide_scouts);
+  if (!starts_.empty()) close_in(Candidate(starts_[0]), set_.wide_size);
+}
+
+void WideSearch::run_once() {
+  if (!basins_.empty() && random_.uniform() < set_.wide_near)
+    start_beside_a_basin();
+  else
+    start_anywhere();
 }
 
 /// Motions from anywhere; the best that are apart are starts.
@@ -72,9 +71,7 @@ void WideSearch::keep(std::vector<Candidate>& best, std::size_t most, double apa
 
 void WideSearch::start_anywhere() {
   scout(set_.wide_race);
-  if (starts_.empty()) return;
-  const Candidate start = starts_[0];
-  close_in(start, set_.wide_size);
+  if (!starts_.empty()) close_in(Candidate(starts_[0]), set_.wide_size);
 }
 
 void WideSearch::start_beside_a_basin() {
@@ -117,9 +114,13 @@ void WideSearch::close_in(const Candidate& start, double size) {
     const double converged = best.value > kContender * search_->best().value ? set_.wide_poor : set_.finest;
     if (stalled > most_stalled || distribution_.widest() < converged || behind(best.value, n)) break;
   }
-  if (best.value < kNoMotion) keep(basins_, kBasins, kBasinsApart, best);
+  know(best);
 }
 
-void wide_search(Search& search, const AutoSettings& settings) { WideSearch(settings).run(search); }
+void wide_search(Search& search, const AutoSettings& settings) {
+  WideSearch wide(settings);
+  wide.begin(search);
+  for (wide.scout_first(); !search.over();) wide.run_once();
+}
 
 }  // namespace ukemi::landing

@@ -19,13 +19,18 @@ namespace ukemi::landing {
 
 class WideSearch {
  public:
-  /// Allocates all that `run` needs.
+  /// Allocates all that the search needs.
   explicit WideSearch(const AutoSettings& settings = {});
-  /// Searches until the search is over. Allocates nothing.
-  void run(Search& search);
+  /// Begins anew, with nothing known. This and what follows allocates nothing.
+  void begin(Search& search);
+  /// A point that is known to be good: later runs start beside it.
+  void know(const Candidate& p);
+  /// The best of motions from anywhere.
+  void scout_first();
+  /// One run: beside what is known, or from anywhere.
+  void run_once();
 
  private:
-  void try_hint();
   void scout(int motions);
   void keep(std::vector<Candidate>& best, std::size_t most, double apart, const Candidate& p);
   void start_anywhere();

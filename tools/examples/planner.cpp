@@ -4,7 +4,7 @@
 //
 // Every 20 ms it measures the fall and plans anew; what it sends to the drive is the move in the air, by the clock from
 // now, and the landing motion, which starts when the touchdown is felt. Robot is a stand-in for the real one: it falls
-// as the simulation says, and has no noise.
+// as the simulation says, has no noise, and its spring is relaxed at each new reference, as a plan assumes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

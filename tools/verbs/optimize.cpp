@@ -91,11 +91,12 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Answer
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
   const OptimizeOptions& o = options.search;
-  run.info(fmt::format("optimising the {} of {} with {}: {}, seed {}", kGoalNames[std::size_t(o.goal)], scene.name,
-                       a.solver,
-                       o.deadline ? fmt::format("{:g} s", *o.deadline)
-                                  : fmt::format("{} motions", o.evaluations.value_or(default_evaluations(o.goal))),
-                       o.seed));
+  run.info(
+      fmt::format("optimising the {} of {} with {}: {}, seed {}", kGoalNames[std::size_t(o.goal)], scene.name, a.solver,
+                  o.deadline ? fmt::format("{:g} s", *o.deadline)
+                             : fmt::format("{} motions", o.evaluations.value_or(default_evaluations(
+                                                             o.goal, ReferenceSpace(scene, actuator.sea).dimension()))),
+                  o.seed));
   options.rehearse = [&](const Answer& rehearsed) { return writing_time(rehearsed, a.rate, run); };
   options.used = clock.seconds();
   const Answer found = answer(scene, actuator, options);
@@ -119,7 +120,8 @@ void add_optimize(CLI::App& app, Action& chosen) {
       },
       "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
   verb->add_option("--evaluations", args->evaluations,
-                   "how many motions are tried in all [40000; tolerant 10000; no limit with --deadline]");
+                   "how many motions are tried in all [40000; tolerant 10000; with n > 3 variables 2 (n - 2) times as "
+                   "many; no limit with --deadline]");
   verb->add_option("--deadline", args->deadline,
                    "when the answer is verified and written, counted from the program's start [s]");
   verb->add_flag_callback(
