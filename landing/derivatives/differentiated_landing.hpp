@@ -153,9 +153,8 @@ class DifferentiatedLanding {
     const Derivatives shift = integrate::event_shift(guards.value[event], value_of(guards.rate[event]));
     if (!shift.allFinite()) return false;
     jump(t, driver, shift, event, observer, [&] {
-      const bool first = contacts_.size() == 0;
       const Schedule::Crossing crossing = schedule_.cross(event, t, system_, Limits(), contacts_);
-      if (first && crossing.touchdown) touchdown_ = shift;
+      if (crossing.first) touchdown_ = shift;
       turn(crossing.turn, Jet(t, shift));
     });
     return true;

@@ -13,8 +13,7 @@ Ratings ratings(const Actuator& actuator, const Motion& motion, const Landing& l
 std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
   const TwoLinkDynamics<double> links(scene.robot);
   std::optional<Instability> worst;
-  SeaParameters<double> landing = sea;
-  landing.k_p *= motion.gain_p, landing.k_d *= motion.gain_d;
+  const SeaParameters<double> landing = with_landing_gains(sea, motion);
   for (const auto& [phi, drive] : {std::pair{motion.phi_i, &sea}, {motion.phi_f, &landing}})
     if (const double rate = growth_rate(*drive, joint_inertia(links, phi)); rate > (worst ? worst->rate : 0))
       worst = {phi, rate};

@@ -14,15 +14,13 @@ namespace {
 /// The peak until `after` the first touchdown, the joint held at phi; infinite where it never comes.
 double held_peak(const Scene& scene, const SeaParameters<double>& sea, double phi, double after) {
   const Motion hold{phi, phi, 1};
-  std::vector<double> touchdowns;
   Scene until = scene;
   until.release.reset();
   until.detection_delay = 0;
   until.t_end.reset();
-  const std::function<bool()> touched = [&] { return !touchdowns.empty(); };
-  (void)peak_acceleration(until, sea, hold, {.touchdowns = &touchdowns, .over = &touched});
-  if (touchdowns.empty()) return std::numeric_limits<double>::infinity();
-  until.t_end = touchdowns.front() + after;
+  const double touchdown = first_touchdown(until, sea, hold);
+  if (!std::isfinite(touchdown)) return touchdown;
+  until.t_end = touchdown + after;
   return peak_acceleration(until, sea, hold).peak;
 }
 

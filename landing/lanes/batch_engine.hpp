@@ -141,7 +141,7 @@ class BatchEngine {
     const Schedule::Crossing crossing = schedule_[i].cross(g, t, mode, options_.limits, out_[i].contacts);
     if (crossing.forbidden) return false;
     system_.set_lane(i, mode);
-    if (crossing.touchdown) turn(i, crossing.turn);
+    if (crossing.first) turn(i, crossing.turn);
     stale_.set(i, true);
     return true;
   }
@@ -158,8 +158,8 @@ class BatchEngine {
     h_next_.set(i, std::min(h_next_[i], motion_part_[i]));
     stale_.set(i, true);
     if (to != Turn::kLand) return;
-    system_.sea.k_p.set(i, case_[i].sea->k_p * case_[i].motion.gain_p);
-    system_.sea.k_d.set(i, case_[i].sea->k_d * case_[i].motion.gain_d);
+    const SeaParameters<double> sea = with_landing_gains(*case_[i].sea, case_[i].motion);
+    system_.sea.k_p.set(i, sea.k_p), system_.sea.k_d.set(i, sea.k_d);
   }
 
   /// The lane's step has ended at its deadline: the next one, or how the landing ended.
@@ -376,10 +376,7 @@ class BatchEngine {
     M broken(false);
     if (options_.limits.within_steps()) {
       const SeaState<T> s = System::sea_state(step_.y);
-      const T torque = system_.motor_torque_of(s, system_.reference(step_.t));
-      broken = accepted_ &
-               ((s.phi < T(options_.limits.joint[0])) | (s.phi > T(options_.limits.joint[1])) |
-                (abs(s.dphi_m) > T(options_.limits.motor_speed)) | (abs(torque) > T(options_.limits.motor_torque)));
+      broken = accepted_ & options_.limits.broken_by(s, system_.motor_torque_of(s, system_.reference(step_.t)));
     }
     const M rest = plain & at_rest(system_, step_.y, square_, rest_scale_);
     const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));

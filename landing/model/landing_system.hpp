@@ -80,7 +80,7 @@ class LandingSystem : public ModeOf<T>::type {
     piece = piece_behind(to, motion, piece, t);
     if (to != Turn::kLand) return;
     shaped = has_bumps(motion);
-    sea.k_p *= motion.gain_p, sea.k_d *= motion.gain_d;
+    sea = with_landing_gains(sea, motion);
   }
 
   /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in

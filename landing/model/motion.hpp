@@ -119,6 +119,13 @@ ReferencePiece<T> landing_of(const MotionOf<T>& m, const T& from, const T& start
   return {from, m.phi_f, start, m.duration, powers_of(m.bumps)};
 }
 
+/// The drive as it is from the start of the landing motion on.
+template <class T>
+SeaParameters<T> with_landing_gains(SeaParameters<T> sea, const MotionOf<T>& m) {
+  sea.k_p *= m.gain_p, sea.k_d *= m.gain_d;
+  return sea;
+}
+
 /// What the reference turns to.
 enum class Turn : unsigned char {
   kNone,

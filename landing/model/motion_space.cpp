@@ -97,33 +97,6 @@ std::array<double, 2> ends_of_move(const Scene& scene) {
   return {from + kShortest, std::max(from + kShortest + kRoom, std::isfinite(fall) ? fall : 0)};
 }
 
-std::vector<Variable> variables_of(const Scene& scene) {
-  const SearchRange& range = scene.search;
-  std::vector<Variable> v = {{"phi_i", "phi_I", "rad", range.phi[0], range.phi[1]},
-                             {"phi_f", "phi_F", "rad", range.phi[0], range.phi[1]},
-                             {"duration", "duration", "s", range.duration[0], range.duration[1]}};
-  const Freedom& free = scene.freedom;
-  for (int k = 0; k < free.bumps; ++k)
-    v.push_back({fmt::format("b{}", k), fmt::format("b_{}", k), "rad", free.bump[0], free.bump[1]});
-  if (const auto& gains = free.gains) {
-    v.push_back({"gain_p", "factor of K_p", "1", (*gains)[0], (*gains)[1]});
-    v.push_back({"gain_d", "factor of K_d", "1", (*gains)[0], (*gains)[1]});
-  }
-  if (scene.release) {
-    const auto to = ends_of_move(scene);
-    v.push_back({"to", "end of the move in the air", "s", to[0], to[1]});
-  }
-  return v;
-}
-
-std::vector<int> slots_of(const Scene& scene) {
-  std::vector<int> slots = {0, 1, 2};
-  for (int k = 0; k < scene.freedom.bumps; ++k) slots.push_back(kBumpSlot + k);
-  if (scene.freedom.gains) slots.insert(slots.end(), {kGainSlot, kGainSlot + 1});
-  if (scene.release) slots.push_back(kToSlot);
-  return slots;
-}
-
 }  // namespace
 
 Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
@@ -136,8 +109,44 @@ Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
   return n;
 }
 
+/// A variable, and which of `numbers` it is.
+struct ReferenceSpace::Number {
+  int slot;
+  Variable variable;
+};
+
+std::vector<ReferenceSpace::Number> ReferenceSpace::variables_of(const Scene& scene) {
+  const SearchRange& range = scene.search;
+  std::vector<Number> out = {{0, {"phi_i", "phi_I", "rad", range.phi[0], range.phi[1]}},
+                             {1, {"phi_f", "phi_F", "rad", range.phi[0], range.phi[1]}},
+                             {2, {"duration", "duration", "s", range.duration[0], range.duration[1]}}};
+  const Freedom& free = scene.freedom;
+  for (int k = 0; k < free.bumps; ++k)
+    out.push_back({kBumpSlot + k, {fmt::format("b{}", k), fmt::format("b_{}", k), "rad", free.bump[0], free.bump[1]}});
+  if (const auto& gains = free.gains) {
+    out.push_back({kGainSlot, {"gain_p", "factor of K_p", "1", (*gains)[0], (*gains)[1]}});
+    out.push_back({kGainSlot + 1, {"gain_d", "factor of K_d", "1", (*gains)[0], (*gains)[1]}});
+  }
+  if (scene.release) {
+    const auto to = ends_of_move(scene);
+    out.push_back({kToSlot, {"to", "end of the move in the air", "s", to[0], to[1]}});
+  }
+  return out;
+}
+
 ReferenceSpace::ReferenceSpace(const Scene& scene, const SeaParameters<double>& sea)
-    : MotionSpace(variables_of(scene)), slots_(slots_of(scene)), release_(scene.release), sea_(sea) {}
+    : ReferenceSpace(scene, sea, variables_of(scene)) {}
+
+ReferenceSpace::ReferenceSpace(const Scene& scene, const SeaParameters<double>& sea, const std::vector<Number>& numbers)
+    : MotionSpace([&] {
+        std::vector<Variable> variables;
+        for (const Number& n : numbers) variables.push_back(n.variable);
+        return variables;
+      }()),
+      release_(scene.release),
+      sea_(sea) {
+  for (const Number& n : numbers) slots_.push_back(n.slot);
+}
 
 void ReferenceSpace::release(const Scene& scene) {
   assert(scene.release.has_value() == release_.has_value());

@@ -19,6 +19,8 @@ struct Variable {
   double lower, upper;  ///< the range that is searched
 };
 
+/// As many as a motion of Eq. 6 of [1] has: phi_I, phi_F, duration.
+inline constexpr int kPaperVariables = 3;
 /// A space has at most so many variables: points of it need no allocation.
 inline constexpr int kMostVariables = 12;
 /// A number for each variable: values in their units, or places 0..1 in their ranges.
@@ -91,6 +93,10 @@ class ReferenceSpace : public MotionSpace {
 
  private:
   Motion motion(const Coordinates& x) const;
+
+  struct Number;
+  static std::vector<Number> variables_of(const Scene& scene);
+  ReferenceSpace(const Scene& scene, const SeaParameters<double>& sea, const std::vector<Number>& numbers);
 
   std::vector<int> slots_;  ///< of `numbers`, by variable
   std::optional<Release> release_;

@@ -13,12 +13,11 @@
 
 namespace ukemi::landing {
 
-/// True where the motor turns faster or pulls harder than the limits allow.
+/// Whether the state at t breaks the limits of steps.
 template <class System>
-bool exceeds(const System& system, const Limits& limits, double t, const typename System::State& y) {
-  const double phi = y[kTheta1] - y[kTheta0];
-  return phi < limits.joint[0] || phi > limits.joint[1] || std::abs(y[kOmegaM]) > limits.motor_speed ||
-         std::abs(system.motor_torque_of(system.sea_state(y), system.reference(t))) > limits.motor_torque;
+bool breaks(const System& system, const Limits& limits, double t, const typename System::State& y) {
+  const SeaState<double> s = system.sea_state(y);
+  return limits.broken_by(s, system.motor_torque_of(s, system.reference(t)));
 }
 
 /// Follows one landing with `Method` and the kernel of `kTerms`; with kReport, everything that a report needs.
@@ -97,8 +96,7 @@ class Follower {
     const double before = peak_.square;
     if (!peak_.step(system_, integrator)) return failed(Failure::kUnresolved);
     if (peak_.square != before) out_.peak_contact = out_.contacts.size() - 1;
-    if (options_.limits.within_steps() && exceeds(system_, options_.limits, t_, integrator.state()))
-      return End::kBroken;
+    if (options_.limits.within_steps() && breaks(system_, options_.limits, t_, integrator.state())) return End::kBroken;
     if constexpr (kReport) recorder_.step(system_, integrator);
     return std::nullopt;
   }

@@ -54,6 +54,7 @@ class Schedule {
   /// What crossing a guard did.
   struct Crossing {
     bool touchdown = false, liftoff = false;
+    bool first = false;       ///< the first touchdown
     bool forbidden = false;   ///< a point that must not touch; nothing was changed
     Turn turn = Turn::kNone;  ///< of the reference
   };
@@ -67,7 +68,8 @@ class Schedule {
       out.forbidden = out.touchdown && limits.forbidden[std::size_t(guard)];
       if (out.forbidden) return out;
       out.touchdown ? contacts.touchdown(point, t) : contacts.liftoff(point, t);
-      if (out.touchdown && !touched_) out.turn = touch(t, mode);
+      out.first = out.touchdown && !touched_;
+      if (out.first) out.turn = touch(t, mode);
     }
     mode.cross(guard);
     return out;

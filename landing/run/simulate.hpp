@@ -56,6 +56,13 @@ struct Limits {
   bool any() const { return any_forbidden() || within_steps(); }
   /// Whether steps must be looked at.
   bool within_steps() const { return rated() || joint_stops(); }
+  /// Whether a state breaks them, the motor pulling with `torque` [Nm]; lane by lane for packs.
+  template <class T>
+  auto broken_by(const SeaState<T>& s, const T& torque) const {
+    using std::abs;
+    return (s.phi < T(joint[0])) | (s.phi > T(joint[1])) | (abs(s.dphi_m) > T(motor_speed)) |
+           (abs(torque) > T(motor_torque));
+  }
 };
 
 struct SimulateOptions {
@@ -160,6 +167,9 @@ inline double energy_tolerance(double accuracy) { return std::clamp(1e3 * accura
 /// taken at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
 [[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                             const SimulateOptions& options = {});
+
+/// When the first point touches the floor, from release [s]; infinite if none does within the flight limit.
+[[nodiscard]] double first_touchdown(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion);
 
 /// `peak_acceleration` with a single method: the comparison's, on one kernel for every scene.
 void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,

@@ -15,10 +15,6 @@ AutoSearch::AutoSearch(const AutoSettings& settings) : set_(settings), wide_(std
   batch_.resize(std::size_t(set_.batch));
 }
 
-namespace {
-constexpr int kFew = 3;  // variables, as many as the paper's motions have
-}
-
 AutoSearch::~AutoSearch() = default;
 
 void AutoSearch::run(Search& search) {
@@ -28,7 +24,7 @@ void AutoSearch::run(Search& search) {
   choose_region(0);
   refined_last_ = false;
   scout();
-  if (search.dimension() > kFew) {
+  if (search.dimension() > kPaperVariables) {
     wide_->begin(search);
     for (const Candidate& p : population_) wide_->know(p);
     while (!search.over()) wide_->run_once();
@@ -55,11 +51,10 @@ void AutoSearch::run(Search& search) {
 /// from near the leads, each followed only while it may better one. Leaves the best of them as a population.
 void AutoSearch::scout() {
   leads_.clear();
-  if (search_->hint) {
-    Candidate p{*search_->hint};
-    search_->evaluate({&p, 1});
-    if (p.value < kNoMotion) lead(p);
-  }
+  std::optional<Candidate> hint;
+  if (search_->hint) search_->evaluate({&hint.emplace(Candidate{*search_->hint}), 1});
+  if (hint && !(hint->value < kNoMotion)) hint.reset();
+  if (hint) lead(*hint);
   int n = 0;
   if (search_->objective().options().goal == Goal::kTolerant) {
     size_ = set_.leads;
@@ -68,7 +63,8 @@ void AutoSearch::scout() {
     n = set_.first;
   }
   population_.clear();
-  const long most = search_->dimension() > kFew ? set_.wide_scouts : set_.many;
+  if (hint) population_.push_back(*hint);
+  const long most = search_->dimension() > kPaperVariables ? set_.wide_scouts : set_.many;
   const auto enough = [&] {
     const long done = search_->motions();
     return done >= most || (done >= set_.few && search_->share() >= set_.scouting);

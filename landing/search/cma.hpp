@@ -1,7 +1,8 @@
 // Covariance matrix adaptation, for valleys that run across the variables: a normal distribution whose mean, size and
 // shape follow the better half of each generation. Source: Hansen, "The CMA evolution strategy: a tutorial",
 // arXiv:1604.00772 (2016), without negative weights. Points outside of the cube are moved to its nearest face, and
-// learnt from there. Private: not installed.
+// learnt from there.
+// Private: not installed.
 #pragma once
 
 #include <span>
@@ -21,7 +22,7 @@ class CovarianceAdaptation {
   void sample(Random& random, std::span<Candidate> points) const;
   /// Learns from them, the best first.
   void learn(std::span<const Candidate> sorted);
-  /// The distribution's largest and smallest standard deviation, in parts of the cube.
+  /// The distribution's largest standard deviation, in parts of the cube.
   double widest() const { return size_ * root_.maxCoeff(); }
 
  private:

@@ -79,7 +79,7 @@ class Objective::Race : public BatchSource {
     const int k = corner(p, step_[i]++);
     corner_[lane] = k;
     const Play& play = play_[lane] = o_.space_.execution_point(o_.play(p), o_.scene_.execution, k);
-    c = {&o_.scene_, &play.sea, play.motion, counts(k) ? p.bound : std::numeric_limits<double>::infinity()};
+    c = {&o_.scene_, &play.sea, play.motion, counts(k, goal_) ? p.bound : std::numeric_limits<double>::infinity()};
     return true;
   }
 
@@ -90,7 +90,7 @@ class Objective::Race : public BatchSource {
     work += work_of(peak.work);
     if (no_landing(peak.end))
       fail(i, kNoMotion);
-    else if (counts(corner_[lane]) && peak.peak > points_[i].value) {
+    else if (counts(corner_[lane], goal_) && peak.peak > points_[i].value) {
       points_[i].value = peak.peak, points_[i].worst = corner_[lane];
       if (peak.peak > points_[i].bound) failed_[i] = true;
     }
@@ -107,8 +107,6 @@ class Objective::Race : public BatchSource {
   long landings = 0, flights = 0, work = 0;
 
  private:
-  /// A landing of the execution box that is part of the value.
-  bool counts(int k) const { return k == 0 || goal_ == Goal::kTolerant; }
   bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners_; }
   void fail(std::size_t i, double value) {
     failed_[i] = true;
@@ -189,13 +187,13 @@ double Objective::verified(const Play& play, double accuracy, double bound) {
     const Play at = space_.execution_point(play, scene_.execution, k);
     const LandingPeak p = peak_acceleration(scene_, at.sea, at.motion,
                                             {.accuracy = accuracy,
-                                             .abandon_above = k == 0 || options_.goal == Goal::kTolerant ? bound : kAny,
+                                             .abandon_above = counts(k, options_.goal) ? bound : kAny,
                                              .max_steps = steps,
                                              .limits = options_.limits,
                                              .over = &over_});
     work_ += work_of(p.work);
     if (no_landing(p.end)) return kNoMotion;
-    if (k == 0 || options_.goal == Goal::kTolerant) worst = std::max(worst, p.peak);
+    if (counts(k, options_.goal)) worst = std::max(worst, p.peak);
     if (worst > bound) break;
   }
   return worst;

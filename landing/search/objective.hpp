@@ -69,6 +69,13 @@ class Objective {
   double accuracy() const { return options_.accuracy; }
   void set_accuracy(double accuracy) { options_.accuracy = accuracy; }
   const Options& options() const { return options_; }
+  /// How many landings of its execution box a motion takes, to be its value or to keep the limits; a motion that is
+  /// only screened by its peak keeps them at the exact motion alone.
+  int points(Goal goal) const {
+    return goal == Goal::kTolerant || (goal == options_.goal && options_.limits.any()) ? kExecutionPoints : 1;
+  }
+  /// Whether landing k of its box is part of a motion's value.
+  static bool counts(int k, Goal goal) { return k == 0 || goal == Goal::kTolerant; }
   const Scene& scene() const { return scene_; }
   long motions() const { return motions_; }    ///< evaluated so far
   long landings() const { return landings_; }  ///< followed for them, abandoned ones included
@@ -96,8 +103,6 @@ class Objective {
   const Scene& scene_;
   const MotionSpace& space_;
   Options options_;
-  /// How many landings a motion takes: to be its value, or to keep the limits.
-  int points(Goal goal) const { return goal == Goal::kTolerant || options_.limits.any() ? kExecutionPoints : 1; }
   bool too_quick(const Play& play) const;
   bool extended_;
   Feedback feedback_;

@@ -68,7 +68,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   }
   if (options.evaluations || !options.deadline)
     budget.motions = options.evaluations.value_or(default_evaluations(options.goal, space.dimension()));
-  const bool boxed = options.limits.any() || scene.joint;  // a motion's whole execution box is played
+  const bool boxed = objective.points(options.goal) > 1;  // a motion's whole execution box is played
   budget.work = work_allowed(boxed ? Goal::kTolerant : options.goal, budget.motions);
   budget.tolerance = options.tolerance;
   Optimum out;

@@ -35,8 +35,8 @@ struct OptimizeOptions {
   static constexpr double kLeave = 0.15;  ///< [s]
 };
 /// A motion's tolerant peak costs several landings.
-constexpr long default_evaluations(Goal goal, int variables = 3) {
-  const long more = variables > 3 ? 2 * (variables - 2) : 1;  // basins grow quicker than their box
+constexpr long default_evaluations(Goal goal, int variables = kPaperVariables) {
+  const long more = variables > kPaperVariables ? 2 * (variables - 2) : 1;  // basins grow quicker than their box
   return more * (goal == Goal::kPeak ? 40'000 : 10'000);
 }
 

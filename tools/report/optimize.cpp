@@ -52,14 +52,9 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
 /// When the landing motion is expected to start, from release [s]: the first touchdown, detected; infinite if it never
 /// does.
 double expected_start(const Answer& a) {
-  std::vector<double> touchdowns;
-  if (a.landing.touches.empty()) {
-    const std::function<bool()> touched = [&] { return !touchdowns.empty(); };
-    (void)peak_acceleration(a.scene, a.best.sea, a.best.motion, {.touchdowns = &touchdowns, .over = &touched});
-  } else {
-    touchdowns.push_back(a.landing.touches[0].t_touchdown);
-  }
-  return touchdowns.empty() ? std::numeric_limits<double>::infinity() : touchdowns[0] + a.scene.detection_delay;
+  const double touchdown = a.landing.touches.empty() ? first_touchdown(a.scene, a.best.sea, a.best.motion)
+                                                     : a.landing.touches[0].t_touchdown;
+  return touchdown + a.scene.detection_delay;
 }
 
 /// What a robot plays: t = 0 at the detected first touchdown; the move in the air before it.

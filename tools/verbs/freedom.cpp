@@ -22,6 +22,9 @@ void add_freedom(CLI::App& verb, FreedomArguments& a) {
   verb.add_option("--release-from", a.from, "when the reference may begin to move, from release [s; 0]");
 }
 
+namespace {
+
+/// In place of what the scene says.
 void apply(const FreedomArguments& a, Scene& scene) {
   if (a.bumps) {
     if (*a.bumps < 0 || *a.bumps > kMostBumps)
@@ -56,6 +59,15 @@ void apply(const FreedomArguments& a, Scene& scene) {
   scene.release = r;
   if (const auto wrong = release_fault(scene))
     throw InputError((wrong->key == "from" ? "--release-from: " : "--release-phi: ") + wrong->message);
+}
+
+}  // namespace
+
+Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run) {
+  Scene scene = read_scene(path);
+  run.input(path);
+  apply(arguments, scene);
+  return scene;
 }
 
 }  // namespace ukemi::tools

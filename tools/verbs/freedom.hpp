@@ -7,6 +7,7 @@
 #include <string>
 
 #include "landing/model/scene.hpp"
+#include "tools/program/output.hpp"
 
 namespace ukemi::tools {
 
@@ -16,7 +17,7 @@ struct FreedomArguments {
   std::optional<double> release_phi, release_rate, from;  ///< deg, deg/s, s
 };
 void add_freedom(CLI::App& verb, FreedomArguments& arguments);
-/// In place of what the scene says. Throws InputError.
-void apply(const FreedomArguments& arguments, landing::Scene& scene);
+/// The scene of a file, an input of the run, with the arguments in place of what it says. Throws InputError.
+landing::Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run);
 
 }  // namespace ukemi::tools

@@ -36,13 +36,11 @@ Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
 
 int run_map(const MapArguments& a, const CommonOptions& common) {
   Run run("map", common);
-  Scene scene = read_scene(a.scene);
-  run.input(a.scene);
-  apply(a.freedom, scene);
+  const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = actuator_of(a.actuator, run);
   const ReferenceSpace space(scene, actuator.sea);
-  const bool slice = space.dimension() > 3;
-  if (slice ? a.grid.size() < 3 : a.grid.size() != 3)
+  const bool slice = space.dimension() > kPaperVariables;
+  if (slice ? a.grid.size() < kPaperVariables : a.grid.size() != kPaperVariables)
     throw InputError("--grid: three numbers are needed, as in 64,64,32");
   for (const int n : a.grid)
     if (n < (slice ? 1 : 2))

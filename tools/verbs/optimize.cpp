@@ -8,7 +8,6 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stopwatch.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/search/solvers.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
@@ -84,9 +83,7 @@ double writing_time(const Answer& a, double rate, const Run& run) {
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Answer* result) {
   const Clock clock;
   Run run("optimize", common);
-  Scene scene = read_scene(a.scene);
-  run.input(a.scene);
-  apply(a.freedom, scene);
+  const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = actuator_of(a.actuator, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);

@@ -6,7 +6,6 @@
 
 #include "common/error.hpp"
 #include "landing/judge/speed.hpp"
-#include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/results.hpp"
@@ -36,9 +35,7 @@ std::vector<double> points_of(const std::string& option, const std::string& text
 
 int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
   Run run("ratings", common);
-  Scene scene = read_scene(a.scene);
-  run.input(a.scene);
-  apply(a.freedom, scene);
+  const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = actuator_of(a.actuator, run);
   RatingOptions options;
   options.speeds = points_of("--motor-speed", a.speed);
