@@ -6,6 +6,7 @@
 #include <string>
 
 #include "landing/model/floor.hpp"
+#include "landing/model/scatter.hpp"
 #include "landing/model/two_link.hpp"
 
 namespace ukemi::landing {
@@ -56,6 +57,7 @@ struct Scene {
   Drop drop;
   std::optional<Release> release;              ///< absent: released at phi_I
   std::optional<std::array<double, 2>> joint;  ///< stops of the joint angle phi_1 [rad]
+  std::optional<Scatter> scatter;              ///< of its drops; absent: nothing is said
   double detection_delay = 0;                  ///< from the first touchdown to the motion's start [s], >= 0
   SearchRange search;
   Freedom freedom;

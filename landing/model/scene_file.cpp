@@ -10,6 +10,7 @@
 #include "common/csv.hpp"
 #include "common/toml.hpp"
 #include "landing/model/release.hpp"
+#include "landing/model/scatter_file.hpp"
 
 namespace ukemi::landing {
 
@@ -24,7 +25,7 @@ std::array<double, 2> rising(const TomlSection& section, const std::string& key,
   return {v[0], v[1]};
 }
 
-/// [motion], [release], [joint] and [detection]: what motions of this scene have beside the paper's three numbers.
+/// [motion], [release], [joint], [scatter] and [detection]: what this scene has beside the paper's.
 void read_freedom(TomlFile& file, Scene& scene) {
   if (auto motion = file.optional("motion")) {
     scene.freedom.bumps = int(motion->optional_count("bumps", 0, kMostBumps).value_or(0));
@@ -39,6 +40,7 @@ void read_freedom(TomlFile& file, Scene& scene) {
                             release->optional_number("from", Range::non_negative()).value_or(0)};
     if (const auto wrong = release_fault(scene)) release->fail(wrong->key, wrong->message);
   }
+  if (auto scatter = file.optional("scatter")) scene.scatter = read_scatter(*scatter);
   if (auto detection = file.optional("detection")) {
     constexpr double kLatest = 0.1;  // [s]
     scene.detection_delay = detection->optional_number("delay", Range::non_negative()).value_or(0);
@@ -192,6 +194,7 @@ std::string to_toml(const Scene& s, const std::string& comments) {
     text += "\n[detection]\n";
     line("delay", shortest(s.detection_delay), "s");
   }
+  if (s.scatter) text += "\n[scatter]  # standard deviations\n" + toml_lines(*s.scatter);
   return text;
 }
 

@@ -1,0 +1,51 @@
+// How the drops of a scene scatter about the one that is planned. Ours; the paper knows one drop.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+namespace ukemi::landing {
+
+/// Standard deviations. Each number is normal and independent, cut at three deviations; those of the floor's constants
+/// and the delay end at 0. A drop's numbers that stand here as 0 do not scatter.
+struct Scatter {
+  double pitch = 0;          ///< of the thigh at release [rad]
+  double height = 0;         ///< of the drop [m]
+  double forward_speed = 0;  ///< [m/s]
+  double pitch_rate = 0;     ///< [rad/s]
+  double phi = 0;            ///< of the joint at release, spring relaxed, the reference with it [rad]
+  double rate = 0;           ///< of the joint at release [rad/s]
+  double stiffness = 0;      ///< of the floor: standard deviation of its logarithm, 0.1 for some 10 %
+  double damping_normal = 0, damping_tangential = 0;  ///< the same
+  double delay = 0;                                   ///< of the touchdown's detection [s]
+
+  /// What is assumed where nothing is said: 1 deg, 1 cm, 3 cm/s.
+  static constexpr Scatter assumed() { return {.pitch = 0.017453292519943295, .height = 0.01, .forward_speed = 0.03}; }
+  bool any() const;
+};
+
+/// One number of a scatter, as files and options name it.
+struct ScatterTerm {
+  enum class Kind { kPlain, kAngle, kRelative };
+  const char* name;  ///< without the _deg of an angle
+  const char* unit;  ///< SI
+  Kind kind;
+  double Scatter::*deviation;
+};
+inline constexpr std::array<ScatterTerm, 10> kScatterTerms = {{
+    {"pitch", "rad", ScatterTerm::Kind::kAngle, &Scatter::pitch},
+    {"height", "m", ScatterTerm::Kind::kPlain, &Scatter::height},
+    {"forward_speed", "m/s", ScatterTerm::Kind::kPlain, &Scatter::forward_speed},
+    {"pitch_rate", "rad/s", ScatterTerm::Kind::kAngle, &Scatter::pitch_rate},
+    {"phi", "rad", ScatterTerm::Kind::kAngle, &Scatter::phi},
+    {"rate", "rad/s", ScatterTerm::Kind::kAngle, &Scatter::rate},
+    {"stiffness", "1", ScatterTerm::Kind::kRelative, &Scatter::stiffness},
+    {"damping_normal", "1", ScatterTerm::Kind::kRelative, &Scatter::damping_normal},
+    {"damping_tangential", "1", ScatterTerm::Kind::kRelative, &Scatter::damping_tangential},
+    {"delay", "s", ScatterTerm::Kind::kPlain, &Scatter::delay},
+}};
+inline bool Scatter::any() const {
+  return std::any_of(kScatterTerms.begin(), kScatterTerms.end(), [&](auto& t) { return this->*t.deviation > 0; });
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,139 @@
+#include "landing/scatter/drop_model.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+#include "common/random.hpp"
+#include "landing/scatter/sobol.hpp"
+
+namespace ukemi::landing {
+
+double cut_normal(double u) {
+  constexpr double kCut = 3;
+  static const double tail = 0.5 * std::erfc(kCut / std::numbers::sqrt2);
+  return std::numbers::sqrt2 * boost::math::erf_inv(2 * (tail + u * (1 - 2 * tail)) - 1);
+}
+
+namespace {
+
+/// R with R R^T = C.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& c) {
+  constexpr double kRounding = 1e-9;
+  // Constants differ by powers of ten: what counts as negative is asked of the correlations.
+  const Eigen::VectorXd std = c.diagonal().cwiseMax(0).cwiseSqrt();
+  const Eigen::VectorXd inverse = std.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * c * inverse.asDiagonal());
+  if (!c.allFinite() || (c.diagonal().array() < 0).any() || eigen.eigenvalues().minCoeff() < -kRounding)
+    throw InputError("covariance: its smallest eigenvalue is " + shortest(eigen.eigenvalues().minCoeff()) +
+                     " where its variances are 1: a positive semidefinite matrix is needed");
+  return std.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
+/// The reference stands at the joint's angle at release until the landing motion starts from there.
+Reposition standing_until_touchdown(double phi, double rate) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  return {phi, rate, kNever, kNever};
+}
+
+Play with(const ScatteredDrop& d, Play p) {
+  std::array<double, kConstants> u = ukemi::constants(p.sea);
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::max(0.0, u[k] + d.constants[k]);
+  set_constants(p.sea, u);
+  if (p.motion.reposition)
+    p.motion.reposition->phi += d.phi, p.motion.reposition->rate += d.rate;
+  else if (d.rate != 0)
+    p.motion.reposition = standing_until_touchdown(p.motion.phi_i + d.phi, d.rate);
+  else
+    p.motion.phi_i += d.phi;
+  return p;
+}
+bool exact(const Deviation& d) { return d.phi_i == 0 && d.phi_f == 0 && d.duration == 0; }
+
+}  // namespace
+
+Play ScatteredDrop::played(const MotionSpace& space, const Play& planned) const {
+  return with(*this, exact(deviation) ? planned : space.inexact(planned, scene.execution, deviation));
+}
+Play ScatteredDrop::played(const Play& planned) const {
+  return with(*this, {deviated(planned.motion, scene.execution, deviation), planned.sea});
+}
+
+DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator& actuator, const Options& options)
+    : scene_(scene), scatter_(scatter), inexact_(options.inexact) {
+  for (std::size_t k = 0; k < kScatterTerms.size(); ++k) {
+    if (!(scatter.*kScatterTerms[k].deviation > 0)) continue;
+    terms_.push_back(int(k));
+    add(kScatterTerms[k].name, 1);
+  }
+  if (options.actuator && options.inflate > 0 && actuator.covariance.size() > 0) {
+    std::vector<int> known;
+    for (std::size_t i = 0; i < actuator.uncertain.size(); ++i)
+      for (int k = 0; k < kConstants; ++k)
+        if (actuator.uncertain[i] == kConstantNames[std::size_t(k)]) known.push_back(int(i)), constants_.push_back(k);
+    root_ = options.inflate * root_of(actuator.covariance(known, known));
+    if (!constants_.empty()) add("actuator", int(constants_.size()));
+  }
+  if (inexact_) add("execution", 3);
+}
+
+void DropModel::add(const std::string& name, int count) {
+  groups_.push_back({name, dimension_, count});
+  dimension_ += count;
+}
+
+ScatteredDrop DropModel::drop(std::span<const double> u) const {
+  ScatteredDrop d{.scene = scene_};
+  std::size_t next = 0;
+  Scatter z;
+  for (const int t : terms_) {
+    double Scatter::*const deviation = kScatterTerms[std::size_t(t)].deviation;
+    z.*deviation = scatter_.*deviation * cut_normal(u[next++]);
+  }
+  Drop& drop = d.scene.drop;
+  drop.pitch += z.pitch, drop.forward_speed += z.forward_speed, drop.pitch_rate += z.pitch_rate;
+  drop.height = std::max(0.0, drop.height + z.height);
+  d.phi = z.phi, d.rate = z.rate;
+  if (auto& floor = d.scene.floor) {
+    floor->stiffness *= std::exp(z.stiffness);
+    floor->damping_normal *= std::exp(z.damping_normal), floor->damping_tangential *= std::exp(z.damping_tangential);
+  }
+  d.scene.detection_delay = std::max(0.0, d.scene.detection_delay + z.delay);
+  if (!constants_.empty()) {
+    Eigen::VectorXd normal(root_.cols());
+    for (double& x : normal) x = cut_normal(u[next++]);
+    const Eigen::VectorXd by = root_ * normal;
+    for (std::size_t i = 0; i < constants_.size(); ++i) d.constants[std::size_t(constants_[i])] = by[long(i)];
+  }
+  if (inexact_)
+    for (double* x : {&d.deviation.phi_i, &d.deviation.phi_f, &d.deviation.duration}) *x = 2 * u[next++] - 1;
+  return d;
+}
+
+std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed) const {
+  const auto d = std::size_t(dimension_);
+  const std::vector<double> points = d > 0 ? ScrambledSobol(dimension_, seed).points(count) : std::vector<double>();
+  std::vector<ScatteredDrop> out;
+  out.reserve(std::size_t(count));
+  for (std::size_t n = 0; n < std::size_t(count); ++n) out.push_back(drop(std::span(points).subspan(n * d, d)));
+  return out;
+}
+
+std::vector<ScatteredDrop> DropModel::independent(long count, std::uint64_t seed) const {
+  std::vector<double> u(static_cast<std::size_t>(dimension_));
+  std::vector<ScatteredDrop> out;
+  out.reserve(std::size_t(count));
+  for (long n = 0; n < count; ++n) {
+    Random random(seed, std::uint64_t(n));
+    for (double& x : u) x = random.uniform();
+    out.push_back(drop(u));
+  }
+  return out;
+}
+
+}  // namespace ukemi::landing

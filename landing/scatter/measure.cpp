@@ -1,0 +1,128 @@
+#include "landing/scatter/measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double mean_of(std::span<const double> x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
+
+/// The mean of the largest `part` numbers, the last of them in part.
+double mean_of_largest(std::span<double> x, double part) {
+  const auto whole = std::size_t(part);
+  const auto n = std::min(whole + 1, x.size());
+  std::partial_sort(x.begin(), x.begin() + long(n), x.end(), std::greater<>());
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) sum += std::min(1.0, part - double(i)) * x[i];
+  return sum / part;
+}
+
+/// The smallest number that a part `level` of all stay at or below.
+double quantile_of(std::span<double> x, double level) {
+  const double place = std::ceil(level * double(x.size()) - 1e-9);
+  const auto k = std::size_t(std::clamp(place - 1, 0.0, double(x.size() - 1)));
+  std::nth_element(x.begin(), x.begin() + long(k), x.end());
+  return x[k];
+}
+
+}  // namespace
+
+double Measure::of(std::span<double> peaks) const {
+  if (peaks.empty()) return kNaN;
+  switch (kind) {
+    case Kind::kMean:
+      return mean_of(peaks);
+    case Kind::kCvar:
+      return mean_of_largest(peaks, (1 - level) * double(peaks.size()));
+    case Kind::kQuantile:
+      return quantile_of(peaks, level);
+    case Kind::kWorst:
+      return *std::max_element(peaks.begin(), peaks.end());
+  }
+  return kNaN;
+}
+
+Measure Measure::parse(const std::string& option, const std::string& text) {
+  if (text == "mean") return {Kind::kMean};
+  if (text == "cvar") return {Kind::kCvar};
+  if (text == "worst") return {Kind::kWorst};
+  constexpr const char* kPrefix = "quantile:";
+  if (text.starts_with(kPrefix)) {
+    const std::string number = text.substr(std::string(kPrefix).size());
+    char* end = nullptr;
+    const double q = std::strtod(number.c_str(), &end);
+    if (!number.empty() && *end == 0 && q > 0 && q < 1) return {Kind::kQuantile, q};
+    throw InputError(fmt::format("{}: {}: a number between 0 and 1 is needed behind quantile:", option, quoted(text)));
+  }
+  throw InputError(fmt::format("{}: {}", option, one_of(text, {"mean", "cvar", "quantile:0.9", "worst"})));
+}
+
+std::string Measure::name() const {
+  switch (kind) {
+    case Kind::kMean:
+      return "mean";
+    case Kind::kCvar:
+      return "cvar";
+    case Kind::kQuantile:
+      return "quantile:" + shortest(level);
+    case Kind::kWorst:
+      return "worst";
+  }
+  return "";
+}
+
+Estimated estimated(const Measure& measure, std::span<const double> peaks) {
+  std::vector<double> x(peaks.begin(), peaks.end());
+  const double n = double(x.size());
+  if (x.size() < 2) return {measure.of(x), kNaN};
+  const auto spread = [&](double about) {  // standard deviation of the mean
+    double sum = 0;
+    for (const double v : x) sum += (v - about) * (v - about);
+    return std::sqrt(sum / (n - 1) / n);
+  };
+  const double value = measure.of(x);
+  switch (measure.kind) {
+    case Measure::Kind::kMean:
+      return {value, spread(value)};
+    case Measure::Kind::kCvar: {  // the mean of q + (x - q)+ / (1 - level): its influence function
+      const double q = quantile_of(x, measure.level);
+      for (double& v : x) v = q + std::max(0.0, v - q) / (1 - measure.level);
+      return {value, spread(mean_of(x))};
+    }
+    case Measure::Kind::kQuantile: {  // half of what a standard error of the rank spans (Woodruff 1952)
+      const double by = std::sqrt(measure.level * (1 - measure.level) / n);
+      const double low = quantile_of(x, std::max(1 / n, measure.level - by)),
+                   high = quantile_of(x, std::min(1.0, measure.level + by));
+      return {value, 0.5 * (high - low)};
+    }
+    case Measure::Kind::kWorst:
+      return {value, kNaN};
+  }
+  return {value, kNaN};
+}
+
+Distribution distribution(std::span<const double> peaks) {
+  std::vector<double> x(peaks.begin(), peaks.end());
+  if (x.empty()) return {{kNaN, kNaN}, {kNaN, kNaN}, kNaN, kNaN, kNaN, kNaN, 0};
+  using Kind = Measure::Kind;
+  return {.mean = estimated({Kind::kMean}, peaks),
+          .cvar90 = estimated({Kind::kCvar, 0.9}, peaks),
+          .median = quantile_of(x, 0.5),
+          .q90 = quantile_of(x, 0.9),
+          .q99 = quantile_of(x, 0.99),
+          .max = *std::max_element(x.begin(), x.end()),
+          .samples = long(x.size())};
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,42 @@
+// What a distribution of peaks is worth: its mean, its worst part, its quantiles; and how well so many drops tell it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace ukemi::landing {
+
+/// What a plan under scatter makes small.
+struct Measure {
+  enum class Kind {
+    kMean,
+    kCvar,      ///< the mean of the worst 1 - level of all drops (Rockafellar, Uryasev 2000)
+    kQuantile,  ///< what `level` of all drops stay below
+    kWorst,     ///< of the drops that were played
+  } kind = Kind::kMean;
+  double level = 0.9;  ///< 0..1
+
+  /// Of the peaks, which it puts in another order. NaN of none.
+  double of(std::span<double> peaks) const;
+  /// mean, cvar, quantile:Q, worst, as options have them. Throws InputError "OPTION: ...".
+  static Measure parse(const std::string& option, const std::string& text);
+  std::string name() const;
+};
+
+/// A value and the standard error that it has from the number of drops alone (of independent ones; even ones do
+/// better). NaN where there is no telling.
+struct Estimated {
+  double value, standard_error;
+};
+Estimated estimated(const Measure& measure, std::span<const double> peaks);
+
+/// Peaks over scattered drops [m/s^2].
+struct Distribution {
+  Estimated mean, cvar90;  ///< cvar90: the mean of the worst tenth
+  double median, q90, q99, max;
+  long samples = 0;
+};
+Distribution distribution(std::span<const double> peaks);
+
+}  // namespace ukemi::landing
