@@ -80,6 +80,41 @@ std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea
   return out;
 }
 
+/// How the drops scatter that are planned for, or that a plan is judged by.
+DropModel drops_of(Answer& a) {
+  const RobustOptions& o = a.options.robust;
+  a.scatter_assumed = !o.scatter && !a.scene.scatter;
+  a.scatter = o.scatter ? *o.scatter : a.scene.scatter.value_or(Scatter::assumed());
+  return {a.scene,
+          a.scatter,
+          a.actuator,
+          {.inflate = o.inflate, .inexact = o.measure && a.options.search.goal == Goal::kTolerant}};
+}
+
+UnderScatter judged_under_scatter(const DropModel& model, const Answer& a, const OptimizeOptions& search) {
+  constexpr long kPlanned = 10'000;
+  UnderScatterOptions options{.limits = search.limits,
+                              .penalty = a.options.robust.penalty,
+                              .seed = search.seed,
+                              .threads = search.threads,
+                              .monitor = a.options.evidence_monitor};
+  if (a.scattered) options.samples = kPlanned, options.measure = *a.options.robust.measure;
+  return under_scatter(model, ReferenceSpace(a.scene, a.best.sea), {a.best.motion, a.best.sea}, options);
+}
+
+/// best.value again, with its error.
+Estimated promised(const Answer& a, const OptimizeOptions& search) {
+  const Robust& robust = *search.robust;
+  const Play plan{a.best.motion, a.best.sea};
+  ScatteredLandings landings;
+  std::vector<double> peaks;
+  for (const LandingPeak& l :
+       landings.play({&plan, 1}, robust.judging,
+                     {.accuracy = Robust::kAccuracy, .limits = search.limits, .threads = search.threads}))
+    peaks.push_back(counted(l, robust.penalty));
+  return estimated(robust.measure, peaks);
+}
+
 }  // namespace
 
 Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions& options) {
@@ -89,6 +124,12 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
   Timetable timetable(scene, actuator, options);
   timetable.begin(a);
   if (searched.deadline) searched.deadline = timetable.search();
+  const DropModel drops = drops_of(a);
+  a.scattered = options.robust.measure && drops.dimension() > 0;
+  if (a.scattered) {
+    searched.goal = Goal::kRobust, searched.search_accuracy = Robust::kAccuracy;
+    searched.robust = robust_goal(drops, options.robust, searched.seed);
+  }
   a.tried = search(scene, actuator.sea, searched, options.solvers);
   Optimum& best = a.best;
   best = *std::min_element(a.tried.begin(), a.tried.end(),
@@ -105,11 +146,15 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
                            .threads = searched.threads,
                            .work = always ? kUnbounded : kCheckWork,
                            .monitor = options.evidence_monitor});
-    if (a.evidence->complete) a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
+    if (a.evidence->complete) {
+      a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
+      if (drops.dimension() > 0) a.under_scatter = judged_under_scatter(drops, a, searched);
+      if (a.scattered) a.promised = promised(a, searched);
+    }
     a.evidence_seconds = watch.seconds();
     if (searched.deadline && a.evidence->tolerant.complete) best.tolerant = a.evidence->tolerant;
   }
-  a.tolerant_known = best.tolerant.complete || searched.goal == Goal::kTolerant;
+  a.tolerant_known = best.tolerant.complete || options.search.goal == Goal::kTolerant;
   if (a.played()) a.ratings = ratings(actuator, best.motion, a.landing);
   a.instability = instability(scene, actuator.sea, best.motion);
   return a;

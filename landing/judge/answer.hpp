@@ -10,16 +10,15 @@
 #include "landing/judge/checked.hpp"
 #include "landing/judge/evidence.hpp"
 #include "landing/judge/limit.hpp"
+#include "landing/judge/under_scatter.hpp"
 #include "landing/search/optimize.hpp"
 
 namespace ukemi::landing {
 
-/// The reference that others are compared with: it holds the middle of Fig. 5's range, -45 deg.
-inline constexpr Motion kHeld{-0.7853981633974483, -0.7853981633974483, 1};
-
 struct Answer;
 
 struct AnswerOptions {
+  RobustOptions robust;
   OptimizeOptions search;            ///< its deadline is that of the whole answer, handed over
   std::vector<std::string> solvers;  ///< tried in turn, each with the whole budget; empty: search.solver alone
   double rate = 0;                   ///< rows of the trajectories a second [Hz]; 0: none
@@ -42,9 +41,14 @@ struct Answer {
   std::vector<Optimum> tried;  ///< what each solver came to; one where one was asked for
   Landing landing, held;       ///< of `best.motion` and kHeld; End::kStopped where there was no time to play them
   std::optional<Evidence> evidence;
-  std::optional<TouchdownLimit> limit;  ///< with the evidence
-  double evidence_seconds = 0;          ///< that it took
-  std::optional<Ratings> ratings;       ///< where the landing was played
+  std::optional<TouchdownLimit> limit;        ///< with the evidence
+  double evidence_seconds = 0;                ///< that it took
+  Scatter scatter;                            ///< of the drops
+  bool scatter_assumed = false;               ///< for nothing was said
+  bool scattered = false;                     ///< planned for it: best.value is the measure that is promised
+  std::optional<UnderScatter> under_scatter;  ///< with the evidence
+  std::optional<Estimated> promised;          ///< best.value of a plan for scatter, and its error; with the evidence
+  std::optional<Ratings> ratings;             ///< where the landing was played
   std::optional<Instability> instability;
   bool tolerant_known = false;  ///< best.tolerant was played whole, or was what the search minimised
 

@@ -74,7 +74,7 @@ void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks,
     motor_side += c.sea->feedback == Feedback::kMotor;
   }
   o.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
-  constexpr std::size_t kPart = 256;  // a thread is not worth its start for fewer
+  constexpr std::size_t kPart = 24;  // a thread is not worth its start for fewer
   const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
   std::fill(peaks.begin(), peaks.end(), LandingPeak{.end = End::kStopped});
   std::atomic<std::size_t> next{0};

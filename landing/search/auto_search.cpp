@@ -1,12 +1,14 @@
 #include "landing/search/auto_search.hpp"
 
 #include "landing/search/population.hpp"
+#include "landing/search/robust_search.hpp"
 #include "landing/search/solvers.hpp"
 #include "landing/search/wide_search.hpp"
 
 namespace ukemi::landing {
 
-AutoSearch::AutoSearch(const AutoSettings& settings) : set_(settings), wide_(std::make_unique<WideSearch>(settings)) {
+AutoSearch::AutoSearch(const AutoSettings& settings)
+    : set_(settings), robust_(std::make_unique<RobustSearch>(settings)), wide_(std::make_unique<WideSearch>(settings)) {
   set_.validate();
   population_.reserve(std::size_t(2 * set_.largest + set_.batch));
   trials_.reserve(population_.capacity());
@@ -23,6 +25,7 @@ void AutoSearch::run(Search& search) {
   basins_.clear();
   choose_region(0);
   refined_last_ = false;
+  if (search.objective().options().goal == Goal::kRobust) return robust_->run(search);
   scout();
   if (search.dimension() > kPaperVariables) {
     wide_->begin(search);

@@ -11,7 +11,8 @@
 //   4. one that falls behind the best so far, or into a known basin, is given up; one that converges is a basin, and
 //      the next races keep away from it: half of them anywhere, half close by the best basins, where thin cracks are;
 //   5. now and then, and at the end, the best basin is searched once more from close by.
-// Over more than three variables the scouts are followed by runs of WideSearch (wide_search.hpp).
+// Over more than three variables the scouts are followed by runs of WideSearch (wide_search.hpp). Under scatter it is
+// RobustSearch (robust_search.hpp) that searches.
 #pragma once
 
 #include <memory>
@@ -24,6 +25,7 @@
 
 namespace ukemi::landing {
 
+class RobustSearch;
 class WideSearch;
 
 class AutoSearch {
@@ -50,6 +52,7 @@ class AutoSearch {
   void refine();
 
   AutoSettings set_;
+  std::unique_ptr<RobustSearch> robust_;
   std::unique_ptr<WideSearch> wide_;
   bool refined_last_ = false;
   int size_ = 0;

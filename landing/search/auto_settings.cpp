@@ -54,7 +54,22 @@ const std::vector<AutoSetting>& auto_settings() {
        "a motion is left where it is worse by this than the last generation's middle"},
       {"wide_behind", &S::wide_behind, 1, 100, "a run is given up where it is worse than the best by this, at first"},
       {"wide_patience", &S::wide_patience, 0.5, 1, "what of that is left after each generation"},
-      {"wide_poor", &S::wide_poor, 1e-12, 1, "side at which a run has converged that is not the best"}};
+      {"wide_poor", &S::wide_poor, 1e-12, 1, "side at which a run has converged that is not the best"},
+      {"robust_few", &S::robust_few, 1, 1024, "under scatter: drops that first runs are made over, for the mean"},
+      {"robust_tail", &S::robust_tail, 1, 64, "times as many for another measure"},
+      {"robust_scouts", &S::robust_scouts, 32, 1e6, "motions from anywhere before a run"},
+      {"robust_starts", &S::robust_starts, 1, 64,
+       "the best of them, by the planned drop, that are judged by few drops"},
+      {"robust_points", &S::robust_points, 6, 64, "motions of a generation"},
+      {"robust_size", &S::robust_size, 1e-6, 1, "standard deviation of its first generation, in parts of the box"},
+      {"robust_near", &S::robust_near, 0, 1, "share of the later runs that start beside a basin"},
+      {"robust_behind", &S::robust_behind, 0, 100,
+       "a run is given up where it is worse than the best by this, at first"},
+      {"robust_patience", &S::robust_patience, 0.5, 1, "what of that is left after each generation"},
+      {"robust_late", &S::robust_late, 0, 1, "share of the budget after which all drops are played"},
+      {"robust_basins", &S::robust_basins, 1, 24, "basins that are compared then"},
+      {"robust_fine", &S::robust_fine, 1e-6, 1, "standard deviation of the runs from the best of them"},
+      {"robust_hint", &S::robust_hint, 1e-6, 1, "standard deviation of the run from a place that was given"}};
   return kAll;
 }
 
@@ -67,7 +82,8 @@ void AutoSettings::validate() const {
     if (const double v = s.value_in(*this); !(v >= s.lower && v <= s.upper))
       throw InputError("setting " + s.name + ": " + shortest(v) + ": " + shortest(s.lower) + " to " +
                        shortest(s.upper) + " is needed: " + s.meaning);
-  if (wide_points % 2) throw InputError("setting wide_points: an even number is needed");
+  if (wide_points % 2 || robust_points % 2)
+    throw InputError("setting wide_points, robust_points: an even number is needed");
   if (best_scouts > largest) throw InputError("setting best_scouts: at most `largest` is needed");
 }
 

@@ -147,6 +147,7 @@ class Objective::Race : public BatchSource {
 };
 
 void Objective::evaluate(std::span<Candidate> points, Goal goal) {
+  if (goal == Goal::kRobust) return evaluate_scattered(points, options_.robust->drops.size());
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
   std::atomic<long> landings{0}, flights{0}, work{0};

@@ -12,6 +12,7 @@
 #include "landing/lanes/batch.hpp"
 #include "landing/model/motion_space.hpp"
 #include "landing/run/work.hpp"
+#include "landing/search/robust.hpp"
 #include "landing/search/tolerant_peak.hpp"
 
 namespace ukemi::landing {
@@ -19,17 +20,23 @@ namespace ukemi::landing {
 enum class Goal {
   kPeak,      ///< f(x), Eq. 6 of [1]
   kTolerant,  ///< the worst f within the scene's execution tolerance, see tolerant_peak.hpp
+  kRobust,    ///< a measure of the peaks over scattered drops, see robust.hpp
 };
 
 /// Above every peak: a motion that could not be followed, or broke a limit [m/s^2].
 inline constexpr double kNoMotion = 1e9;
+
+/// Under scatter, a motion may be given up after so many numbers of drops.
+inline constexpr std::size_t kScatteredStages = 3;
 
 /// A point of the motion space as the solvers carry it.
 struct Candidate {
   Coordinates u;             ///< its place in the unit cube
   double value = kNoMotion;  ///< the goal [m/s^2]; above `bound` only a lower bound of it
   double bound = kNoMotion;  ///< what the caller still cares for: landings are abandoned above it
-  int worst = 0;             ///< which point of the execution box gave the value, and is tried first next time
+  /// Under scatter: values over the first drops (0: not known); before it is played, of the motion that has the bound.
+  std::array<double, kScatteredStages> early{};
+  int worst = 0;  ///< which point of the execution box gave the value, and is tried first next time
   bool operator<(const Candidate& o) const { return value < o.value; }
 };
 
@@ -45,6 +52,7 @@ class Objective {
     Stopwatch::Time time = Stopwatch::Time::kWall;              ///< that deadlines are counted in
     double deadline = std::numeric_limits<double>::infinity();  ///< from the construction on, which plays a landing [s]
     std::function<bool()> stop;                                 ///< see Objective::stop
+    std::shared_ptr<const Robust> robust;                       ///< for Goal::kRobust
   };
 
   /// Both must outlive the objective; the scene's drop may change between calls.
@@ -59,6 +67,11 @@ class Objective {
   /// Values of many motions. On one thread it allocates nothing. What ends it early (see `late`) cuts landings off:
   /// their motions come back with kNoMotion.
   void evaluate(std::span<Candidate> points, Goal goal);
+  /// Values under scatter, over the first `most` drops of Options::robust. They are played in stages; a motion that
+  /// cannot be as good as its bound any more is left with its value over those that it was played on, above the bound.
+  void evaluate_scattered(std::span<Candidate> points, std::size_t most);
+  /// What the few best are worth over the judging drops, and no more than they can bear; as above.
+  void judge_scattered(std::span<Candidate> points);
   double deadline;  ///< on `watch` [s]
   Stopwatch watch;
   std::function<bool()> stop;  ///< asked often, from any thread, if set; true: no time is left
@@ -69,9 +82,10 @@ class Objective {
   double accuracy() const { return options_.accuracy; }
   void set_accuracy(double accuracy) { options_.accuracy = accuracy; }
   const Options& options() const { return options_; }
-  /// How many landings of its execution box a motion takes, to be its value or to keep the limits; a motion that is
-  /// only screened by its peak keeps them at the exact motion alone.
+  /// How many landings a motion takes at most: of its execution box, to be its value or to keep the limits; a motion
+  /// that is only screened by its peak keeps them at the exact motion alone.
   int points(Goal goal) const {
+    if (goal == Goal::kRobust) return int(options_.robust->drops.size());
     return goal == Goal::kTolerant || (goal == options_.goal && options_.limits.any()) ? kExecutionPoints : 1;
   }
   /// Whether landing k of its box is part of a motion's value.
@@ -104,6 +118,7 @@ class Objective {
   const MotionSpace& space_;
   Options options_;
   bool too_quick(const Play& play) const;
+  void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
   bool extended_;
   Feedback feedback_;
   bool patient_ = false;  ///< landings may be as long as they like
@@ -112,6 +127,8 @@ class Objective {
   std::array<long, kExecutionPoints> failures_{};  ///< how often each was the worst
   long motions_ = 0, landings_ = 0, flights_ = 0, work_ = 0, granted_ = kUnbounded;
   double landing_time_ = 0;
+  struct Scattered;
+  std::shared_ptr<Scattered> scattered_;  ///< memory of the races under scatter
   const std::function<bool()> over_ = [this] { return late(); };
 };
 

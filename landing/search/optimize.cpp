@@ -58,7 +58,8 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
                        .threads = options.threads,
                        .time = options.time,
                        .deadline = deadline,
-                       .stop = options.monitor.stop});
+                       .stop = options.monitor.stop,
+                       .robust = options.robust});
   Budget budget;
   double last = 0;  // what the landing and the execution box of the result take
   if (options.deadline) {
@@ -68,8 +69,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   }
   if (options.evaluations || !options.deadline)
     budget.motions = options.evaluations.value_or(default_evaluations(options.goal, space.dimension()));
-  const bool boxed = objective.points(options.goal) > 1;  // a motion's whole execution box is played
-  budget.work = work_allowed(boxed ? Goal::kTolerant : options.goal, budget.motions);
+  budget.work = work_allowed(objective.points(options.goal), budget.motions);
   budget.tolerance = options.tolerance;
   Optimum out;
   out.solver = options.solver;
@@ -109,8 +109,9 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
     out.landing.peak = peak ? std::max(out.landing.peak, best.value) : std::numeric_limits<double>::quiet_NaN();
   const int samples = std::isfinite(until) ? 0 : options.tolerance_samples;
   out.tolerant = tolerant_peak(scene, space, play, tight, samples, options.seed, options.threads);
-  if (!out.tolerant.complete) out.tolerant.value = std::max(out.tolerant.value, peak ? out.landing.peak : best.value);
-  out.value = peak ? out.landing.peak : out.tolerant.value;
+  if (!out.tolerant.complete)
+    out.tolerant.value = std::max(out.tolerant.value, options.goal == Goal::kTolerant ? best.value : out.landing.peak);
+  out.value = peak ? out.landing.peak : options.goal == Goal::kRobust ? best.value : out.tolerant.value;
   return out;
 }
 

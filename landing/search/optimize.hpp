@@ -16,10 +16,12 @@
 namespace ukemi::landing {
 
 struct OptimizeOptions {
-  std::string solver = "auto";      ///< one of solver_names()
-  Goal goal = Goal::kPeak;          ///< what is minimised
-  AutoSettings settings;            ///< of auto
-  std::optional<long> evaluations;  ///< motions in all; absent: default_evaluations, or no bound with a deadline
+  std::string solver = "auto";           ///< one of solver_names()
+  Goal goal = Goal::kPeak;               ///< what is minimised
+  std::shared_ptr<const Robust> robust;  ///< for Goal::kRobust
+  AutoSettings settings;                 ///< of auto
+  std::optional<long> evaluations;  ///< motions in all, with Goal::kRobust landings; absent: default_evaluations, or no
+                                    ///< bound with a deadline
   std::optional<double> deadline;   ///< [s], > 0: `optimize` returns by then, whatever has been found
   Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that the deadline is counted in; kProcessor: on one thread
   double tolerance = 0;                           ///< see Budget::tolerance; 0: never
@@ -34,8 +36,9 @@ struct OptimizeOptions {
   void validate() const;         ///< throws InputError
   static constexpr double kLeave = 0.15;  ///< [s]
 };
-/// A motion's tolerant peak costs several landings.
+/// A motion's tolerant peak costs several landings. Under scatter, landings.
 constexpr long default_evaluations(Goal goal, int variables = kPaperVariables) {
+  if (goal == Goal::kRobust) return 100'000L * std::max(1, variables - 2);
   const long more = variables > kPaperVariables ? 2 * (variables - 2) : 1;  // basins grow quicker than their box
   return more * (goal == Goal::kPeak ? 40'000 : 10'000);
 }

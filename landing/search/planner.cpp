@@ -16,15 +16,46 @@ void check_deadline(double deadline) {
   if (!(deadline > 0)) throw InputError("deadline: " + shortest(deadline) + " s: above 0 is needed");
 }
 
+namespace {
+std::shared_ptr<Robust> robust_of(const Scene& scene, const Planner::Options& options) {
+  if (options.goal != Goal::kRobust) return nullptr;
+  const auto& o = options.under_scatter;
+  auto out = std::make_shared<Robust>();
+  out->measure = o.measure, out->penalty = o.penalty;
+  out->drops = DropModel(scene, o.scatter).even(o.drops, 1);
+  return out;
+}
+}  // namespace
+
 Planner::Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options)
     : scene_(scene),
       space_(std::move(space)),
       options_(options),
+      robust_(robust_of(scene, options)),
       objective_(scene_, *space_,
                  {.goal = options.goal,
                   .accuracy = options.accuracy,
                   .limits = options.limits,
-                  .reference_rate = options.reference_rate}) {}
+                  .reference_rate = options.reference_rate,
+                  .robust = robust_}) {
+  if (!robust_) return;
+  for (const ScatteredDrop& d : robust_->drops)
+    beside_.push_back({.height = d.scene.drop.height - scene.drop.height,
+                       .forward_speed = d.scene.drop.forward_speed - scene.drop.forward_speed,
+                       .pitch = d.scene.drop.pitch - scene.drop.pitch,
+                       .pitch_rate = d.scene.drop.pitch_rate - scene.drop.pitch_rate});
+}
+
+/// The drops about the scene's.
+void Planner::scatter() {
+  for (std::size_t k = 0; k < beside_.size(); ++k) {
+    const Drop& planned = scene_.drop;
+    const Drop& by = beside_[k];
+    robust_->drops[k].scene.drop = {std::max(0.0, planned.height + by.height), planned.forward_speed + by.forward_speed,
+                                    planned.pitch + by.pitch, planned.pitch_rate + by.pitch_rate,
+                                    planned.vertical_speed};
+  }
+}
 
 Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   check_deadline(deadline);
@@ -34,6 +65,7 @@ Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
 
 Plan Planner::search(double deadline, std::uint64_t seed, const std::optional<Coordinates>& hint) {
   objective_.watch.restart();
+  scatter();
   const long before = objective_.motions();
   Search search(objective_, {.seconds = deadline - verification_time(deadline, objective_.landing_time())}, seed);
   search.hint = hint;

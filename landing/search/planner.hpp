@@ -37,6 +37,14 @@ class Planner {
     double verified = 1e-8;  ///< of the scalar path, which judges the answer as far as the time goes
     Limits limits;           ///< what no landing may do
     double reference_rate = std::numeric_limits<double>::infinity();  ///< [rad/s]
+    /// With Goal::kRobust: how the drop scatters about what is measured, and what is minimised over how many drops of
+    /// it.
+    struct UnderScatter {
+      Measure measure;
+      Scatter scatter = Scatter::assumed();
+      int drops = 32;
+      double penalty = Robust().penalty;
+    } under_scatter;
   };
 
   Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options);
@@ -63,12 +71,15 @@ class Planner {
     in_air_ = std::move(space);
   }
 
+  void scatter();
   Plan search(double deadline, std::uint64_t seed, const std::optional<Coordinates>& hint);
 
   Scene scene_;
   std::shared_ptr<const MotionSpace> space_;
   std::shared_ptr<ReferenceSpace> in_air_;  ///< the same, where it is ours to change
   Options options_;
+  std::shared_ptr<Robust> robust_;  ///< for Goal::kRobust: its drops lie about the one that is planned for
+  std::vector<Drop> beside_;        ///< each drop, less the planned one
   Objective objective_;
   AutoSearch search_;
   std::optional<Coordinates> last_;  ///< the last plan in the air, its move's end counted from release

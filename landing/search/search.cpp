@@ -6,9 +6,9 @@
 
 namespace ukemi::landing {
 
-long work_allowed(Goal goal, long motions) {
+long work_allowed(long landings, long motions) {
   constexpr long kMotion = 1'500;  // of one landing
-  const long each = kMotion * (goal == Goal::kPeak ? 1 : kExecutionPoints);
+  const long each = kMotion * landings;
   return motions < kUnbounded / each ? std::max(kCheckWork, each * motions) : kUnbounded;
 }
 
@@ -18,6 +18,7 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       budget_(budget),
       start_(objective.watch.seconds()),
       first_motion_(objective.motions()),
+      first_landing_(objective.landings()),
       progress_(progress),
       screened_(nothing()) {
   few_.fill(nothing());
@@ -27,13 +28,18 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
 
 double Search::share() const {
   const double time = std::isfinite(budget_.seconds) ? seconds() / budget_.seconds : 0;
-  return std::min(1.0, std::max(time, double(motions()) / double(budget_.motions)));
+  return std::min(1.0, std::max(time, double(spent()) / double(budget_.motions)));
+}
+
+std::size_t Search::allowed(std::size_t motions) const {
+  const long left = std::max(0L, budget_.motions - spent());
+  return scattered() ? (left > 0 ? motions : 0) : std::min(motions, std::size_t(left));
 }
 
 void Search::evaluate(std::span<Candidate> points) { evaluate(points, objective_.options().goal); }
 
 void Search::evaluate(std::span<Candidate> points, Goal goal) {
-  const auto n = std::size_t(std::clamp<long>(budget_.motions - motions(), 0, long(points.size())));
+  const std::size_t n = allowed(points.size());
   for (Candidate& p : points.subspan(n)) p.value = kNoMotion;
   if (n == 0) return;
   if (goal == objective_.options().goal) {
@@ -46,11 +52,21 @@ void Search::evaluate(std::span<Candidate> points, Goal goal) {
   report();
 }
 
+void Search::evaluate_over(std::span<Candidate> points, std::size_t drops) {
+  if (drops >= objective_.options().robust->drops.size()) return evaluate(points);
+  const std::size_t n = allowed(points.size());
+  for (Candidate& p : points.subspan(n)) p.value = kNoMotion;
+  objective_.evaluate_scattered(points.first(n), drops);
+  for (const Candidate& p : points.first(n))
+    if (p.value <= p.bound && p < screened_) screened_ = p;
+  report();
+}
+
 void Search::report() const {
   if (!tell) return;
   constexpr double kMilli = 1e3;
   if (budget_.motions < kUnbounded)
-    tell(motions(), budget_.motions);
+    tell(spent(), budget_.motions);
   else if (std::isfinite(budget_.seconds))
     tell(long(kMilli * seconds()), long(kMilli * budget_.seconds));
 }
@@ -78,7 +94,24 @@ void Search::keep(const Candidate& p) {
     progress_->push_back({motions(), objective_.landings(), seconds(), p});
 }
 
+Candidate Search::judge_scattered(double deadline) {
+  objective_.deadline = deadline;
+  objective_.grant(kUnbounded);
+  if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) few_[0] = screened_;
+  Candidate best = few_[0];
+  if (objective_.options().robust->judging.empty()) return best;
+  bool judged = false;
+  for (Candidate p : few_) {
+    if (p.value >= kNoMotion || objective_.late()) break;
+    p.bound = judged ? best.value : kNoMotion;
+    objective_.judge_scattered({&p, 1});
+    if (p.value < kNoMotion && (!judged || p < best)) best = p, judged = true;
+  }
+  return best;
+}
+
 Candidate Search::judge(double accuracy, double deadline) {
+  if (objective_.options().goal == Goal::kRobust) return judge_scattered(deadline);
   constexpr double kFallen = 1e-3, kTight = 1e-9;
   constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
   if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) {

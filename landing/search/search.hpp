@@ -10,16 +10,17 @@
 namespace ukemi::landing {
 
 struct Budget {
-  long motions = std::numeric_limits<long>::max();           ///< evaluated in all
+  long motions = std::numeric_limits<long>::max();           ///< evaluated in all; under scatter landings
   double seconds = std::numeric_limits<double>::infinity();  ///< from the start of the search; a clock is never exact
   long work = kUnbounded;  ///< see work_of; what judging the result takes is granted apart
   double tolerance = 0;    ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
   long patience = 5'000;   ///< [motions]
 };
 
-/// What a search of so many motions may take: five times what ordinary landings do, each motion followed to its end,
-/// and seconds at least. Where landings take a thousand times as long as usual, it ends there and not in hours.
-long work_allowed(Goal goal, long motions);
+/// What a search of so many motions, each of so many landings, may take: five times what ordinary landings do, each
+/// motion followed to its end, and seconds at least. Where landings take a thousand times as long as usual, it ends
+/// there and not in hours.
+long work_allowed(long landings, long motions);
 
 /// A moment at which the best became better.
 struct Progress {
@@ -34,9 +35,11 @@ class Search {
   Search(Objective& objective, const Budget& budget, std::uint64_t seed, std::vector<Progress>* progress = nullptr);
 
   /// True once nothing may be spent any more.
-  bool over() const { return motions() >= budget_.motions || objective_.late() || stalled(); }
+  bool over() const { return spent() >= budget_.motions || objective_.late() || stalled(); }
   double seconds() const { return objective_.watch.seconds() - start_; }
   long motions() const { return objective_.motions() - first_motion_; }
+  /// Of Budget::motions: under scatter, where a motion is worth as many landings as it may win, the landings.
+  long spent() const { return scattered() ? objective_.landings() - first_landing_ : motions(); }
   const Budget& budget() const { return budget_; }
   /// How much is spent, 0..1: of the motions or of the time, whichever is more.
   double share() const;
@@ -45,6 +48,8 @@ class Search {
   void evaluate(std::span<Candidate> points);
   /// The same for another goal than the search's own: what only screens is no result until it is played again.
   void evaluate(std::span<Candidate> points, Goal goal);
+  /// Under scatter, over the first `drops` of the drops; over fewer than all it only screens.
+  void evaluate_over(std::span<Candidate> points, std::size_t drops);
   const Candidate& best() const { return few_[0]; }
   int dimension() const { return objective_.space().dimension(); }
   /// The middle of the space, not yet played.
@@ -66,6 +71,11 @@ class Search {
   void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }
 
  private:
+  /// The best of the few over Robust::judging; its value is what is promised.
+  Candidate judge_scattered(double deadline);
+  bool scattered() const { return objective_.options().goal == Goal::kRobust; }
+  /// How many of so many motions the budget allows.
+  std::size_t allowed(std::size_t motions) const;
   /// Evaluates, and keeps what is good enough.
   void play(std::span<Candidate> points);
   void keep(const Candidate& p);
@@ -75,7 +85,7 @@ class Search {
   Objective& objective_;
   Budget budget_;
   double start_;  ///< on the objective's watch [s]
-  long first_motion_;
+  long first_motion_, first_landing_;
   long milestone_motions_ = 0;    ///< when the best last became better by more than the tolerance
   double milestone_ = kNoMotion;  ///< and what it was then
   std::vector<Progress>* progress_;

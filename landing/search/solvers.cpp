@@ -51,7 +51,7 @@ void nlopt_search(const std::string& name, Search& search) {
                          std::vector<double>(n, 1),
                          {start.u.begin(), start.u.end()},
                          std::vector<double>(n, 0.1)};
-    const long left = std::min<long>(search.budget().motions - search.motions(), 1'000'000'000);
+    const long left = std::min<long>(search.budget().motions - search.spent(), 1'000'000'000);
     const long before = search.motions();
     minimize(name, problem, {.evaluations = left, .x_tolerance = 1e-6, .over = [&] { return search.over(); }},
              search.seed + restart);

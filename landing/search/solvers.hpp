@@ -29,7 +29,7 @@ void genetic_algorithm(Search& search);
 /// failure, and starts again at random once the mesh is fine.
 void pattern_search(Search& search);
 /// NLopt's SLSQP on the epigraph min s, a_k <= s over the largest peaks of the landing, with exact gradients; from the
-/// middle of the box, then from random starts.
+/// middle of the box, then from random starts. Under scatter on the measure over a part of the drops.
 void sequential_quadratic(Search& search);
 /// One of NLopt's algorithms without derivatives as it comes; a local one starts again at random until the search is
 /// over.

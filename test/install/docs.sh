@@ -8,7 +8,7 @@ ln -s "$source_dir/datasets" "$source_dir/test" "$work"
 cd "$work"
 export PATH="$build_dir:$PATH"
 
-for page in README own_actuator own_robot benchmarks; do
+for page in README own_actuator own_robot robust benchmarks; do
   file="$source_dir/tools/docs/$page.md"; [ $page = README ] && file="$source_dir/README.md"
   awk '/^<!-- not run: [^ ]/ { skip = 1; next }
        /^```sh$/ { inside = !skip; skip = 0; next }
@@ -19,9 +19,9 @@ for page in README own_actuator own_robot benchmarks; do
   bash -euo pipefail $page.sh > $page.log 2> $page.err || { tail -n 5 $page.err; exit 1; }
 done
 pages_with_commands=$(cd "$source_dir" && grep -l '^```sh$' README.md tools/docs/*.md | wc -l)
-[ "$pages_with_commands" = 4 ]
+[ "$pages_with_commands" = 5 ]
 for d in demo/compare identify predict optimize simulate design compare calibrate plan watch hold_it map hold falling fallen ratings \
-         five_seeds twenty_seeds; do
+         robust plans five_seeds twenty_seeds; do
   [ -s "out/$d/summary.json" ]
 done
 

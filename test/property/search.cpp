@@ -239,9 +239,9 @@ TEST_CASE("search: the deadline ends landings in the scalar path too") {
 TEST_CASE("search: a bound of work ends it where every landing is long, the same whatever the threads") {
   const SeaParameters<double> sea = table2();
   const Scene scene = stiff();
-  CHECK(work_allowed(Goal::kPeak, 200) == kCheckWork);
-  CHECK(work_allowed(Goal::kPeak, 40'000) == 60'000'000);
-  CHECK(work_allowed(Goal::kPeak, kUnbounded) == kUnbounded);
+  CHECK(work_allowed(1, 200) == kCheckWork);
+  CHECK(work_allowed(1, 40'000) == 60'000'000);
+  CHECK(work_allowed(1, kUnbounded) == kUnbounded);
   constexpr long kWork = 200'000, kLongest = 16 * 300'000;  // landings of two batches may end beyond it
   Candidate best;
   for (const int threads : {1, 3}) {
@@ -262,7 +262,7 @@ TEST_CASE("search: a bound of work ends it where every landing is long, the same
     Objective o(ordinary, sea, {});
     Search s(o, {.motions = 2'000}, 1);
     auto_search(s);
-    CHECK(o.work() < work_allowed(Goal::kPeak, 2'000) / 2);
+    CHECK(o.work() < work_allowed(1, 2'000) / 2);
   }
 }
 

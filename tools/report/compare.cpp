@@ -4,6 +4,7 @@
 
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
+#include "tools/report/scatter.hpp"
 #include "tools/study/comparison.hpp"
 
 namespace ukemi::tools {
@@ -49,6 +50,16 @@ const Quantities<ComparedMotion> kPeakQuantities = {
     {"", "nominal", "peak with nominal [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[0]->peak; }},
     {"", "identified", "peak with identified [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[1]->peak; }},
 };
+
+/// Plans for scatter, where the identified constants are the truth.
+Quantities<ComparedPlan> plan_quantities() {
+  Quantities<ComparedPlan> out = {
+      {"", "set", "planned with", {}, &ComparedPlan::set},
+      {"", "", "motion", {}, [](auto& p) { return motion_words(p.best.motion); }},
+      {"", "promised", "promised [m/s^2]", short_peak_words, [](auto& p) { return p.best.value; }}};
+  append(out, "truth/", distribution_quantities(), [](auto& p) { return p.truth.planned; });
+  return out;
+}
 
 void warn(const Comparison& c, Run& run) {
   for (std::size_t s = 0; s < 2 && c.predictions; ++s)
@@ -98,6 +109,12 @@ int report(const Comparison& c, Json summary, Run& run) {
     if (!m.best.found) continue;
     summary["motions"][m.set] = motion_json(m.best.motion);
     summary["tolerant_peaks"][m.set] = m.best.tolerant.complete ? number(m.best.tolerant.value) : Json();
+  }
+  if (!c.plans.empty()) {
+    const Table plans(plan_quantities(), c.plans);
+    summary["plans"] = plans.objects();
+    report.heading("Plans for scattered drops, where the identified constants are the truth");
+    (void)tell(plans, report, run);
   }
   if (c.landed()) {
     const Table peaks(kPeakQuantities, c.motions);

@@ -12,7 +12,7 @@
 
 namespace ukemi::tools {
 
-inline constexpr std::array<const char*, 2> kGoalNames = {"peak", "tolerant"};  ///< of landing::Goal
+inline constexpr std::array<const char*, 2> kGoalNames = {"peak", "tolerant"};  ///< of a planned drop
 
 /// A peak for a reader: NaN is one that was not played, infinity one that could not be followed.
 std::string peak_words(double peak);

@@ -8,6 +8,7 @@
 #include "tools/program/interrupt.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
+#include "tools/report/scatter.hpp"
 
 namespace ukemi::tools {
 
@@ -214,6 +215,7 @@ int report(const Answer& a, double rate, Run& run) {
     if (a.limit)
       run.say(fmt::format("limit {:.1f}, held through the first contact {:.1f}, yours {:.1f}, held throughout {}",
                           a.limit->jump, a.limit->first_contact, a.peak(), short_peak_words(a.held_peak())));
+    tell_scatter(a, run);
     run.say(fmt::format("searched for {:.2f} s", a.best.seconds));
     for (auto& [name, content] : files_of(a, rate, run)) run.add(name, content);
   } else {
@@ -223,6 +225,7 @@ int report(const Answer& a, double rate, Run& run) {
                {"solver", a.options.solvers.empty() ? searched.solver : "compare"}};
   }
   summary["objective"] = kGoalNames[std::size_t(searched.goal)];
+  if (a.best.found) summary.update(scatter_json(a));
   summary["seed"] = searched.seed;
   if (!a.options.solvers.empty()) summary["solvers"] = solvers(a).objects();
   return run.finish(summary, a.best.found ? kDone : kNumbers);

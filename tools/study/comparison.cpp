@@ -43,8 +43,7 @@ bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const Com
   OptimizeOptions search = options.search;
   for (std::size_t s = 0; s < 2; ++s) {
     if (options.monitor) search.monitor = options.monitor(kSets[s]);
-    const bool known = s == 1 && options.identified_best;
-    motions.push_back({kSets[s], known ? *options.identified_best : optimize(scene, sets[s].sea, search), {}});
+    motions.push_back({kSets[s], optimize(scene, sets[s].sea, search), {}});
     if (!motions.back().best.found || search.monitor.stopped()) return false;
   }
   bool landed = true;
@@ -59,6 +58,29 @@ bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const Com
   return landed;
 }
 
+/// Adds the plans for drops that scatter; false where one could not be found or was stopped.
+bool compare_plans(const OfSets<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
+                   std::vector<ComparedPlan>& plans) {
+  const Scatter scatter = options.robust.scatter.value_or(scene.scatter.value_or(Scatter::assumed()));
+  const DropModel drops(scene, scatter);
+  const bool covariance = sets[1].covariance.size() > 0;
+  for (std::size_t n = 0; n < (covariance ? 3 : 2); ++n) {
+    const Actuator& actuator = sets[std::min<std::size_t>(n, 1)];
+    const DropModel planned_for(scene, scatter, actuator, {.actuator = n == 2, .inflate = options.robust.inflate});
+    ComparedPlan& plan = plans.emplace_back();
+    plan.set = n == 2 ? "identified, with its covariance" : kSets[n];
+    OptimizeOptions search = options.search;
+    if (options.monitor) search.monitor = options.monitor("robust, " + plan.set);
+    search.goal = Goal::kRobust, search.search_accuracy = Robust::kAccuracy, search.tolerance_samples = 0;
+    search.robust = robust_goal(planned_for, options.robust, search.seed);
+    plan.best = optimize(scene, actuator.sea, search);
+    if (!plan.best.found || search.monitor.stopped()) return plans.pop_back(), false;
+    plan.truth = under_scatter(drops, ReferenceSpace(scene, sets[1].sea), {plan.best.motion, sets[1].sea},
+                               {.measure = *options.robust.measure, .seed = search.seed, .threads = search.threads});
+  }
+  return true;
+}
+
 }  // namespace
 
 Comparison compare(const OfSets<Actuator>& sets, const std::optional<RigTrials>& measured,
@@ -69,6 +91,7 @@ Comparison compare(const OfSets<Actuator>& sets, const std::optional<RigTrials>&
     for (const identify::Fit& fit : *out.predictions) out.complete = out.complete && fit.converged;
   }
   if (scene) out.complete = compare_motions(sets, *scene, options, out.motions) && out.complete;
+  if (scene && options.robust.measure) out.complete = compare_plans(sets, *scene, options, out.plans) && out.complete;
   return out;
 }
 

@@ -10,6 +10,7 @@
 
 #include "common/actuator.hpp"
 #include "identify/fit/fit.hpp"
+#include "landing/judge/under_scatter.hpp"
 #include "landing/search/optimize.hpp"
 
 namespace ukemi::tools {
@@ -36,6 +37,13 @@ struct ComparedMotion {
   OfSets<std::optional<landing::Landing>> landings;  ///< absent where it was stopped before
 };
 
+/// A plan for drops that scatter, and what it comes to where the identified constants are the truth.
+struct ComparedPlan {
+  std::string set;  ///< "nominal", "identified", "identified, with its covariance"
+  landing::Optimum best;
+  landing::UnderScatter truth;
+};
+
 /// Trials as the rig measured them; the rig's torque limit and feedback count before the actuators'.
 struct RigTrials {
   identify::Rig rig;
@@ -49,6 +57,7 @@ struct Comparison {
   std::vector<ConstantDifference> constants;
   std::optional<OfSets<identify::Fit>> predictions;  ///< of the trials, where there are any
   std::vector<ComparedMotion> motions;               ///< where there is a scene: of both sets
+  std::vector<ComparedPlan> plans;                   ///< where plans for scatter are asked for
   bool complete = true;  ///< every rollout, search and landing worked out and none was stopped
 
   bool landed() const { return motions.size() == 2 && motions[1].landings[1]; }  ///< all four landings were played
@@ -57,7 +66,7 @@ struct Comparison {
 struct ComparisonOptions {
   double escape = identify::Term::kInfinity;  ///< see identify::FitOptions::escape
   landing::OptimizeOptions search;
-  std::optional<landing::Optimum> identified_best;     ///< where it is known already
+  landing::RobustOptions robust;                       ///< with a measure: plans for scatter, too
   std::function<Monitor(const std::string&)> monitor;  ///< of the search with the set of this name
   double rate = 1000;                                  ///< rows of the trajectories a second [Hz]
 };

@@ -27,8 +27,10 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   }
   ComparisonOptions o;
   o.escape = escape_of(a.reading);
+  o.robust.scatter = scatter_of(a.scatter), o.robust.inflate = a.scatter.inflate;
+  if (a.robust) o.robust.measure = landing::Measure::parse("--robust", *a.robust);
+  if (a.robust && a.scene.empty()) throw InputError("compare: --robust needs --scene");
   o.search.seed = common.seed, o.search.threads = common.threads;
-  o.identified_best = a.identified_best;
   o.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set); };
   const Comparison found = compare(sets, measured, scene, o);
   if (result) *result = found;
@@ -46,6 +48,11 @@ void add_compare(CLI::App& app, Action& chosen) {
   verb->add_option("--trials", args->trials, "trial files: residuals of both sets");
   verb->add_option("--rig", args->rig, "rig file, with --trials");
   add_trial_options(*verb, args->reading);
+  verb->add_option(
+      "--robust", args->robust,
+      "with a scene, plans for drops that scatter too, with nominal constants, identified, identified with "
+      "their covariance: mean, cvar, quantile:Q or worst");
+  add_scatter(*verb, args->scatter);
   add_action<CompareArguments>(
       *verb, args, "ukemi compare --nominal nominal.toml --identified actuator.toml --scene scene.toml -o out", chosen,
       [](auto& a, auto& common) { return run_compare(a, common); });

@@ -13,6 +13,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
+#include "tools/report/scatter.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -44,6 +45,17 @@ void respect_ratings(const OptimizeArguments& a, const Actuator& actuator, Optim
   o.limits.motor_torque = actuator.sea.tau_max;
 }
 
+RobustOptions robust_of(const OptimizeArguments& a) {
+  RobustOptions out{.scatter = scatter_of(a.scatter), .inflate = a.scatter.inflate, .samples = a.samples};
+  if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
+  if (!(a.samples >= 16 && a.samples <= 4096))
+    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", a.samples));
+  if (!(a.penalty > 0 && a.penalty <= 1e6))
+    throw InputError(fmt::format("--penalty: {}: above 0 to 1e6 m/s^2 is needed", a.penalty));
+  out.penalty = a.penalty;
+  return out;
+}
+
 AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common, const Actuator& actuator,
                          const Run& run) {
   const bool all = a.solver == "compare";
@@ -62,6 +74,7 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   o.validate();
   o.monitor = run.monitor(all ? "solvers" : "optimize");
   if (all) out.solvers = solver_names();
+  out.robust = robust_of(a);
   out.rate = common.report == CommonOptions::Report::kWrite ? 1000 : 0;
   out.evidence = a.evidence;
   out.evidence_monitor = run.monitor("evidence");
@@ -80,7 +93,7 @@ double writing_time(const Answer& a, double rate, const Run& run) {
 
 }  // namespace
 
-int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Answer* result) {
+int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const Clock clock;
   Run run("optimize", common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
@@ -88,17 +101,16 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common, Answer
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
   const OptimizeOptions& o = options.search;
-  run.info(
-      fmt::format("optimising the {} of {} with {}: {}, seed {}", kGoalNames[std::size_t(o.goal)], scene.name, a.solver,
-                  o.deadline ? fmt::format("{:g} s", *o.deadline)
-                             : fmt::format("{} motions", o.evaluations.value_or(default_evaluations(
-                                                             o.goal, ReferenceSpace(scene, actuator.sea).dimension()))),
-                  o.seed));
+  const Goal goal = a.robust ? Goal::kRobust : o.goal;
+  const int variables = ReferenceSpace(scene, actuator.sea).dimension();
+  run.info(fmt::format("optimising the {} of {} with {}: {}, seed {}", goal_words(options), scene.name, a.solver,
+                       o.deadline
+                           ? fmt::format("{:g} s", *o.deadline)
+                           : fmt::format("{} motions", o.evaluations.value_or(default_evaluations(goal, variables))),
+                       o.seed));
   options.rehearse = [&](const Answer& rehearsed) { return writing_time(rehearsed, a.rate, run); };
   options.used = clock.seconds();
-  const Answer found = answer(scene, actuator, options);
-  if (result) *result = found;
-  return report(found, a.rate, run);
+  return report(answer(scene, actuator, options), a.rate, run);
 }
 
 void add_optimize(CLI::App& app, Action& chosen) {
@@ -132,6 +144,13 @@ void add_optimize(CLI::App& app, Action& chosen) {
       "--respect-ratings", [args] { args->ratings = OptimizeArguments::Ratings::kRespect; },
       "keep the reference's rate, the motor's speed and its torque within the actuator's speed_max and tau_max");
   add_freedom(*verb, args->freedom);
+  verb->add_option("--robust", args->robust,
+                   "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "
+                   "--objective tolerant each drop plays the motion somewhere in its execution box");
+  add_scatter(*verb, args->scatter);
+  verb->add_option("--samples", args->samples, "with --robust, drops that are searched on, best a power of two [256]");
+  verb->add_option("--penalty", args->penalty,
+                   "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
   add_action<OptimizeArguments>(*verb, args, "ukemi optimize scene.toml --actuator actuator.toml -o out", chosen,
                                 [](auto& a, auto& common) { return run_optimize(a, common); });

@@ -12,6 +12,7 @@
 #include "tools/report/identify.hpp"
 #include "tools/study/comparison.hpp"
 #include "tools/verbs/freedom.hpp"
+#include "tools/verbs/scattering.hpp"
 
 namespace ukemi::tools {
 
@@ -41,14 +42,19 @@ struct OptimizeArguments {
   landing::AnswerOptions::Extras evidence = landing::AnswerOptions::Extras::kWithoutDeadline;
   double rate = 1000;
   FreedomArguments freedom;
+  std::optional<std::string> robust;  ///< a measure
+  ScatterArguments scatter;
+  long samples = landing::RobustOptions().samples;
+  double penalty = landing::RobustOptions().penalty;
 };
-int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common, landing::Answer* result = nullptr);
+int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
 
 struct CompareArguments {
   std::string nominal, identified, scene, rig;
   std::vector<std::string> trials;
   TrialArguments reading;
-  std::optional<landing::Optimum> identified_best;  ///< where it is known already
+  std::optional<std::string> robust;  ///< a measure
+  ScatterArguments scatter;
 };
 int run_compare(const CompareArguments& arguments, const CommonOptions& common, Comparison* result = nullptr);
 

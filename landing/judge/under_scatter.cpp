@@ -1,0 +1,92 @@
+#include "landing/judge/under_scatter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ukemi::landing {
+
+namespace {
+
+constexpr double kAccuracy = 1e-5;  // peaks to some 1e-4
+
+/// Plays over drops, in parts: memory stays bounded.
+class Players {
+ public:
+  Players(const MotionSpace& space, const UnderScatterOptions& options) : space_(space), options_(options) {}
+  std::vector<double> peaks(const Play& p, std::span<const ScatteredDrop> drops, const Limits& limits) {
+    constexpr std::size_t kPart = 2048;
+    std::vector<double> out;
+    out.reserve(drops.size());
+    for (std::size_t i = 0; i < drops.size(); i += kPart)
+      for (const LandingPeak& l : landings_.play(
+               {&p, 1}, drops.subspan(i, std::min(kPart, drops.size() - i)),
+               {.accuracy = kAccuracy, .limits = limits, .threads = options_.threads, .over = &over_}, &space_)) {
+        broken += l.end == End::kBroken;
+        out.push_back(counted(l, options_.penalty));
+      }
+    return out;
+  }
+  bool stopped() const { return over_(); }
+  long broken = 0;
+
+ private:
+  const MotionSpace& space_;
+  const UnderScatterOptions& options_;
+  const std::function<bool()> over_ = [this] { return options_.monitor.stopped(); };
+  ScatteredLandings landings_;
+};
+
+/// A reference that stands at phi, after the planned move in the air, if there is one.
+Motion holding(double phi, const Motion& planned) {
+  Motion m{phi, phi, 1};
+  m.reposition = planned.reposition;
+  return m;
+}
+
+}  // namespace
+
+std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOptions& options, std::uint64_t seed) {
+  constexpr long kJudging = 2048;
+  constexpr std::uint64_t kApart = 0x9d6e5;  // the drops that judge are others than those that are searched on
+  auto robust = std::make_shared<Robust>();
+  robust->measure = *options.measure, robust->penalty = options.penalty;
+  robust->drops = model.even(options.samples, seed);
+  robust->judging = model.even(kJudging, seed ^ kApart << 32);
+  return robust;
+}
+
+UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const Play& planned,
+                           const UnderScatterOptions& options) {
+  constexpr std::uint64_t kFresh = 0xf4e5a;  // seeds of searches are others
+  const std::vector<ScatteredDrop> drops = model.independent(options.samples, options.seed ^ kFresh << 32);
+  Players play(space, options);
+  UnderScatter out;
+  Limits limits = options.limits;
+  if (model.scene().joint) limits.joint = *model.scene().joint;
+  const std::vector<double> peaks = play.peaks(planned, drops, limits);
+  out.planned = distribution(peaks), out.measured = estimated(options.measure, peaks);
+  out.broken = play.broken;
+  const auto held = [&](double phi) { return Play{holding(phi, planned.motion), planned.sea}; };
+  out.held = distribution(play.peaks({kHeld, planned.sea}, drops, {}));
+  // The best posture: on a grid, then between the best one's neighbours.
+  constexpr int kGrid = 25, kRounds = 2;
+  constexpr long kFew = 128;
+  const auto few = std::span(drops).first(std::size_t(std::min(kFew, options.samples)));
+  auto [low, high] = model.scene().search.phi;
+  double best = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kRounds; ++round) {
+    const double step = (high - low) / (kGrid - 1);
+    const double from = low;
+    for (int i = 0; i < kGrid && !play.stopped(); ++i) {
+      std::vector<double> of_posture = play.peaks(held(from + step * i), few, {});
+      const double mean = Measure{}.of(of_posture);
+      if (mean < best) best = mean, out.posture_phi = from + step * i;
+    }
+    low = std::max(low, out.posture_phi - step), high = std::min(high, out.posture_phi + step);
+  }
+  out.posture = distribution(play.peaks(held(out.posture_phi), drops, {}));
+  out.complete = !play.stopped();
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,54 @@
+// What a motion is worth where drops scatter, beside the references that do nothing: held at -45 deg, and held in the
+// posture that is best to hold.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "common/monitor.hpp"
+#include "landing/scatter/drop_model.hpp"
+#include "landing/scatter/measure.hpp"
+#include "landing/scatter/scattered.hpp"
+#include "landing/search/robust.hpp"
+
+namespace ukemi::landing {
+
+/// The reference that others are compared with: it holds the middle of Fig. 5's range, -45 deg.
+inline constexpr Motion kHeld{-0.7853981633974483, -0.7853981633974483, 1};
+
+/// A plan for drops that scatter.
+struct RobustOptions {
+  std::optional<Measure> measure;    ///< what is minimised; absent: the peak or the tolerant peak of the planned drop
+  std::optional<Scatter> scatter;    ///< absent: the scene's, else Scatter::assumed()
+  std::vector<ScatteredDrop> drops;  ///< measured ones, in place of all that is drawn
+  double inflate = 1;                ///< see DropModel::Options
+  long samples = 256;                ///< drops that are searched on
+  double penalty = 1000;             ///< what a drop that breaks a limit counts [m/s^2]
+};
+
+/// The goal of a search for such a plan, measure set: drops drawn for the search's seed.
+std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOptions& options, std::uint64_t seed);
+
+struct UnderScatterOptions {
+  long samples = 4096;  ///< independent drops
+  Measure measure;
+  Limits limits;  ///< of the motion; the references are played without
+  double penalty = 1000;
+  std::uint64_t seed = 1;  ///< of the drops: others than any search's
+  int threads = 0;
+  Monitor monitor;
+};
+
+struct UnderScatter {
+  Distribution planned, held, posture;
+  Estimated measured;      ///< UnderScatterOptions::measure of the planned motion
+  double posture_phi = 0;  ///< the posture whose mean peak is the smallest [rad]
+  long broken = 0;         ///< drops in which the motion broke a limit; each counts as the penalty
+  bool complete = false;   ///< false where it was stopped
+};
+
+/// Plays them over the same fresh drops. A landing that cannot be followed makes what it is part of infinite.
+[[nodiscard]] UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const Play& planned,
+                                         const UnderScatterOptions& options);
+
+}  // namespace ukemi::landing

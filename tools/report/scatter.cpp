@@ -1,0 +1,99 @@
+#include "tools/report/scatter.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "landing/model/scatter_file.hpp"
+#include "tools/report/landing.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+Quantities<Distribution> distribution_quantities() {
+  const auto peak = [](const char* key, const char* words, double Distribution::*value) {
+    return Quantity<Distribution>{key, key, words, short_peak_words, value};
+  };
+  return {{"mean", "mean", "mean", short_peak_words, [](auto& d) { return d.mean.value; }},
+          {"mean_std", [](auto& d) { return number(d.mean.standard_error); }},
+          peak("median", "median", &Distribution::median),
+          peak("q90", "90 % below", &Distribution::q90),
+          peak("q99", "99 % below", &Distribution::q99),
+          {"cvar90", "cvar90", "mean of the worst tenth", short_peak_words, [](auto& d) { return d.cvar90.value; }},
+          {"cvar90_std", [](auto& d) { return number(d.cvar90.standard_error); }},
+          peak("max", "worst", &Distribution::max),
+          {"samples", &Distribution::samples}};
+}
+
+std::string goal_words(const AnswerOptions& options) {
+  const std::string plain = options.search.goal == Goal::kPeak ? "peak" : "tolerant peak";
+  return options.robust.measure ? fmt::format("{} under scatter ({})", plain, options.robust.measure->name()) : plain;
+}
+
+std::string distribution_words(const Distribution& d) {
+  return fmt::format("mean {}, worst tenth {}, 99 % below {}", short_peak_words(d.mean.value),
+                     short_peak_words(d.cvar90.value), short_peak_words(d.q99));
+}
+
+std::string scatter_words(const Scatter& scatter, bool assumed) {
+  return text_of(scatter) + (assumed ? "; assumed" : "");
+}
+
+namespace {
+Json json_of(const Distribution& d) { return Table::of(distribution_quantities(), d).object(); }
+}  // namespace
+
+Json scatter_json(const Answer& a) {
+  Json out = Json::object();
+  if (a.scattered) {
+    Json& robust = out["robust"];
+    robust = {{"measure", a.options.robust.measure->name()},
+              {"promised", a.best.value},
+              {"samples", a.options.robust.samples},
+              {"penalty", a.options.robust.penalty}};
+    if (a.promised) robust["promised_std"] = number(a.promised->standard_error);
+    if (a.under_scatter) {
+      const Estimated& u = a.under_scatter->measured;
+      robust["fresh"] = json_of(a.under_scatter->planned);
+      robust["fresh"]["measured"] = number(u.value), robust["fresh"]["measured_std"] = number(u.standard_error);
+      robust["optimism"] = u.value / a.best.value - 1;
+    }
+  }
+  if (const auto& u = a.under_scatter) {
+    Json& scatter = out["scatter"];
+    scatter = {{"deviations", text_of(a.scatter)},    {"assumed", a.scatter_assumed},
+               {"planned", json_of(u->planned)},      {"held", json_of(u->held)},
+               {"best_posture", json_of(u->posture)}, {"broken", u->broken}};
+    scatter["best_posture"]["phi_deg"] = u->posture_phi * 180 / std::numbers::pi;
+  }
+  return out;
+}
+
+void tell_scatter(const Answer& a, Run& run) {
+  if (a.options.robust.measure && !a.scattered) run.say("nothing scatters: this is the plan for the scene's own drop");
+  if (!a.under_scatter) return;
+  const UnderScatter& u = *a.under_scatter;
+  const double posture = u.posture_phi * 180 / std::numbers::pi;
+  run.say(
+      fmt::format("under scatter ({}; {} fresh drops): {}; held at -45 deg: {}; best posture to hold, {:.1f} deg: {}",
+                  scatter_words(a.scatter, a.scatter_assumed), u.planned.samples, distribution_words(u.planned),
+                  distribution_words(u.held), posture, distribution_words(u.posture)));
+  if (a.scattered)
+    run.say(fmt::format("promised {}{}, fresh {} ({:+.1f} %)", short_peak_words(a.best.value),
+                        a.promised ? fmt::format(" +- {:.2g}", 1.96 * a.promised->standard_error) : "",
+                        short_peak_words(u.measured.value), 100 * (u.measured.value / a.best.value - 1)));
+  if (u.broken > 0)
+    run.warn(fmt::format("in {} of {} drops the motion breaks a limit; each counts as {:g} m/s^2", u.broken,
+                         u.planned.samples, a.options.robust.penalty));
+  const double worst = u.planned.cvar90.value;
+  if (!(worst <= u.held.cvar90.value) || !(worst <= u.posture.cvar90.value))
+    run.warn(fmt::format(
+        "in the worst tenth of scattered drops the motion's peak is {} m/s^2; held at -45 deg it is {}, held at {:.1f} "
+        "deg {}: doing nothing is safer; --robust cvar plans for that",
+        short_peak_words(worst), short_peak_words(u.held.cvar90.value), posture,
+        short_peak_words(u.posture.cvar90.value)));
+}
+
+}  // namespace ukemi::tools

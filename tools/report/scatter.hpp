@@ -1,0 +1,27 @@
+// What the verbs tell of peaks under scatter, each quantity once.
+#pragma once
+
+#include <string>
+
+#include "landing/judge/answer.hpp"
+#include "tools/report/table.hpp"
+
+namespace ukemi::tools {
+
+/// Of the peaks of one motion over many drops [m/s^2].
+Quantities<landing::Distribution> distribution_quantities();
+
+/// What is minimised: "peak", "tolerant peak", "mean peak under scatter".
+std::string goal_words(const landing::AnswerOptions& options);
+/// "mean 135.0, worst tenth 175.3, 99 % below 204.7".
+std::string distribution_words(const landing::Distribution& d);
+/// The scatter as its option has it, and whether it is assumed.
+std::string scatter_words(const landing::Scatter& scatter, bool assumed);
+
+/// "robust" and "scatter" of an answer; what is not known is absent.
+Json scatter_json(const landing::Answer& answer);
+/// One sentence of the motion under scatter, beside the references that do nothing; and a warning where its worst tenth
+/// is worse than theirs.
+void tell_scatter(const landing::Answer& answer, Run& run);
+
+}  // namespace ukemi::tools
