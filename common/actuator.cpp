@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/csv.hpp"
+#include "common/uncertainty.hpp"
 
 namespace ukemi {
 
@@ -42,26 +43,9 @@ Actuator read_actuator(const std::string& path) {
   a.sea.feedback = read_feedback(s).value_or(Feedback::kOutput);
   a.speed_max = s.optional_number("speed_max", Range::positive());
   if (auto u = file.optional("uncertainty")) {
-    const auto order = u->optional_texts("order");
-    const auto covariance = u->optional_matrix("covariance");
-    if (!order || !covariance) u->fail("order", "both 'order' and 'covariance' are needed");
-    if (covariance->size() != order->size())
-      u->fail("covariance", fmt::format("{} rows: 'order' names {}", covariance->size(), order->size()));
-    for (std::size_t i = 0; i < order->size(); ++i) {
-      const std::vector<std::string> known = {
-          "k_p", "k_d", "k_sea", "c_sea", "i_motor", "friction", "viscous_friction", "k_sea_cubic"};
-      const std::string& name = (*order)[i];
-      if (std::find(known.begin(), known.end(), name) == known.end())
-        u->fail("order", quoted(name) + ": not a constant of the actuator" + hint(name, known));
-      if (std::find(order->begin(), order->begin() + long(i), name) != order->begin() + long(i))
-        u->fail("order", quoted(name) + ": named twice");
-    }
-    a.uncertain = *order;
-    a.covariance.resize(long(order->size()), long(order->size()));
-    for (std::size_t i = 0; i < order->size(); ++i)
-      for (std::size_t j = 0; j < order->size(); ++j) a.covariance(long(i), long(j)) = (*covariance)[i][j];
-    for (long i = 0; i < a.covariance.rows(); ++i)
-      if (!(a.covariance(i, i) >= 0)) u->fail("covariance", "a variance below 0 on its diagonal");
+    Uncertainty read = read_uncertainty(
+        *u, {"k_p", "k_d", "k_sea", "c_sea", "i_motor", "friction", "viscous_friction", "k_sea_cubic"}, "the actuator");
+    a.uncertain = std::move(read.order), a.covariance = std::move(read.covariance);
     u->accept("std"), u->accept("ci95");  // follow from the covariance
   }
   if (auto v = file.optional("verdict"))
@@ -109,14 +93,7 @@ std::string to_toml(const Actuator& a, double half_width) {
       return fmt::format("[{}, {}]", shortest(value(i) - half_width * error(i)),
                          shortest(value(i) + half_width * error(i)));
     });
-    t += "covariance = [\n";
-    for (std::size_t i = 0; i < a.uncertain.size(); ++i) {
-      t += "  [";
-      for (std::size_t j = 0; j < a.uncertain.size(); ++j)
-        t += (j ? ", " : "") + shortest(a.covariance(long(i), long(j)));
-      t += "],\n";
-    }
-    t += "]\n";
+    t += covariance_lines(a.covariance);
   }
   if (!a.provenance.empty()) {
     t += "\n[provenance]\n";

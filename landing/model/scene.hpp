@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/uncertainty.hpp"
 #include "landing/model/floor.hpp"
 #include "landing/model/scatter.hpp"
 #include "landing/model/two_link.hpp"
@@ -48,6 +49,10 @@ struct ExecutionTolerance {
   double duration = 0.002;                  ///< [s], >= 0
 };
 
+/// What a scene's [uncertainty] may name: the floor's constants, and the pitch that was found with them.
+inline constexpr std::array<const char*, 4> kUncertainNames = {"stiffness", "damping_normal", "damping_tangential",
+                                                               "pitch"};
+
 struct Scene {
   std::string name;
   TwoLink<double> robot;
@@ -57,6 +62,7 @@ struct Scene {
   Drop drop;
   std::optional<Release> release;              ///< absent: released at phi_I
   std::optional<std::array<double, 2>> joint;  ///< stops of the joint angle phi_1 [rad]
+  std::optional<Uncertainty> uncertainty;      ///< of stiffness, damping_normal, damping_tangential, pitch
   std::optional<Scatter> scatter;              ///< of its drops; absent: nothing is said
   double detection_delay = 0;                  ///< from the first touchdown to the motion's start [s], >= 0
   SearchRange search;

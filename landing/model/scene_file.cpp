@@ -25,7 +25,7 @@ std::array<double, 2> rising(const TomlSection& section, const std::string& key,
   return {v[0], v[1]};
 }
 
-/// [motion], [release], [joint], [scatter] and [detection]: what this scene has beside the paper's.
+/// [motion], [release], [joint], [uncertainty], [scatter] and [detection]: what this scene has beside the paper's.
 void read_freedom(TomlFile& file, Scene& scene) {
   if (auto motion = file.optional("motion")) {
     scene.freedom.bumps = int(motion->optional_count("bumps", 0, kMostBumps).value_or(0));
@@ -40,6 +40,8 @@ void read_freedom(TomlFile& file, Scene& scene) {
                             release->optional_number("from", Range::non_negative()).value_or(0)};
     if (const auto wrong = release_fault(scene)) release->fail(wrong->key, wrong->message);
   }
+  if (auto uncertainty = file.optional("uncertainty"))
+    scene.uncertainty = read_uncertainty(*uncertainty, {kUncertainNames.begin(), kUncertainNames.end()}, "the scene");
   if (auto scatter = file.optional("scatter")) scene.scatter = read_scatter(*scatter);
   if (auto detection = file.optional("detection")) {
     constexpr double kLatest = 0.1;  // [s]
@@ -193,6 +195,11 @@ std::string to_toml(const Scene& s, const std::string& comments) {
   if (s.detection_delay > 0) {
     text += "\n[detection]\n";
     line("delay", shortest(s.detection_delay), "s");
+  }
+  if (s.uncertainty) {
+    std::string names;
+    for (const std::string& name : s.uncertainty->order) names += (names.empty() ? "\"" : ", \"") + name + "\"";
+    text += "\n[uncertainty]\norder = [" + names + "]\n" + covariance_lines(s.uncertainty->covariance);
   }
   if (s.scatter) text += "\n[scatter]  # standard deviations\n" + toml_lines(*s.scatter);
   return text;

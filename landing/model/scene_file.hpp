@@ -9,8 +9,8 @@
 namespace ukemi::landing {
 
 /// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run], [motion],
-/// [release], [joint], [detection], [scatter] optional; an absent table or key is an absent term. Throws InputError
-/// with file:line:column.
+/// [release], [joint], [detection], [uncertainty], [scatter] optional; an absent table or key is an absent term. Throws
+/// InputError with file:line:column.
 Scene read_scene(const std::string& path);
 
 /// What is wrong with a scene's release.

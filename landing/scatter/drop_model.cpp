@@ -71,6 +71,8 @@ DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator&
     terms_.push_back(int(k));
     add(kScatterTerms[k].name, 1);
   }
+  if (options.floor && scene.uncertainty) scatter_floor(*scene.uncertainty);
+  scene_.uncertainty.reset();
   if (options.actuator && options.inflate > 0 && actuator.covariance.size() > 0) {
     std::vector<int> known;
     for (std::size_t i = 0; i < actuator.uncertain.size(); ++i)
@@ -80,6 +82,24 @@ DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator&
     if (!constants_.empty()) add("actuator", int(constants_.size()));
   }
   if (inexact_) add("execution", 3);
+}
+
+/// Constants of the floor are log-normal: their covariance counts relative to what they are.
+void DropModel::scatter_floor(const Uncertainty& known) {
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(long(known.order.size()));
+  for (std::size_t i = 0; i < known.order.size(); ++i) {
+    const auto term = std::find_if(kScatterTerms.begin(), kScatterTerms.end(),
+                                   [&](const ScatterTerm& t) { return known.order[i] == t.name; });
+    of_floor_.push_back(term->deviation);
+    if (term->kind != ScatterTerm::Kind::kRelative) continue;
+    const Floor<double> floor = scene_.floor.value_or(Floor<double>{});
+    const double value = term->deviation == &Scatter::stiffness        ? floor.stiffness
+                         : term->deviation == &Scatter::damping_normal ? floor.damping_normal
+                                                                       : floor.damping_tangential;
+    unit[long(i)] = value > 0 ? 1 / value : 0;
+  }
+  floor_root_ = root_of(unit.asDiagonal() * known.covariance * unit.asDiagonal());
+  add("floor", int(of_floor_.size()));
 }
 
 void DropModel::add(const std::string& name, int count) {
@@ -94,6 +114,12 @@ ScatteredDrop DropModel::drop(std::span<const double> u) const {
   for (const int t : terms_) {
     double Scatter::*const deviation = kScatterTerms[std::size_t(t)].deviation;
     z.*deviation = scatter_.*deviation * cut_normal(u[next++]);
+  }
+  if (!of_floor_.empty()) {
+    Eigen::VectorXd normal(floor_root_.cols());
+    for (double& x : normal) x = cut_normal(u[next++]);
+    const Eigen::VectorXd by = floor_root_ * normal;
+    for (std::size_t i = 0; i < of_floor_.size(); ++i) z.*of_floor_[i] += by[long(i)];
   }
   Drop& drop = d.scene.drop;
   drop.pitch += z.pitch, drop.forward_speed += z.forward_speed, drop.pitch_rate += z.pitch_rate;

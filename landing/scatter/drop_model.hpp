@@ -34,6 +34,7 @@ struct ScatterGroup {
 class DropModel {
  public:
   struct Options {
+    bool floor = true;     ///< the floor's constants scatter where the scene holds their covariance
     bool actuator = true;  ///< its constants scatter where its file holds their covariance
     double inflate = 1;    ///< factor of their standard errors
     bool inexact = false;  ///< the motion is played anywhere in the execution box, uniformly
@@ -56,12 +57,15 @@ class DropModel {
 
  private:
   void add(const std::string& name, int count);
+  void scatter_floor(const Uncertainty& known);
 
   Scene scene_;
   Scatter scatter_;
-  std::vector<int> terms_;      ///< of kScatterTerms, those that scatter
-  std::vector<int> constants_;  ///< of U, those of the covariance
-  Eigen::MatrixXd root_;        ///< R R^T is their covariance
+  std::vector<int> terms_;                   ///< of kScatterTerms, those that scatter
+  std::vector<int> constants_;               ///< of U, those of the covariance
+  Eigen::MatrixXd root_;                     ///< R R^T is their covariance
+  std::vector<double Scatter::*> of_floor_;  ///< the numbers of the scene's [uncertainty], as a scatter has them
+  Eigen::MatrixXd floor_root_;               ///< of those, relative for the floor's constants
   bool inexact_;
   int dimension_ = 0;
   std::vector<ScatterGroup> groups_;

@@ -324,6 +324,32 @@ TEST_CASE("what a motion may have beside the paper's numbers is refused where it
                 {"--motor-speed: 0: ", "above 0"});
 }
 
+TEST_CASE("a scatter that is none is refused") {
+  check_optimize({"--scatter", "pitch=1"}, {"--scatter: 'pitch'", "pitch_deg"});
+  check_optimize({"--scatter", "height=-0.1"}, {"--scatter: 'height=-0.1': ", "at least 0"});
+  check_optimize({"--scatter", "stiffness=0.1"}, {"--scatter: 'stiffness=0.1': ", "10%"});
+  check_optimize({"--scatter", "height=1,height=2"}, {"--scatter: 'height'", "twice"});
+  check_optimize({"--scatter", "height"}, {"--scatter: 'height': ", "NAME=VALUE"});
+  check_optimize({"--robust", "median"}, {"--robust: 'median'", "cvar"});
+  check_optimize({"--robust", "quantile:2"}, {"--robust: 'quantile:2': ", "between 0 and 1"});
+  check_optimize({"--robust", "mean", "--samples", "3"}, {"--samples: 3: ", "16 to 4096"});
+  check_optimize({"--robust", "mean", "--penalty", "0"}, {"--penalty: 0: ", "above 0"});
+  check_optimize({"--robust", "mean", "--inflate", "-1"}, {"--inflate: -1: ", "0 to 100"});
+  const Folder f;
+  const auto refused = [&](const std::string& more, const std::vector<std::string>& words) {
+    const std::string scene = f.write("s.toml", read(kPaper) + "\n" + more);
+    check_refused(f, {"optimize", scene, "--actuator", kTable2, "-o", "out"}, words);
+  };
+  refused("[scatter]\npitch_deg = -1\n", {"s.toml:", "pitch_deg", "at least 0"});
+  refused("[scatter]\nstiffness = \"ten\"\n", {"s.toml:", "stiffness", "'ten'", "10%"});
+  refused("[scatter]\nhight = 1\n", {"s.toml:", "hight", "height"});
+  refused("[uncertainty]\norder = [\"mass\"]\ncovariance = [[1]]\n", {"s.toml:", "'mass'", "not a constant"});
+  const std::string actuator = f.write(
+      "a.toml", read(kTable2) + "\n[uncertainty]\norder = [\"k_p\", \"k_d\"]\n" + "covariance = [[1, 5], [5, 1]]\n");
+  check_refused(f, {"optimize", kPaper, "--actuator", actuator, "--robust", "mean", "-o", "out"},
+                {"covariance", "positive semidefinite"});
+}
+
 TEST_CASE("what a later version brings says so") {
   const Folder f;
   const std::string later = "not in this version";

@@ -835,10 +835,39 @@ TEST_CASE("the same inputs and seed give the same bytes with any number of threa
   SECTION("identify") { check_threads(kIdentify); }
   SECTION("simulate") { check_threads(kSimulate); }
   SECTION("optimize") { check_threads(kOptimize); }
+  SECTION("optimize --robust") {
+    check_threads({"optimize", kPaper, "--actuator", kTable2, "--robust", "cvar", "--evaluations", "8000"});
+  }
   SECTION("compare") {
     const Folder f;
     check_threads({"compare", "--nominal", kNominal, "--identified", kTable2, "--scene", short_scene(f)});
   }
+}
+
+TEST_CASE("optimize tells the motion under scatter, and what a robust plan promises") {
+  const Folder f;
+  const Result r = done(f, kOptimize + Arguments{"--robust", "quantile:0.8", "--evaluations", "10000", "-o", "robust"});
+  CHECK_THAT(r.out,
+             Contains("under scatter (pitch_deg=1,height=0.01,forward_speed=0.03; assumed; 10000 fresh drops)") &&
+                 Contains("held at -45 deg: mean 464") && Contains("promised"));
+  const Json robust = summary(f, "robust")["robust"], scatter = summary(f, "robust")["scatter"];
+  CHECK(robust["measure"] == "quantile:0.8");
+  CHECK(robust["fresh"]["samples"] == 10'000);
+  CHECK(robust["optimism"] == Approx(robust["fresh"]["measured"].get<double>() / robust["promised"].get<double>() - 1));
+  CHECK(scatter["assumed"] == true);
+  CHECK(scatter["planned"]["mean"] == robust["fresh"]["mean"]);
+  CHECK(scatter["held"]["cvar90"] > scatter["best_posture"]["mean"]);
+
+  // A plan for the one drop is worse, in the worst tenth, than doing nothing: the program says so.
+  const Result plain = done(f, {"optimize", kPaper, "--actuator", kTable2, "--evaluations", "4000", "-o", "plain"});
+  CHECK_THAT(plain.err, Contains("doing nothing is safer"));
+  CHECK(!summary(f, "plain").contains("robust"));
+
+  // Nothing scatters: the plan for the scene's own drop, to the last digit.
+  done(f, kOptimize + Arguments{"-o", "one_drop"});
+  const Result still = done(f, kOptimize + Arguments{"--robust", "mean", "--scatter", "height=0", "-o", "still"});
+  CHECK_THAT(still.out, Contains("nothing scatters"));
+  CHECK(summary(f, "still")["motion"] == summary(f, "one_drop")["motion"]);
 }
 
 TEST_CASE("every output carries its provenance: version, command, seed, time, a checksum of each input") {

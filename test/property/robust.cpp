@@ -7,6 +7,7 @@
 #include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
+#include "test/folder.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -152,6 +153,35 @@ TEST_CASE("robust: a covariance moves the actuator, and one that is none is refu
   a.covariance(0, 1) = a.covariance(1, 0) = 1;
   CHECK_THROWS_AS(DropModel(paper(), Scatter{}, a, {}), InputError);
   CHECK(DropModel(paper(), Scatter{}, a, {.actuator = false}).dimension() == 0);
+}
+
+TEST_CASE("robust: the floor's constants scatter as they were calibrated, and a scene holds that") {
+  Scene scene = paper();
+  scene.uncertainty = Uncertainty{{"stiffness", "pitch"}, Eigen::MatrixXd{{688.0 * 688, 0}, {0, 1e-4}}};
+  const DropModel model(scene, Scatter{});
+  CHECK(model.dimension() == 2);
+  CHECK(model.groups().front().name == "floor");
+  double ln = 0, pitch = 0;
+  const auto drops = model.independent(4000, 5);
+  for (const ScatteredDrop& d : drops) {
+    ln += std::pow(std::log(d.scene.floor->stiffness / scene.floor->stiffness), 2) / 4000;
+    pitch += std::pow(d.scene.drop.pitch - scene.drop.pitch, 2) / 4000;
+  }
+  const double cut = 0.9733;  // variance of a normal number that is cut at three
+  CHECK(ln == Approx(cut * 688 * 688 / std::pow(scene.floor->stiffness, 2)).epsilon(0.06));
+  CHECK(pitch == Approx(cut * 1e-4).epsilon(0.06));
+
+  scene.scatter = Scatter{.pitch = 0.02, .stiffness = 0.125, .delay = 0.001};
+  const Folder f;
+  const Scene again = read_scene(f.write("s.toml", to_toml(scene, "")));
+  REQUIRE(again.uncertainty);
+  CHECK(again.uncertainty->order == scene.uncertainty->order);
+  CHECK(again.uncertainty->covariance == scene.uncertainty->covariance);
+  REQUIRE(again.scatter);
+  CHECK(again.scatter->pitch == Approx(0.02).epsilon(1e-10));
+  CHECK(again.scatter->delay == 0.001);
+  CHECK(again.scatter->stiffness == Approx(0.125).epsilon(1e-12));
+  CHECK(again.scatter->height == 0);
 }
 
 TEST_CASE("robust: a planner plans for what it does not know, again and again, by its deadline") {

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
@@ -61,13 +63,28 @@ std::string samples_csv(const Run& run, const CalibratedDrops& c) {
   return csv.text();
 }
 
+/// Of the constants that were fitted, as far as it is known.
+std::optional<Uncertainty> uncertainty_of(const Calibration& c) {
+  std::vector<int> known;
+  Uncertainty out;
+  for (std::size_t i = 0; i < c.fitted.size(); ++i)
+    if (std::find(kUncertainNames.begin(), kUncertainNames.end(), c.fitted[i]) != kUncertainNames.end() &&
+        std::isfinite(c.covariance(long(i), long(i))))
+      known.push_back(int(i)), out.order.push_back(c.fitted[i]);
+  if (known.empty()) return std::nullopt;
+  out.covariance = c.covariance(known, known);
+  return out;
+}
+
 /// The scene with the fitted constants.
 std::string scene_toml(const Run& run, const Calibration& c) {
   std::string comments = run.provenance_text();
   for (const auto& e : c.parameters)
     comments += fmt::format("{}: {}: {}\n", e.name, words(e), identify::name(e.verdict));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
-  return to_toml(c.scene, comments);
+  Scene scene = c.scene;
+  if (c.converged) scene.uncertainty = uncertainty_of(c);
+  return to_toml(scene, comments);
 }
 
 /// "outputs" and "drops" of the summary, as tables and, drop by drop, as plots.

@@ -1,0 +1,23 @@
+// How well numbers are known: their names and covariance, as [uncertainty] of a file has them.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "common/toml.hpp"
+
+namespace ukemi {
+
+struct Uncertainty {
+  std::vector<std::string> order;
+  Eigen::MatrixXd covariance;  ///< of those, in their order, SI
+};
+
+/// `order` and `covariance`; each name once and one of `known`, which are constants of `whom`. Throws InputError with
+/// file:line:column.
+Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& whom);
+/// The line of the key `covariance`.
+std::string covariance_lines(const Eigen::MatrixXd& covariance);
+
+}  // namespace ukemi
