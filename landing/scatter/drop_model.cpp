@@ -115,9 +115,10 @@ ScatteredDrop DropModel::drop(std::span<const double> u) const {
   return d;
 }
 
-std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed) const {
+std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed, long first) const {
   const auto d = std::size_t(dimension_);
-  const std::vector<double> points = d > 0 ? ScrambledSobol(dimension_, seed).points(count) : std::vector<double>();
+  const std::vector<double> points =
+      d > 0 ? ScrambledSobol(dimension_, seed).points(count, first) : std::vector<double>();
   std::vector<ScatteredDrop> out;
   out.reserve(std::size_t(count));
   for (std::size_t n = 0; n < std::size_t(count); ++n) out.push_back(drop(std::span(points).subspan(n * d, d)));

@@ -49,8 +49,8 @@ class DropModel {
   /// The drop of a point of the unit cube; normal numbers are cut at three deviations.
   ScatteredDrop drop(std::span<const double> u) const;
 
-  /// Scrambled Sobol points: for searches, which do best with a power of two of them.
-  std::vector<ScatteredDrop> even(long count, std::uint64_t seed) const;
+  /// Scrambled Sobol points from point `first` on: for searches, which do best with a power of two of them.
+  std::vector<ScatteredDrop> even(long count, std::uint64_t seed, long first = 0) const;
   /// Independent ones: for what is said of a plan that was found.
   std::vector<ScatteredDrop> independent(long count, std::uint64_t seed) const;
 
