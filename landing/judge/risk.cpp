@@ -72,10 +72,11 @@ std::vector<RiskEvent> events_of(const Scene& scene, const Actuator& actuator, c
   return out;
 }
 
-/// How often limits are passed: a landing with all of them, and where that breaks one with each.
-class Passings {
+/// Lands a plan, and counts how often its limits are passed: what keeps all of them is followed to its end at once, the
+/// others once more without limits and once with each.
+class Lander {
  public:
-  Passings(std::vector<RiskEvent>& events, const Scene& scene) {
+  Lander(const Play& planned, std::vector<RiskEvent>& events, const Scene& scene) : planned_(planned) {
     for (RiskEvent& e : events) {
       const Limits l = limits_of(e, scene);
       if (!l.any()) continue;
@@ -85,32 +86,39 @@ class Passings {
       if (l.joint_stops()) all_.joint = l.joint;
     }
   }
-  bool any() const { return !each_.empty(); }
 
-  /// Of the drops that `landed` were followed.
-  void count(const Play& planned, std::span<const ScatteredDrop> drops, const std::vector<LandingPeak>& landed,
-             Course& course) {
-    const std::vector<LandingPeak>& within = course.play(landings_, planned, drops, all_);
+  /// The landings without limits. What a course that has stopped leaves is of no use, and not counted.
+  const std::vector<LandingPeak>& land(std::span<const ScatteredDrop> drops, Course& course) {
+    landed_ = course.play(landings_, planned_, drops, all_);
+    std::vector<std::size_t> places;
     std::vector<ScatteredDrop> broken;
     for (std::size_t i = 0; i < drops.size(); ++i)
-      if (followed(landed[i]) && within[i].end == End::kBroken) broken.push_back(drops[i]);
+      if (landed_[i].end == End::kBroken) places.push_back(i), broken.push_back(drops[i]);
+    if (broken.empty()) return landed_;
+    const std::vector<LandingPeak>& whole = course.play(landings_, planned_, broken);
+    for (std::size_t k = 0; k < places.size(); ++k) landed_[places[k]] = whole[k];
     std::vector<long> counts;
-    for (const auto& [event, limits] : each_)
-      counts.push_back(each_.size() == 1 ? long(broken.size()) : breaking(planned, broken, limits, course));
-    if (course.stopped()) return;
-    for (std::size_t k = 0; k < counts.size(); ++k) each_[k].first->drops += counts[k];
+    for (const auto& [event, limits] : each_) counts.push_back(broken_by(limits, places, broken, course));
+    for (std::size_t k = 0; k < counts.size() && !course.stopped(); ++k) each_[k].first->drops += counts[k];
+    return landed_;
   }
 
  private:
-  long breaking(const Play& planned, std::span<const ScatteredDrop> drops, const Limits& limits, Course& course) {
-    if (drops.empty()) return 0;
-    const std::vector<LandingPeak>& l = course.play(landings_, planned, drops, limits);
-    return std::count_if(l.begin(), l.end(), [](auto& x) { return x.end == End::kBroken; });
+  /// How many of these drops, of those that can be followed, break these limits; all break some.
+  long broken_by(const Limits& limits, const std::vector<std::size_t>& places, std::span<const ScatteredDrop> drops,
+                 Course& course) {
+    const auto* each = each_.size() > 1 ? &course.play(landings_, planned_, drops, limits) : nullptr;
+    long out = 0;
+    for (std::size_t k = 0; k < places.size(); ++k)
+      out += followed(landed_[places[k]]) && (!each || (*each)[k].end == End::kBroken);
+    return out;
   }
 
+  Play planned_;
   std::vector<std::pair<RiskEvent*, Limits>> each_;
   Limits all_;
   ScatteredLandings landings_;
+  std::vector<LandingPeak> landed_;
 };
 
 /// Bins whose width is a power of two: 32 to 64 from the smallest peak of the motion to its 99th percentile `q99`, and
@@ -238,12 +246,11 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
   const Play planned{motion, actuator.sea}, held{kHeld, actuator.sea};
   Risk out;
   out.events = events_of(model.scene(), actuator, options);
-  Passings passings(out.events, model.scene());
   const IndexPlan plan(model, options);
-  const long runs = passings.any() ? 3 : 2;
-  Course course(options, n * runs + plan.landings());
+  Course course(options, 2 * n + plan.landings());
   Census census(out.events);
-  ScatteredLandings own, of_held;
+  Lander lander(planned, out.events, model.scene());
+  ScatteredLandings of_held;
   for (long first = 0; first < n && !course.stopped(); first += kChunk) {
     const long count = std::min(kChunk, n - first);
     std::vector<ScatteredDrop> made;
@@ -251,12 +258,11 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
     const std::span<const ScatteredDrop> drops =
         drawn ? std::span<const ScatteredDrop>(made)
               : std::span(options.measured).subspan(std::size_t(first), std::size_t(count));
-    const std::vector<LandingPeak>& landed = course.play(own, planned, drops);
     const std::vector<LandingPeak>& landed_held = course.play(of_held, held, drops);
-    if (passings.any()) passings.count(planned, drops, landed, course);
+    const std::vector<LandingPeak>& landed = lander.land(drops, course);
     if (course.stopped()) break;
     census.add(first, landed, landed_held);
-    course.tell(count * runs);
+    course.tell(2 * count);
   }
   census.finish(out);
   for (const auto& [peak, place] : census.worst())

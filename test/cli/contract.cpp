@@ -579,7 +579,8 @@ TEST_CASE("risk: where nothing scatters every quantile is the nominal peak, and 
   CHECK(s["sobol"].empty());
 }
 
-TEST_CASE("risk: the scene's scatter, the actuator's and that of the execution; holding that is better is told") {
+TEST_CASE(
+    "risk: the scene's scatter, the actuator's and that of the execution, and a warning where holding is better") {
   const Folder f;
   f.write("motion.toml", "[motion]\nphi_i_deg = 0\nphi_f_deg = -90\nduration = 0.9\n");
   const std::string scene = f.write("scene.toml", read(kPaper) + "\n[scatter]\npitch_deg = 0.5\nstiffness = \"10%\"\n");
@@ -597,6 +598,21 @@ TEST_CASE("risk: the scene's scatter, the actuator's and that of the execution; 
   const bool worse = s["peak"]["cvar90"].get<double>() > s["held"]["cvar90"].get<double>();
   CHECK(warned(s, "is worse than that of the reference held at -45 deg") == worse);
   CHECK(worse);
+}
+
+TEST_CASE("risk: drops that cannot be followed are told and left out") {
+  const Folder f;
+  f.write("drops.csv", "height,stiffness\n0.4,6880\n0.4,1e25\n0.3,6880\n");
+  done(f, {"risk", kPaper, "--actuator", kTable2, "--hold", "-50", "--drops", "drops.csv", "-o", "out"});
+  CHECK(summary(f)["failed"] == 1);
+  CHECK(summary(f)["peak"]["samples"] == 2);
+  CHECK(warned(summary(f), "1 of 3 drops could not be followed"));
+  const std::string untouched =
+      f.write("untouched.toml", replaced(read(kPaper), "contacts = [\"hip\", \"knee\", \"foot\"]", "contacts = []"));
+  CHECK(run({"risk", untouched, "--actuator", kTable2, "--hold", "-50", "--samples", "100", "-o", "none"}, f.at(""))
+            .code == 1);
+  CHECK(files(f, "none") == std::set<std::string>{"summary.json"});
+  CHECK(summary(f, "none")["peak"]["mean"].is_null());
 }
 
 TEST_CASE("risk: the same bytes with any number of threads") {
@@ -810,12 +826,14 @@ TEST_CASE("optimize: a search of very long landings ends at its bound of work an
   CHECK(summary(f, "stiff")["evidence"]["one_degree"].is_null());
 }
 
-TEST_CASE("optimize, map, compare, calibrate, demo: Ctrl-C ends them soon, and what is finished is kept and marked") {
+TEST_CASE(
+    "optimize, map, risk, compare, calibrate, demo: Ctrl-C ends them soon, and what is finished is kept and marked") {
   const Folder f;
   const std::vector<std::pair<std::string, Arguments>> verbs = {
       {"optimize", {kPaper, "--actuator", kTable2, "--evaluations", "4000000"}},
       {"optimize", {stiff_floor(f), "--actuator", kTable2, "--evaluations", "4000000"}},
       {"map", {kPaper, "--actuator", kTable2}},
+      {"risk", {kPaper, "--actuator", kTable2, "--hold", "-45", "--samples", "1000000"}},
       {"compare", {"--nominal", kNominal, "--identified", kTable2, "--scene", kPaper}},
       {"demo", {}}};
   for (const auto& [verb, arguments] : verbs) {
@@ -978,7 +996,7 @@ TEST_CASE("every output carries its provenance: version, command, seed, time, a 
 TEST_CASE("each verb's help shows its options and an example; so does the program its exit codes") {
   const Folder f;
   CHECK_THAT(done(f, {"--help"}).out, Contains("Exit codes") && Contains("identify") && Contains("simulate"));
-  for (const char* verb : {"identify", "predict", "simulate", "optimize", "compare", "design", "demo"}) {
+  for (const char* verb : {"identify", "predict", "simulate", "optimize", "risk", "compare", "design", "demo"}) {
     INFO(verb);
     const Result r = done(f, {verb, "--help"});
     CHECK_THAT(r.out, Contains(std::string("Example: ukemi ") + verb) && Contains("--json") && Contains("--threads"));

@@ -72,7 +72,7 @@ TEST_CASE("Sobol points: every power of two of them has one in each slice of eve
   }
 }
 
-TEST_CASE("Sobol points: the same seed, the same points, from any of them on; another seed, others") {
+TEST_CASE("Sobol points: the same seed, the same points, from any of them on, and others from another seed") {
   const ScrambledSobol sobol(3, 5);
   const std::vector<double> all = sobol.points(100);
   CHECK(all == ScrambledSobol(3, 5).points(100));
