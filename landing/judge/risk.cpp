@@ -152,7 +152,7 @@ class Census {
       peaks_.push_back(l.peak);
       worst_.emplace_back(-l.peak, first + long(i));
       const int n = l.peak_contact;
-      ++contacts_[{n + 1, n >= 0 && n < l.contacts.size() ? int(l.contacts[n]) : -1}];
+      ++contacts_[{n + 1, n < 0 ? -1 : int(l.contacts[n])}];
       for (RiskEvent& e : events_)
         if (e.kind == RiskEvent::Kind::kTouch) e.drops += l.contacts.touched(Point(e.point));
     }

@@ -41,7 +41,7 @@ struct RiskEvent {
 /// How many drops have their peak in one contact.
 struct PeakContact {
   int number;  ///< which touchdown opened it, from 1, chatter left out; 0: the peak came before the first
-  int point;   ///< Point; -1: before the first touchdown, or beyond ContactOrder::kCapacity
+  int point;   ///< Point; -1: before the first touchdown
   long drops = 0;
 };
 

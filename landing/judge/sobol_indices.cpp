@@ -71,7 +71,7 @@ Interval interval(double value, std::vector<double> draws) {
   std::erase_if(draws, [](double x) { return !std::isfinite(x); });
   if (draws.empty()) return {value, kNaN, kNaN};
   std::sort(draws.begin(), draws.end());
-  const auto at = [&](double part) { return draws[std::size_t(part * double(draws.size() - 1) + 0.5)]; };
+  const auto at = [&](double part) { return draws[std::size_t(std::lround(part * double(draws.size() - 1)))]; };
   return {value, at(0.025), at(0.975)};
 }
 

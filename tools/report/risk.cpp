@@ -54,7 +54,6 @@ struct Share {
   long drops, of;
   double share() const { return double(drops) / double(of); }
 };
-/// `key`: its name in the summary; "" where it is the key of the whole.
 Quantities<Share> share_quantities(const std::string& heading) {
   return {{"", "", &Share::key},
           {"", "", heading, "{}", &Share::words},
@@ -84,14 +83,14 @@ Quantities<PeakContact> peak_contact_quantities(long of) {
           {"", "", "contact that makes the peak", "{}",
            [](const PeakContact& c) -> Json {
              if (c.number == 0) return "none: before the first";
-             return fmt::format("{}, {}", c.number, c.point < 0 ? "?" : kPointNames[std::size_t(c.point)]);
+             return fmt::format("{}, {}", c.number, kPointNames[std::size_t(c.point)]);
            }},
           {"", "drops", "drops", {}, &PeakContact::drops},
           {"", "share", "share", percent_words, [of](auto& c) { return double(c.drops) / double(of); }}};
 }
 
 std::string interval_words(const Interval& i) {
-  return fmt::format("{:.3f} ({:.3f} to {:.3f})", i.value, i.low, i.high);
+  return std::isnan(i.value) ? "" : fmt::format("{:.3f} ({:.3f} to {:.3f})", i.value, i.low, i.high);
 }
 Quantities<Risk::Uncertainty> index_quantities() {
   Quantities<Risk::Uncertainty> out = {
@@ -148,11 +147,15 @@ Series outline(const std::string& name, const Risk& r, long PeakBin::*count, lon
 std::string scatter_words(const RiskStudy& s) {
   if (!s.scatter) return "Drops as they were measured.";
   const std::string text = text_of(*s.scatter);
-  return fmt::format("Standard deviations of the drops: {}{}. {}", text.empty() ? "none" : text,
-                     s.assumed ? ", assumed: nobody said" : "",
-                     s.actuator.covariance.size() > 0
-                         ? "The actuator's constants scatter by the covariance of their fit."
-                         : "The actuator's constants do not scatter: its file holds no [uncertainty].");
+  const std::string constants =
+      s.actuator.covariance.size() == 0 ? "do not scatter: their file holds no [uncertainty]"
+      : s.scattering.inflate == 0       ? "do not scatter"
+      : s.scattering.inflate == 1
+          ? "scatter by the covariance of their fit"
+          : fmt::format("scatter by the covariance of their fit, standard errors times {:g}", s.scattering.inflate);
+  return fmt::format("Standard deviations of the drops: {}{}. The actuator's constants {}.{}",
+                     text.empty() ? "none" : text, s.assumed ? ", assumed: nobody said" : "", constants,
+                     s.scattering.inexact ? " The motion is played anywhere within the execution tolerance." : "");
 }
 
 /// Which uncertainty matters most, or why that is not known.

@@ -13,6 +13,7 @@ struct RiskStudy {
   landing::Motion motion;
   std::optional<landing::Scatter> scatter;  ///< none: the drops were measured
   bool assumed = false;                     ///< nobody said what the scatter is
+  landing::DropModel::Options scattering;   ///< with `scatter`: of the constants and the execution
   landing::Risk risk;
 };
 

@@ -71,7 +71,7 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
   const Motion motion = motion_of(a.motion, "risk", run);
   RiskOptions options = options_of(a, common, run);
   RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};
-  const DropModel::Options scattering = model_options(a, actuator);
+  study.scattering = model_options(a, actuator);
   if (!a.drops.empty()) {
     check_measured(a);
     run.input(a.drops);
@@ -80,7 +80,7 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
     study.scatter = a.scatter ? parse_scatter("--scatter", *a.scatter) : scene.scatter.value_or(Scatter::assumed());
     study.assumed = !a.scatter && !scene.scatter;
   }
-  const DropModel model(scene, study.scatter.value_or(Scatter{}), actuator, scattering);
+  const DropModel model(scene, study.scatter.value_or(Scatter{}), actuator, study.scattering);
   study.risk = risk(model, actuator, motion, options);
   return report(study, run);
 }
