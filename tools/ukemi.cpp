@@ -19,7 +19,7 @@ namespace {
 
 /// Verbs that later versions bring: named, so that a script learns why.
 void add_later(CLI::App& app, Action& chosen) {
-  for (const char* name : {"risk", "atlas"}) {
+  for (const char* name : {"atlas"}) {
     CLI::App* verb = app.add_subcommand(name, "not in this version");
     verb->allow_extras();
     verb->callback([name, &chosen] {
@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
   set_command_line(argc, argv);
   Action chosen;
   for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
-                         add_map, add_ratings, add_bench, add_later})
+                         add_map, add_ratings, add_risk, add_bench, add_later})
     add(app, chosen);
   try {
     std::vector<std::string> verbs;

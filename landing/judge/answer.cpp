@@ -83,10 +83,11 @@ std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea
 /// How the drops scatter that are planned for, or that a plan is judged by.
 DropModel drops_of(Answer& a) {
   const RobustOptions& o = a.options.robust;
+  if (!o.drops.empty()) return DropModel::measured(a.scene, o.drops);
   a.scatter_assumed = !o.scatter && !a.scene.scatter;
   a.scatter = o.scatter ? *o.scatter : a.scene.scatter.value_or(Scatter::assumed());
   return {a.scene,
-          a.scatter,
+          *a.scatter,
           a.actuator,
           {.inflate = o.inflate, .inexact = o.measure && a.options.search.goal == Goal::kTolerant}};
 }
@@ -125,7 +126,7 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
   timetable.begin(a);
   if (searched.deadline) searched.deadline = timetable.search();
   const DropModel drops = drops_of(a);
-  a.scattered = options.robust.measure && drops.dimension() > 0;
+  a.scattered = options.robust.measure && drops.scatters();
   if (a.scattered) {
     searched.goal = Goal::kRobust, searched.search_accuracy = Robust::kAccuracy;
     searched.robust = robust_goal(drops, options.robust, searched.seed);
@@ -148,7 +149,7 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
                            .monitor = options.evidence_monitor});
     if (a.evidence->complete) {
       a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
-      if (drops.dimension() > 0) a.under_scatter = judged_under_scatter(drops, a, searched);
+      if (drops.scatters()) a.under_scatter = judged_under_scatter(drops, a, searched);
       if (a.scattered) a.promised = promised(a, searched);
     }
     a.evidence_seconds = watch.seconds();

@@ -43,7 +43,7 @@ struct Answer {
   std::optional<Evidence> evidence;
   std::optional<TouchdownLimit> limit;        ///< with the evidence
   double evidence_seconds = 0;                ///< that it took
-  Scatter scatter;                            ///< of the drops
+  std::optional<Scatter> scatter;             ///< of the drops; none: they were measured
   bool scatter_assumed = false;               ///< for nothing was said
   bool scattered = false;                     ///< planned for it: best.value is the measure that is promised
   std::optional<UnderScatter> under_scatter;  ///< with the evidence

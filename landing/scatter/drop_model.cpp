@@ -141,9 +141,16 @@ ScatteredDrop DropModel::drop(std::span<const double> u) const {
   return d;
 }
 
-std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed) const {
+std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed, long first) const {
+  if (!measured_.empty()) {
+    const std::size_t n = std::min(measured_.size(), std::size_t(count));
+    std::vector<ScatteredDrop> out;
+    for (std::size_t i = 0; i < n; ++i) out.push_back(measured_[i * measured_.size() / n]);
+    return out;
+  }
   const auto d = std::size_t(dimension_);
-  const std::vector<double> points = d > 0 ? ScrambledSobol(dimension_, seed).points(count) : std::vector<double>();
+  const std::vector<double> points =
+      d > 0 ? ScrambledSobol(dimension_, seed).points(count, first) : std::vector<double>();
   std::vector<ScatteredDrop> out;
   out.reserve(std::size_t(count));
   for (std::size_t n = 0; n < std::size_t(count); ++n) out.push_back(drop(std::span(points).subspan(n * d, d)));
@@ -151,6 +158,7 @@ std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed) const
 }
 
 std::vector<ScatteredDrop> DropModel::independent(long count, std::uint64_t seed) const {
+  if (!measured_.empty()) return measured_;
   std::vector<double> u(static_cast<std::size_t>(dimension_));
   std::vector<ScatteredDrop> out;
   out.reserve(std::size_t(count));

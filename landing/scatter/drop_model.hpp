@@ -43,6 +43,15 @@ class DropModel {
   DropModel(const Scene& scene, const Scatter& scatter, const Actuator& actuator, const Options& options);
   DropModel(const Scene& scene, const Scatter& scatter) : DropModel(scene, scatter, Actuator{}, Options()) {}
 
+  /// Drops as they were measured, in place of drawn ones.
+  static DropModel measured(const Scene& scene, std::vector<ScatteredDrop> drops) {
+    DropModel out(scene, Scatter{}, Actuator{}, {.floor = false, .actuator = false});
+    out.measured_ = std::move(drops);
+    return out;
+  }
+
+  /// Whether drops differ at all.
+  bool scatters() const { return dimension_ > 0 || !measured_.empty(); }
   /// Of the coordinates that a drop is drawn from; 0: nothing scatters.
   int dimension() const { return dimension_; }
   const std::vector<ScatterGroup>& groups() const { return groups_; }
@@ -50,9 +59,10 @@ class DropModel {
   /// The drop of a point of the unit cube; normal numbers are cut at three deviations.
   ScatteredDrop drop(std::span<const double> u) const;
 
-  /// Scrambled Sobol points: for searches, which do best with a power of two of them.
-  std::vector<ScatteredDrop> even(long count, std::uint64_t seed) const;
-  /// Independent ones: for what is said of a plan that was found.
+  /// Scrambled Sobol points from point `first` on: for searches, which do best with a power of two of them. Of measured
+  /// drops at most so many, spread over all of them.
+  std::vector<ScatteredDrop> even(long count, std::uint64_t seed, long first = 0) const;
+  /// Independent ones: for what is said of a plan that was found. Of measured drops all.
   std::vector<ScatteredDrop> independent(long count, std::uint64_t seed) const;
 
  private:
@@ -60,6 +70,7 @@ class DropModel {
   void scatter_floor(const Uncertainty& known);
 
   Scene scene_;
+  std::vector<ScatteredDrop> measured_;
   Scatter scatter_;
   std::vector<int> terms_;                   ///< of kScatterTerms, those that scatter
   std::vector<int> constants_;               ///< of U, those of the covariance

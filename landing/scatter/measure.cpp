@@ -114,13 +114,16 @@ Estimated estimated(const Measure& measure, std::span<const double> peaks) {
 
 Distribution distribution(std::span<const double> peaks) {
   std::vector<double> x(peaks.begin(), peaks.end());
-  if (x.empty()) return {{kNaN, kNaN}, {kNaN, kNaN}, kNaN, kNaN, kNaN, kNaN, 0};
+  if (x.empty()) {
+    constexpr Estimated kUnknown{kNaN, kNaN};
+    return {kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kNaN, 0};
+  }
   using Kind = Measure::Kind;
   return {.mean = estimated({Kind::kMean}, peaks),
           .cvar90 = estimated({Kind::kCvar, 0.9}, peaks),
-          .median = quantile_of(x, 0.5),
-          .q90 = quantile_of(x, 0.9),
-          .q99 = quantile_of(x, 0.99),
+          .median = estimated({Kind::kQuantile, 0.5}, peaks),
+          .q90 = estimated({Kind::kQuantile, 0.9}, peaks),
+          .q99 = estimated({Kind::kQuantile, 0.99}, peaks),
           .max = *std::max_element(x.begin(), x.end()),
           .samples = long(x.size())};
 }

@@ -34,7 +34,8 @@ Estimated estimated(const Measure& measure, std::span<const double> peaks);
 /// Peaks over scattered drops [m/s^2].
 struct Distribution {
   Estimated mean, cvar90;  ///< cvar90: the mean of the worst tenth
-  double median, q90, q99, max;
+  Estimated median, q90, q99;
+  double max;
   long samples = 0;
 };
 Distribution distribution(std::span<const double> peaks);

@@ -34,14 +34,15 @@ ScrambledSobol::ScrambledSobol(int dimension, std::uint64_t seed) {
   for (int k = 0; k < dimension; ++k) seeds_.push_back(std::uint32_t(Random(seed, std::uint64_t(k)).bits() >> 32));
 }
 
-std::vector<double> ScrambledSobol::points(long count) const {
+std::vector<double> ScrambledSobol::points(long count, long first) const {
   const std::size_t d = seeds_.size();
   std::vector<double> out;
   out.reserve(std::size_t(count) * d);
   boost::random::sobol_engine<std::uint32_t, 32> engine(d);
-  for (long n = 0; n < count; ++n)
+  if (first > 0) engine.seed(std::uint32_t(first - 1));  // Boost leaves the origin out
+  for (long n = first; n < first + count; ++n)
     for (std::size_t k = 0; k < d; ++k) {
-      const std::uint32_t x = n == 0 ? 0 : std::uint32_t(engine());  // Boost leaves the origin out
+      const std::uint32_t x = n == 0 ? 0 : std::uint32_t(engine());
       out.push_back((double(scrambled(x, seeds_[k])) + 0.5) * 0x1.0p-32);
     }
   return out;

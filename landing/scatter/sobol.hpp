@@ -14,8 +14,8 @@ class ScrambledSobol {
  public:
   /// 1 to some thousand dimensions.
   ScrambledSobol(int dimension, std::uint64_t seed);
-  /// `count` points from the start, one after the other, each coordinate in (0, 1).
-  std::vector<double> points(long count) const;
+  /// `count` points from point `first` on, one after the other, each coordinate in (0, 1).
+  std::vector<double> points(long count, long first = 0) const;
   int dimension() const { return int(seeds_.size()); }
 
  private:

@@ -58,6 +58,7 @@ const std::vector<AutoSetting>& auto_settings() {
       {"robust_few", &S::robust_few, 1, 1024, "under scatter: drops that first runs are made over, for the mean"},
       {"robust_tail", &S::robust_tail, 1, 64, "times as many for another measure"},
       {"robust_scouts", &S::robust_scouts, 32, 1e6, "motions from anywhere before a run"},
+      {"robust_scouting", &S::robust_scouting, 0, 1, "and at most this share of the budget"},
       {"robust_starts", &S::robust_starts, 1, 64,
        "the best of them, by the planned drop, that are judged by few drops"},
       {"robust_points", &S::robust_points, 6, 64, "motions of a generation"},

@@ -27,7 +27,7 @@ struct AutoSettings {
   // Plans under scatter (robust_search.hpp).
   int robust_few = 4, robust_scouts = 1'536, robust_starts = 48, robust_points = 14, robust_basins = 4;
   double robust_size = 0.08, robust_near = 0.5, robust_late = 0.65, robust_behind = 0.5, robust_patience = 0.93,
-         robust_fine = 0.02, robust_hint = 0.03, robust_tail = 2;
+         robust_fine = 0.02, robust_hint = 0.03, robust_tail = 2, robust_scouting = 0.15;
 
   /// Throws InputError for a setting outside of its range.
   void validate() const;

@@ -60,7 +60,9 @@ void Planner::scatter() {
 Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   check_deadline(deadline);
   scene_.drop = drop;
-  return search(deadline, seed, std::nullopt);
+  const Plan out = search(deadline, seed, std::nullopt);
+  if (out.found && in_air_ && scene_.release) last_ = in_air_->values_of(out.motion);
+  return out;
 }
 
 Plan Planner::search(double deadline, std::uint64_t seed, const std::optional<Coordinates>& hint) {

@@ -36,6 +36,7 @@ void RobustSearch::look_for_basins() {
   const std::size_t few = few_drops();
   const double until = set_.robust_late + 0.1;
   if (search_->hint) close_in({*search_->hint}, set_.robust_hint, few, until);
+  judge_best();
   while (!search_->over() && search_->share() < set_.robust_late) {
     if (basins_.size() > 1 && random_.uniform() < set_.robust_near) {
       const double size = std::pow(10.0, random_.uniform(kNarrowest, kWidest));
@@ -43,7 +44,16 @@ void RobustSearch::look_for_basins() {
     } else {
       close_in(scouted(), set_.robust_size, few, until);
     }
+    if (search_->best().value >= kNoMotion) judge_best();
   }
+}
+
+/// Over all drops: so that there is an answer, however early the search ends.
+void RobustSearch::judge_best() {
+  if (basins_.empty() || search_->over()) return;
+  Candidate best = basins_[0];
+  best.bound = kNoMotion;
+  search_->evaluate({&best, 1});
 }
 
 /// Over all drops: the best basins compared, two runs in the best two, then beside the best.
@@ -71,7 +81,8 @@ void RobustSearch::search_basins() {
 Candidate RobustSearch::scouted() {
   const auto most = std::size_t(set_.robust_starts);
   starts_.clear();
-  for (int n = 0; n < set_.robust_scouts && !search_->over(); n += int(kBatch)) {
+  const double enough = search_->share() + set_.robust_scouting;
+  for (int n = 0; n < set_.robust_scouts && search_->share() < enough && !search_->over(); n += int(kBatch)) {
     const double bound = starts_.size() < most ? kNoMotion : starts_.back().value;
     generation_.assign(kBatch, search_->nothing());
     for (Candidate& p : generation_) p = random_point(random_, search_->dimension()), p.bound = bound;

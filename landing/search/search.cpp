@@ -20,7 +20,8 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       first_motion_(objective.motions()),
       first_landing_(objective.landings()),
       progress_(progress),
-      screened_(nothing()) {
+      screened_(nothing()),
+      sampled_(nothing()) {
   few_.fill(nothing());
   objective.deadline = start_ + budget.seconds;
   objective.grant(budget.work);
@@ -58,7 +59,7 @@ void Search::evaluate_over(std::span<Candidate> points, std::size_t drops) {
   for (Candidate& p : points.subspan(n)) p.value = kNoMotion;
   objective_.evaluate_scattered(points.first(n), drops);
   for (const Candidate& p : points.first(n))
-    if (p.value <= p.bound && p < screened_) screened_ = p;
+    if (p.value <= p.bound && p < sampled_) sampled_ = p;
   report();
 }
 
@@ -97,7 +98,7 @@ void Search::keep(const Candidate& p) {
 Candidate Search::judge_scattered(double deadline) {
   objective_.deadline = deadline;
   objective_.grant(kUnbounded);
-  if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) few_[0] = screened_;
+  if (few_[0].value >= kNoMotion) few_[0] = sampled_.value < kNoMotion ? sampled_ : screened_;
   Candidate best = few_[0];
   if (objective_.options().robust->judging.empty()) return best;
   bool judged = false;

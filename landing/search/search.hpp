@@ -92,6 +92,7 @@ class Search {
   using Few = std::array<Candidate, 12>;
   Few few_;             ///< the best that are apart, in order
   Candidate screened_;  ///< the best by another goal
+  Candidate sampled_;   ///< the best over a part of the drops
 };
 
 }  // namespace ukemi::landing

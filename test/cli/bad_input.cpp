@@ -324,25 +324,18 @@ TEST_CASE("what a motion may have beside the paper's numbers is refused where it
                 {"--motor-speed: 0: ", "above 0"});
 }
 
-TEST_CASE("a scatter that is none is refused") {
-  check_optimize({"--scatter", "pitch=1"}, {"--scatter: 'pitch'", "pitch_deg"});
-  check_optimize({"--scatter", "height=-0.1"}, {"--scatter: 'height=-0.1': ", "at least 0"});
-  check_optimize({"--scatter", "stiffness=0.1"}, {"--scatter: 'stiffness=0.1': ", "10%"});
-  check_optimize({"--scatter", "height=1,height=2"}, {"--scatter: 'height'", "twice"});
-  check_optimize({"--scatter", "height"}, {"--scatter: 'height': ", "NAME=VALUE"});
+TEST_CASE("a robust plan that is none is refused") {
   check_optimize({"--robust", "median"}, {"--robust: 'median'", "cvar"});
   check_optimize({"--robust", "quantile:2"}, {"--robust: 'quantile:2': ", "between 0 and 1"});
   check_optimize({"--robust", "mean", "--samples", "3"}, {"--samples: 3: ", "16 to 4096"});
   check_optimize({"--robust", "mean", "--penalty", "0"}, {"--penalty: 0: ", "above 0"});
   check_optimize({"--robust", "mean", "--inflate", "-1"}, {"--inflate: -1: ", "0 to 100"});
+  check_optimize({"--scatter", "pitch=1"}, {"--scatter: 'pitch'", "pitch_deg"});
   const Folder f;
   const auto refused = [&](const std::string& more, const std::vector<std::string>& words) {
     const std::string scene = f.write("s.toml", read(kPaper) + "\n" + more);
     check_refused(f, {"optimize", scene, "--actuator", kTable2, "-o", "out"}, words);
   };
-  refused("[scatter]\npitch_deg = -1\n", {"s.toml:", "pitch_deg", "at least 0"});
-  refused("[scatter]\nstiffness = \"ten\"\n", {"s.toml:", "stiffness", "'ten'", "10%"});
-  refused("[scatter]\nhight = 1\n", {"s.toml:", "hight", "height"});
   refused("[uncertainty]\norder = [\"mass\"]\ncovariance = [[1]]\n", {"s.toml:", "'mass'", "not a constant"});
   const std::string actuator = f.write(
       "a.toml", read(kTable2) + "\n[uncertainty]\norder = [\"k_p\", \"k_d\"]\n" + "covariance = [[1, 5], [5, 1]]\n");
@@ -350,10 +343,50 @@ TEST_CASE("a scatter that is none is refused") {
                 {"covariance", "positive semidefinite"});
 }
 
+TEST_CASE("a scatter, a risk and a row of drops that are none are refused") {
+  const Folder f;
+  const Arguments risk = {"risk", kPaper, "--actuator", kTable2, "--hold", "-45", "-o", "out"};
+  const auto scatter = [&](const std::string& text, const std::vector<std::string>& words) {
+    check_refused(f, risk + Arguments{"--scatter", text}, words);
+  };
+  scatter("pich_deg=1", {"--scatter: 'pich_deg': ", "did you mean \"pitch_deg\"?"});
+  scatter("height=-0.01", {"--scatter: 'height=-0.01': ", "at least 0"});
+  scatter("stiffness=0.1", {"--scatter: 'stiffness=0.1': ", "10%"});
+  scatter("stiffness=-5%", {"--scatter: 'stiffness=-5%': ", "at least 0%"});
+  scatter("height=0.01,height=0.02", {"--scatter: 'height'", "twice"});
+  scatter("height", {"--scatter: 'height': ", "NAME=VALUE"});
+  scatter("", {"--scatter: ", "NAME=VALUE"});
+  const auto scene = [&](const std::string& lines) {
+    return f.write("s.toml", read(kPaper) + "\n[scatter]\n" + lines);
+  };
+  const auto in_scene = [&](const std::string& lines, const std::vector<std::string>& words) {
+    check_refused(f, {"risk", scene(lines), "--actuator", kTable2, "--hold", "-45", "-o", "out"}, words);
+  };
+  in_scene("height = -1\n", {"s.toml:30:10: ", "at least 0"});
+  in_scene("stiffness = 0.1\n", {"s.toml:30:", "stiffness"});
+  in_scene("stiffness = \"ten\"\n", {"s.toml:30:", "'ten': ", "10%"});
+  in_scene("hight = 1\n", {"s.toml:30:1: unknown key 'hight'", "did you mean \"height\"?"});
+
+  check_refused(f, risk + Arguments{"--samples", "99"}, {"--samples: 99: ", "100 to 10000000"});
+  check_refused(f, risk + Arguments{"--inflate", "-2"}, {"--inflate: -2: ", "0 to 100"});
+  check_refused(f, risk + Arguments{"--forbid", "elbow"}, {"--forbid: 'elbow': "});
+  check_refused(f, risk + Arguments{"--motion", "m.toml"}, {"--motion", "--hold", "is needed"});
+  f.write("drops.csv", "row,peak,height\n1,200,0.4\n2,190,-0.4\n");
+  check_refused(f, risk + Arguments{"--drops", "drops.csv"}, {"drops.csv:3:7: 'height': -0.4: ", "at least 0"});
+  f.write("drops.csv", "height,stiffness\n0.4,0\n");
+  check_refused(f, risk + Arguments{"--drops", "drops.csv"}, {"drops.csv:2:5: 'stiffness': 0: ", "above 0"});
+  f.write("drops.csv", "height\n0.4\n");
+  for (const Arguments& more : {Arguments{"--samples", "1000"}, {"--scatter", "height=0.1"}, {"--inexact"}})
+    check_refused(f, risk + Arguments{"--drops", "drops.csv"} + more, {more[0], "--drops"});
+  check_simulate({"--hold", "0", "--drop-from", f.at("drops.csv")}, {"--drop-from: ", "FILE:ROW"});
+  check_simulate({"--hold", "0", "--drop-from", f.at("drops.csv:0")}, {"--drop-from: ", "FILE:ROW"});
+  check_simulate({"--hold", "0", "--drop-from", f.at("drops.csv:2")}, {"--drop-from: ", "1 row(s)"});
+}
+
 TEST_CASE("what a later version brings says so") {
   const Folder f;
   const std::string later = "not in this version";
-  for (const char* verb : {"risk", "atlas"}) check_refused(f, {verb}, {verb, later});
+  for (const char* verb : {"atlas"}) check_refused(f, {verb}, {verb, later});
   check_refused(f, {"bench", "-o", "out"}, {"subcommand"});
   check_refused(f, {"bench", "optimizers", "--solvers", "none", "-o", "out"}, {"solver: 'none'"});
   check_refused(f, {"bench", "scenes", "--only", "nonsense", "-o", "out"}, {"--only", "no such omission"});

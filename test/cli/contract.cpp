@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -135,19 +136,22 @@ std::map<std::string, std::string> without_provenance(const Folder& f, const std
   return out;
 }
 
-/// The same command with one and with two threads.
-void check_threads(const Arguments& arguments) {
+/// The same command with one and with other numbers of threads.
+void check_threads(const Arguments& arguments, const Arguments& others = {"2"}) {
   const Folder f;
   done(f, arguments + Arguments{"--threads", "1", "-o", "one"});
-  done(f, arguments + Arguments{"--threads", "2", "-o", "two"});
-  const auto one = without_provenance(f, "one"), two = without_provenance(f, "two");
+  const auto one = without_provenance(f, "one");
   CHECK(one.size() > 2);
-  CHECK(files(f, "one") == files(f, "two"));
-  for (const auto& [name, text] : one) {
-    INFO(name);
-    const bool same = two.count(name) && two.at(name) == text;
-    CHECK(same);
-    CHECK(text.size() > 20);
+  for (const std::string& threads : others) {
+    done(f, arguments + Arguments{"--threads", threads, "-o", "more"});
+    const auto more = without_provenance(f, "more");
+    CHECK(files(f, "one") == files(f, "more"));
+    for (const auto& [name, text] : one) {
+      INFO(threads << " threads: " << name);
+      const bool same = more.count(name) && more.at(name) == text;
+      CHECK(same);
+      CHECK(text.size() > 20);
+    }
   }
 }
 
@@ -387,7 +391,7 @@ TEST_CASE("a trajectory has a row every 1/HZ and both limits of each event") {
   CHECK(largest == Approx(s["peak_acceleration"].get<double>()).epsilon(1e-9));  // it stands at the hip's touchdown
 }
 
-TEST_CASE("a landing that is refused is exit 1, with its reason; what was computed is kept and marked") {
+TEST_CASE("a landing that is refused is exit 1, with its reason, what was computed is kept and marked") {
   const Folder f;
   f.write("rock.toml", replaced(read(kPaper), "6880", "1e30"));
   const Result r = run({"simulate", "rock.toml", "--actuator", kTable2, "--hold", "-45", "-o", "out"}, f.at(""));
@@ -503,6 +507,119 @@ TEST_CASE("ratings: a faster motor lands no harder") {
     if (i > 0) CHECK(peak[i] <= peak[i - 1]);
     if (i > 0) CHECK(tolerant[i] <= tolerant[i - 1]);
   }
+}
+
+namespace {
+const std::string kQuintic = "[motion]\nphi_i_deg = -24.4\nphi_f_deg = -85\nduration = 0.261\n";
+}  // namespace
+
+TEST_CASE("risk writes its files and keys, and its drops are replayed to their peaks") {
+  const Folder f;
+  f.write("motion.toml", kQuintic);
+  const Arguments paper = {kPaper, "--actuator", kTable2, "--motion", "motion.toml"};
+  const Result r = done(f, Arguments{"risk"} + paper + Arguments{"--samples", "500", "--forbid", "hip", "-o", "out"});
+  CHECK(files(f) == std::set<std::string>{"histogram.csv", "report.html", "risk.csv", "sobol.csv", "summary.json"});
+  CHECK_THAT(r.out, Contains("What matters most: pitch") && Contains("below holding's"));
+  const Json s = summary(f);
+  for (const char* which : {"peak", "held"}) {
+    check_keys(s[which], {"mean", "mean_std", "median", "q90", "q99", "cvar90", "max", "samples"});
+    CHECK(s[which]["samples"] == 500);
+  }
+  CHECK(s["peak"]["mean"].get<double>() == Approx(215).epsilon(0.02));
+  CHECK(s["held"]["mean"].get<double>() == Approx(464).epsilon(0.02));
+  CHECK(s["scatter"] == "pitch_deg=1,height=0.01,forward_speed=0.03");
+  CHECK(s["scatter_assumed"] == true);
+  CHECK(warned(s, "is assumed"));
+  CHECK(s["failed"] == 0);
+  check_keys(s["forbidden"]["hip"], {"drops", "share"});
+  check_keys(s["ratings"], {"speed_max", "tau_max"});
+  check_keys(s["contacts"][0], {"contact", "point", "drops", "share"});
+  check_keys(s["sobol"], {"pitch", "height", "forward_speed"});
+  check_keys(s["sobol"]["pitch"], {"first", "first_ci95", "total", "total_ci95"});
+  CHECK(table(f, "out/sobol.csv").header == "name,first,first_low,first_high,total,total_low,total_high");
+
+  const Table bins = table(f, "out/histogram.csv");
+  CHECK(bins.header == "lower,upper,count,count_held");
+  const auto counts = bins.numbers("count");
+  CHECK(std::accumulate(counts.begin(), counts.end(), 0.0) == 500);
+
+  const Table worst = table(f, "out/risk.csv");
+  CHECK(worst.header == "row,peak,height,forward_speed,pitch_deg");
+  REQUIRE(worst.rows.size() == 100);
+  CHECK(worst.numbers("peak")[0] == s["peak"]["max"]);
+  for (const int row : {1, 50, 100}) {
+    done(f, Arguments{"simulate"} + paper +
+                Arguments{"--drop-from", "out/risk.csv:" + std::to_string(row), "-o", "replayed"});
+    CHECK(summary(f, "replayed")["peak_acceleration"].get<double>() ==
+          Approx(worst.numbers("peak")[std::size_t(row - 1)]).epsilon(1e-3));
+  }
+  // The worst drops as if they had been measured.
+  done(f, Arguments{"risk"} + paper + Arguments{"--drops", "out/risk.csv", "-o", "measured"});
+  const Json again = summary(f, "measured");
+  CHECK(again["peak"]["samples"] == 100);
+  CHECK(again["peak"]["max"].get<double>() == Approx(s["peak"]["max"].get<double>()).epsilon(1e-3));
+  CHECK(again["scatter"].is_null());
+  CHECK(again["sobol"].empty());
+}
+
+TEST_CASE("risk: where nothing scatters every quantile is the nominal peak, and it says so") {
+  const Folder f;
+  const Arguments hold = {kPaper, "--actuator", kTable2, "--hold", "-50"};
+  const Result r = done(f, Arguments{"risk"} + hold + Arguments{"--scatter", "pitch_deg=0", "-o", "out"});
+  CHECK_THAT(r.out, Contains("Nothing scatters"));
+  done(f, Arguments{"simulate"} + hold + Arguments{"-o", "nominal"});
+  const double nominal = summary(f, "nominal")["peak_acceleration"];
+  const Json s = summary(f);
+  for (const char* key : {"mean", "median", "q90", "q99", "cvar90", "max"}) {
+    INFO(key);
+    CHECK(s["peak"][key].get<double>() == Approx(nominal).epsilon(1e-3));
+  }
+  CHECK(s["scatter"] == "");
+  CHECK(s["scatter_assumed"] == false);
+  CHECK(s["sobol"].empty());
+}
+
+TEST_CASE(
+    "risk: the scene's scatter, the actuator's and that of the execution, and a warning where holding is better") {
+  const Folder f;
+  f.write("motion.toml", "[motion]\nphi_i_deg = 0\nphi_f_deg = -90\nduration = 0.9\n");
+  const std::string scene = f.write("scene.toml", read(kPaper) + "\n[scatter]\npitch_deg = 0.5\nstiffness = \"10%\"\n");
+  const std::string actuator =
+      f.write("actuator.toml",
+              read(kTable2) + "\n[uncertainty]\norder = [\"k_p\", \"k_sea\"]\ncovariance = [[1, 0.5], [0.5, 4]]\n");
+  done(f, {"risk", scene, "--actuator", actuator, "--motion", "motion.toml", "--inflate", "2", "--inexact", "--samples",
+           "300", "-o", "out"});
+  const Json s = summary(f);
+  CHECK(s["scatter"] == "pitch_deg=0.5,stiffness=10%");
+  CHECK(s["scatter_assumed"] == false);
+  check_keys(s["sobol"], {"pitch", "stiffness", "actuator", "execution"});
+  CHECK(table(f, "out/risk.csv").header ==
+        "row,peak,pitch_deg,stiffness,k_p,k_sea,phi_i_off_deg,phi_f_off_deg,duration_off");
+  const bool worse = s["peak"]["cvar90"].get<double>() > s["held"]["cvar90"].get<double>();
+  CHECK(warned(s, "is worse than that of the reference held at -45 deg") == worse);
+  CHECK(worse);
+}
+
+TEST_CASE("risk: drops that cannot be followed are told and left out") {
+  const Folder f;
+  f.write("drops.csv", "height,stiffness\n0.4,6880\n0.4,1e25\n0.3,6880\n");
+  done(f, {"risk", kPaper, "--actuator", kTable2, "--hold", "-50", "--drops", "drops.csv", "-o", "out"});
+  CHECK(summary(f)["failed"] == 1);
+  CHECK(summary(f)["peak"]["samples"] == 2);
+  CHECK(warned(summary(f), "1 of 3 drops could not be followed"));
+  const std::string untouched =
+      f.write("untouched.toml", replaced(read(kPaper), "contacts = [\"hip\", \"knee\", \"foot\"]", "contacts = []"));
+  CHECK(run({"risk", untouched, "--actuator", kTable2, "--hold", "-50", "--samples", "100", "-o", "none"}, f.at(""))
+            .code == 1);
+  CHECK(files(f, "none") == std::set<std::string>{"summary.json"});
+  CHECK(summary(f, "none")["peak"]["mean"].is_null());
+}
+
+TEST_CASE("risk: the same bytes with any number of threads") {
+  const Folder f;
+  check_threads(
+      {"risk", kPaper, "--actuator", kTable2, "--motion", f.write("motion.toml", kQuintic), "--samples", "3000"},
+      {"2", "7"});
 }
 
 TEST_CASE("joint stops: refused by the search, told by simulate") {
@@ -709,12 +826,14 @@ TEST_CASE("optimize: a search of very long landings ends at its bound of work an
   CHECK(summary(f, "stiff")["evidence"]["one_degree"].is_null());
 }
 
-TEST_CASE("optimize, map, compare, calibrate, demo: Ctrl-C ends them soon, and what is finished is kept and marked") {
+TEST_CASE(
+    "optimize, map, risk, compare, calibrate, demo: Ctrl-C ends them soon, and what is finished is kept and marked") {
   const Folder f;
   const std::vector<std::pair<std::string, Arguments>> verbs = {
       {"optimize", {kPaper, "--actuator", kTable2, "--evaluations", "4000000"}},
       {"optimize", {stiff_floor(f), "--actuator", kTable2, "--evaluations", "4000000"}},
       {"map", {kPaper, "--actuator", kTable2}},
+      {"risk", {kPaper, "--actuator", kTable2, "--hold", "-45", "--samples", "1000000"}},
       {"compare", {"--nominal", kNominal, "--identified", kTable2, "--scene", kPaper}},
       {"demo", {}}};
   for (const auto& [verb, arguments] : verbs) {
@@ -728,7 +847,7 @@ TEST_CASE("optimize, map, compare, calibrate, demo: Ctrl-C ends them soon, and w
   }
 }
 
-TEST_CASE("optimize --respect-ratings needs both ratings; --forbid is checked where the robot is not exact") {
+TEST_CASE("optimize --respect-ratings needs both ratings, --forbid is checked where the robot is not exact") {
   const Folder f;
   const std::string table2 = read(kTable2);
   const auto refused = [&](const std::string& from, const std::string& missing) {
@@ -797,7 +916,7 @@ TEST_CASE("map writes the grid, its basins and what they are worth") {
   CHECK(!fs::exists(f.at("bad")));
 }
 
-TEST_CASE("option --quiet: nothing on stderr but warnings; --no-report: no report") {
+TEST_CASE("option --quiet: nothing on stderr but warnings, --no-report: no report") {
   const Folder f;
   const std::vector<Arguments> commands = {{"identify", kTrial1, "--rig", kRig},
                                            {"predict", kTrial9, "--rig", kRig, "--actuator", kTable2},
@@ -846,7 +965,8 @@ TEST_CASE("the same inputs and seed give the same bytes with any number of threa
 
 TEST_CASE("optimize tells the motion under scatter, and what a robust plan promises") {
   const Folder f;
-  const Result r = done(f, kOptimize + Arguments{"--robust", "quantile:0.8", "--evaluations", "10000", "-o", "robust"});
+  const Result r = done(f, {"optimize", kPaper, "--actuator", kTable2, "--robust", "quantile:0.8", "--evaluations",
+                            "10000", "-o", "robust"});
   CHECK_THAT(r.out,
              Contains("under scatter (pitch_deg=1,height=0.01,forward_speed=0.03; assumed; 10000 fresh drops)") &&
                  Contains("held at -45 deg: mean 464") && Contains("promised"));
@@ -903,10 +1023,10 @@ TEST_CASE("every output carries its provenance: version, command, seed, time, a 
   }
 }
 
-TEST_CASE("each verb's help shows its options and an example; so does the program its exit codes") {
+TEST_CASE("each verb's help shows its options and an example, so does the program its exit codes") {
   const Folder f;
   CHECK_THAT(done(f, {"--help"}).out, Contains("Exit codes") && Contains("identify") && Contains("simulate"));
-  for (const char* verb : {"identify", "predict", "simulate", "optimize", "compare", "design", "demo"}) {
+  for (const char* verb : {"identify", "predict", "simulate", "optimize", "risk", "compare", "design", "demo"}) {
     INFO(verb);
     const Result r = done(f, {verb, "--help"});
     CHECK_THAT(r.out, Contains(std::string("Example: ukemi ") + verb) && Contains("--json") && Contains("--threads"));

@@ -66,7 +66,7 @@ TEST_CASE("design writes the hits, the bars before and after, the margins and th
   CHECK(impulse == Approx(first["peak"].get<double>() * first["width"].get<double>() * 2 / 3.14159265).epsilon(0.01));
 }
 
-TEST_CASE("design: an actuator's covariance stands for the trials; the same bytes again, with any number of threads") {
+TEST_CASE("design: an actuator's covariance stands for the trials, the same bytes again, with any number of threads") {
   const Folder f;
   const Result fit = run({"identify", kTrial1, kTrial2, "--rig", kRig, "-o", "fit"}, f.at(""));
   REQUIRE(fit.code == 0);

@@ -67,7 +67,7 @@ TEST_CASE("identify carries the rig's speed_max, and what it fitted beside the c
   check_refused(f, two + Arguments{"-o", "new"}, {"rig.toml:", "speed_max"});
 }
 
-TEST_CASE("a gap is warned of with its place; in a hit it costs the verdict") {
+TEST_CASE("a gap is warned of with its place, and in a hit it costs the verdict") {
   const Folder f;
   std::vector<std::string> rows = lines_of(kTrial1);
   rows.erase(rows.begin() + 401, rows.begin() + 406);  // 0.4 s on

@@ -100,7 +100,7 @@ TEST_CASE("devices, pipes and files beyond every measure are no input, and no ti
 }
 
 TEST_CASE(
-    "a gains file with a node twice is refused where the second stands; many nodes take no longer than they must") {
+    "a gains file with a node twice is refused where the second stands, many nodes take no longer than they must") {
   const Folder f;
   const auto gains = [&](const std::string& xml, const std::vector<std::string>& texts) {
     f.write("gains.xml", xml);
@@ -121,7 +121,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a seed of more than 64 bits, below 0 or no whole number is refused; one of 64 bits is kept to its last digit") {
+    "a seed of more than 64 bits, below 0 or no whole number is refused, one of 64 bits is kept to its last digit") {
   const Folder f;
   for (const char* seed : {"18446744073709551616", "99999999999999999999", "-1", "1.5", "1e3", "0x10", " 1"}) {
     INFO(seed);
@@ -215,7 +215,7 @@ TEST_CASE("messages go on where stderr takes none") {
   }
 }
 
-TEST_CASE("results that stdout did not take are an error, told on stderr; the files are there") {
+TEST_CASE("results that stdout did not take are an error, told on stderr, the files are there") {
   const Folder f;
   const Arguments json = kHold + Arguments{"--json"};
   const auto check = [&](const Arguments& arguments, const std::string& out, const std::string& reason) {

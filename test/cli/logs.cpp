@@ -98,7 +98,7 @@ TEST_CASE("identify reads HEBI logs and force logs on one clock as it reads the 
   CHECK(b["provenance"].contains("checksum force_8.csv"));
 }
 
-TEST_CASE("force logs on clocks of their own are moved onto the trials' to a millisecond; the shift is told") {
+TEST_CASE("force logs on clocks of their own are moved onto the trials' to a millisecond, the shift is told") {
   const Laboratory lab(71.25);
   const Result r = done(lab.folder, Arguments{"predict"} + lab.logs +
                                         Arguments{"--rig", kRig, "--actuator", kTable2, "--module", "2"} + lab.forces +

@@ -8,7 +8,7 @@ ln -s "$source_dir/datasets" "$source_dir/test" "$work"
 cd "$work"
 export PATH="$build_dir:$PATH"
 
-for page in README own_actuator own_robot robust benchmarks; do
+for page in README own_actuator own_robot risk robust benchmarks; do
   file="$source_dir/tools/docs/$page.md"; [ $page = README ] && file="$source_dir/README.md"
   awk '/^<!-- not run: [^ ]/ { skip = 1; next }
        /^```sh$/ { inside = !skip; skip = 0; next }
@@ -19,8 +19,8 @@ for page in README own_actuator own_robot robust benchmarks; do
   bash -euo pipefail $page.sh > $page.log 2> $page.err || { tail -n 5 $page.err; exit 1; }
 done
 pages_with_commands=$(cd "$source_dir" && grep -l '^```sh$' README.md tools/docs/*.md | wc -l)
-[ "$pages_with_commands" = 5 ]
-for d in demo/compare identify predict optimize simulate design compare calibrate plan watch hold_it map hold falling fallen ratings \
+[ "$pages_with_commands" = 6 ]
+for d in demo/compare identify predict optimize simulate design compare calibrate plan watch hold_it map hold falling fallen ratings risk worst \
          robust plans five_seeds twenty_seeds; do
   [ -s "out/$d/summary.json" ]
 done
@@ -34,7 +34,7 @@ grep '^peak' table.log
 "$source_dir/tools/docs/landing.sh" landing.svg 2> picture.err
 for peak in 466 186; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s" "$source_dir/tools/docs/landing.svg"; done
 
-verbs="identify predict design simulate optimize map ratings compare calibrate demo"
+verbs="identify predict design simulate optimize map ratings risk compare calibrate demo"
 for v in $verbs; do ukemi "$v" --help; done > help.txt
 for b in integrators identify optimizers drawn batch stability scenes; do ukemi bench $b --help; done >> help.txt
 options() { grep -o -e '--[a-z][a-z-]*' "$1" | sort -u; }

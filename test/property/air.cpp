@@ -88,7 +88,7 @@ TEST_CASE("air: a move over no distance is no move, in the scalar path and in la
   }
 }
 
-TEST_CASE("air: a floor that comes first is followed truly; the reference never jumps") {
+TEST_CASE("air: a floor that comes first is followed truly, the reference never jumps") {
   Scene scene = paper();
   Motion m{-0.4, -1.2, 0.2};
   m.reposition = Reposition{-1.1, 0, 0.2, 0.6};  // touchdown at some 0.29 s
@@ -109,7 +109,7 @@ TEST_CASE("air: a floor that comes first is followed truly; the reference never 
   }
 }
 
-TEST_CASE("air: landing gains act from the first touchdown on; gains of 1 are none; a late start is late") {
+TEST_CASE("air: landing gains act from the first touchdown on, gains of 1 are none, a late start is late") {
   const Scene scene = paper();
   const SeaParameters<double> sea = table2();
   Motion m{-0.6, -1.1, 0.3};

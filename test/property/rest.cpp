@@ -83,7 +83,7 @@ TEST_CASE("rest: what only a damper holds is not at rest") {
   }
 }
 
-TEST_CASE("flight: a fall from any height meets the floor; one that cannot is no landing") {
+TEST_CASE("flight: a fall from any height meets the floor, one that cannot is no landing") {
   const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
   const Motion motion{-0.7, -1.2, 0.25};
   Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");

@@ -172,7 +172,7 @@ TEST_CASE("robust: the floor's constants scatter as they were calibrated, and a 
   CHECK(pitch == Approx(cut * 1e-4).epsilon(0.06));
 
   scene.scatter = Scatter{.pitch = 0.02, .stiffness = 0.125, .delay = 0.001};
-  const Folder f;
+  const test::Folder f;
   const Scene again = read_scene(f.write("s.toml", to_toml(scene, "")));
   REQUIRE(again.uncertainty);
   CHECK(again.uncertainty->order == scene.uncertainty->order);

@@ -123,6 +123,27 @@ TEST_CASE("search: where time was for screening alone, the best of that is playe
   CHECK(settled.value == Approx(o.verified(o.play(best), 1e-9)).epsilon(1e-7));
 }
 
+TEST_CASE("search: every solver works in any number of variables, within their ranges") {
+  Scene scene = scene_of("paper");
+  scene.freedom.bumps = 2, scene.freedom.gains = {0.5, 2};
+  scene.release = Release{-0.785, 0, 0.1};
+  const ReferenceSpace space(scene, table2());
+  REQUIRE(space.dimension() == 8);
+  for (const std::string& solver : solver_names()) {
+    INFO(solver);
+    const OptimizeOptions options{.solver = solver, .evaluations = 60, .tolerance_samples = 0};
+    const Optimum a = optimize(scene, space, options), b = optimize(scene, space, options);
+    REQUIRE(a.found);
+    CHECK(a.values == b.values);
+    CHECK(a.value == b.value);
+    for (int k = 0; k < space.dimension(); ++k) {
+      const Variable& v = space.variables()[std::size_t(k)];
+      CHECK((a.values[k] >= v.lower && a.values[k] <= v.upper));
+    }
+    CHECK(a.motion.reposition->to > scene.release->from);
+  }
+}
+
 TEST_CASE("search: every solver keeps its budget of motions and of time, and repeats itself") {
   const Scene scene = scene_of("paper");
   const SeaParameters<double> sea = table2();
@@ -292,7 +313,7 @@ TEST_CASE("search: a monitor stops it, and the best so far is judged") {
   CHECK(best.landing.peak == peak_acceleration(scene, table2(), best.motion, {.accuracy = 1e-9}).peak);
 }
 
-TEST_CASE("evidence: the pitch and the floor's damping are among what may not be as planned; a bound leaves it out") {
+TEST_CASE("evidence: the pitch and the floor's damping are among what may not be as planned, a bound leaves it out") {
   const Scene scene = scene_of("paper");
   const SeaParameters<double> sea = table2();
   // The motion that a robot can hold, with the pitch off by 1 deg: no basin of the motion's own box tells of it.

@@ -138,7 +138,7 @@ TEST_CASE("each malformed CSV file is refused where the fault stands, with the r
   }
 }
 
-TEST_CASE("an empty CSV cell is NaN; a column that is not wanted may hold text") {
+TEST_CASE("an empty CSV cell is NaN, a column that is not wanted may hold text") {
   const Folder f;
   const CsvTable t = read_csv(f.write("a.csv", "t,note,phi\n0,hello,\n1,nan,2\n"),
                               [](const std::string& name) { return name != "note"; });
@@ -393,7 +393,7 @@ std::string actuator_error(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("an actuator file holds its constants; what it does not name is absent") {
+TEST_CASE("an actuator file holds its constants, what it does not name is absent") {
   const Folder f;
   const Actuator a = read_actuator(f.write("a.toml", kActuator));
   CHECK(a.name == "a");
@@ -698,7 +698,7 @@ identify::TrialOptions without_phi() {
 
 }  // namespace
 
-TEST_CASE("a trial's columns are found by name, in any order; what it lacks is absent") {
+TEST_CASE("a trial's columns are found by name, in any order, what it lacks is absent") {
   const identify::Trial t = trial_of("phi,note,force,t\n0.1,x,5,0\n0.2,y,6,0.5\n");
   CHECK(t.t == std::vector<double>{0, 0.5});
   CHECK(t.phi == std::vector<double>{0.1, 0.2});

@@ -86,7 +86,7 @@ TEST_CASE("hits: a force that goes on is no noise and is left alone") {
   CHECK(t.force == before);
 }
 
-TEST_CASE("gaps: their place and length, in a hit or at rest; jitter is none") {
+TEST_CASE("gaps: their place and length, in a hit or at rest, and jitter is none") {
   Trial t = log_of({{0.0505, 40}}, 0);
   CHECK(gaps(t).empty());
   Trial jitter = t;
@@ -110,7 +110,7 @@ TEST_CASE("gaps: their place and length, in a hit or at rest; jitter is none") {
   CHECK(rest[0].place == Gap::Place::kAtRest);
 }
 
-TEST_CASE("the angle answers along the force, against a flipped one; a still one has no say") {
+TEST_CASE("the angle answers along the force, against a flipped one, a still one has no say") {
   Trial t = log_of({{0.0505, 40}}, 0);
   CHECK(*answer_to_first_hit(t) > 0.9);
   for (double& f : t.force) f = -f;
@@ -119,7 +119,7 @@ TEST_CASE("the angle answers along the force, against a flipped one; a still one
   CHECK_FALSE(answer_to_first_hit(t));
 }
 
-TEST_CASE("Holm: all rejected until one is not; together at their level") {
+TEST_CASE("Holm: all rejected until one is not, together at their level") {
   CHECK(holm({0.001, 0.5, 0.004, 0.0001}, 0.01) == std::vector<bool>{true, false, true, true});
   CHECK(holm({0.004, 0.5, 0.0040, 0.0026}, 0.01) == std::vector<bool>{false, false, false, false});
   CHECK(holm({}, 0.01).empty());

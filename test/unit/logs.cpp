@@ -412,7 +412,7 @@ TEST_CASE("force log: its own clock is found from the onsets, to a millisecond")
   }
 }
 
-TEST_CASE("force log: a shared clock is kept; logs that do not overlap are refused with both ranges") {
+TEST_CASE("force log: a shared clock is kept, logs that do not overlap are refused with both ranges") {
   Trial trial = struck(hit(100, 0.3, 0, 1, 1e-3), 0);
   const Trial before = trial;
   ForceLog log = hit(100, 0.3, 0, 1, 1e-4);

@@ -75,7 +75,7 @@ TEST_CASE("many starts: no further one once a minimum is believed, was found oft
   CHECK(run({.same = 9}) == 8);
 }
 
-TEST_CASE("many starts: the monitor is told of each and ends them; what was found is kept") {
+TEST_CASE("many starts: the monitor is told of each and ends them, what was found is kept") {
   long told = 0;
   bool stop = false;
   MultiStart starts({.same = 9,
@@ -94,7 +94,7 @@ TEST_CASE("many starts: the monitor is told of each and ends them; what was foun
   CHECK(starts.best().usable);
 }
 
-TEST_CASE("many starts: one that cannot be evaluated is passed over; where none can, its message stands") {
+TEST_CASE("many starts: one that cannot be evaluated is passed over, where none can, its message stands") {
   const auto nowhere = [] {
     LeastSquaresSolution s;
     s.message = "no way";

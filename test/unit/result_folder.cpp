@@ -203,7 +203,7 @@ TEST_CASE("results that cannot be written leave the earlier ones as they were") 
   CHECK(untouched);
 }
 
-TEST_CASE("a kill at any moment leaves a folder of one run; the next run clears away what else it left") {
+TEST_CASE("a kill at any moment leaves a folder of one run, the next run clears away what else it left") {
   std::mt19937 random(7);
   SECTION("a folder of results alone is exchanged in one step") {
     const Folder f;

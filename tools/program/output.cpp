@@ -34,6 +34,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"demo", {}},
       {"map", {"map.csv", "basins.csv"}},
       {"ratings", {"ratings.csv"}},
+      {"risk", {"histogram.csv", "risk.csv", "sobol.csv"}},
       {"bench batch", {"batch.csv", "planner.csv"}},
       {"bench drawn", {"drawn.csv"}},
       {"bench identify", {"identify.csv"}},

@@ -20,12 +20,14 @@ struct Survey;
 namespace ukemi::tools {
 
 struct CalibratedDrops;
+struct RiskStudy;
 struct Comparison;
 enum class Doubt;
 
 int report(const landing::CheckedLanding& landing, Run& run);
 int report(const landing::Survey& survey, Run& run);
 int report(const landing::Scene& scene, const std::vector<landing::RatedPlan>& plans, Run& run);
+int report(const RiskStudy& study, Run& run);
 /// `validation`: of drops that were not fitted.
 int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run);
 /// `summary` holds what was read.

@@ -13,18 +13,23 @@ namespace ukemi::tools {
 using namespace landing;
 
 Quantities<Distribution> distribution_quantities() {
-  const auto peak = [](const char* key, const char* words, double Distribution::*value) {
-    return Quantity<Distribution>{key, key, words, short_peak_words, value};
+  Quantities<Distribution> out;
+  const auto measure = [&](const std::string& key, const std::string& words, Estimated Distribution::*value) {
+    out.push_back({"", key, [value](auto& d) { return number((d.*value).value); }});
+    out.push_back({"", key + "_std", [value](auto& d) { return number((d.*value).standard_error); }});
+    out.push_back({"", "", words, "{}", [value](const Distribution& d) {
+                     const auto [x, error] = d.*value;
+                     return fmt::format("{:.4g}", x) + (std::isnan(error) ? "" : fmt::format(" ± {:.1g}", error));
+                   }});
   };
-  return {{"mean", "mean", "mean", short_peak_words, [](auto& d) { return d.mean.value; }},
-          {"mean_std", [](auto& d) { return number(d.mean.standard_error); }},
-          peak("median", "median", &Distribution::median),
-          peak("q90", "90 % below", &Distribution::q90),
-          peak("q99", "99 % below", &Distribution::q99),
-          {"cvar90", "cvar90", "mean of the worst tenth", short_peak_words, [](auto& d) { return d.cvar90.value; }},
-          {"cvar90_std", [](auto& d) { return number(d.cvar90.standard_error); }},
-          peak("max", "worst", &Distribution::max),
-          {"samples", &Distribution::samples}};
+  measure("mean", "mean", &Distribution::mean);
+  measure("median", "median", &Distribution::median);
+  measure("q90", "90 % below", &Distribution::q90);
+  measure("q99", "99 % below", &Distribution::q99);
+  measure("cvar90", "mean of the worst tenth", &Distribution::cvar90);
+  out.push_back({"", "max", "largest", "{:.4g}", &Distribution::max});
+  out.push_back({"", "samples", "drops", {}, &Distribution::samples});
+  return out;
 }
 
 std::string goal_words(const AnswerOptions& options) {
@@ -34,11 +39,11 @@ std::string goal_words(const AnswerOptions& options) {
 
 std::string distribution_words(const Distribution& d) {
   return fmt::format("mean {}, worst tenth {}, 99 % below {}", short_peak_words(d.mean.value),
-                     short_peak_words(d.cvar90.value), short_peak_words(d.q99));
+                     short_peak_words(d.cvar90.value), short_peak_words(d.q99.value));
 }
 
-std::string scatter_words(const Scatter& scatter, bool assumed) {
-  return text_of(scatter) + (assumed ? "; assumed" : "");
+std::string scatter_words(const std::optional<Scatter>& scatter, bool assumed) {
+  return scatter ? text_of(*scatter) + (assumed ? "; assumed" : "") : "measured drops";
 }
 
 namespace {
@@ -63,9 +68,12 @@ Json scatter_json(const Answer& a) {
   }
   if (const auto& u = a.under_scatter) {
     Json& scatter = out["scatter"];
-    scatter = {{"deviations", text_of(a.scatter)},    {"assumed", a.scatter_assumed},
-               {"planned", json_of(u->planned)},      {"held", json_of(u->held)},
-               {"best_posture", json_of(u->posture)}, {"broken", u->broken}};
+    scatter = {{"deviations", a.scatter ? Json(text_of(*a.scatter)) : Json()},
+               {"assumed", a.scatter_assumed},
+               {"planned", json_of(u->planned)},
+               {"held", json_of(u->held)},
+               {"best_posture", json_of(u->posture)},
+               {"broken", u->broken}};
     scatter["best_posture"]["phi_deg"] = u->posture_phi * 180 / std::numbers::pi;
   }
   return out;
@@ -76,10 +84,10 @@ void tell_scatter(const Answer& a, Run& run) {
   if (!a.under_scatter) return;
   const UnderScatter& u = *a.under_scatter;
   const double posture = u.posture_phi * 180 / std::numbers::pi;
-  run.say(
-      fmt::format("under scatter ({}; {} fresh drops): {}; held at -45 deg: {}; best posture to hold, {:.1f} deg: {}",
-                  scatter_words(a.scatter, a.scatter_assumed), u.planned.samples, distribution_words(u.planned),
-                  distribution_words(u.held), posture, distribution_words(u.posture)));
+  run.say(fmt::format("under scatter ({}; {} {} drops): {}; held at -45 deg: {}; best posture to hold, {:.1f} deg: {}",
+                      scatter_words(a.scatter, a.scatter_assumed), u.planned.samples, a.scatter ? "fresh" : "measured",
+                      distribution_words(u.planned), distribution_words(u.held), posture,
+                      distribution_words(u.posture)));
   if (a.scattered)
     run.say(fmt::format("promised {}{}, fresh {} ({:+.1f} %)", short_peak_words(a.best.value),
                         a.promised ? fmt::format(" +- {:.2g}", 1.96 * a.promised->standard_error) : "",

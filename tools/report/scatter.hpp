@@ -1,6 +1,7 @@
 // What the verbs tell of peaks under scatter, each quantity once.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "landing/judge/answer.hpp"
@@ -16,7 +17,7 @@ std::string goal_words(const landing::AnswerOptions& options);
 /// "mean 135.0, worst tenth 175.3, 99 % below 204.7".
 std::string distribution_words(const landing::Distribution& d);
 /// The scatter as its option has it, and whether it is assumed.
-std::string scatter_words(const landing::Scatter& scatter, bool assumed);
+std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool assumed);
 
 /// "robust" and "scatter" of an answer; what is not known is absent.
 Json scatter_json(const landing::Answer& answer);

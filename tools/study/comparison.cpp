@@ -62,11 +62,13 @@ bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const Com
 bool compare_plans(const OfSets<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
                    std::vector<ComparedPlan>& plans) {
   const Scatter scatter = options.robust.scatter.value_or(scene.scatter.value_or(Scatter::assumed()));
-  const DropModel drops(scene, scatter);
-  const bool covariance = sets[1].covariance.size() > 0;
+  const bool measured = !options.robust.drops.empty();
+  const DropModel drops = measured ? DropModel::measured(scene, options.robust.drops) : DropModel(scene, scatter);
+  const bool covariance = !measured && sets[1].covariance.size() > 0;
   for (std::size_t n = 0; n < (covariance ? 3 : 2); ++n) {
     const Actuator& actuator = sets[std::min<std::size_t>(n, 1)];
-    const DropModel planned_for(scene, scatter, actuator, {.actuator = n == 2, .inflate = options.robust.inflate});
+    const DropModel planned_for =
+        measured ? drops : DropModel(scene, scatter, actuator, {.actuator = n == 2, .inflate = options.robust.inflate});
     ComparedPlan& plan = plans.emplace_back();
     plan.set = n == 2 ? "identified, with its covariance" : kSets[n];
     OptimizeOptions search = options.search;

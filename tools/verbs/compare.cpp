@@ -27,7 +27,10 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   }
   ComparisonOptions o;
   o.escape = escape_of(a.reading);
-  o.robust.scatter = scatter_of(a.scatter), o.robust.inflate = a.scatter.inflate;
+  if (a.robust && scene) {
+    const Scattering scattering = scattering_of(a.scatter, *scene, sets[1], run);
+    o.robust.scatter = scattering.scatter, o.robust.inflate = scattering.inflate, o.robust.drops = scattering.measured;
+  }
   if (a.robust) o.robust.measure = landing::Measure::parse("--robust", *a.robust);
   if (a.robust && a.scene.empty()) throw InputError("compare: --robust needs --scene");
   o.search.seed = common.seed, o.search.threads = common.threads;

@@ -45,8 +45,10 @@ void respect_ratings(const OptimizeArguments& a, const Actuator& actuator, Optim
   o.limits.motor_torque = actuator.sea.tau_max;
 }
 
-RobustOptions robust_of(const OptimizeArguments& a) {
-  RobustOptions out{.scatter = scatter_of(a.scatter), .inflate = a.scatter.inflate, .samples = a.samples};
+RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Actuator& actuator, Run& run) {
+  const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
+  RobustOptions out{
+      .scatter = scattering.scatter, .drops = scattering.measured, .inflate = scattering.inflate, .samples = a.samples};
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
   if (!(a.samples >= 16 && a.samples <= 4096))
     throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", a.samples));
@@ -74,7 +76,6 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   o.validate();
   o.monitor = run.monitor(all ? "solvers" : "optimize");
   if (all) out.solvers = solver_names();
-  out.robust = robust_of(a);
   out.rate = common.report == CommonOptions::Report::kWrite ? 1000 : 0;
   out.evidence = a.evidence;
   out.evidence_monitor = run.monitor("evidence");
@@ -100,6 +101,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const Actuator actuator = actuator_of(a.actuator, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
+  options.robust = robust_of(a, scene, actuator, run);
   const OptimizeOptions& o = options.search;
   const Goal goal = a.robust ? Goal::kRobust : o.goal;
   const int variables = ReferenceSpace(scene, actuator.sea).dimension();

@@ -4,6 +4,7 @@
 
 #include "common/error.hpp"
 #include "landing/model/scatter_file.hpp"
+#include "landing/scatter/drop_file.hpp"
 
 namespace ukemi::tools {
 
@@ -13,13 +14,27 @@ void add_scatter(CLI::App& verb, ScatterArguments& a) {
                   "rate_deg, delay; of stiffness, damping_normal, damping_tangential as 10% [the scene's, else "
                   "pitch_deg=1,height=0.01,forward_speed=0.03]");
   verb.add_option("--inflate", a.inflate, "factor of the standard errors of the actuator's constants; 0: exact [1]");
+  verb.add_option("--drops", a.drops, "CSV file of drops as they were measured, in place of drawn ones");
 }
 
-std::optional<landing::Scatter> scatter_of(const ScatterArguments& a) {
-  if (!(a.inflate >= 0 && a.inflate <= 100))
-    throw InputError(fmt::format("--inflate: {}: 0 to 100 is needed", a.inflate));
-  if (!a.scatter) return std::nullopt;
-  return landing::parse_scatter("--scatter", *a.scatter);
+Scattering scattering_of(const ScatterArguments& a, const landing::Scene& scene, const Actuator& actuator, Run& run) {
+  Scattering out;
+  if (a.inflate && !(*a.inflate >= 0 && *a.inflate <= 100))
+    throw InputError(fmt::format("--inflate: {}: 0 to 100 is needed", *a.inflate));
+  if (!a.drops.empty()) {
+    if (const char* given = a.scatter ? "--scatter" : a.inflate ? "--inflate" : nullptr)
+      throw InputError(fmt::format("{}: beside --drops it has no say: the drops come as they were measured", given));
+    run.input(a.drops);
+    out.measured = landing::read_drops(a.drops, scene, actuator.sea);
+    return out;
+  }
+  if (a.inflate && actuator.covariance.size() == 0)
+    run.warn(fmt::format("--inflate makes no difference: {} holds no [uncertainty], so its constants do not scatter",
+                         actuator.name));
+  out.inflate = a.inflate.value_or(1);
+  if (a.scatter) out.scatter = landing::parse_scatter("--scatter", *a.scatter);
+  (void)landing::DropModel(scene, {}, actuator, {.inflate = out.inflate});  // refuses what is no covariance
+  return out;
 }
 
 }  // namespace ukemi::tools

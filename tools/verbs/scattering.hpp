@@ -4,17 +4,27 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "landing/model/scatter.hpp"
+#include "landing/scatter/drop_model.hpp"
+#include "tools/program/output.hpp"
 
 namespace ukemi::tools {
 
 struct ScatterArguments {
   std::optional<std::string> scatter;  ///< NAME=STD,...
-  double inflate = 1;
+  std::optional<double> inflate;
+  std::string drops;  ///< a file of measured ones
 };
 void add_scatter(CLI::App& verb, ScatterArguments& arguments);
-/// The scatter that was asked for; none: the scene's, or what is assumed. Throws InputError.
-std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);
+
+/// What they say. Throws InputError.
+struct Scattering {
+  std::optional<landing::Scatter> scatter;       ///< none: the scene's, or what is assumed
+  double inflate = 1;                            ///< of the constants' standard errors
+  std::vector<landing::ScatteredDrop> measured;  ///< in place of all that
+};
+Scattering scattering_of(const ScatterArguments& arguments, const landing::Scene& scene, const Actuator& actuator,
+                         Run& run);
 
 }  // namespace ukemi::tools

@@ -1,14 +1,16 @@
 // ukemi simulate.
 #include <fmt/format.h>
 
-#include <cmath>
+#include <charconv>
 #include <memory>
 
 #include "common/error.hpp"
 #include "landing/judge/checked.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/scatter/drop_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/results.hpp"
+#include "tools/verbs/given_motion.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -18,32 +20,43 @@ using namespace landing;
 namespace {
 
 struct SimulateArguments {
-  std::string scene, actuator, motion;
-  std::optional<double> hold, rate, accuracy;
+  std::string scene, actuator, drop_from;
+  MotionArguments motion;
+  std::optional<double> rate, accuracy;
 };
 
-Motion motion_of(const SimulateArguments& a, Run& run) {
-  if (a.hold) {
-    if (!std::isfinite(*a.hold) || std::abs(*a.hold) > 360)
-      throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", *a.hold));
-    return {*a.hold / kDegrees, *a.hold / kDegrees, 1};
-  }
-  run.input(a.motion);
-  return read_motion(a.motion);
+/// Drop ROW of FILE:ROW.
+ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuator& actuator, Run& run) {
+  const std::size_t colon = text.rfind(':');
+  const std::string row = colon == std::string::npos ? "" : text.substr(colon + 1);
+  long number = 0;
+  const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), number);
+  if (error != std::errc() || end != row.data() + row.size() || number < 1)
+    throw InputError(fmt::format("--drop-from: {}: FILE:ROW is needed, 1 the first row", quoted(text)));
+  const std::string file = text.substr(0, colon);
+  run.input(file);
+  const std::vector<ScatteredDrop> drops = read_drops(file, scene, actuator.sea);
+  if (number > long(drops.size()))
+    throw InputError(fmt::format("--drop-from: {}: the file has {} row(s)", quoted(text), drops.size()));
+  return drops[std::size_t(number - 1)];
 }
 
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   Run run("simulate", common);
-  if (a.motion.empty() == !a.hold) throw InputError("simulate: one of --motion FILE and --hold DEG is needed");
-  const Scene scene = read_scene(a.scene);
+  Scene scene = read_scene(a.scene);
   run.input(a.scene);
-  const Actuator actuator = actuator_of(a.actuator, run);
-  const Motion motion = motion_of(a, run);
+  Actuator actuator = actuator_of(a.actuator, run);
+  Motion motion = motion_of(a.motion, "simulate", run);
   const double rate = a.rate.value_or(1000);
   if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
   SimulateOptions options;
   options.accuracy = a.accuracy.value_or(options.accuracy);
   options.validate();
+  if (!a.drop_from.empty()) {
+    const ScatteredDrop drop = drop_of(a.drop_from, scene, actuator, run);
+    const Play play = drop.played({motion, actuator.sea});
+    scene = drop.scene, motion = play.motion, actuator.sea = play.sea;
+  }
   return report(checked_landing(scene, actuator, motion, options, rate), run);
 }
 
@@ -54,8 +67,8 @@ void add_simulate(CLI::App& app, Action& chosen) {
   CLI::App* verb = app.add_subcommand("simulate", "one landing: released, in flight, through its contacts, to rest");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
-  verb->add_option("--motion", args->motion, "motion file (TOML)");
-  verb->add_option("--hold", args->hold, "hold the reference at this angle [deg]; the joint stays compliant");
+  add_motion(*verb, args->motion);
+  verb->add_option("--drop-from", args->drop_from, "FILE:ROW, a drop as risk.csv has it in place of the scene's");
   verb->add_option("--rate", args->rate, "rows of trajectory.csv a second [1000 Hz]");
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of each step [1e-9]");
   add_action<SimulateArguments>(*verb, args, "ukemi simulate scene.toml --actuator actuator.toml --hold -45 -o out",

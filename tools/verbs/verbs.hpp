@@ -14,5 +14,6 @@ void add_design(CLI::App& app, Action& chosen);
 void add_demo(CLI::App& app, Action& chosen);
 void add_map(CLI::App& app, Action& chosen);
 void add_ratings(CLI::App& app, Action& chosen);
+void add_risk(CLI::App& app, Action& chosen);
 
 }  // namespace ukemi::tools

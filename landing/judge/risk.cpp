@@ -1,0 +1,280 @@
+#include "landing/judge/risk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "common/error.hpp"
+#include "landing/judge/answer.hpp"
+#include "landing/scatter/scattered.hpp"
+#include "landing/scatter/sobol.hpp"
+
+namespace ukemi::landing {
+
+void RiskOptions::validate() const {
+  if (samples < 1 || samples > 10'000'000)
+    throw InputError("samples: " + std::to_string(samples) + ": 1 to 10000000 are needed");
+}
+
+namespace {
+
+constexpr long kChunk = 16'384;  // landings that are held in memory at once
+
+/// The peak, infinite where there is none.
+double peak_of(const LandingPeak& l) { return counted(l, std::numeric_limits<double>::infinity()); }
+bool followed(const LandingPeak& l) { return std::isfinite(peak_of(l)); }
+
+/// Plays a chunk after the other, and tells of the landings.
+class Course {
+ public:
+  Course(const RiskOptions& options, long planned) : options_(options), planned_(planned) {}
+
+  /// Whether the last play was cut off, as all will be from then on.
+  bool stopped() const { return stopped_; }
+  const std::vector<LandingPeak>& play(ScatteredLandings& landings, const Play& play,
+                                       std::span<const ScatteredDrop> drops, const Limits& limits = {}) {
+    const auto& out = landings.play({&play, 1}, drops,
+                                    {.accuracy = 1e-5,
+                                     .limits = limits,
+                                     .threads = options_.threads,
+                                     .over = options_.monitor.stop ? &options_.monitor.stop : nullptr});
+    stopped_ = stopped_ || std::any_of(out.begin(), out.end(), [](auto& l) { return l.end == End::kStopped; }) ||
+               options_.monitor.stopped();
+    return out;
+  }
+  void tell(long landings) { options_.monitor.progress(played_ += landings, planned_); }
+
+ private:
+  const RiskOptions& options_;
+  long planned_, played_ = 0;
+  bool stopped_ = false;
+};
+
+/// What limit an event is the passing of; none for a touch, which a landing tells itself.
+Limits limits_of(const RiskEvent& event, const Scene& scene) {
+  Limits out;
+  if (event.kind == RiskEvent::Kind::kSpeed) out.motor_speed = event.limit;
+  if (event.kind == RiskEvent::Kind::kTorque) out.motor_torque = event.limit;
+  if (event.kind == RiskEvent::Kind::kStops) out.joint = *scene.joint;
+  return out;
+}
+
+std::vector<RiskEvent> events_of(const Scene& scene, const Actuator& actuator, const RiskOptions& options) {
+  using Kind = RiskEvent::Kind;
+  std::vector<RiskEvent> out;
+  for (int p = 0; p < kPoints; ++p)
+    if (options.forbidden[std::size_t(p)]) out.push_back({.kind = Kind::kTouch, .point = p});
+  if (actuator.speed_max) out.push_back({.kind = Kind::kSpeed, .limit = *actuator.speed_max});
+  if (std::isfinite(actuator.sea.tau_max)) out.push_back({.kind = Kind::kTorque, .limit = actuator.sea.tau_max});
+  if (scene.joint) out.push_back({.kind = Kind::kStops});
+  return out;
+}
+
+/// Lands a plan, and counts how often its limits are passed: what keeps all of them is followed to its end at once, the
+/// others once more without limits and once with each.
+class Lander {
+ public:
+  Lander(const Play& planned, std::vector<RiskEvent>& events, const Scene& scene) : planned_(planned) {
+    for (RiskEvent& e : events) {
+      const Limits l = limits_of(e, scene);
+      if (!l.any()) continue;
+      each_.push_back({&e, l});
+      all_.motor_speed = std::min(all_.motor_speed, l.motor_speed);
+      all_.motor_torque = std::min(all_.motor_torque, l.motor_torque);
+      if (l.joint_stops()) all_.joint = l.joint;
+    }
+  }
+
+  /// The landings without limits. What a course that has stopped leaves is of no use, and not counted.
+  const std::vector<LandingPeak>& land(std::span<const ScatteredDrop> drops, Course& course) {
+    landed_ = course.play(landings_, planned_, drops, all_);
+    std::vector<std::size_t> places;
+    std::vector<ScatteredDrop> broken;
+    for (std::size_t i = 0; i < drops.size(); ++i)
+      if (landed_[i].end == End::kBroken) places.push_back(i), broken.push_back(drops[i]);
+    if (broken.empty()) return landed_;
+    const std::vector<LandingPeak>& whole = course.play(landings_, planned_, broken);
+    for (std::size_t k = 0; k < places.size(); ++k) landed_[places[k]] = whole[k];
+    std::vector<long> counts;
+    for (const auto& [event, limits] : each_) counts.push_back(broken_by(limits, places, broken, course));
+    for (std::size_t k = 0; k < counts.size() && !course.stopped(); ++k) each_[k].first->drops += counts[k];
+    return landed_;
+  }
+
+ private:
+  /// How many of these drops, of those that can be followed, break these limits; all break some.
+  long broken_by(const Limits& limits, const std::vector<std::size_t>& places, std::span<const ScatteredDrop> drops,
+                 Course& course) {
+    const auto* each = each_.size() > 1 ? &course.play(landings_, planned_, drops, limits) : nullptr;
+    long out = 0;
+    for (std::size_t k = 0; k < places.size(); ++k)
+      out += followed(landed_[places[k]]) && (!each || (*each)[k].end == End::kBroken);
+    return out;
+  }
+
+  Play planned_;
+  std::vector<std::pair<RiskEvent*, Limits>> each_;
+  Limits all_;
+  ScatteredLandings landings_;
+  std::vector<LandingPeak> landed_;
+};
+
+/// Bins whose width is a power of two: 32 to 64 from the smallest peak of the motion to its 99th percentile `q99`, and
+/// not more than 512 over both.
+std::vector<PeakBin> histogram(std::span<const double> peaks, std::span<const double> held, double q99) {
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const auto& all : {peaks, held})
+    for (const double x : all) low = std::min(low, x), high = std::max(high, x);
+  std::vector<PeakBin> out;
+  if (!(high > 0)) return out;
+  const double most = peaks.empty() ? 0 : q99 - *std::min_element(peaks.begin(), peaks.end());
+  const double width = std::exp2(std::ceil(std::log2(std::max({most / 64, (high - low) / 512, 1e-5 * high}))));
+  const double start = std::floor(low / width);
+  for (double k = start; k * width <= high; ++k) out.push_back({k * width, (k + 1) * width});
+  const auto bin = [&](double x) -> PeakBin& { return out[std::size_t(std::floor(x / width) - start)]; };
+  for (const double x : peaks) ++bin(x).drops;
+  for (const double x : held) ++bin(x).held;
+  return out;
+}
+
+/// What is counted while the drops are played.
+class Census {
+ public:
+  Census(std::vector<RiskEvent>& events) : events_(events) {}
+
+  void add(long first, const std::vector<LandingPeak>& landed, const std::vector<LandingPeak>& held) {
+    for (std::size_t i = 0; i < landed.size(); ++i) {
+      if (followed(held[i])) held_.push_back(held[i].peak);
+      const LandingPeak& l = landed[i];
+      if (!followed(l)) continue;
+      peaks_.push_back(l.peak);
+      worst_.emplace_back(-l.peak, first + long(i));
+      const int n = l.peak_contact;
+      ++contacts_[{n + 1, n < 0 ? -1 : int(l.contacts[n])}];
+      for (RiskEvent& e : events_)
+        if (e.kind == RiskEvent::Kind::kTouch) e.drops += l.contacts.touched(Point(e.point));
+    }
+    played_ += long(landed.size());
+    const auto kept = std::min(worst_.size(), std::size_t(Risk::kWorst));
+    std::partial_sort(worst_.begin(), worst_.begin() + long(kept), worst_.end());
+    worst_.resize(kept);
+  }
+
+  void finish(Risk& out) const {
+    out.peaks = distribution(peaks_), out.held = distribution(held_);
+    out.failed = played_ - long(peaks_.size()), out.held_failed = played_ - long(held_.size());
+    for (const auto& [contact, drops] : contacts_) out.contacts.push_back({contact.first, contact.second, drops});
+    std::stable_sort(out.contacts.begin(), out.contacts.end(), [](auto& a, auto& b) { return a.drops > b.drops; });
+    out.histogram = histogram(peaks_, held_, out.peaks.q99.value);
+  }
+  /// Places of the worst drops, and their peaks below 0.
+  const std::vector<std::pair<double, long>>& worst() const { return worst_; }
+
+ private:
+  std::vector<RiskEvent>& events_;
+  std::vector<double> peaks_, held_;
+  std::vector<std::pair<double, long>> worst_;
+  std::map<std::pair<int, int>, long> contacts_;
+  long played_ = 0;
+};
+
+/// Landings of the indices: n base points each of A and B, and of A with one group at a time from B.
+struct IndexPlan {
+  const DropModel& model;
+  long n = 0;  ///< 0: no indices
+
+  IndexPlan(const DropModel& of, const RiskOptions& options) : model(of) {
+    if (options.measured.empty() && of.groups().size() > 1)
+      n = std::max(2L, std::lround(std::exp2(std::round(std::log2(double(options.samples) / double(blocks()))))));
+  }
+  std::size_t blocks() const { return model.groups().size() + 2; }
+  long landings() const { return n * long(blocks()); }
+
+  /// The drops of some base points, block by block.
+  std::vector<ScatteredDrop> drops(const std::vector<double>& points) const {
+    const auto d = std::size_t(model.dimension());
+    std::vector<ScatteredDrop> out;
+    out.reserve(points.size() / (2 * d) * blocks());
+    std::vector<double> u(d);
+    for (std::size_t block = 0; block < blocks(); ++block)
+      for (std::size_t i = 0; i < points.size(); i += 2 * d) {
+        const auto a = points.begin() + long(i), b = a + long(d);
+        std::copy_n(block == 1 ? b : a, d, u.begin());
+        if (block >= 2) {
+          const ScatterGroup& g = model.groups()[block - 2];
+          std::copy_n(b + g.first, g.count, u.begin() + g.first);
+        }
+        out.push_back(model.drop(u));
+      }
+    return out;
+  }
+};
+
+void add_indices(Risk& out, const IndexPlan& plan, const Play& planned, const RiskOptions& options, Course& course) {
+  const ScrambledSobol sobol(2 * plan.model.dimension(), options.seed);
+  std::vector<std::vector<double>> f(plan.blocks());
+  ScatteredLandings landings;
+  const long part = std::max(1L, kChunk / long(plan.blocks()));
+  for (long first = 0; first < plan.n; first += part) {
+    const long count = std::min(part, plan.n - first);
+    const std::vector<LandingPeak>& l = course.play(landings, planned, plan.drops(sobol.points(count, first)));
+    if (course.stopped()) {
+      out.why_none = Risk::WhyNone::kStopped;
+      return;
+    }
+    course.tell(long(l.size()));
+    for (std::size_t i = 0; i < l.size(); ++i) f[i / std::size_t(count)].push_back(peak_of(l[i]));
+    out.index_failed += std::count_if(l.begin(), l.end(), [](auto& x) { return !followed(x); });
+  }
+  out.index_landings = plan.landings();
+  const auto indices = sobol_indices(f[0], f[1], std::span(f).subspan(2), options.seed, options.threads);
+  for (std::size_t g = 0; g < indices.size(); ++g)
+    out.uncertainties.push_back({plan.model.groups()[g].name, indices[g]});
+  std::stable_sort(out.uncertainties.begin(), out.uncertainties.end(),
+                   [](auto& a, auto& b) { return a.index.total.value > b.index.total.value; });
+}
+
+}  // namespace
+
+Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion, const RiskOptions& options) {
+  options.validate();
+  using WhyNone = Risk::WhyNone;
+  const bool drawn = options.measured.empty(), scatters = !drawn || model.dimension() > 0;
+  const long n = !drawn ? long(options.measured.size()) : scatters ? options.samples : 1;
+  const Play planned{motion, actuator.sea}, held{kHeld, actuator.sea};
+  Risk out;
+  out.events = events_of(model.scene(), actuator, options);
+  const IndexPlan plan(model, options);
+  Course course(options, 2 * n + plan.landings());
+  Census census(out.events);
+  Lander lander(planned, out.events, model.scene());
+  ScatteredLandings of_held;
+  for (long first = 0; first < n && !course.stopped(); first += kChunk) {
+    const long count = std::min(kChunk, n - first);
+    std::vector<ScatteredDrop> made;
+    if (drawn) made = model.even(count, options.seed, first);
+    const std::span<const ScatteredDrop> drops =
+        drawn ? std::span<const ScatteredDrop>(made)
+              : std::span(options.measured).subspan(std::size_t(first), std::size_t(count));
+    const std::vector<LandingPeak>& landed_held = course.play(of_held, held, drops);
+    const std::vector<LandingPeak>& landed = lander.land(drops, course);
+    if (course.stopped()) break;
+    census.add(first, landed, landed_held);
+    course.tell(2 * count);
+  }
+  census.finish(out);
+  for (const auto& [peak, place] : census.worst())
+    out.worst.push_back(
+        {drawn ? model.even(1, options.seed, place).front() : options.measured[std::size_t(place)], -peak});
+  out.why_none = !drawn                       ? WhyNone::kMeasured
+                 : !scatters                  ? WhyNone::kNothingScatters
+                 : model.groups().size() == 1 ? WhyNone::kOneGroup
+                 : course.stopped()           ? WhyNone::kStopped
+                                              : WhyNone::kThere;
+  if (out.why_none == WhyNone::kThere) add_indices(out, plan, planned, options, course);
+  return out;
+}
+
+}  // namespace ukemi::landing

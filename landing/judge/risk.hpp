@@ -1,0 +1,83 @@
+// What a motion does over drops that scatter: how its peak is distributed, beside that of the held reference, which
+// contact makes it, what is touched and passed, and which uncertainty matters most.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/actuator.hpp"
+#include "common/monitor.hpp"
+#include "landing/judge/sobol_indices.hpp"
+#include "landing/run/simulate.hpp"
+#include "landing/scatter/drop_model.hpp"
+#include "landing/scatter/measure.hpp"
+
+namespace ukemi::landing {
+
+struct RiskOptions {
+  long samples = 10'000;                  ///< drops that are drawn: scrambled Sobol points; 1 to 10,000,000
+  std::vector<ScatteredDrop> measured;    ///< played in place of them, where there are any
+  std::array<bool, kPoints> forbidden{};  ///< points of which it is told how often they touch
+  std::uint64_t seed = 1;
+  int threads = 0;        ///< 0: all cores; without influence on the results
+  Monitor monitor;        ///< told of the landings; what it stops is of the drops that were played until then
+  void validate() const;  ///< throws InputError
+};
+
+/// In how many drops something happens.
+struct RiskEvent {
+  enum class Kind {
+    kTouch,   ///< of a forbidden point
+    kSpeed,   ///< the motor turns faster than speed_max
+    kTorque,  ///< the motor pulls with more than tau_max
+    kStops,   ///< the joint leaves its stops
+  } kind;
+  int point = -1;    ///< with kTouch
+  double limit = 0;  ///< with kSpeed [rad/s] and kTorque [Nm]
+  long drops = 0;
+};
+
+/// How many drops have their peak in one contact.
+struct PeakContact {
+  int number;  ///< which touchdown opened it, from 1, chatter left out; 0: the peak came before the first
+  int point;   ///< Point; -1: before the first touchdown
+  long drops = 0;
+};
+
+/// Drops with a peak from `lower` to below `upper` [m/s^2].
+struct PeakBin {
+  double lower, upper;
+  long drops = 0, held = 0;  ///< of the motion, of the held reference
+};
+
+struct RiskyDrop {
+  ScatteredDrop drop;
+  double peak;  ///< [m/s^2]
+};
+
+struct Risk {
+  /// A group of numbers that scatter, see DropModel::groups.
+  struct Uncertainty {
+    std::string name;
+    SobolIndex index;
+  };
+
+  Distribution peaks, held;           ///< of the motion, of kHeld over the same drops
+  long failed = 0, held_failed = 0;   ///< landings that could not be followed to the floor: they are left out
+  std::vector<PeakContact> contacts;  ///< most drops first
+  std::vector<RiskEvent> events;      ///< of the drops that were followed
+  std::vector<PeakBin> histogram;
+  std::vector<RiskyDrop> worst;            ///< kWorst at most, the worst first
+  std::vector<Uncertainty> uncertainties;  ///< the largest total index first; empty: see `why_none`
+  enum class WhyNone { kThere, kMeasured, kNothingScatters, kOneGroup, kStopped } why_none = WhyNone::kThere;
+  long index_landings = 0, index_failed = 0;  ///< played for them; of these could not be followed
+  static constexpr int kWorst = 100;
+};
+
+/// Plays a motion over the drops of a model, or over measured ones, in lanes: peaks are right to 1e-3. Beside them the
+/// indices take about as many landings again. Same inputs and seed, same results.
+[[nodiscard]] Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion,
+                        const RiskOptions& options = {});
+
+}  // namespace ukemi::landing

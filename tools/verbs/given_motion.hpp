@@ -1,0 +1,22 @@
+// The motion that a verb is given: a file, or an angle at which the reference is held.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "landing/model/motion.hpp"
+#include "tools/program/output.hpp"
+
+namespace ukemi::tools {
+
+struct MotionArguments {
+  std::string file;
+  std::optional<double> hold;  ///< [deg]
+};
+/// --motion, --hold.
+void add_motion(CLI::App& verb, MotionArguments& arguments);
+/// Throws InputError where there is not one of the two, and only one. A file is an input of the run.
+landing::Motion motion_of(const MotionArguments& arguments, const std::string& verb, Run& run);
+
+}  // namespace ukemi::tools

@@ -1,0 +1,96 @@
+// ukemi risk.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "common/error.hpp"
+#include "landing/judge/risk.hpp"
+#include "landing/model/scene_file.hpp"
+#include "tools/program/actuators.hpp"
+#include "tools/program/arguments.hpp"
+#include "tools/report/results.hpp"
+#include "tools/report/risk.hpp"
+#include "tools/verbs/given_motion.hpp"
+#include "tools/verbs/scattering.hpp"
+#include "tools/verbs/verbs.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+struct RiskArguments {
+  std::string scene, actuator;
+  MotionArguments motion;
+  ScatterArguments scatter;
+  std::optional<long> samples;
+  enum class Execution { kExact, kInexact } execution = Execution::kExact;
+  std::vector<std::string> forbid;
+};
+
+/// What says how drops are drawn has no say where they were measured.
+void check_measured(const RiskArguments& a) {
+  const char* given = a.execution == RiskArguments::Execution::kInexact ? "--inexact"
+                      : a.samples                                       ? "--samples"
+                                                                        : nullptr;
+  if (given && !a.scatter.drops.empty())
+    throw InputError(fmt::format("{}: beside --drops it has no say: the drops come as they were measured", given));
+}
+
+RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, const Run& run) {
+  RiskOptions out;
+  if (a.samples && (*a.samples < 100 || *a.samples > 10'000'000))
+    throw InputError(fmt::format("--samples: {}: 100 to 10000000 are needed", *a.samples));
+  out.samples = a.samples.value_or(out.samples);
+  for (const std::string& point : a.forbid)
+    out.forbidden[choice_index("--forbid", point, {kPointNames.begin(), kPointNames.end()})] = true;
+  out.seed = common.seed, out.threads = common.threads;
+  out.monitor = run.monitor("risk");
+  return out;
+}
+
+int run_risk(const RiskArguments& a, const CommonOptions& common) {
+  Run run("risk", common);
+  const Scene scene = read_scene(a.scene);
+  run.input(a.scene);
+  const Actuator actuator = actuator_of(a.actuator, run);
+  const Motion motion = motion_of(a.motion, "risk", run);
+  RiskOptions options = options_of(a, common, run);
+  RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};
+  check_measured(a);
+  const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
+  study.scattering = {.inflate = scattering.inflate, .inexact = a.execution == RiskArguments::Execution::kInexact};
+  options.measured = scattering.measured;
+  if (options.measured.empty()) {
+    study.scatter = scattering.scatter ? *scattering.scatter : scene.scatter.value_or(Scatter::assumed());
+    study.assumed = !scattering.scatter && !scene.scatter;
+  }
+  const DropModel model(scene, study.scatter.value_or(Scatter{}), actuator, study.scattering);
+  study.risk = risk(model, actuator, motion, options);
+  return report(study, run);
+}
+
+}  // namespace
+
+void add_risk(CLI::App& app, Action& chosen) {
+  auto args = std::make_shared<RiskArguments>();
+  CLI::App* verb = app.add_subcommand("risk", "the peaks of a motion over drops that scatter, and what scatters them");
+  verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
+  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  add_motion(*verb, args->motion);
+  add_scatter(*verb, args->scatter);
+  verb->add_flag_callback(
+      "--inexact", [args] { args->execution = RiskArguments::Execution::kInexact; },
+      "the motion is played anywhere within the scene's [execution] tolerance");
+  verb->add_option("--forbid", args->forbid, "points of which it is told how often they touch: hip,knee,foot")
+      ->delimiter(',');
+  verb->add_option("--samples", args->samples, "drops that are drawn, 100 to 10000000 [10000]");
+  add_action<RiskArguments>(*verb, args,
+                            "ukemi risk scene.toml --actuator actuator.toml --motion motion.toml "
+                            "--scatter pitch_deg=1,height=0.01 -o out",
+                            chosen, run_risk);
+}
+
+}  // namespace ukemi::tools
