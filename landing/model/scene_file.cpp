@@ -137,45 +137,24 @@ Motion read_motion(const std::string& path) {
   return motion;
 }
 
-std::string to_toml(const Scene& s, const std::string& comments) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
-  CsvWriter head;
-  head.comment(comments);
-  std::string points;
-  for (int j = 0; j < kPoints; ++j)
-    if (s.contacts[j]) points += (points.empty() ? "\"" : ", \"") + std::string(kPointNames[j]) + "\"";
-  std::string text = head.text() + "[robot]\n";
-  const auto line = [&](const char* key, const auto& value, const char* unit) {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+std::string pair(double a, double b) { return "[" + shortest(a) + ", " + shortest(b) + "]"; }
+
+/// "key = value  # unit" behind a text.
+struct LineWriter {
+  std::string& text;
+  void operator()(const char* key, const std::string& value, const char* unit) const {
     text += fmt::format("{} = {}  # {}\n", key, value, unit);
-  };
-  const auto pair = [](double a, double b) { return "[" + shortest(a) + ", " + shortest(b) + "]"; };
-  line("gravity", shortest(s.robot.gravity), "m/s^2");
-  text += "contacts = [" + points + "]\n";
-  line("link_length", shortest(s.robot.link_length), "m");
-  line("mass", pair(s.robot.mass[0], s.robot.mass[1]), "kg");
-  line("inertia_com", pair(s.robot.inertia_com[0], s.robot.inertia_com[1]), "kg m^2");
-  if (s.floor) {
-    text += "\n[floor]\n";
-    line("stiffness", shortest(s.floor->stiffness), "N/m");
-    line("damping_normal", shortest(s.floor->damping_normal), "N/(m/s)");
-    line("damping_tangential", shortest(s.floor->damping_tangential), "N/(m/s)");
-    if (!s.floor_source.empty()) text += "source = \"" + toml_text(s.floor_source) + "\"\n";
   }
-  text += "\n[drop]\n";
-  line("height", shortest(s.drop.height), "m");
-  line("forward_speed", shortest(s.drop.forward_speed), "m/s");
-  line("pitch_deg", shortest(s.drop.pitch * kDegrees), "deg");
-  line("pitch_rate", shortest(s.drop.pitch_rate), "rad/s");
-  text += "\n[search]\n";
-  line("phi_deg", pair(s.search.phi[0] * kDegrees, s.search.phi[1] * kDegrees), "deg");
-  line("duration", pair(s.search.duration[0], s.search.duration[1]), "s");
-  text += "\n[execution]\n";
-  line("phi_deg", shortest(s.execution.phi * kDegrees), "deg");
-  line("duration", shortest(s.execution.duration), "s");
-  if (s.t_end) {
-    text += "\n[run]\n";
-    line("t_end", shortest(*s.t_end), "s");
-  }
+};
+
+/// What this scene has beside the paper's: the tables behind [run].
+std::string tables_beyond_the_paper(const Scene& s) {
+  std::string text;
+  const LineWriter line{text};
   if (s.freedom.bumps > 0 || s.freedom.gains) {
     text += "\n[motion]\n";
     line("bumps", std::to_string(s.freedom.bumps), "shape terms");
@@ -205,8 +184,47 @@ std::string to_toml(const Scene& s, const std::string& comments) {
   return text;
 }
 
+}  // namespace
+
+std::string to_toml(const Scene& s, const std::string& comments) {
+  CsvWriter head;
+  head.comment(comments);
+  std::string points;
+  for (int j = 0; j < kPoints; ++j)
+    if (s.contacts[j]) points += (points.empty() ? "\"" : ", \"") + std::string(kPointNames[j]) + "\"";
+  std::string text = head.text() + "[robot]\n";
+  const LineWriter line{text};
+  line("gravity", shortest(s.robot.gravity), "m/s^2");
+  text += "contacts = [" + points + "]\n";
+  line("link_length", shortest(s.robot.link_length), "m");
+  line("mass", pair(s.robot.mass[0], s.robot.mass[1]), "kg");
+  line("inertia_com", pair(s.robot.inertia_com[0], s.robot.inertia_com[1]), "kg m^2");
+  if (s.floor) {
+    text += "\n[floor]\n";
+    line("stiffness", shortest(s.floor->stiffness), "N/m");
+    line("damping_normal", shortest(s.floor->damping_normal), "N/(m/s)");
+    line("damping_tangential", shortest(s.floor->damping_tangential), "N/(m/s)");
+    if (!s.floor_source.empty()) text += "source = \"" + toml_text(s.floor_source) + "\"\n";
+  }
+  text += "\n[drop]\n";
+  line("height", shortest(s.drop.height), "m");
+  line("forward_speed", shortest(s.drop.forward_speed), "m/s");
+  line("pitch_deg", shortest(s.drop.pitch * kDegrees), "deg");
+  line("pitch_rate", shortest(s.drop.pitch_rate), "rad/s");
+  text += "\n[search]\n";
+  line("phi_deg", pair(s.search.phi[0] * kDegrees, s.search.phi[1] * kDegrees), "deg");
+  line("duration", pair(s.search.duration[0], s.search.duration[1]), "s");
+  text += "\n[execution]\n";
+  line("phi_deg", shortest(s.execution.phi * kDegrees), "deg");
+  line("duration", shortest(s.execution.duration), "s");
+  if (s.t_end) {
+    text += "\n[run]\n";
+    line("t_end", shortest(*s.t_end), "s");
+  }
+  return text + tables_beyond_the_paper(s);
+}
+
 std::string to_toml(const Motion& m, const std::string& comments) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
   CsvWriter head;
   head.comment(comments);
   std::string text =
