@@ -18,6 +18,33 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
   return *v == "motor" ? Feedback::kMotor : Feedback::kOutput;
 }
 
+namespace {
+
+/// A constant beside the five: its key, absent where it is 0.
+struct OptionalConstant {
+  const char* key;
+  double SeaParameters<double>::*at;
+  const char* unit;
+  Range range;
+};
+const std::vector<OptionalConstant>& optional_constants() {
+  using Sea = SeaParameters<double>;
+  const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"};
+  static const std::vector<OptionalConstant> list = {
+      {"k_t", &Sea::k_t, "Nm for a unit of the command", level},
+      {"friction", &Sea::friction, "Nm", level},
+      {"friction_asymmetry", &Sea::friction_asymmetry, "of friction", part},
+      {"viscous_friction", &Sea::viscous, "Nm/(rad/s)", level},
+      {"output_friction", &Sea::output_friction, "Nm", level},
+      {"output_friction_asymmetry", &Sea::output_friction_asymmetry, "of output_friction", part},
+      {"output_viscous", &Sea::output_viscous, "Nm/(rad/s)", level},
+      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level},
+  };
+  return list;
+}
+
+}  // namespace
+
 std::optional<double> Actuator::standard_error(const std::string& constant) const {
   const auto it = std::find(uncertain.begin(), uncertain.end(), constant);
   if (it == uncertain.end()) return std::nullopt;
@@ -31,20 +58,20 @@ Actuator read_actuator(const std::string& path) {
   Actuator a;
   a.name = s.text("name");
   const Range constant = Range::non_negative();
-  a.sea.k_p = s.number("k_p", constant);
-  a.sea.k_d = s.number("k_d", constant);
+  for (const OptionalConstant& c : optional_constants()) a.sea.*c.at = s.optional_number(c.key, c.range).value_or(0);
+  const bool gains = a.sea.k_t == 0;  // where K_t stands for them they may be absent
+  a.sea.k_p = gains ? s.number("k_p", constant) : s.optional_number("k_p", constant).value_or(0);
+  a.sea.k_d = gains ? s.number("k_d", constant) : s.optional_number("k_d", constant).value_or(0);
   a.sea.k_sea = s.number("k_sea", constant);
   a.sea.c_sea = s.number("c_sea", constant);
   a.sea.i_motor = s.number("i_motor", Range::positive());
   if (const auto v = s.optional_number("tau_max", constant)) a.sea.tau_max = *v;
-  a.sea.friction = s.optional_number("friction", constant).value_or(0);
-  a.sea.viscous = s.optional_number("viscous_friction", constant).value_or(0);
-  a.sea.k_sea_cubic = s.optional_number("k_sea_cubic", constant).value_or(0);
   a.sea.feedback = read_feedback(s).value_or(Feedback::kOutput);
   a.speed_max = s.optional_number("speed_max", Range::positive());
   if (auto u = file.optional("uncertainty")) {
-    Uncertainty read = read_uncertainty(
-        *u, {"k_p", "k_d", "k_sea", "c_sea", "i_motor", "friction", "viscous_friction", "k_sea_cubic"}, "the actuator");
+    std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
+    for (const OptionalConstant& c : optional_constants()) known.emplace_back(c.key);
+    Uncertainty read = read_uncertainty(*u, known, "the actuator");
     a.uncertain = std::move(read.order), a.covariance = std::move(read.covariance);
     u->accept("std"), u->accept("ci95");  // follow from the covariance
   }
@@ -61,13 +88,13 @@ Actuator read_actuator(const std::string& path) {
 std::string to_toml(const Actuator& a, double half_width) {
   std::string t = fmt::format("[actuator]\nname = \"{}\"\n", toml_text(a.name));
   const auto u = constants(a.sea);
-  for (int i = 0; i < kConstants; ++i)
+  const bool gains = a.sea.k_t == 0 || a.sea.k_p != 0 || a.sea.k_d != 0;
+  for (int i = gains ? 0 : 2; i < kConstants; ++i)
     t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s\n", shortest(*a.speed_max));
-  if (a.sea.friction != 0) t += fmt::format("friction = {}  # Nm\n", shortest(a.sea.friction));
-  if (a.sea.viscous != 0) t += fmt::format("viscous_friction = {}  # Nm/(rad/s)\n", shortest(a.sea.viscous));
-  if (a.sea.k_sea_cubic != 0) t += fmt::format("k_sea_cubic = {}  # Nm/rad^3\n", shortest(a.sea.k_sea_cubic));
+  for (const OptionalConstant& c : optional_constants())
+    if (const double v = a.sea.*c.at; v != 0) t += fmt::format("{} = {}  # {}\n", c.key, shortest(v), c.unit);
   t += fmt::format("feedback = \"{}\"\n", name(a.sea.feedback));
   if (!a.verdicts.empty()) {
     t += "\n[verdict]\n";
@@ -82,8 +109,9 @@ std::string to_toml(const Actuator& a, double half_width) {
     const auto value = [&](std::size_t i) {
       for (int k = 0; k < kConstants; ++k)
         if (a.uncertain[i] == kConstantNames[k]) return u[k];
-      if (a.uncertain[i] == "friction") return a.sea.friction;
-      return a.uncertain[i] == "viscous_friction" ? a.sea.viscous : a.sea.k_sea_cubic;
+      for (const OptionalConstant& c : optional_constants())
+        if (a.uncertain[i] == c.key) return a.sea.*c.at;
+      return 0.0;
     };
     const auto error = [&](std::size_t i) { return std::sqrt(a.covariance(long(i), long(i))); };
     t += "\n[uncertainty]\n";

@@ -1,8 +1,8 @@
 // The series elastic actuator: Eq. 2-4 of the source paper, written once for every scalar.
 //
 // [1] Altangerel, Tsujita, Sekine, Abiko, "Generation of Shock Absorbing Motion of a One-Legged Robot with a Flexible
-//     Joint", Sec. 2.3. The four optional terms (stiffening spring, dry and viscous friction, motor-side
-//     feedback) are ours.
+//     Joint", Sec. 2.3. The optional terms (stiffening spring, dry and viscous friction on either side,
+//     motor-side feedback, a controller whose command is known) are ours.
 // SI units: rad, rad/s, Nm. The motor's angle is taken at the gear's output side; i_motor is the reflected inertia.
 // Tests: test/unit/sea.cpp.
 #pragma once
@@ -17,7 +17,8 @@ namespace ukemi {
 /// do.
 enum class Feedback { kOutput, kMotor };
 
-/// Below this motor speed dry friction is smoothed, v_s in `friction_torque` [rad/s]. Ours.
+/// Below this motor speed dry friction is smoothed in a landing, v_s in `friction_torque` [rad/s]. Ours. On the rig it
+/// sticks: identify/rig/one_link.hpp.
 inline constexpr double kFrictionSpeed = 0.005;
 
 /// The constants of one series elastic actuator.
@@ -32,19 +33,28 @@ struct SeaParameters {
   T friction = T(0);                                       ///< tau_c, Coulomb torque on the motor [Nm], >= 0; 0: none
   T k_sea_cubic = T(0);                                    ///< K_3, cubic stiffness [Nm/rad^3], >= 0; 0: linear spring
   Feedback feedback = Feedback::kOutput;                   ///< what Eq. 3 feeds back
-  T viscous = T(0);  ///< viscous friction on the motor [Nm/(rad/s)], >= 0; 0: none
+  T viscous = T(0);                    ///< viscous friction on the motor [Nm/(rad/s)], >= 0; 0: none
+  T output_friction = T(0);            ///< Coulomb torque on the output [Nm], >= 0; 0: none
+  T output_viscous = T(0);             ///< viscous friction on the output [Nm/(rad/s)], >= 0; 0: none
+  T friction_asymmetry = T(0);         ///< of `friction`, see coulomb_level; -1..1
+  T k_t = T(0);                        ///< K_t, the motor's torque for a unit of its command [Nm/unit], >= 0; 0: none
+  T output_friction_asymmetry = T(0);  ///< of `output_friction`; -1..1
 
   /// The same constants in another scalar.
   template <class U>
   SeaParameters<U> cast() const {
-    return {U(k_p),     U(k_d),      U(k_sea),       U(c_sea), U(i_motor),
-            U(tau_max), U(friction), U(k_sea_cubic), feedback, U(viscous)};
+    SeaParameters<U> out{U(k_p), U(k_d), U(k_sea), U(c_sea), U(i_motor)};
+    for_each(out, *this, [](U& to, const T& from) { to = U(from); });
+    out.feedback = feedback;
+    return out;
   }
   /// f(a's, b's) of every constant.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {
     f(a.k_p, b.k_p), f(a.k_d, b.k_d), f(a.k_sea, b.k_sea), f(a.c_sea, b.c_sea), f(a.i_motor, b.i_motor);
     f(a.tau_max, b.tau_max), f(a.friction, b.friction), f(a.k_sea_cubic, b.k_sea_cubic), f(a.viscous, b.viscous);
+    f(a.k_t, b.k_t), f(a.output_friction, b.output_friction), f(a.output_viscous, b.output_viscous);
+    f(a.friction_asymmetry, b.friction_asymmetry), f(a.output_friction_asymmetry, b.output_friction_asymmetry);
   }
 };
 
@@ -121,7 +131,14 @@ T motor_torque(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<
   }
 }
 
-/// Friction against the motor's motion, dry and viscous: tau_c v / sqrt(v^2 + v_s^2) + viscous v [Nm]. Ours.
+/// Coulomb torque against motion in a direction, +1 or -1: tau_c (1 + direction asymmetry) [Nm]. The asymmetry is half
+/// the difference of both levels over their mean. Ours.
+template <class T>
+T coulomb_level(const T& mean, const T& asymmetry, int direction) {
+  return mean * (T(1) + T(direction) * asymmetry);
+}
+
+/// Friction against the motor's motion, smoothed dry and viscous: tau_c v / sqrt(v^2 + v_s^2) + viscous v [Nm]. Ours.
 template <SeaTerms kTerms, Scalar T>
 T friction_torque(const SeaParameters<T>& p, const T& dphi_m) {
   using std::sqrt;

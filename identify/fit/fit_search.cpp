@@ -135,6 +135,7 @@ FitSearch::Sea FitSearch::admitted(const Sea& drawn) const {
     if (t.is_constant())
       t.set_in(out, c.fits(t.name) ? std::clamp(t.value_in(drawn), c.lower_of(t), c.upper_of(t))
                                    : t.value_in(start_ ? *start_ : base_));
+  if (c.fits("k_t")) out.k_t = drawn.k_t;
   return out;
 }
 

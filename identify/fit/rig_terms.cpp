@@ -54,6 +54,21 @@ RigTerm optional(RigTerm t, double part, double Sea::*of, const char* key) {
   t.lower = 0, t.part = part, t.relative_to = of, t.key = key;
   return t;
 }
+RigTerm also(const char* alias, RigTerm t) {
+  t.alias = alias;
+  return t;
+}
+RigTerm only_with(RigTerm t, double Sea::*constant) {
+  t.only_with = constant;
+  return t;
+}
+/// Of a Coulomb friction: both levels stay above 0.
+template <class F>
+RigTerm asymmetry(const char* name, const char* words, F field, double Sea::*friction) {
+  RigTerm t = bounded(nuisance(name, "1", words, Scope::kShared, 0.2, field), -0.95, 0.95, 0);
+  t.key = name;
+  return only_with(t, friction);
+}
 RigTerm in_ladder(RigTerm t) {
   t.in_ladder = true;
   return t;
@@ -71,9 +86,27 @@ std::vector<RigTerm> table() {
       in_ladder(optional(nuisance("friction", "Nm", "dry friction on the motor", kShared, 0.1,
                                   [](auto& in) { return &in.sea.friction; }),
                          0.01, &Sea::k_p, "friction")),
-      optional(nuisance("viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared, 0.1,
-                        [](auto& in) { return &in.sea.viscous; }),
-               0.1, &Sea::k_d, "viscous_friction"),
+      also("viscous", optional(nuisance("viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared, 0.1,
+                                        [](auto& in) { return &in.sea.viscous; }),
+                               0.1, &Sea::k_d, "viscous_friction")),
+      asymmetry(
+          "friction_asymmetry", "of friction: half the difference of both directions' levels over their mean",
+          [](auto& in) { return &in.sea.friction_asymmetry; }, &Sea::friction),
+      in_ladder(optional(nuisance("output_friction", "Nm", "dry friction on the output", kShared, 0.1,
+                                  [](auto& in) { return &in.sea.output_friction; }),
+                         0.01, &Sea::k_p, "output_friction")),
+      also("output_viscous_friction",
+           optional(nuisance("output_viscous", "Nm/(rad/s)", "viscous friction on the output", kShared, 0.1,
+                             [](auto& in) { return &in.sea.output_viscous; }),
+                    0.1, &Sea::k_d, "output_viscous")),
+      asymmetry(
+          "output_friction_asymmetry", "the same of output_friction",
+          [](auto& in) { return &in.sea.output_friction_asymmetry; }, &Sea::output_friction),
+      // Of a drive whose command is known; without one nothing depends on it.
+      only_with(optional(nuisance("k_t", "Nm/unit", "the motor's torque for a unit of its command", kShared, 1,
+                                  [](auto& in) { return &in.sea.k_t; }),
+                         1, &Sea::k_t, "k_t"),
+                &Sea::k_t),
       // As much torque as the linear part at a deflection of 1 rad.
       in_ladder(optional(nuisance("stiffening", "Nm/rad^3", "cubic stiffness of the spring", kShared, 10,
                                   [](auto& in) { return &in.sea.k_sea_cubic; }),

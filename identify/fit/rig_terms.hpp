@@ -54,7 +54,9 @@ struct RigTerm : Term {
   double SeaParameters<double>::*relative_to = nullptr;
   double part = 1;
   bool in_ladder = false;  ///< the model ladder tries the fit with and without it
-  std::string key = {};    ///< its name in actuator.toml; empty: it is no constant of the actuator
+  /// It is tested for only where this constant is there: without it, it says nothing.
+  double SeaParameters<double>::*only_with = nullptr;
+  std::string key = {};  ///< its name in actuator.toml; empty: it is no constant of the actuator
 
   /// Its value in an actuator; its absence where it is none of an actuator's.
   double value_in(const SeaParameters<double>& sea) const;

@@ -7,6 +7,7 @@
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
+#include "identify/logs/hits.hpp"
 
 namespace ukemi::identify {
 
@@ -25,6 +26,20 @@ double dominant_frequency(const Trial& trial) {
     rate2 += dx * dx, deviation2 += d * d;
   }
   return deviation2 > 0 ? std::sqrt(rate2 / deviation2) : 0;
+}
+
+/// Command for a unit of angle, where the command is known: the smallest controller's gain, or as their ranges have it;
+/// else 1.
+double command_gain(const Rig& rig, const std::vector<Trial>& trials) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  double gain = kNone;
+  for (const Trial& trial : trials) {
+    const Drive& drive = (trial.rig ? *trial.rig : rig).drive;
+    const double command = largest_deviation(trial.command), angle = largest_deviation(trial.phi);
+    if (drive.kind == Drive::Kind::kController) gain = std::min(gain, drive.gain);
+    if (drive.kind == Drive::Kind::kCommand && command > 0 && angle > 0) gain = std::min(gain, command / angle);
+  }
+  return gain < kNone ? gain : 1;
 }
 
 }  // namespace
@@ -65,6 +80,7 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   s.centre.k_sea = 2 * std::max(stiffness, 0.5 * s.centre.k_p);
   s.centre.c_sea = 0.3 * s.centre.k_sea / omega;
   s.centre.i_motor = s.centre.k_p / (omega * omega);
+  s.centre.k_t = s.centre.k_p / command_gain(rig, trials);
   s.spread_gains = moments ? 1.2 : 30;
   s.spread_rest = 10;
   return s;
@@ -82,8 +98,10 @@ std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int coun
       std::swap(layer[i - 1], layer[std::size_t(random.uniform() * double(i))]);
     for (std::size_t i = 0; i < out.size(); ++i) {
       auto u = constants(out[i]);
-      u[k] *= std::pow(spread[k], 2 * (layer[i] + random.uniform()) / count - 1);
+      const double factor = std::pow(spread[k], 2 * (layer[i] + random.uniform()) / count - 1);
+      u[k] *= factor;
       set_constants(out[i], u);
+      if (k == 0) out[i].k_t *= factor;  // where the command is known it stands for K_p
     }
   }
   return out;

@@ -17,6 +17,8 @@ struct Unit {
 const std::vector<Unit>& units_of(Quantity quantity) {
   static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", std::numbers::pi / 180}, {"_mrad", 1e-3}},
                                  force = {{"_N", 1}, {"_kN", 1e3}};
+  static const std::vector<Unit> none;
+  if (quantity == Quantity::kCommand) return none;
   return quantity == Quantity::kTime ? time : quantity == Quantity::kForce ? force : angle;
 }
 

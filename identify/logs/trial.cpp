@@ -15,9 +15,10 @@ namespace ukemi::identify {
 
 namespace {
 
-const std::vector<Column> kColumns = {{"t", Quantity::kTime},        {"phi", Quantity::kAngle},
-                                      {"force", Quantity::kForce},   {"phi_ref", Quantity::kAngle},
-                                      {"dphi_ref", Quantity::kRate}, {"phi_motor", Quantity::kAngle}};
+const std::vector<Column> kColumns = {{"t", Quantity::kTime},         {"phi", Quantity::kAngle},
+                                      {"force", Quantity::kForce},    {"phi_ref", Quantity::kAngle},
+                                      {"dphi_ref", Quantity::kRate},  {"phi_motor", Quantity::kAngle},
+                                      {"command", Quantity::kCommand}};
 
 bool constant(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [&](double v) { return v == x.front(); });
@@ -53,8 +54,8 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
                                      s.column, shortest(column[i]), which.name, which.name));
     }
   };
-  std::vector<double>* const targets[] = {&trial.t,       &trial.phi,      &trial.force,
-                                          &trial.phi_ref, &trial.dphi_ref, &trial.phi_motor};
+  std::vector<double>* const targets[] = {&trial.t,        &trial.phi,       &trial.force,  &trial.phi_ref,
+                                          &trial.dphi_ref, &trial.phi_motor, &trial.command};
   for (std::size_t k = 0; k < kColumns.size(); ++k) load(kColumns[k], *targets[k]);
 
   const auto missing = [&](const std::string& name) {
@@ -63,7 +64,7 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
   if (trial.t.empty()) missing("t");
   if (options.require_phi && trial.phi.empty()) missing("phi");
   const bool elsewhere = options.force == TrialOptions::Force::kElsewhere;
-  if (trial.force.empty() && trial.phi_ref.empty() && !elsewhere)
+  if (trial.force.empty() && trial.phi_ref.empty() && trial.command.empty() && !elsewhere)
     throw InputError({path, table.header_line},
                      "no column 'force' or 'phi_ref': at least one excitation is needed" + hint("force", table.header));
   if (!trial.dphi_ref.empty() && trial.phi_ref.empty()) missing("phi_ref");
@@ -73,7 +74,7 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
 }
 
 void require_excitation(const Trial& trial) {
-  if (!zero(trial.force) || !constant(trial.phi_ref) || !zero(trial.dphi_ref)) return;
+  if (!zero(trial.force) || !constant(trial.phi_ref) || !zero(trial.dphi_ref) || !zero(trial.command)) return;
   throw InputError({trial.file}, fmt::format("no excitation: {} and {}: a force or a moving reference is needed",
                                              trial.force.empty() ? "no force" : "a force of 0 throughout",
                                              trial.phi_ref.empty() ? "no reference" : "a reference that stays"));
@@ -81,7 +82,7 @@ void require_excitation(const Trial& trial) {
 
 bool same_content(const Trial& a, const Trial& b) {
   return a.phi == b.phi && a.force == b.force && a.t == b.t && a.force_t == b.force_t && a.phi_ref == b.phi_ref &&
-         a.dphi_ref == b.dphi_ref && a.phi_motor == b.phi_motor;
+         a.dphi_ref == b.dphi_ref && a.phi_motor == b.phi_motor && a.command == b.command;
 }
 
 std::vector<double> force_at_samples(const Trial& trial) {

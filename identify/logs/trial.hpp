@@ -1,8 +1,11 @@
 // One logged trial in SI units, with the checks that a log must pass.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "identify/rig/rig.hpp"
 
 namespace ukemi::identify {
 
@@ -17,6 +20,8 @@ struct Trial {
   std::vector<double> phi_ref;     ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
   std::vector<double> dphi_ref;    ///< [rad/s]; linear between samples
   std::vector<double> phi_motor;   ///< measured motor angle at the gear's output side [rad]
+  std::vector<double> command;     ///< what the motor was told [V, A or Nm]; held from sample to sample
+  std::optional<Rig> rig = {};     ///< a rig of its own, in place of the other trials'
   double force_noise = 0;          ///< standard deviation of each sample of the force within hits [N]; see hits.hpp
   double force_rest = 0;           ///< what the load cell reads between hits, where that has been worked out [N]
   std::vector<std::string> notes;  ///< what was handled and counted while reading, a sentence each
@@ -37,10 +42,10 @@ struct TrialOptions {
   double gear_ratio = 1;                                                 ///< divides phi_motor
 };
 
-/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor; unit suffixes convert (see
-/// Quantity). Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name
-/// given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2 pi unless
-/// multi-turn.
+/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor, command; unit suffixes
+/// convert (see Quantity). Throws InputError with file:line:column on whatever read_csv refuses, on a missing column
+/// (nearest name given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2
+/// pi unless multi-turn.
 Trial read_trial(const std::string& path, const TrialOptions& options = {});
 
 /// Throws InputError, naming the file and the rule, where nothing moves the rig: no force or all of it zero, and a

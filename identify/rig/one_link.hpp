@@ -2,6 +2,11 @@
 // kernel.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
 #include "common/integrate/hybrid.hpp"
 #include "common/sea.hpp"
 
@@ -15,57 +20,114 @@ struct Excitation {
   T force{0}, force_rate{0};               ///< F_e [N], [N/s]
   double phi_ref = 0, phi_ref_rate = 0;    ///< [rad], [rad/s]
   double dphi_ref = 0, dphi_ref_rate = 0;  ///< what Eq. 3 sees as the reference's rate [rad/s], [rad/s^2]
+  double command = 0;                      ///< what the motor is told, where that is logged [V, A or Nm]
 
   template <class U>
   Excitation<U> with_force(bool is_pushed, const U& f, const U& rate) const {
-    return {t, is_pushed, f, rate, phi_ref, phi_ref_rate, dphi_ref, dphi_ref_rate};
+    return {t, is_pushed, f, rate, phi_ref, phi_ref_rate, dphi_ref, dphi_ref_rate, command};
   }
 };
 
-/// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t), Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
-/// Test: test/unit/one_link.cpp against the closed-form linear response.
+/// The two ends of the actuator, each with friction of its own.
+enum Side { kOutputSide, kMotorSide, kSides };
+
+/// What is held between events.
+struct RigMode {
+  int saturation = 0;      ///< branch of Eq. 2's clamp: -1, 0, +1
+  int command = 0;         ///< branch of the command's limit
+  bool rubs[kSides] = {};  ///< the side has Coulomb friction
+  int slip[kSides] = {};   ///< of such a side: the sign of its motion, or 0 where it is stuck
+  bool stuck(int side) const { return rubs[side] && slip[side] == 0; }
+  bool rubbing() const { return rubs[kOutputSide] || rubs[kMotorSide]; }
+  bool operator==(const RigMode&) const = default;
+};
+
+/// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t) - friction, Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
+///
+/// Coulomb friction sticks (ours). With T_s what moves side s (`torques`) and L(+-) its level in each direction
+/// (coulomb_level), a side slips with I_s a_s = T_s - slip L(slip), slip = +-1 the sign of its rate, until that rate is
+/// zero. It is then stuck, rate and acceleration exactly 0, as long as -L(-) <= T_s <= L(+). The mode is held between
+/// events; in a mode the field is smooth.
+/// Tests: test/unit/one_link.cpp against the closed-form linear response; test/unit/sticking.cpp.
 template <SeaTerms kTerms, Scalar T>
 class OneLinkSystem {
  public:
   enum { kPhi, kPhiM, kOmega, kOmegaM, kStates };
-  static constexpr int kControlled = kStates, kPositions = 2, kGuards = 2, kTorqueUpper = 0, kTorqueLower = 1;
+  enum { kTorqueUpper, kTorqueLower, kCommandUpper, kCommandLower, kRub };  ///< guards; from kRub on two for each side
+  static constexpr int kControlled = kStates, kPositions = 2,
+                       kGuards = kTerms.extended ? int(kRub) + 2 * kSides : int(kTorqueLower) + 1;
   using State = Eigen::Matrix<T, kStates, 1>;
 
   OneLinkSystem(const SeaParameters<T>& actuator, double length, double inertia)
       : sea(actuator), length_(length), inverse_inertia_(1 / inertia) {
-    if (kTerms.torque_limit && value_of(sea.tau_max) == 0) saturation = 1;
+    if (kTerms.torque_limit && value_of(sea.tau_max) == 0) mode.saturation = 1;
   }
 
   SeaParameters<T> sea;
+  T command_limit = T(std::numeric_limits<double>::infinity());  ///< of |tau_mot| [Nm], >= 0
   Excitation<T> input;
-  int saturation = 0;
+  RigMode mode;
 
   static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
 
-  /// `t` may be a double or, to differentiate by it, a T. Flattened: operations on Jets are worth no calls.
+  /// What moves each side, Coulomb friction apart [Nm]: tau_SEA + l cos(phi_1) F_e - viscous friction on the output,
+  /// tau_mot - tau_SEA - viscous friction on the motor. tau_mot is Eq. 3 within `command_limit`, and K_t times a logged
+  /// command. `t` may be a double or, to differentiate by it, a T.
   template <class Time>
-  [[gnu::flatten]] void derivative(const Time& t, const State& y, State& dy) const {
+  UKEMI_INLINE std::array<T, kSides> torques(const Time& t, const State& y) const {
     const Time u = t - input.t;
     const SeaState<T> s = sea_state(y);
-    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), saturation);
-    const Reference<T> ref{T(input.phi_ref + input.phi_ref_rate * u), T(input.dphi_ref + input.dphi_ref_rate * u)};
-    dy[kPhi] = y[kOmega];
-    dy[kPhiM] = y[kOmegaM];
-    dy[kOmega] = tau * T(inverse_inertia_);
+    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), mode.saturation);
+    T on_output = tau, on_motor = -tau;
     if (input.pushed) {
       using std::cos;
-      dy[kOmega] += T(length_ * inverse_inertia_) * (input.force + input.force_rate * u) * cos(y[kPhi]);
+      on_output += T(length_) * (input.force + input.force_rate * u) * cos(y[kPhi]);
     }
-    dy[kOmegaM] = motor_acceleration<kTerms>(sea, s, ref, tau);
+    if constexpr (kTerms.extended) {
+      on_output -= sea.output_viscous * s.dphi, on_motor += sea.k_t * T(input.command) - sea.viscous * s.dphi_m;
+      if (mode.command != 0) return {on_output, on_motor + T(mode.command) * command_limit};
+    }
+    return {on_output, on_motor + motor_torque<kTerms>(sea, s, reference(u))};
+  }
+  /// L(direction) of a side [Nm].
+  T level(int side, int direction) const {
+    return side == kMotorSide ? coulomb_level(sea.friction, sea.friction_asymmetry, direction)
+                              : coulomb_level(sea.output_friction, sea.output_friction_asymmetry, direction);
+  }
+
+  /// Flattened: operations on Jets are worth no calls.
+  template <class Time>
+  [[gnu::flatten]] void derivative(const Time& t, const State& y, State& dy) const {
+    std::array<T, kSides> torque = torques(t, y);
+    if constexpr (kTerms.extended)
+      for (const int side : {kOutputSide, kMotorSide})
+        if (mode.rubs[side])
+          torque[side] =
+              mode.slip[side] == 0 ? T(0) : T(torque[side] - T(mode.slip[side]) * level(side, mode.slip[side]));
+    dy[kPhi] = y[kOmega];
+    dy[kPhiM] = y[kOmegaM];
+    dy[kOmega] = torque[kOutputSide] * T(inverse_inertia_);
+    dy[kOmegaM] = torque[kMotorSide] / sea.i_motor;
+  }
+
+  /// The same system and mode in another scalar, by values.
+  template <class U>
+  OneLinkSystem<kTerms, U> in_values() const {
+    SeaParameters<U> values{};
+    SeaParameters<U>::for_each(values, sea, [](U& to, const T& from) { to = U(value_of(from)); });
+    values.feedback = sea.feedback;
+    OneLinkSystem<kTerms, U> out(values, length_, 1 / inverse_inertia_);
+    out.command_limit = U(value_of(command_limit));
+    out.input = input.with_force(input.pushed, U(value_of(input.force)), U(value_of(input.force_rate)));
+    out.mode = mode;
+    return out;
   }
 
   /// d(dy/dt)/dy and d(dy/dt)/dt of the present mode, exact; values only, so for T = double.
   template <class Matrix>
   void linearize(double t, const State& y, Matrix& jacobian, State& rate) const {
     using Dual = ceres::Jet<double, kStates + 1>;
-    OneLinkSystem<kTerms, Dual> dual(sea.template cast<Dual>(), length_, 1 / inverse_inertia_);
-    dual.input = input.with_force(input.pushed, Dual(input.force), Dual(input.force_rate));
-    dual.saturation = saturation;
+    const OneLinkSystem<kTerms, Dual> dual = in_values<Dual>();
     Eigen::Matrix<Dual, kStates, 1> x, dx;
     for (int i = 0; i < kStates; ++i) x[i] = Dual(y[i], i);
     dual.derivative(Dual(t, kStates), x, dx);
@@ -73,26 +135,112 @@ class OneLinkSystem {
       jacobian.row(i) = dx[i].v.template head<kStates>().transpose(), rate[i] = dx[i].v[kStates];
   }
 
-  void guards(double, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+  void guards(double t, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
     out = {};
-    if constexpr (kTerms.torque_limit) {
-      if (value_of(sea.tau_max) == 0) return;
-      const SeaState<double> s{value_of(y[kPhi]), value_of(y[kPhiM]), value_of(y[kOmega]), value_of(y[kOmegaM])};
-      const SeaParameters<double> p{
-          0, 0, value_of(sea.k_sea), value_of(sea.c_sea), 1, value_of(sea.tau_max), 0, value_of(sea.k_sea_cubic)};
-      const double tau = spring_torque<kTerms>(p, s), limit = p.tau_max,
-                   rate = spring_torque_rate<kTerms>(p, s, value_of(dy[kOmega]), value_of(dy[kOmegaM]));
-      if (saturation >= 0) out.set(kTorqueUpper, saturation ? tau - limit : limit - tau, saturation ? rate : -rate);
-      if (saturation <= 0) out.set(kTorqueLower, saturation ? -limit - tau : limit + tau, saturation ? -rate : rate);
+    if constexpr (kTerms.torque_limit) torque_guards(y, dy, out);
+    if constexpr (kTerms.extended) {
+      if (mode.rubbing() || std::isfinite(value_of(command_limit))) held_guards(t, y, dy, out);
     }
   }
 
-  void cross(int guard) { saturation = saturation ? 0 : (guard == kTorqueUpper ? 1 : -1); }
+  /// Changes the mode as the guard's zero asks at t, y; see `stops`.
+  void cross(int guard, double t, const State& y) {
+    if (guard <= kTorqueLower) {
+      mode.saturation = mode.saturation ? 0 : (guard == kTorqueUpper ? 1 : -1);
+    } else if (guard < kRub) {
+      mode.command = mode.command ? 0 : (guard == kCommandUpper ? 1 : -1);
+    } else {
+      const int side = side_of(guard);
+      if (mode.stuck(side)) {
+        mode.slip[side] = guard == upward(side) ? 1 : -1;
+      } else {  // it stays, or turns where what moves it is beyond the level of the other direction
+        const int back = -mode.slip[side];
+        mode.slip[side] = back * value_of(torques(t, y)[std::size_t(side)]) > value_of(level(side, back)) ? back : 0;
+      }
+    }
+  }
+  /// Whether a guard's zero ends a slip: the side's rate is zero there, and its acceleration jumps.
+  bool stops(int guard) const { return guard >= kRub && !mode.stuck(side_of(guard)); }
+  static constexpr int side_of(int guard) { return (guard - kRub) / 2; }
+  static constexpr int rate_of(int side) { return kOmega + side; }  ///< its place in the state
+
+  /// The modes that hold at t, y where an input has jumped, or a run starts: limits of the command; sides that are at
+  /// rest and cannot stay; sides that move.
+  void settle(double t, const State& y) {
+    if constexpr (kTerms.extended) {
+      if (const double most = value_of(command_limit); std::isfinite(most)) {
+        const double asked = value_of(motor_torque<kTerms>(sea, sea_state(y), reference(t - input.t)));
+        mode.command = asked > most ? 1 : asked < -most ? -1 : 0;
+      }
+      if (!mode.rubbing()) return;
+      const std::array<T, kSides> torque = torques(t, y);
+      for (const int side : {kOutputSide, kMotorSide}) {
+        if (!mode.stuck(side)) continue;
+        const double rate = value_of(y[rate_of(side)]), moving = value_of(torque[std::size_t(side)]);
+        if (rate != 0)
+          mode.slip[side] = rate > 0 ? 1 : -1;
+        else if (moving > value_of(level(side, 1)))
+          mode.slip[side] = 1;
+        else if (-moving > value_of(level(side, -1)))
+          mode.slip[side] = -1;
+      }
+    }
+  }
 
   /// 0.1 rad, and that at 10 1/s.
   double tolerance_unit(int i) const { return i < kOmega ? 0.1 : 1.0; }
 
  private:
+  template <SeaTerms, Scalar U>
+  friend class OneLinkSystem;
+  static constexpr int upward(int side) { return kRub + 2 * side; }
+
+  template <class Time>
+  UKEMI_INLINE Reference<T> reference(const Time& u) const {
+    return {T(input.phi_ref + input.phi_ref_rate * u), T(input.dphi_ref + input.dphi_ref_rate * u)};
+  }
+
+  /// Of Eq. 2's clamp.
+  void torque_guards(const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+    if (value_of(sea.tau_max) == 0) return;
+    const SeaState<double> s{value_of(y[kPhi]), value_of(y[kPhiM]), value_of(y[kOmega]), value_of(y[kOmegaM])};
+    const SeaParameters<double> p{
+        0, 0, value_of(sea.k_sea), value_of(sea.c_sea), 1, value_of(sea.tau_max), 0, value_of(sea.k_sea_cubic)};
+    const double tau = spring_torque<kTerms>(p, s), limit = p.tau_max,
+                 rate = spring_torque_rate<kTerms>(p, s, value_of(dy[kOmega]), value_of(dy[kOmegaM]));
+    if (mode.saturation >= 0)
+      out.set(kTorqueUpper, mode.saturation ? tau - limit : limit - tau, mode.saturation ? rate : -rate);
+    if (mode.saturation <= 0)
+      out.set(kTorqueLower, mode.saturation ? -limit - tau : limit + tau, mode.saturation ? -rate : rate);
+  }
+
+  /// Of the command's limit and of friction: torques and their rates along the field.
+  void held_guards(double t, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+    using Rate = ceres::Jet<double, 1>;
+    constexpr double kRounding = 1e-12;  // a side that breaks away with no acceleration has not turned [rad/s]
+    const OneLinkSystem<kTerms, Rate> moving = in_values<Rate>();
+    Eigen::Matrix<Rate, kStates, 1> x;
+    for (int i = 0; i < kStates; ++i) x[i].a = value_of(y[i]), x[i].v[0] = value_of(dy[i]);
+    const Rate now(t, 0);
+    const auto set = [&](int guard, const Rate& g) { out.set(guard, g.a, g.v[0]); };
+    if (const Rate most = moving.command_limit; std::isfinite(most.a)) {
+      const Rate asked = motor_torque<kTerms>(moving.sea, moving.sea_state(x), moving.reference(now - input.t));
+      if (mode.command >= 0) set(kCommandUpper, mode.command ? asked - most : most - asked);
+      if (mode.command <= 0) set(kCommandLower, mode.command ? -most - asked : most + asked);
+    }
+    if (!mode.rubbing()) return;
+    const std::array<Rate, kSides> torque = moving.torques(now, x);
+    for (const int side : {kOutputSide, kMotorSide}) {
+      if (!mode.rubs[side]) continue;
+      if (const int slip = mode.slip[side]; slip != 0) {
+        set(upward(side), Rate(slip) * x[rate_of(side)] + Rate(kRounding));
+      } else {
+        set(upward(side), moving.level(side, 1) - torque[std::size_t(side)]);
+        set(upward(side) + 1, moving.level(side, -1) + torque[std::size_t(side)]);
+      }
+    }
+  }
+
   double length_, inverse_inertia_;
 };
 

@@ -22,6 +22,12 @@ Rig read_rig(const std::string& path) {
   rig.speed_max = s.optional_number("speed_max", Range::positive());
   rig.gear_ratio = s.optional_number("gear_ratio", Range::positive());
   rig.feedback = read_feedback(s);
+  if (auto drive = file.optional("drive")) {
+    rig.drive.kind = Drive::Kind::kController;
+    rig.drive.gain = drive->number("command_gain", Range::positive());
+    if (const auto limit = drive->optional_number("command_limit", Range::positive())) rig.drive.limit = *limit;
+    rig.drive.feedback = read_feedback(*drive).value_or(rig.feedback.value_or(Feedback::kOutput));
+  }
   file.finish();
   return rig;
 }

@@ -1,6 +1,7 @@
 // The impact-test rig of Sec. 3 of [1]: one link on a fixed base, horizontal plane.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -8,16 +9,31 @@
 
 namespace ukemi::identify {
 
+/// What drives the motor. Its torque follows from Eq. 3, K_p and K_d being constants of the actuator; or its command
+/// is known but for the factor K_t (ours).
+struct Drive {
+  enum class Kind {
+    kGains,       ///< Eq. 3
+    kController,  ///< K_t clamp(gain (phi_ref - phi), -limit, limit): a proportional controller that is known
+    kCommand,     ///< K_t times the logged command, held from sample to sample; K_p and K_d are nowhere
+  } kind = Kind::kGains;
+  double gain = 0;                                         ///< of a controller [V or A per rad], > 0
+  double limit = std::numeric_limits<double>::infinity();  ///< of its command [V or A], > 0
+  Feedback feedback = Feedback::kOutput;                   ///< the side that it feeds back
+};
+
 struct Rig {
   double length;                         ///< l, from the joint to where the force acts [m], > 0
   double inertia;                        ///< M, of the link about the joint [kg m^2], > 0
   std::optional<double> tau_max;         ///< torque limit of the spring [Nm]
   std::optional<double> gear_ratio;      ///< a log's phi_motor is divided by it
   std::optional<Feedback> feedback;      ///< what Eq. 3 feeds back
+  Drive drive = {};                      ///< what drives the motor
   std::optional<double> speed_max = {};  ///< rated motor speed at the output [rad/s], for the actuator file
 };
 
-/// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5). Throws
+/// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5);
+/// [drive], a controller that is known: command_gain, command_limit, feedback. Throws
 /// InputError.
 Rig read_rig(const std::string& path);
 

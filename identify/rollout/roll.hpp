@@ -1,11 +1,14 @@
-// One trial from stretch to stretch: exactly where the rig is linear, integrated where it is not. Included by the files
+// One trial from stretch to stretch: exactly where the rig is linear, integrated where it is not; from event to event
+// where friction sticks or a limit is met, with exact derivatives through them. Included by the files
 // that compile kernels (rollout.cpp, rollout_methods.cpp), by no other.
 // Private: not installed.
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <optional>
 
+#include "common/integrate/saltation.hpp"
 #include "identify/rollout/linear.hpp"
 #include "identify/rollout/rollout.hpp"
 
@@ -34,8 +37,9 @@ class Roll {
  public:
   Roll(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance, const PreparedTrial& trial,
        const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m)
-      : system_(sea, rig.length, rig.inertia),
-        plain_(values(sea), rig.length, rig.inertia),
+      : drive_(rig.drive),
+        system_(driven_by(rig.drive, sea), rig.length, rig.inertia),
+        plain_(values(system_.sea), rig.length, rig.inertia),
         nuisance_(nuisance),
         trial_(trial),
         shifted_(shift() == 0 ? std::vector<Stretch>() : trial.cut(shift())),
@@ -49,10 +53,15 @@ class Roll {
                 {.accuracy = options.accuracy,
                  .first_step = std::min(1e-3, options.max_step),
                  .max_step = options.max_step}) {
-    if constexpr (kExact) {
-      const bool nonlinear = kTerms.extended && (present(sea.friction) || present(sea.k_sea_cubic));
-      if (options.linear == RolloutOptions::Linear::kExact && !nonlinear) prepare_flow();
+    if (drive_.kind == Drive::Kind::kController && std::isfinite(drive_.limit)) {
+      system_.command_limit = sea.k_t * T(drive_.limit);
+      plain_.command_limit = value_of(system_.command_limit);
     }
+    if constexpr (kTerms.extended)
+      system_.mode.rubs[kMotorSide] = present(sea.friction),
+      system_.mode.rubs[kOutputSide] = present(sea.output_friction);
+    exact_ = kExact && options.linear == RolloutOptions::Linear::kExact && t_.size() > 1 &&
+             !(kTerms.extended && present(sea.k_sea_cubic));
   }
 
   RolloutStatus run() {
@@ -64,6 +73,7 @@ class Roll {
     for (const Stretch& stretch : shift() == 0 ? trial_.stretches : shifted_) {
       system_.input = driven(stretch.input);
       if (stretch.jumps) driver_.refresh();
+      if constexpr (kTerms.extended) settle();
       arrived_ = false;
       while (!arrived_ && status == RolloutStatus::kDone) status = follow(stretch.t_end);
       if (status != RolloutStatus::kDone) break;
@@ -78,7 +88,11 @@ class Roll {
  private:
   RolloutStatus follow(double t_end) {
     if constexpr (kExact)
-      if (is_linear()) return flow(t_end);
+      if (is_linear()) {
+        if constexpr (kTerms.extended)
+          if (slides()) return slide(t_end);
+        return flow(t_end);
+      }
     return integrate(t_end);
   }
   /// Takes work from the budget; false where it is spent.
@@ -87,9 +101,19 @@ class Roll {
     options_.budget->left -= work;
     return options_.budget->left > -options_.budget->overdraft;
   }
-  bool is_linear() const { return flow_ && system_.saturation == 0 && !system_.input.pushed; }
+  bool is_linear() const { return exact_ && system_.mode.saturation == 0 && !system_.input.pushed; }
+  /// Whether friction or a command's limit changes the linear mode.
+  bool slides() const { return system_.mode.rubbing() || std::isfinite(value_of(system_.command_limit)); }
   double shift() const { return value_of(nuisance_.time_shift); }
 
+  /// Eq. 3 as the drive has it: with its own gain, or not at all.
+  static SeaParameters<T> driven_by(const Drive& drive, SeaParameters<T> sea) {
+    if (drive.kind == Drive::Kind::kGains) return sea;
+    const bool controller = drive.kind == Drive::Kind::kController;
+    sea.k_p = controller ? T(sea.k_t * T(drive.gain)) : T(0), sea.k_d = T(0);
+    if (controller) sea.feedback = drive.feedback;
+    return sea;
+  }
   State start() const {
     const T angle = T(trial_.phi_start) + nuisance_.angle;
     State y;
@@ -102,7 +126,9 @@ class Roll {
     const T later = nuisance_.time_shift - T(shift());
     const T force = nuisance_.force_gain * (T(e.force) - T(e.force_rate) * later) + nuisance_.force_bias,
             rate = nuisance_.force_gain * T(e.force_rate);
-    return e.with_force(present(force) || present(rate), force, rate);
+    Excitation<T> out = e.with_force(present(force) || present(rate), force, rate);
+    if (drive_.kind != Drive::Kind::kCommand) out.command = 0;  // it is logged, but does not drive
+    return out;
   }
   void record(std::size_t sample, const State& y) {
     phi_[sample] = y[System::kPhi] + nuisance_.encoder_offset;
@@ -112,6 +138,48 @@ class Roll {
   RolloutStatus bounds(double angle) const {
     if (std::abs(angle - trial_.phi_start) < options_.escape) return RolloutStatus::kDone;
     return std::isfinite(angle) ? RolloutStatus::kEscaped : RolloutStatus::kDiverged;
+  }
+
+  // --- events ---
+
+  /// The modes that hold where an input may have jumped, at a time that does not depend on the constants.
+  void settle() {
+    const RigMode before = system_.mode;
+    system_.settle(driver_.time(), driver_.state());
+    if (before != system_.mode) driver_.refresh();
+  }
+
+  /// Passes the zero of a guard at the driver's time. The field is continuous but where a slip ends: there the side's
+  /// rate is exactly zero from now on, or turns, and the derivatives jump (saltation.hpp). False where events pile up
+  /// at one instant.
+  bool cross(int guard) {
+    constexpr int kMostAtOnce = 20;
+    const double t = driver_.time();
+    at_once_ = t == last_event_ ? at_once_ + 1 : 0, last_event_ = t;
+    if (at_once_ > kMostAtOnce) return false;
+    State y = driver_.state();
+    if (!system_.stops(guard)) {
+      system_.cross(guard, t, y);
+      driver_.refresh();
+      return true;
+    }
+    const int place = System::rate_of(System::side_of(guard));
+    if constexpr (kDerivatives < T >> 0) {
+      State field;
+      system_.derivative(t, y, field);
+      const Values before = values(field);
+      const T stopped = y[place];
+      system_.cross(guard, t, y);
+      system_.derivative(t, y, field);
+      if (before[place] != 0)
+        integrate::saltate(y, before, values(field), integrate::event_shift(stopped, before[place]));
+      y[place] = system_.mode.stuck(System::side_of(guard)) ? T(0) : y[place] - T(value_of(y[place]));
+    } else {
+      system_.cross(guard, t, y);
+      y[place] = 0;
+    }
+    driver_.refresh(y);
+    return true;
   }
 
   // --- integrated ---
@@ -144,8 +212,7 @@ class Roll {
       const RolloutStatus status = bounds(value_of(driver_.state()[System::kPhi]));
       if (status != RolloutStatus::kDone) return status;
       if (outcome.event >= 0) {
-        system_.cross(outcome.event);
-        driver_.refresh();
+        if (!cross(outcome.event)) return RolloutStatus::kDiverged;
         if (is_linear()) return RolloutStatus::kDone;
       }
       if (reached) {
@@ -157,31 +224,64 @@ class Roll {
 
   // --- exact ---
 
-  void prepare_flow() {
-    if (t_.size() < 2) return;
+  /// The exact flow of a linear mode, and of its values; what a constant or growing drive of either rate adds in a
+  /// sampling interval.
+  struct Exact {
+    LinearFlow<T> flow;
+    LinearFlow<double> values;  ///< by the interval between looks at the guards
+    int looks;                  ///< so many in a sampling interval
+    Eigen::Matrix<T, 4, 2> constant, growing;
+  };
+
+  /// That of the present mode. Its matrix does not depend on the direction of slips.
+  const Exact& exact() {
+    const RigMode& m = system_.mode;
+    std::unique_ptr<const Exact>& out =
+        exacts_[(m.stuck(kOutputSide) ? 1U : 0U) + (m.stuck(kMotorSide) ? 2U : 0U) + (m.command != 0 ? 4U : 0U)];
+    if (!out) out = std::make_unique<const Exact>(prepared());
+    return *out;
+  }
+
+  Exact prepared() {
     Eigen::Matrix<T, 4, 4> a;
     Eigen::Matrix<double, 4, 4> plain;
-    for (int j = 0; j < 4; ++j) {  // the field is linear, and zero at rest at a reference of zero
+    const double t = system_.input.t;
+    State none;
+    system_.derivative(t, State(State::Zero()), none);
+    for (int j = 0; j < 4; ++j) {
       State dy;
-      system_.derivative(0.0, State(State::Unit(j)), dy);
-      for (int i = 0; i < 4; ++i) a(i, j) = dy[i], plain(i, j) = value_of(dy[i]);
+      system_.derivative(t, State(State::Unit(j)), dy);
+      for (int i = 0; i < 4; ++i) a(i, j) = dy[i] - none[i], plain(i, j) = value_of(a(i, j));
     }
-    flow_.emplace(a, trial_.spacing);
+    LinearFlow<T> flow(a, trial_.spacing);
     // The guards are looked at often enough for the cubics between to be exact.
     constexpr double kTurn = 0.5;
     constexpr int kMostLooks = 8;
-    looks_ = std::clamp(int(std::ceil(flow_->rate() * trial_.spacing / kTurn)), 1, kMostLooks);
-    values_flow_.emplace(plain, trial_.spacing / looks_);
-    if (!kTerms.torque_limit) return;
-    // The spring's torque within a block is at most torque_bound_ . |z|: at the looks, and between them by its rate.
+    const int looks = std::clamp(int(std::ceil(flow.rate() * trial_.spacing / kTurn)), 1, kMostLooks);
+    Exact out{flow, LinearFlow<double>(plain, trial_.spacing / looks), looks, {}, {}};
+    if constexpr (kTerms.extended)
+      if (slides()) {
+        const State zero = State::Zero();
+        for (int j = 0; j < 2; ++j) {
+          out.constant.col(j) = flow.advance(zero, State::Unit(2 + j), zero, flow.h());
+          out.growing.col(j) = flow.advance(zero, zero, State::Unit(2 + j), flow.h());
+        }
+        return out;
+      }
+    if (kTerms.torque_limit) bound_torque(plain, out.values, looks);
+    return out;
+  }
+
+  /// The spring's torque within a block is at most torque_bound_ . |z|: at the looks, and between them by its rate.
+  void bound_torque(const Eigen::Matrix<double, 4, 4>& plain, const LinearFlow<double>& flow, int looks) {
     Values torque{-plain_.sea.k_sea, plain_.sea.k_sea, -plain_.sea.c_sea, plain_.sea.c_sea}, largest = Values::Zero(),
                                                                                              fastest = Values::Zero();
-    for (int j = 0; j <= LinearFlow<T>::kBlock * looks_; ++j) {
+    for (int j = 0; j <= LinearFlow<T>::kBlock * looks; ++j) {
       largest = largest.cwiseMax(torque.cwiseAbs());
       fastest = fastest.cwiseMax((plain.transpose() * torque).cwiseAbs());
-      torque = values_flow_->step().transpose() * torque;
+      torque = flow.step().transpose() * torque;
     }
-    torque_bound_ = largest + 0.5 * values_flow_->h() * fastest;
+    torque_bound_ = largest + 0.5 * flow.h() * fastest;
   }
 
   /// The state as the flow sees it: about a held reference, which is then a rest.
@@ -190,10 +290,10 @@ class Roll {
     State b0, b1;
     bool held;
   };
-  Frame frame(double t) {
+  Frame frame(double t) const {
     const Excitation<T>& in = system_.input;
     Frame f{T(in.phi_ref), State::Zero(), State::Zero(),
-            in.phi_ref_rate == 0 && in.dphi_ref == 0 && in.dphi_ref_rate == 0};
+            in.phi_ref_rate == 0 && in.dphi_ref == 0 && in.dphi_ref_rate == 0 && in.command == 0};
     if (f.held) return f;
     f.rest = T(0);
     State later;
@@ -216,38 +316,40 @@ class Roll {
 
   /// To the end of the stretch, or to where the torque limit is met.
   [[gnu::flatten]] RolloutStatus flow(double t_end) {
+    const Exact& exact = this->exact();
+    const LinearFlow<T>& flow = exact.flow;
     double t = driver_.time();
     const Frame f = frame(t);
+    plain_.mode = system_.mode;
     plain_.input = f.held ? Excitation<double>{} : system_.input.with_force(false, 0.0, 0.0);
     const State rest{f.rest, f.rest, T(0), T(0)};
     State z = driver_.state() - rest;
     const double from = t;
     while (t < t_end) {
-      if (const int n = f.held ? clear_intervals(z, on_grid(t, t_end)) : 0; n > 0) {
+      if (const int n = f.held ? clear_intervals(exact, z, on_grid(t, t_end)) : 0; n > 0) {
         const T offset = f.rest + nuisance_.encoder_offset;
         for (int j = 0; j < n; ++j, ++sample_) {
-          flow_->angle(phi_[sample_], offset, 0, j, z);
-          if (motor_) flow_->angle(phi_m_[sample_], f.rest, 1, j, z);
+          flow.angle(phi_[sample_], offset, 0, j, z);
+          if (motor_) flow.angle(phi_m_[sample_], f.rest, 1, j, z);
           const RolloutStatus status = bounds(value_of(phi_[sample_]));
           if (status != RolloutStatus::kDone) return status;
         }
         t = t_[sample_ - 1];
-        z = flow_->after(n, z);
+        z = flow.after(n, z);
         continue;
       }
       // A part of an interval, or one that meets the limit.
       const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
       const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
-      if (!afford(flow_->work(d))) return RolloutStatus::kDiverged;
-      const Meeting met = f.held && below_limit(values(z)) ? Meeting{} : meeting(values(z), t, d);
+      if (!afford(flow.work(d))) return RolloutStatus::kDiverged;
+      const Meeting met = f.held && below_limit(values(z)) ? Meeting{} : meeting(exact, values(z), t, d);
       const double h = met.guard < 0 ? d : met.s * d;
-      z = f.held ? flow_->advance(z, h) : flow_->advance(z, f.b0 + f.b1 * T(t - from), f.b1, h);
+      z = f.held ? flow.advance(z, h) : flow.advance(z, f.b0 + f.b1 * T(t - from), f.b1, h);
       t = h == left ? next : t + h;
       if (met.guard >= 0) {
         driver_.restart(t, z + rest);
-        system_.cross(met.guard);
         ++met_;
-        return RolloutStatus::kDone;
+        return cross(met.guard) ? RolloutStatus::kDone : RolloutStatus::kDiverged;
       }
       if (h < left || !to_sample) continue;
       record(sample_++, z + rest);
@@ -259,16 +361,58 @@ class Roll {
     return RolloutStatus::kDone;
   }
 
+  /// The same where friction holds or brakes: from interval to interval, and within one from event to event. A side
+  /// that is stuck does not move at all: its rows of the flow are zero.
+  [[gnu::flatten]] RolloutStatus slide(double t_end) {
+    const Exact& exact = this->exact();
+    double t = driver_.time();
+    State z = driver_.state(), b0, b1;
+    system_.derivative(t, State(State::Zero()), b0);
+    system_.derivative(t + 1, State(State::Zero()), b1);
+    b1 -= b0;
+    plain_.mode = system_.mode, plain_.input = system_.input.with_force(false, 0.0, 0.0);
+    const double from = t;
+    while (t < t_end) {
+      const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
+      const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
+      const bool interval = std::abs(d - trial_.spacing) <= kOffGrid * trial_.spacing;
+      if (!afford(interval ? exact.looks : exact.flow.work(d))) return RolloutStatus::kDiverged;
+      const State drive = b0 + b1 * T(t - from);
+      const auto after = [&](double h) { return exact.flow.advance(z, drive, b1, h); };
+      State end;
+      if (interval)
+        end =
+            exact.flow.after(1, z) + exact.constant * drive.template tail<2>() + exact.growing * b1.template tail<2>();
+      else
+        end = after(d);
+      const Meeting met = meeting(exact, values(z), t, d, values(end));
+      if (met.guard >= 0) {
+        driver_.restart(t + met.s * d, after(met.s * d));
+        ++met_;
+        return cross(met.guard) ? RolloutStatus::kDone : RolloutStatus::kDiverged;
+      }
+      z = end;
+      t = d == left ? next : t + d;
+      if (d < left || !to_sample) continue;
+      record(sample_++, z);
+      const RolloutStatus status = bounds(value_of(z[0]));
+      if (status != RolloutStatus::kDone) return status;
+    }
+    driver_.restart(t, z);
+    arrived_ = true;
+    return RolloutStatus::kDone;
+  }
+
   /// How many of the next samples are one interval apart from `t` on; at most a block.
   int on_grid(double t, double t_end) const {
-    constexpr double kOff = 1e-9;  // of an interval
     int n = 0;
     while (n < LinearFlow<T>::kBlock && sample_ + std::size_t(n) < t_.size() && t_[sample_ + std::size_t(n)] <= t_end &&
-           std::abs(t_[sample_ + std::size_t(n)] - t - (n + 1) * trial_.spacing) <= kOff * trial_.spacing)
+           std::abs(t_[sample_ + std::size_t(n)] - t - (n + 1) * trial_.spacing) <= kOffGrid * trial_.spacing)
       ++n;
     return n;
   }
 
+  static constexpr double kOffGrid = 1e-9;  ///< of an interval: samples so near a grid are on it
   using Guards = integrate::Guards<System::kGuards>;
   /// The guards at a state in the frame.
   Guards guards(double t, const Values& z) const {
@@ -284,30 +428,31 @@ class Roll {
   bool below_limit(const Values& z) const { return torque_bound_.dot(z.cwiseAbs()) < value_of(system_.sea.tau_max); }
 
   /// How many of `n` intervals from z on pass without a guard coming near zero.
-  int clear_intervals(const State& z, int n) const {
+  int clear_intervals(const Exact& exact, const State& z, int n) const {
     if (!kTerms.torque_limit || n == 0) return n;
-    const double h = values_flow_->h();
+    const double h = exact.values.h();
     Values y = values(z);
     if (below_limit(y)) return n;
     Guards a = guards(0, y);
-    for (int j = 0; j < n * looks_; ++j) {
-      y = values_flow_->after(1, y);
+    for (int j = 0; j < n * exact.looks; ++j) {
+      y = exact.values.after(1, y);
       const Guards b = guards(0, y);
       for (int i = 0; i < System::kGuards; ++i) {
         const integrate::Node start = j == 0 ? integrate::start_node(a.value[i], a.rate[i] * h) : node(0, a, i, h);
-        if (b.value[i] < 0 || bernstein_minimum(start, node(1, b, i, h)) <= 0) return j / looks_;
+        if (b.value[i] < 0 || bernstein_minimum(start, node(1, b, i, h)) <= 0) return j / exact.looks;
       }
       a = b;
     }
     return n;
   }
 
-  /// The first guard that falls to zero within d of z, and where.
+  /// The first guard that falls to zero within d of z, and where; `end` is the state there, where that is known.
   struct Meeting {
     int guard = -1;
     double s = integrate::kNoZero;  ///< in parts of d
   };
-  Meeting meeting(const Values& z, double t, double d) const {
+  Meeting meeting(const Exact& exact, const Values& z, double t, double d,
+                  const std::optional<Values>& end = {}) const {
     Meeting met;
     if (!kTerms.torque_limit) return met;
     Values b0, b1;
@@ -316,12 +461,12 @@ class Roll {
     b1 -= b0;
     const bool held = b0.isZero(0) && b1.isZero(0);
     const auto at = [&](double s) {
-      return held ? values_flow_->advance(z, s * d) : values_flow_->advance(z, b0, b1, s * d);
+      return held ? exact.values.advance(z, s * d) : exact.values.advance(z, b0, b1, s * d);
     };
     Guards a = guards(t, z);
-    for (int look = 0; look < looks_ && met.guard < 0; ++look) {
-      const double sa = double(look) / looks_, sb = (look + 1.0) / looks_;
-      const Guards b = guards(t + sb * d, at(sb));
+    for (int look = 0; look < exact.looks && met.guard < 0; ++look) {
+      const double sa = double(look) / exact.looks, sb = (look + 1.0) / exact.looks;
+      const Guards b = guards(t + sb * d, end && look + 1 == exact.looks ? *end : at(sb));
       for (int i = 0; i < System::kGuards; ++i) {
         const integrate::Node start = look == 0 ? integrate::start_node(a.value[i], a.rate[i] * d) : node(sa, a, i, d);
         const double s = integrate::zero_between(start, node(sb, b, i, d),
@@ -333,6 +478,7 @@ class Roll {
     return met;
   }
 
+  const Drive drive_;
   System system_;
   Plain plain_;  ///< of the frame, in values, with the limit not reached
   const Nuisance<T>& nuisance_;
@@ -344,14 +490,15 @@ class Roll {
   const bool motor_;  ///< phi_m is asked for
   std::vector<T>&phi_, &phi_m_;
   integrate::Integrator<Method, System> driver_;
-  std::optional<LinearFlow<T>> flow_;  ///< where the rig has a linear mode
-  std::optional<LinearFlow<double>> values_flow_;
-  int looks_ = 1;                         ///< at the guards in an interval
+  bool exact_;  ///< the rig has linear modes, and they are wanted
+  std::array<std::unique_ptr<const Exact>, kTerms.extended ? 8 : 1> exacts_;  ///< of each, once it was needed
   Values torque_bound_ = Values::Zero();  ///< of the spring's torque for a block from z on: torque_bound_ . |z|
   bool arrived_ = false;                  ///< at the end of the stretch
   std::size_t sample_ = 0;                ///< the next to be recorded
   long steps_ = 0, met_ = 0;              ///< integrated; limits met where the rig was linear
-  double pace_from_ = 0;                  ///< time at the last look at the pace [s]
+  double last_event_ = -std::numeric_limits<double>::infinity();  ///< time of the last event [s]
+  int at_once_ = 0;                                               ///< events at that time but one
+  double pace_from_ = 0;                                          ///< time at the last look at the pace [s]
 };
 
 }  // namespace ukemi::identify

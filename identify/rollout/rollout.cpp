@@ -22,7 +22,8 @@ PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cu
 }
 
 std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
-  const std::vector<double>&t = trial->t, &f = trial->force, &r = trial->phi_ref, &d = trial->dphi_ref;
+  const std::vector<double>&t = trial->t, &f = trial->force, &r = trial->phi_ref, &d = trial->dphi_ref,
+        &c = trial->command;
   const std::vector<double>& force_t = trial->force_t.empty() ? t : trial->force_t;
   std::vector<Stretch> out;
   constexpr double kNow = 1e-12;  // times that differ by rounding are one [s]
@@ -40,13 +41,16 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
       }
       e.pushed = e.force != 0 || e.force_rate != 0;
       if (!r.empty()) e.phi_ref = r[i];
+      if (!c.empty()) e.command = c[i];
       if (!d.empty()) {
         const double dt = t[i + 1] - t[i];
         e.dphi_ref_rate = (d[i + 1] - d[i]) / dt, e.dphi_ref = d[i] + e.dphi_ref_rate * (from - t[i]);
         e.phi_ref_rate = (r[i + 1] - r[i]) / dt, e.phi_ref += e.phi_ref_rate * (from - t[i]);
       }
       const bool reference_jumps = i > 0 && from == t[i] && !r.empty() && d.empty() && r[i] != r[i - 1];
-      const bool jumps = reference_jumps || std::abs(e.force - force_end) > 1e-9 * (1 + std::abs(force_end));
+      const bool command_jumps = i > 0 && from == t[i] && !c.empty() && c[i] != c[i - 1];
+      const bool jumps =
+          reference_jumps || command_jumps || std::abs(e.force - force_end) > 1e-9 * (1 + std::abs(force_end));
       const auto still = [](const Excitation<double>& x) {
         return !x.pushed && x.phi_ref_rate == 0 && x.dphi_ref == 0 && x.dphi_ref_rate == 0;
       };
@@ -62,11 +66,14 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
 }
 
 template <class T>
-RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
+RolloutStatus rollout(const Rig& common, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                       const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                       std::vector<T>& phi_m) {
-  const bool extended =
-      present(sea.friction) || present(sea.viscous) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
+  const Rig& rig = trial.trial->rig ? *trial.trial->rig : common;
+  const bool extended = rig.drive.kind != Drive::Kind::kGains ||
+
+                        present(sea.friction) || present(sea.viscous) || present(sea.output_friction) ||
+                        present(sea.output_viscous) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
     if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m);
   // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening

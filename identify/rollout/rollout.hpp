@@ -75,9 +75,9 @@ struct RolloutOptions {
   Budget* budget = nullptr;  ///< what is spent is taken from it; once it is empty every rollout diverges
 };
 
-/// phi_1 and phi_m at every sample, with derivatives where T is a Jet (the torque limit is continuous, so derivatives
-/// pass through its events without a jump); a Jet's phi_m stays empty where the trial did not log phi_motor. Exact
-/// where the rig is linear. On kEscaped or kDiverged the outputs are not complete.
+/// phi_1 and phi_m at every sample, with derivatives where T is a Jet (exact through every event: the torque limit is
+/// continuous, where a slip ends they jump); a Jet's phi_m stays empty where the trial did not log phi_motor. Exact
+/// where the rig is linear. A trial's own rig goes before `rig`. On kEscaped or kDiverged the outputs are not complete.
 template <class T>
 [[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                                     const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
@@ -91,6 +91,6 @@ template <class T>
 
 /// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole
 /// registers.
-inline constexpr int kSmallJet = 6, kLargeJet = 14;
+inline constexpr int kSmallJet = 6, kLargeJet = 16;
 
 }  // namespace ukemi::identify

@@ -15,7 +15,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 bool absent(const RigTerm& t, const Fit& fit, const FitOptions& options) {
-  return !t.is_constant() && !options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent;
+  const bool says_something = !t.only_with || fit.sea.*t.only_with != 0;
+  return !t.is_constant() && !options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent && says_something;
 }
 
 /// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.

@@ -77,7 +77,7 @@ TEST_CASE("jacobian: the rig's is exact") {
         {r.uniform(0, 100), r.uniform(0, 3), r.uniform(1, 200), r.uniform(0, 3), r.uniform(0.01, 0.2), 20, 0.2, 30},
         0.3, 0.024);
     system.input = {0.1, true, 50, -2000, 0.1, 0.5, 0.5, 2};
-    system.saturation = int(i % 3) - 1;
+    system.mode.saturation = int(i % 3) - 1;
     System::State y;
     for (int k = 0; k < 4; ++k) y[k] = r.uniform(-1, 1) * (k < 2 ? 1 : 5);
     CAPTURE(i);

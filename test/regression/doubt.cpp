@@ -84,13 +84,6 @@ TEST_CASE("what the model lacks is never trusted and wrong") {
     CHECK(viscous.tests.missing()->term == "viscous_friction");
     CHECK(viscous.tests.missing()->size == Approx(0.1).epsilon(0.2));
 
-    FitOptions with_friction;
-    with_friction.terms.nuisance = {"friction"};
-    const Judged stuck = judged(eight_hits({.dry = 0.3}, seed), with_friction);
-    INFO("stuck: " << told(stuck));
-    CHECK(stuck.plain > 5);
-    CHECK_FALSE(stuck.fit.trusted());
-
     const Judged gain = judged(eight_hits({.force_gain = 1.03}, seed));
     INFO("gain: " << told(gain));
     CHECK(gain.plain > 10);
@@ -111,6 +104,7 @@ TEST_CASE("what the model lacks is never trusted and wrong") {
 
 TEST_CASE("the term that was named, fitted along: trusted again, and right") {
   const std::pair<Effects, std::string> cases[] = {{{.viscous = 0.1}, "viscous_friction"},
+                                                   {{.dry = 0.3}, "friction"},  // it sticks there, and here
                                                    {{.force_gain = 1.03}, "force_gain"}};
   for (const auto& [effects, term] : cases) {
     FitOptions with;
@@ -120,7 +114,7 @@ TEST_CASE("the term that was named, fitted along: trusted again, and right") {
     CHECK(j.fit.trusted());
     CHECK(j.plain < 3.5);
     const Estimate& e = j.fit.nuisance.at(0);
-    const double expected = term == "viscous_friction" ? 0.1 : 1 / 1.03;
+    const double expected = term == "viscous_friction" ? 0.1 : term == "friction" ? 0.3 : 1 / 1.03;
     CHECK(std::abs(e.value - expected) < 3.5 * *e.std);
   }
 }

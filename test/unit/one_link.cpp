@@ -50,7 +50,7 @@ std::vector<double> brute_force(const SeaParameters<double>& p, const Trial& tri
       const double tau = std::clamp(free, -p.tau_max, p.tau_max);
       const double force = trial.force[i] + (trial.force[i + 1] - trial.force[i]) * u / span;
       const bool motor = p.feedback == Feedback::kMotor;
-      const double friction = p.friction * s[3] / std::sqrt(s[3] * s[3] + kFrictionSpeed * kFrictionSpeed);
+      const double friction = p.viscous * s[3];
       const double drive = p.k_p * (ref - (motor ? s[1] : s[0])) - p.k_d * (motor ? s[3] : s[2]);
       return {s[2], s[3], (tau + kRig.length * std::cos(s[0]) * force) / kRig.inertia,
               (drive - tau - friction) / p.i_motor};
@@ -109,7 +109,7 @@ TEST_CASE("one_link: hits, torque limit and optional terms agree with a fine fix
   SeaParameters<double> p = table2();
   Trial trial = pulse(0.15, 180, 0.012);
   const int variant = GENERATE(0, 1, 2, 3);
-  if (variant == 1) p.friction = 0.6, p.k_sea_cubic = 400;
+  if (variant == 1) p.viscous = 0.6, p.k_sea_cubic = 400;
   if (variant == 2) p.feedback = Feedback::kMotor;
   if (variant == 3)  // a reference that jumps twice, held between samples
     for (double t : trial.t) trial.phi_ref.push_back(t < 0.04 ? 0.1 : (t < 0.09 ? -0.25 : 0.3));
@@ -136,11 +136,14 @@ TEST_CASE("one_link: Jet derivatives of a rollout are its central differences, t
   trial.phi_motor.resize(trial.t.size());  // so that its derivatives are asked for
   const PreparedTrial prepared(trial);
   constexpr std::array<const char*, kLargeJet> kNames{
-      "k_p",     "k_d",      "k_sea",       "c_sea",      "i_motor",    "angle",      "rate",
-      "tau_max", "friction", "k_sea_cubic", "force gain", "force bias", "time shift", "encoder offset"};
-  const std::array<double, kLargeJet> at{50, 1, 65, 1.6, 0.085, 0.02, 0.3, 20, 0.1, 50, 1.1, 0.5, 2e-4, 0.01};
+      "k_p",     "k_d",           "k_sea",       "c_sea",      "i_motor",    "angle",      "rate",
+      "tau_max", "friction",      "k_sea_cubic", "force gain", "force bias", "time shift", "encoder offset",
+      "viscous", "output viscous"};
+  const std::array<double, kLargeJet> at{50,  1,  65,  1.6, 0.085, 0.02, 0.3,  20,
+                                         0.1, 50, 1.1, 0.5, 2e-4,  0.01, 0.05, 0.02};
   const auto run = [&]<class T>(const std::array<T, kLargeJet>& x) {
-    const SeaParameters<T> p{x[0], x[1], x[2], x[3], x[4], x[7], x[8], x[9]};
+    SeaParameters<T> p{x[0], x[1], x[2], x[3], x[4], x[7], x[8], x[9]};
+    p.viscous = x[14], p.output_viscous = x[15];
     const Nuisance<T> nuisance{x[5], x[6], x[10], x[11], x[12], x[13]};
     std::vector<T> phi, phi_m;
     REQUIRE(rollout(kRig, p, nuisance, prepared, kTight, phi, phi_m) == RolloutStatus::kDone);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "common/error.hpp"
 #include "identify/logs/hebi_trial.hpp"
@@ -30,6 +31,21 @@ Json module_json(const std::string& file, const identify::HebiModule& m) {
           {"position_gains", gains_json(m.position_gains)},
           {"velocity_gains", gains_json(m.velocity_gains)},
           {"effort_gains", gains_json(m.effort_gains)}};
+}
+
+/// The rigs that some trials have of their own, by the trial's path or file name. Throws InputError.
+void give_rigs(std::vector<identify::Trial>& trials, const std::vector<std::string>& given, Run& run) {
+  for (const std::string& item : given) {
+    const Assignment a = assignment("--trial-rig", item);
+    bool found = false;
+    for (identify::Trial& t : trials)
+      if (t.file == a.name || std::filesystem::path(t.file).filename() == a.name) {
+        if (t.rig) throw InputError("--trial-rig: " + quoted(a.name) + ": given twice");
+        t.rig = identify::read_rig(a.value), found = true;
+      }
+    if (!found) throw InputError("--trial-rig: " + quoted(a.name) + ": no such trial");
+    run.input(a.value);
+  }
 }
 
 /// A trial of any kind; what a HEBI log says of its module goes to `modules`.
@@ -64,6 +80,12 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
       "--force-noise", a.force_noise,
       "noise of the load cell [N], standard deviation: between hits the force is then at rest, within them it "
       "counts for the errors [estimated before the first hit]");
+  verb.add_option("--trial-rig", a.trial_rigs, "FILE=RIG: a rig of its own for a trial; once for each")
+      ->allow_extra_args(false);
+  using Kind = identify::Drive::Kind;
+  add_choice(verb, "--drive", a.drive, {{"gains", Kind::kGains}, {"command", Kind::kCommand}},
+             "gains: Eq. 3, or the rig's [drive]; command: the motor's torque is k_t times the logged column command "
+             "[gains]");
   verb.add_option("--gains", a.gains, "HEBI gains (XML), listed in summary.json for the record");
 }
 
@@ -90,6 +112,12 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
     run.input(path);
     out.trials.push_back(read_any(path, a, csv, rig, modules));
   }
+  give_rigs(out.trials, a.trial_rigs, run);
+  if (a.drive == identify::Drive::Kind::kCommand)
+    for (identify::Trial& t : out.trials) {
+      if (t.command.empty()) throw InputError({t.file}, "no column 'command': --drive command needs it");
+      if (t.rig) t.rig->drive = {.kind = a.drive};
+    }
   if (!a.module.empty() && modules.empty())
     throw InputError("--module: " + quoted(a.module) + ": no trial is a HEBI log");
   for (std::size_t m = 0; m < out.trials.size() && !a.force_logs.empty(); ++m) {

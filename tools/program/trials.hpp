@@ -19,7 +19,9 @@ struct TrialArguments {
   std::vector<std::string> force_logs;  ///< none, one for all trials, or one each
   std::string force_columns;
   identify::ForceClock force_clock = identify::ForceClock::kOwn;
-  std::string gains;                  ///< XML, for the record
+  std::vector<std::string> trial_rigs;                          ///< FILE=RIG: a rig of its own for a trial
+  identify::Drive::Kind drive = identify::Drive::Kind::kGains;  ///< kCommand: the logged command drives every trial
+  std::string gains;                                            ///< XML, for the record
   std::optional<double> force_noise;  ///< of the load cell [N]; else estimated before each first hit
 };
 
@@ -29,7 +31,8 @@ struct TrialInputs {
       Json::object();  ///< "force_logs", "force_noise", "modules", "gains", each where there is something to say
 };
 
-/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise, --gains.
+/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise, --gains, --trial-rig,
+/// --drive.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
 
 /// Beyond which angle a rollout has escaped [rad]: infinite where many turns are meant.

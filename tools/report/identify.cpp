@@ -69,6 +69,11 @@ void plot_trials(Report& report, const std::vector<Trial>& trials, const Fit& fi
 
 /// Where the torque limit and the feedback come from.
 std::string assumptions(const IdentifyQuestion& q) {
+  using Kind = identify::Drive::Kind;
+  if (q.rig.drive.kind != Kind::kGains)
+    return q.rig.drive.kind == Kind::kCommand
+               ? "the motor's torque is k_t times the logged command: no k_p, no k_d"
+               : "the motor's torque is k_t times the rig's own controller: no k_p, no k_d";
   return fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
                      std::isfinite(q.base.tau_max)
                          ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
@@ -119,8 +124,6 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
   run.say(assumptions(q));
-  if (q.options.terms.fits("friction") || q.base.friction > 0)
-    run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
   const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
   if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, q.trials.size()));
@@ -135,7 +138,6 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   if (found.trust) tell(*found.trust, fit, report, summary, run);
   summary["minima"] = minima.objects();
   summary["assumed"] = assumptions(q);
-  summary["friction_speed"] = kFrictionSpeed;
   summary["trials"] = trials.objects();
   report.heading("Trials");
   report.table(trials);

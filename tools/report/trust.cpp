@@ -54,9 +54,6 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
         fmt::format("the model does not explain these logs: no constant is trusted, and the errors are widened "
                     "to what the residuals say (tests at {:g} % together); the true ones may be larger still",
                     100 * kTestLevel));
-  if (tests.model_rejected() && fit.sea.friction > 0)
-    out.push_back(fmt::format("dry friction is smoothed below {} rad/s here: a joint that sticks leaves such residuals",
-                              kFrictionSpeed));
   if (tests.normality.rejected)
     out.push_back(
         fmt::format("the residuals are not normal (Jarque-Bera, p {}; skewness {:.2f}, excess kurtosis {:.2f}){}",

@@ -22,7 +22,9 @@ std::vector<std::string> term_names(const std::string& option, const std::string
   std::vector<std::string> known, out;
   for (const identify::RigTerm& t : identify::rig_terms())
     if (t.role == role) known.push_back(t.name);
-  for (const std::string& name : split(list)) {
+  for (std::string name : split(list)) {
+    for (const identify::RigTerm& t : identify::rig_terms())
+      if (!t.alias.empty() && t.alias == name) name = t.name;
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw InputError(option + ": " + one_of(name, known));
     out.push_back(name);
@@ -84,6 +86,23 @@ void check(const IdentifyArguments& a, const IdentifyQuestion& q) {
         throw InputError("--free: " + name + " is not free and needs a value: give --start");
 }
 
+/// Where the command is known for every trial, K_t is fitted in place of K_p and K_d. Throws InputError where some
+/// trials have a known command and others Eq. 3.
+void choose_drive(IdentifyQuestion& q) {
+  using Kind = identify::Drive::Kind;
+  std::size_t known = 0;
+  for (const identify::Trial& t : q.trials) known += (t.rig ? *t.rig : q.rig).drive.kind != Kind::kGains;
+  if (known == 0) return;
+  if (known != q.trials.size())
+    throw InputError("--trial-rig: some trials have a [drive] and others none: K_p, K_d and K_t cannot be told apart");
+  identify::Terms<identify::RigTerm>& terms = q.options.terms;
+  std::erase_if(terms.free, [](const std::string& name) { return name == "k_p" || name == "k_d"; });
+  q.base.k_p = q.base.k_d = 0;
+  if (q.verb == IdentifyQuestion::Verb::kIdentify && !terms.fits("k_t"))
+    terms.nuisance.insert(terms.nuisance.begin(), "k_t");
+  q.options.validate();
+}
+
 /// What the trials must hold. From rest, one without excitation says nothing; one let go from elsewhere does.
 TrialNeeds needs_of(const IdentifyQuestion& q) {
   TrialNeeds needs;
@@ -102,6 +121,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   IdentifyQuestion q{.verb = predict ? IdentifyQuestion::Verb::kPredict : IdentifyQuestion::Verb::kIdentify,
                      .rig = identify::read_rig(a.rig)};
   run.input(a.rig);
+  if (a.reading.drive == identify::Drive::Kind::kCommand) q.rig.drive = {.kind = identify::Drive::Kind::kCommand};
   if (predict) q.given = actuator_of(a.actuator, run);
   if (!a.start.empty()) q.given = read_actuator(a.start), run.input(a.start);
   q.options = fit_options(a, common);
@@ -113,6 +133,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   if (q.given) q.base = q.given->sea;
   q.base.tau_max = q.rig.tau_max.value_or(q.base.tau_max);
   q.base.feedback = q.rig.feedback.value_or(q.base.feedback);
+  choose_drive(q);
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));
   const auto start = q.given ? std::optional(q.given->sea) : std::nullopt;
