@@ -103,6 +103,7 @@ class Roll {
   }
   bool is_linear() const { return exact_ && system_.mode.saturation == 0 && !system_.input.pushed; }
   /// Whether friction or a command's limit changes the linear mode.
+  static constexpr double kStiff = 300;  ///< rate x interval beyond which the looks between samples cost too much
   bool slides() const { return system_.mode.rubbing() || std::isfinite(value_of(system_.command_limit)); }
   double shift() const { return value_of(nuisance_.time_shift); }
 
@@ -260,7 +261,7 @@ class Roll {
     const int looks = std::clamp(int(std::ceil(flow.rate() * trial_.spacing / kTurn)), 1, kMostLooks);
     Exact out{flow, LinearFlow<double>(plain, trial_.spacing / looks), looks, {}, {}};
     if constexpr (kTerms.extended)
-      if (slides()) {
+      if (slides() && flow.rate() * trial_.spacing < kStiff) {
         const State zero = State::Zero();
         for (int j = 0; j < 2; ++j) {
           out.constant.col(j) = flow.advance(zero, State::Unit(2 + j), zero, flow.h());
@@ -365,6 +366,7 @@ class Roll {
   /// that is stuck does not move at all: its rows of the flow are zero.
   [[gnu::flatten]] RolloutStatus slide(double t_end) {
     const Exact& exact = this->exact();
+    if (!(exact.flow.rate() * trial_.spacing < kStiff)) return RolloutStatus::kDiverged;
     double t = driver_.time();
     State z = driver_.state(), b0, b1;
     system_.derivative(t, State(State::Zero()), b0);
@@ -376,7 +378,7 @@ class Roll {
       const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
       const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
       const bool interval = std::abs(d - trial_.spacing) <= kOffGrid * trial_.spacing;
-      if (!afford(interval ? exact.looks : exact.flow.work(d))) return RolloutStatus::kDiverged;
+      if (!afford(1 + exact.flow.rate() * d)) return RolloutStatus::kDiverged;
       const State drive = b0 + b1 * T(t - from);
       const auto after = [&](double h) { return exact.flow.advance(z, drive, b1, h); };
       State end;
