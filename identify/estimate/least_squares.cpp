@@ -49,8 +49,14 @@ Eigen::MatrixXd triangle_of(Eigen::MatrixXd square) {
 /// R of [J r] = Q R: p + 1 rows in place of n, at the same cost.
 class BlockCost final : public ceres::CostFunction {
  public:
-  BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, const LeastSquaresOptions& options)
-      : block_(block), options_(options), globals_(int(problem.globals.size())), locals_(int(problem.locals.size())) {
+  /// The globals in `held` are seen as no parameters.
+  BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, const LeastSquaresOptions& options,
+            const std::vector<bool>& held)
+      : block_(block),
+        options_(options),
+        held_(held),
+        globals_(int(problem.globals.size())),
+        locals_(int(problem.locals.size())) {
     scale_.resize(globals_ + locals_);
     for (int i = 0; i < globals_; ++i) scale_[i] = problem.globals[std::size_t(i)].scale;
     for (int i = 0; i < locals_; ++i) scale_[globals_ + i] = problem.locals[std::size_t(i)].scale;
@@ -74,7 +80,12 @@ class BlockCost final : public ceres::CostFunction {
     if (!square) return false;
     const Eigen::MatrixXd triangle = triangle_of(*square);
     r = triangle.col(p);
-    if (jacobians[0]) Eigen::Map<RowMajor>(jacobians[0], p + 1, globals_) = triangle.leftCols(globals_);
+    if (jacobians[0]) {
+      Eigen::Map<RowMajor> by_globals(jacobians[0], p + 1, globals_);
+      by_globals = triangle.leftCols(globals_);
+      for (int i = 0; i < globals_; ++i)
+        if (held_[std::size_t(i)]) by_globals.col(i).setZero();
+    }
     if (locals_ > 0 && jacobians[1])
       Eigen::Map<RowMajor>(jacobians[1], p + 1, locals_) = triangle.middleCols(globals_, locals_);
     return true;
@@ -140,6 +151,7 @@ class BlockCost final : public ceres::CostFunction {
 
   const ResidualBlock& block_;
   const LeastSquaresOptions& options_;
+  const std::vector<bool>& held_;
   int globals_, locals_;
   Eigen::VectorXd scale_;
   mutable std::array<Known, 2> known_;  ///< the last first
@@ -168,13 +180,29 @@ class PriorCost final : public ceres::CostFunction {
   int globals_;
 };
 
-/// Ends the search where the caller wants it ended.
-struct Stop final : ceres::IterationCallback {
-  explicit Stop(const std::function<bool()>& asked) : stop(asked) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return stop() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+/// Whether a scaled value is at a bound: -1 the lower, +1 the upper, 0 neither.
+int bound_of(const Parameter& p, double x) { return x <= p.lower / p.scale ? -1 : x >= p.upper / p.scale ? 1 : 0; }
+
+/// Ends a search where the caller wants it ended, and where a step failed with a free parameter at a bound: Ceres
+/// solves for all of them and then cuts the step off at the bounds, which turns it away from the minimum along them.
+struct Watch final : ceres::IterationCallback {
+  Watch(const std::vector<Parameter>& parameters, const std::vector<double>& scaled, const std::vector<bool>& are_held,
+        const std::function<bool()>& asked)
+      : list(parameters), x(scaled), held(are_held), stop(asked) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
+    cut_off = !s.step_is_successful && s.iteration > 0 && at_free_bound();
+    return cut_off || (stop && stop()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
+  bool at_free_bound() const {
+    for (std::size_t i = 0; look_at_bounds && i < x.size(); ++i)
+      if (!held[i] && bound_of(list[i], x[i]) != 0) return true;
+    return false;
+  }
+  const std::vector<Parameter>& list;
+  const std::vector<double>& x;  ///< scaled, of the last iteration
+  const std::vector<bool>& held;
   const std::function<bool()>& stop;
+  bool look_at_bounds = true, cut_off = false;
 };
 
 std::vector<double> scaled_start(const std::vector<Parameter>& list) {
@@ -213,10 +241,9 @@ void set_point(const LeastSquaresProblem& problem, const std::vector<double>& x,
   for (int i = 0; i < G; ++i) {
     const Parameter& p = problem.globals[std::size_t(i)];
     out.globals[i] = x[std::size_t(i)] * p.scale;
-    const bool low = x[std::size_t(i)] <= p.lower / p.scale, high = x[std::size_t(i)] >= p.upper / p.scale;
-    if (low) out.globals[i] = p.lower;
-    if (high) out.globals[i] = p.upper;
-    out.at_bound.push_back(low || high);
+    const int bound = bound_of(p, x[std::size_t(i)]);
+    if (bound != 0) out.globals[i] = bound < 0 ? p.lower : p.upper;
+    out.at_bound.push_back(bound != 0);
   }
   out.locals.resize(long(problem.blocks.size()), long(problem.locals.size()));
   for (std::size_t b = 0; b < locals.size(); ++b)
@@ -224,6 +251,30 @@ void set_point(const LeastSquaresProblem& problem, const std::vector<double>& x,
       out.locals(long(b), long(l)) = locals[b][l] * problem.locals[l].scale;
   out.global_covariance.setConstant(G, G, std::numeric_limits<double>::quiet_NaN());
   out.local_variance.setConstant(out.locals.rows(), out.locals.cols(), std::numeric_limits<double>::quiet_NaN());
+}
+
+/// The globals at a bound that the cost pushes against it; those of `held` where a block has no derivatives.
+std::vector<bool> pressed(const LeastSquaresProblem& problem, const std::deque<BlockCost>& costs,
+                          const std::vector<double>& x, const std::vector<std::vector<double>>& locals,
+                          const std::vector<bool>& held) {
+  const std::size_t n = problem.globals.size();
+  std::vector<double> slope(n, 0.0);
+  for (const PriorResidual& p : problem.priors) {
+    const double scale = problem.globals[std::size_t(p.global)].scale;
+    slope[std::size_t(p.global)] += (x[std::size_t(p.global)] * scale - p.value) * p.weight * p.weight * scale;
+  }
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const double* at[2] = {x.data(), locals[b].data()};
+    const Eigen::MatrixXd* square = costs[b].square_form(at);
+    if (!square) return held;
+    for (std::size_t i = 0; i < n; ++i) slope[i] += (*square)(long(i), square->cols() - 1);
+  }
+  std::vector<bool> out(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const int bound = bound_of(problem.globals[i], x[i]);
+    out[i] = bound != 0 && bound * slope[i] < 0;
+  }
+  return out;
 }
 
 void silence_glog() {
@@ -239,6 +290,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   std::vector<double> x = scaled_start(problem.globals);
   std::vector<std::vector<double>> locals(problem.blocks.size(), scaled_start(problem.locals));
 
+  std::vector<bool> held(problem.globals.size());  // at a bound, and pressed against it
   std::deque<BlockCost> costs;
   ceres::Problem::Options ours;
   ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -246,7 +298,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
     std::vector<double*> blocks{x.data()};
     if (!problem.locals.empty()) blocks.push_back(locals[b].data());
-    costs.emplace_back(problem, problem.blocks[b], options);
+    costs.emplace_back(problem, problem.blocks[b], options, held);
     ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
     out.residuals += problem.blocks[b].size;
   }
@@ -256,8 +308,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
     ceres_problem.AddResidualBlock(&priors.back(), nullptr, x.data());
     ++out.residuals;
   }
-  const bool held = options.globals == LeastSquaresOptions::Globals::kHeld;
-  if (held)
+  const bool all_held = options.globals == LeastSquaresOptions::Globals::kHeld;
+  if (all_held)
     ceres_problem.SetParameterBlockConstant(x.data());
   else
     set_bounds(ceres_problem, x.data(), problem.globals);
@@ -265,18 +317,28 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
     for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
 
   ceres::Solver::Options o = ceres_options(options);
-  Stop stop(options.stop);
-  if (options.stop) o.callbacks.push_back(&stop);
+  Watch watch(problem.globals, x, held, options.stop);
+  o.callbacks.push_back(&watch);
+  o.update_state_every_iteration = true;
   ceres::Solver::Summary summary;
-  ceres::Solve(o, &ceres_problem, &summary);
+  constexpr int kActiveSets = 8;  // then Ceres' own way to the end
+  for (int sets = 0; sets <= kActiveSets; ++sets) {
+    watch.look_at_bounds = !all_held && sets < kActiveSets;
+    ceres::Solve(o, &ceres_problem, &summary);
+    out.iterations += int(summary.iterations.size()) - 1;
+    if (all_held || !summary.IsSolutionUsable() || (options.stop && options.stop())) break;
+    std::vector<bool> now = pressed(problem, costs, x, locals, held);
+    if (now == held && !watch.cut_off) break;
+    if (now == held) sets = kActiveSets - 1;
+    held = std::move(now);
+  }
 
   out.usable = summary.IsSolutionUsable();
   out.converged = summary.termination_type == ceres::CONVERGENCE;
-  out.iterations = int(summary.iterations.size()) - 1;
   out.message = summary.message;
   out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
   set_point(problem, x, locals, out);
-  if (!out.usable || held) return out;
+  if (!out.usable || all_held) return out;
   std::vector<const Eigen::MatrixXd*> squares;
   for (std::size_t b = 0; b < costs.size(); ++b) {
     const double* at[2] = {x.data(), locals[b].data()};

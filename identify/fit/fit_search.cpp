@@ -70,6 +70,8 @@ void FitSearch::run() {
   if (start_) {
     Sea from = base_;
     set_constants(from, ukemi::constants(*start_));
+    for (const RigTerm* t : layout_.shared)
+      if (!t->key.empty()) t->set_in(from, t->value_in(*start_));
     tried_ = {from};
     starts_.search_all(1, search(0));
   }
@@ -135,7 +137,8 @@ FitSearch::Sea FitSearch::admitted(const Sea& drawn) const {
     if (t.is_constant())
       t.set_in(out, c.fits(t.name) ? std::clamp(t.value_in(drawn), c.lower_of(t), c.upper_of(t))
                                    : t.value_in(start_ ? *start_ : base_));
-  if (c.fits("k_t")) out.k_t = drawn.k_t;
+  for (const RigTerm* t : layout_.shared)
+    if (!t->key.empty() && t->value_in(drawn) != t->absent) t->set_in(out, t->value_in(drawn));
   return out;
 }
 

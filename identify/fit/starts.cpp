@@ -14,8 +14,7 @@ namespace ukemi::identify {
 namespace {
 
 /// Angular frequency of a log: rms rate over rms deviation, on differences wide enough to see past the noise [rad/s].
-double dominant_frequency(const Trial& trial) {
-  const std::vector<double>& x = trial.phi;
+double dominant_frequency(const Trial& trial, const std::vector<double>& x) {
   if (x.size() < 20) return 0;
   const std::size_t stride = std::max<std::size_t>(1, x.size() / 250);
   double mean = 0, rate2 = 0, deviation2 = 0;
@@ -26,6 +25,14 @@ double dominant_frequency(const Trial& trial) {
     rate2 += dx * dx, deviation2 += d * d;
   }
   return deviation2 > 0 ? std::sqrt(rate2 / deviation2) : 0;
+}
+
+/// The spring's, measured; empty where one side was not.
+std::vector<double> deflection(const Trial& trial) {
+  if (trial.phi.empty() || trial.phi_motor.empty()) return {};
+  std::vector<double> out(trial.phi.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = trial.phi_motor[i] - trial.phi[i];
+  return out;
 }
 
 /// Command for a unit of angle, where the command is known: the smallest controller's gain, or as their ranges have it;
@@ -52,7 +59,11 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   };
   std::vector<Moments> all;
   for (const Trial& trial : trials) {
-    if (const double w = dominant_frequency(trial); w > 0 && std::isfinite(w)) omega += w, ++with_frequency;
+    const std::vector<double> spring = deflection(trial);
+    const bool known = (trial.rig ? *trial.rig : rig).drive.kind != Drive::Kind::kGains;
+    if (const double w = dominant_frequency(trial, known && !spring.empty() ? spring : trial.phi);
+        w > 0 && std::isfinite(w))
+      omega += w, ++with_frequency;
     if (trial.force.empty() || trial.phi.empty()) continue;
     Moments m;
     const std::vector<double> force = force_at_samples(trial);
@@ -83,27 +94,44 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   s.centre.k_t = s.centre.k_p / command_gain(rig, trials);
   s.spread_gains = moments ? 1.2 : 30;
   s.spread_rest = 10;
+  for (const Trial& trial : trials) {
+    const std::vector<double> spring = deflection(trial);
+    s.torque = std::max(s.torque, s.centre.k_sea * largest_deviation(spring));
+    s.rate = std::max(s.rate, dominant_frequency(trial, spring) * largest_deviation(trial.phi));
+  }
   return s;
 }
 
 std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int count, std::uint64_t seed) {
-  const std::array<double, kConstants> spread = {about.spread_gains, about.spread_gains * 1.5, about.spread_rest,
-                                                 about.spread_rest, about.spread_rest};
   std::vector<SeaParameters<double>> out(std::size_t(std::max(count, 0)), about.centre);
   std::vector<int> layer(out.size());
-  for (std::size_t k = 0; k < kConstants; ++k) {
+  // f(a start, its place from -1 to 1) in an order of their own for each k
+  const auto in_layers = [&](std::size_t k, const auto& f) {
     Random random(seed, k);
     std::iota(layer.begin(), layer.end(), 0);
     for (std::size_t i = layer.size(); i > 1; --i)
       std::swap(layer[i - 1], layer[std::size_t(random.uniform() * double(i))]);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      auto u = constants(out[i]);
-      const double factor = std::pow(spread[k], 2 * (layer[i] + random.uniform()) / count - 1);
+    for (std::size_t i = 0; i < out.size(); ++i) f(out[i], 2 * (layer[i] + random.uniform()) / count - 1);
+  };
+  const std::array<double, kConstants> spread = {about.spread_gains, about.spread_gains * 1.5, about.spread_rest,
+                                                 about.spread_rest, about.spread_rest};
+  for (std::size_t k = 0; k < kConstants; ++k)
+    in_layers(k, [&](SeaParameters<double>& sea, double place) {
+      auto u = constants(sea);
+      const double factor = std::pow(spread[k], place);
       u[k] *= factor;
-      set_constants(out[i], u);
-      if (k == 0) out[i].k_t *= factor;  // where the command is known it stands for K_p
-    }
-  }
+      set_constants(sea, u);
+      if (k == 0) sea.k_t *= factor;  // where the command is known it stands for K_p
+    });
+  if (!(about.torque > 0 && about.rate > 0)) return out;
+  using Sea = SeaParameters<double>;
+  std::size_t k = kConstants;
+  for (const auto& [friction, largest] : {std::pair(&Sea::friction, about.torque),
+                                          {&Sea::output_friction, about.torque},
+                                          {&Sea::viscous, about.torque / about.rate},
+                                          {&Sea::output_viscous, about.torque / about.rate}})
+    in_layers(k++,
+              [&, f = friction, most = largest](Sea& sea, double place) { sea.*f = most * std::pow(10, place - 1); });
   return out;
 }
 

@@ -101,6 +101,7 @@ namespace {
 /// absence explains more, or less, than its slope there says. Of many trials eight stand for all.
 void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
   constexpr std::size_t kMostTerms = 4, kMostTrials = 8;
+  constexpr double kFar = 4;  // times the linear size: dry friction has minima of its own near 0
   const auto worth = [&](std::size_t i) { return tests.worth(tests.score_tests[i]); };
   std::vector<std::size_t> candidates;
   for (std::size_t i = 0; i < tests.score_tests.size(); ++i)
@@ -119,8 +120,15 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
   parallel_for(int(candidates.size()), experiment.options.threads, [&](int i) {
     FitOptions with = experiment.options;
     with.terms.nuisance.push_back(tests.score_tests[candidates[std::size_t(i)]].term);
-    const Fit f = refit(experiment.rig, some, fit.sea, with);
-    if (!f.fitted.empty()) gain[std::size_t(i)] = std::max(plain - f.cost, 0.0) * share;
+    const ScoreTest& test = tests.score_tests[candidates[std::size_t(i)]];
+    const RigTerm& term = with.terms[test.term];
+    for (const double times : {0.0, kFar}) {
+      SeaParameters<double> from = fit.sea;
+      if (times > 0 && term.key.empty()) continue;
+      if (times > 0) term.set_in(from, times * test.size);
+      const Fit f = refit(experiment.rig, some, from, with);
+      if (!f.fitted.empty()) gain[std::size_t(i)] = std::max(plain - f.cost, gain[std::size_t(i)] / share) * share;
+    }
   });
   for (std::size_t i = 0; i < candidates.size(); ++i) tests.score_tests[candidates[i]].gain = gain[i];
 }

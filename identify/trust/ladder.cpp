@@ -59,17 +59,18 @@ Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, in
     Rung& r = out.rungs[std::size_t(i)];
     r.fit = refit(experiment.rig, experiment.trials, start_of(i), r.options);
   });
-  if (const Fit& full = out.rungs.back().fit; !full.converged || full.far_above_noise) {
-    const bool some_held =
-        std::any_of(fit.parameters.begin(), fit.parameters.end(), [](const Estimate& e) { return !e.free; });
-    parallel_for(int(rungs) - 1, threads, [&](int i) {
-      Rung& r = out.rungs[std::size_t(i + 1)];
-      const SeaParameters<double> from = start_of(i + 1);
-      Fit fresh = identify::fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from,
-                                r.options);
-      if (better(fresh, r.fit)) r.fit = std::move(fresh);
-    });
-  }
+  const Fit& full = out.rungs.back().fit;
+  const bool all_afresh = !full.converged || full.far_above_noise,
+             some_held =
+                 std::any_of(fit.parameters.begin(), fit.parameters.end(), [](const Estimate&e) { return !e.free; });
+  parallel_for(int(rungs), threads, [&](int i) {
+    Rung& r = out.rungs[std::size_t(i)];
+    if (r.terms.empty() || !(all_afresh || !r.fit.converged)) return;
+    const SeaParameters<double> from = start_of(i);
+    Fit fresh = identify::fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from,
+                              r.options);
+    if (better(fresh, r.fit)) r.fit = std::move(fresh);
+  });
   parallel_for(int(rungs), threads, [&](int i) {
     Rung& r = out.rungs[std::size_t(i)];
     const auto of_trial =

@@ -107,6 +107,7 @@ TEST_CASE("dry friction of 0.2 Nm that the model lacks is named in 95 % of draws
       coloured += tests.whiteness.rejected;
       if (d % ladder_each != 0) continue;  // which takes refits of many times a plain fit's cost
       const Ladder rungs = ladder({rig(), trials, {}}, f, HeldOut::kSkip);
+      INFO(rungs.rungs[1].name << ": " << rungs.rungs[1].fit.message);
       REQUIRE(rungs.rungs[1].fit.converged);
       ++ladders, by_ladder += rungs.plain_rejected();
       if (friction > 0) CHECK(rungs.rungs[rungs.preferred].name.find("friction") == 0);
