@@ -32,7 +32,8 @@ Json module_json(const std::string& file, const identify::HebiModule& m) {
           {"effort_gains", gains_json(m.effort_gains)}};
 }
 
-/// A trial of any kind; what a HEBI log says of its module goes to `modules`.
+}  // namespace
+
 identify::Trial read_any(const std::string& path, const TrialArguments& a, const identify::TrialOptions& csv,
                          const identify::Rig& rig, Json& modules) {
   const bool binary = identify::is_hebilog(path);
@@ -43,8 +44,6 @@ identify::Trial read_any(const std::string& path, const TrialArguments& a, const
   modules.push_back(module_json(path, identify::choose_module(log, a.module)));
   return trial;
 }
-
-}  // namespace
 
 void add_trial_options(CLI::App& verb, TrialArguments& a) {
   verb.add_option("--columns", a.columns,
