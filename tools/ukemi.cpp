@@ -1,67 +1,25 @@
 // The program `ukemi`: see tools/docs or `ukemi --help`.
 #include <unistd.h>
 
-#include <algorithm>
 #include <exception>
 #include <new>
-#include <sstream>
 #include <stdexcept>
 
 #include "common/error.hpp"
-#include "tools/bench/bench.hpp"
-#include "tools/program/arguments.hpp"
+#include "tools/app.hpp"
 #include "tools/program/terminal.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
 namespace {
-
-/// Verbs that later versions bring: named, so that a script learns why.
-void add_later(CLI::App& app, Action& chosen) {
-  for (const char* name : {"atlas"}) {
-    CLI::App* verb = app.add_subcommand(name, "not in this version");
-    verb->allow_extras();
-    verb->callback([name, &chosen] {
-      chosen = [name]() -> int { throw InputError(std::string(name) + ": this verb is not in this version"); };
-    });
-  }
-}
-
-int run(int argc, char** argv) {
-  CLI::App app("ukemi: identify a series elastic actuator, plan the landing it should make", "ukemi");
-  app.set_version_flag("--version", "ukemi " UKEMI_VERSION);
-  app.require_subcommand(1);
-  app.footer(
-      "Exit codes: 0 done; 1 the numbers did not work out, or memory or stdout gave out; 2 bad usage or bad input; 130 "
-      "interrupted (Ctrl-C).");
-  set_command_line(argc, argv);
-  Action chosen;
-  for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
-                         add_map, add_ratings, add_risk, add_bench, add_later})
-    add(app, chosen);
-  try {
-    std::vector<std::string> verbs;
-    for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
-    if (argc > 1 && argv[1][0] != '-' && std::find(verbs.begin(), verbs.end(), argv[1]) == verbs.end())
-      throw InputError(quoted(argv[1]) + ": no such verb" + hint(argv[1], verbs));
-    app.parse(argc, argv);
-    return chosen();
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != 0) throw InputError(e.what());
-    std::ostringstream out, err;  // --help, --version
-    const int code = app.exit(e, out, err);
-    print_raw(out.str());
-    return code;
-  }
-}
 
 constexpr const char* kNoMemory = "ukemi: not enough memory\n";
 
 /// Every exception is a line on stderr and an exit code.
 int guarded(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    set_command_line(argc, argv);
+    return action_of(argc, argv)();
   } catch (const InputError& e) {
     tell(std::string("ukemi: ") + e.what());
     return kBadInput;

@@ -1,9 +1,25 @@
 #include "landing/judge/answer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "common/error.hpp"
+
 namespace ukemi::landing {
+
+void respect_ratings(const Actuator& actuator, OptimizeOptions& o) {
+  const bool speed = actuator.speed_max.has_value(), torque = std::isfinite(actuator.sea.tau_max);
+  if (!speed || !torque)
+    throw InputError(fmt::format("respect-ratings: {} gives no {}: both speed_max and tau_max are needed",
+                                 quoted(actuator.name),
+                                 speed    ? "tau_max"
+                                 : torque ? "speed_max"
+                                          : "speed_max and no tau_max"));
+  o.limits.motor_speed = o.reference_rate = *actuator.speed_max;
+  o.limits.motor_torque = actuator.sea.tau_max;
+}
 
 double Answer::held_peak() const {
   return held.end == End::kStopped ? std::numeric_limits<double>::quiet_NaN() : held.peak;

@@ -17,6 +17,10 @@ namespace ukemi::landing {
 
 struct Answer;
 
+/// Keeps the reference's rate, the motor's speed and its torque within the actuator's ratings. Throws InputError where
+/// the actuator lacks one of them.
+void respect_ratings(const Actuator& actuator, OptimizeOptions& options);
+
 struct AnswerOptions {
   RobustOptions robust;
   OptimizeOptions search;            ///< its deadline is that of the whole answer, handed over

@@ -854,7 +854,7 @@ TEST_CASE("optimize --respect-ratings needs both ratings, --forbid is checked wh
     const std::string actuator = f.write("unrated.toml", replaced(table2, from, ""));
     const Result r = run({"optimize", kPaper, "--actuator", actuator, "--respect-ratings", "-o", "bad"}, f.at(""));
     CHECK(r.code == 2);
-    CHECK_THAT(r.err, Contains("--respect-ratings: ") && Contains("gives no " + missing) &&
+    CHECK_THAT(r.err, Contains("respect-ratings: ") && Contains("gives no " + missing) &&
                           Contains("both speed_max and tau_max are needed"));
     CHECK(!fs::exists(f.at("bad")));
   };

@@ -8,6 +8,14 @@ cmake --install "$build_dir" --prefix "$work/prefix" >/dev/null
 common=(-G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="$flags")
 cmake -S "$source_dir/test/install/consumer" -B "$work/a" "${common[@]}" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/a" && "$work/a/consumer"
+# Each half without what the other links.
+for half in identify:NLopt landing:Ceres; do
+  cmake -S "$source_dir/test/install/consumer" -B "$work/${half%:*}" "${common[@]}" -DCMAKE_PREFIX_PATH="$work/prefix" -DUKEMI_COMPONENT=${half%:*} \
+        -DCMAKE_DISABLE_FIND_PACKAGE_${half#*:}=ON >/dev/null
+  cmake --build "$work/${half%:*}" && "$work/${half%:*}/consumer"
+done
+! ldd "$work/identify/consumer" | grep nlopt
+! ldd "$work/landing/consumer" | grep ceres
 command -v ccache >/dev/null && common+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 # What it computes does not depend on the optimiser, and -O0 compiles in a third of the time.
 cmake -S "$source_dir/test/install/consumer" -B "$work/b" "${common[@]}" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DUKEMI_SOURCE="$source_dir" >/dev/null

@@ -48,7 +48,8 @@ void give_rigs(std::vector<identify::Trial>& trials, const std::vector<std::stri
   }
 }
 
-/// A trial of any kind; what a HEBI log says of its module goes to `modules`.
+}  // namespace
+
 identify::Trial read_any(const std::string& path, const TrialArguments& a, const identify::TrialOptions& csv,
                          const identify::Rig& rig, Json& modules) {
   const bool binary = identify::is_hebilog(path);
@@ -59,8 +60,6 @@ identify::Trial read_any(const std::string& path, const TrialArguments& a, const
   modules.push_back(module_json(path, identify::choose_module(log, a.module)));
   return trial;
 }
-
-}  // namespace
 
 void add_trial_options(CLI::App& verb, TrialArguments& a) {
   verb.add_option("--columns", a.columns,

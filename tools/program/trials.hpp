@@ -49,6 +49,10 @@ struct TrialNeeds {
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& arguments,
                         const identify::Rig& rig, const TrialNeeds& needs, Run& run);
 
+/// One trial of any kind, CSV or HEBI log; what a log says of its module is added to `modules`. Throws InputError.
+identify::Trial read_any(const std::string& path, const TrialArguments& arguments, const identify::TrialOptions& csv,
+                         const identify::Rig& rig, Json& modules);
+
 /// HEBI's gains file: every value of every controller, numbers where they are numbers. Throws InputError with
 /// file:line:column where it is no XML or not headed <group_gains>.
 Json read_gains(const std::string& path);

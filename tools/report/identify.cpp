@@ -55,15 +55,8 @@ std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit&
 
 void plot_trials(Report& report, const std::vector<Trial>& trials, const Fit& fit) {
   for (std::size_t m = 0; m < trials.size() && m < 12; ++m) {
-    const Trial& t = trials[m];
-    std::vector<Series> series;
-    const auto add = [&](const char* name, const std::vector<double>& phi) {
-      if (!phi.empty()) series.push_back({name, t.t, phi});
-    };
-    add("measured", t.phi), add("predicted", fit.trials[m].phi);
-    if (!t.phi_motor.empty()) add("motor, measured", t.phi_motor), add("motor, predicted", fit.trials[m].phi_m);
-    report.heading(t.file);
-    report.plot("t [s]", "phi_1 [rad]", series);
+    report.heading(trials[m].file);
+    report.plot("t [s]", "phi_1 [rad]", angle_curves(trials[m], fit.trials[m]));
   }
 }
 
@@ -95,8 +88,16 @@ void warn(const IdentifyQuestion& q, const identify::Identification& found, Run&
   if (found.trust && !fit.interrupted) warn(*found.trust, fit, run);
 }
 
-/// The actuator as its file holds it: constants, verdicts, covariance, ratings.
-Actuator actuator_of(const IdentifyQuestion& q, const Fit& fit) {
+}  // namespace
+
+SeaParameters<double> base_of(const identify::Rig& rig, const std::optional<Actuator>& given) {
+  SeaParameters<double> out = given ? given->sea : SeaParameters<double>{};
+  out.tau_max = rig.tau_max.value_or(out.tau_max);
+  out.feedback = rig.feedback.value_or(out.feedback);
+  return out;
+}
+
+Actuator fitted_actuator(const IdentifyQuestion& q, const Fit& fit) {
   Actuator out;
   out.name = fmt::format("identified from {} trials", q.trials.size());
   out.sea = fit.sea;
@@ -115,7 +116,15 @@ Actuator actuator_of(const IdentifyQuestion& q, const Fit& fit) {
   return out;
 }
 
-}  // namespace
+std::vector<Series> angle_curves(const Trial& t, const identify::TrialResult& predicted) {
+  std::vector<Series> series;
+  const auto add = [&](const char* name, const std::vector<double>& phi) {
+    if (!phi.empty()) series.push_back({name, t.t, phi});
+  };
+  add("measured", t.phi), add("predicted", predicted.phi);
+  if (!t.phi_motor.empty()) add("motor, measured", t.phi_motor), add("motor, predicted", predicted.phi_m);
+  return series;
+}
 
 int report(const IdentifyQuestion& q, const identify::Identification& found, Doubt doubt, Json summary, Run& run) {
   const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
@@ -143,7 +152,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   report.table(trials);
   plot_trials(report, q.trials, fit);
   if (found.trust) {
-    Actuator actuator = actuator_of(q, fit);
+    Actuator actuator = fitted_actuator(q, fit);
     actuator.provenance = run.provenance();
     actuator.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");
     run.add("actuator.toml", to_toml(actuator, fit.half_width));

@@ -21,6 +21,14 @@ struct IdentifyQuestion {
   SeaParameters<double> base;     ///< what is not fitted: limit, feedback, friction
 };
 
+/// What is not fitted: a given actuator's, else no limit and Eq. 3 as printed; the rig's limit and feedback count
+/// before both.
+SeaParameters<double> base_of(const identify::Rig& rig, const std::optional<Actuator>& given);
+/// The actuator as its file holds it: constants, verdicts, covariance, ratings.
+Actuator fitted_actuator(const IdentifyQuestion& question, const identify::Fit& fit);
+/// The angles of a trial, measured and predicted.
+std::vector<Series> angle_curves(const identify::Trial& trial, const identify::TrialResult& predicted);
+
 /// Adds to a summary that holds what was read, writes the files, returns the exit code.
 int report(const IdentifyQuestion& question, const identify::Identification& found, Doubt doubt, Json summary,
            Run& run);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "landing/judge/checked.hpp"
-#include "landing/judge/evidence.hpp"
+#include "landing/judge/map.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/table.hpp"
 
@@ -57,6 +57,8 @@ Series curve(const std::string& name, const std::vector<landing::Sample>& trajec
              double unit = 1);
 /// Acceleration and joint over time.
 void plot_landing(Report& report, const std::vector<landing::Sample>& trajectory);
+/// The smallest peak of a map over the variables that are not drawn.
+Heatmap projection(const landing::PeakMap& map, int x, int y);
 /// Where the floor's constants come from, if the scene says so.
 void floor_source(Report& report, const landing::Scene& scene);
 

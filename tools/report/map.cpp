@@ -38,7 +38,16 @@ std::string map_csv(const Run& run, const PeakMap& map) {
   return csv.text();
 }
 
-/// The smallest peak over the axes that are not drawn.
+Quantities<JudgedBasin> basin_quantities(const std::vector<Variable>& variables, const Motion& like) {
+  Quantities<JudgedBasin> out;
+  append(out, "motion/", motion_quantities(like), [](auto& b) { return b.basin.play.motion; });
+  out.push_back({"peak", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.basin.peak; }});
+  append(out, "", evidence_quantities(variables, "tolerant peak [m/s^2]"), &JudgedBasin::evidence);
+  return out;
+}
+
+}  // namespace
+
 Heatmap projection(const PeakMap& map, int x, int y) {
   const auto axis = [&](int k, std::vector<double>& at) {
     const Display variable = display(map.variables[std::size_t(k)]);
@@ -55,16 +64,6 @@ Heatmap projection(const PeakMap& map, int x, int y) {
   }
   return h;
 }
-
-Quantities<JudgedBasin> basin_quantities(const std::vector<Variable>& variables, const Motion& like) {
-  Quantities<JudgedBasin> out;
-  append(out, "motion/", motion_quantities(like), [](auto& b) { return b.basin.play.motion; });
-  out.push_back({"peak", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.basin.peak; }});
-  append(out, "", evidence_quantities(variables, "tolerant peak [m/s^2]"), &JudgedBasin::evidence);
-  return out;
-}
-
-}  // namespace
 
 int report(const Survey& s, Run& run) {
   const std::size_t points = s.map.grid.size();

@@ -144,11 +144,11 @@ std::string colour(double s) {
 }
 }  // namespace
 
-void Report::heatmap(const Heatmap& m) {
+std::string Report::heatmap(const Heatmap& m) {
   std::vector<double> sorted;
   for (const double v : m.values)
     if (std::isfinite(v)) sorted.push_back(v);
-  if (sorted.empty()) return;
+  if (sorted.empty()) return {};
   std::sort(sorted.begin(), sorted.end());
   const double low = sorted.front(), high = std::max(sorted[sorted.size() * 9 / 10], low * (1 + 1e-9));
   constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kBottom = 45, kTop = 25, kRight = 90;
@@ -160,7 +160,8 @@ void Report::heatmap(const Heatmap& m) {
     return std::isfinite(v) ? int(std::clamp((v - low) / (high - low), 0.0, 1.0) * kSteps) : -1;
   };
   std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" aria-label=\"{} against {}\" font-size=\"12\" "
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" "
+      "aria-label=\"{} against {}\" font-size=\"12\" "
       "font-family=\"sans-serif\" shape-rendering=\"crispEdges\">",
       kWidth, kHeight, kWidth, escape(m.y_label), escape(m.x_label));
   const auto box = [&](double x, double y, double width, double height, int step) {
@@ -192,7 +193,9 @@ void Report::heatmap(const Heatmap& m) {
         (kHeight - kBottom - kTop) / kSteps + 0.3, q);
   text((kLeft + kWidth - kRight) / 2, kHeight - 8, "middle", m.x_label);
   text(5, 14, "start", m.y_label);
-  html_ += svg + "</svg>\n";
+  svg += "</svg>";
+  html_ += svg + "\n";
+  return svg;
 }
 
 Json tell(const Table& table, Report& report, Run& run, const std::string& csv, const std::string& comment) {

@@ -34,8 +34,9 @@ class Report {
   /// no range to draw.
   std::string plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
                    Axes axes = Axes::kLinear);
-  /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it.
-  void heatmap(const Heatmap& map);
+  /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it. Returns it
+  /// as `plot` does.
+  std::string heatmap(const Heatmap& map);
   /// The page, closed by the provenance.
   std::string html(const std::vector<std::pair<std::string, std::string>>& provenance);
 

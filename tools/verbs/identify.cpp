@@ -129,10 +129,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   check(a, q);
   TrialInputs inputs = read_trials(a.trials, a.reading, q.rig, needs_of(q), run);
   q.trials = std::move(inputs.trials);
-  // tau_max and feedback: the rig's, else the given actuator's, else no limit and Eq. 3 as printed.
-  if (q.given) q.base = q.given->sea;
-  q.base.tau_max = q.rig.tau_max.value_or(q.base.tau_max);
-  q.base.feedback = q.rig.feedback.value_or(q.base.feedback);
+  q.base = base_of(q.rig, q.given);
   choose_drive(q);
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));

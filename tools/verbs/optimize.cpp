@@ -1,7 +1,6 @@
 // ukemi optimize.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <ctime>
 #include <memory>
 
@@ -34,17 +33,6 @@ class Clock {
   Stopwatch watch_{Stopwatch::Time::kWall};
 };
 
-void respect_ratings(const OptimizeArguments& a, const Actuator& actuator, OptimizeOptions& o) {
-  const bool speed = actuator.speed_max.has_value(), torque = std::isfinite(actuator.sea.tau_max);
-  if (!speed || !torque)
-    throw InputError(fmt::format("--respect-ratings: {} gives no {}: both speed_max and tau_max are needed", a.actuator,
-                                 speed    ? "tau_max"
-                                 : torque ? "speed_max"
-                                          : "speed_max and no tau_max"));
-  o.limits.motor_speed = o.reference_rate = *actuator.speed_max;
-  o.limits.motor_torque = actuator.sea.tau_max;
-}
-
 RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Actuator& actuator, Run& run) {
   const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
   RobustOptions out{
@@ -72,7 +60,7 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   o.threads = common.threads;
   for (const std::string& point : a.forbid)
     o.limits.forbidden[choice_index("--forbid", point, {kPointNames.begin(), kPointNames.end()})] = true;
-  if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(a, actuator, o);
+  if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(actuator, o);
   o.validate();
   o.monitor = run.monitor(all ? "solvers" : "optimize");
   if (all) out.solvers = solver_names();

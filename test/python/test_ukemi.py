@@ -1,0 +1,230 @@
+"""The Python module: it says what the program says, refuses what the program refuses, and lets Ctrl-C through."""
+import ast
+import inspect
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import ukemi
+
+BUILD = pathlib.Path(ukemi.__file__).parent
+SEA = ("k_p", "k_d", "k_sea", "c_sea", "i_motor")
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return ukemi.read_scene(ukemi.dataset("scenes/paper.toml"))
+
+
+@pytest.fixture(scope="module")
+def actuator():
+    return ukemi.read_actuator(ukemi.dataset("actuators/table2.toml"))
+
+
+def program(folder, *arguments):
+    """summary.json of the program's verb."""
+    subprocess.run([BUILD / "ukemi", *map(str, arguments), "-o", folder, "--quiet", "--no-report"], check=True,
+                   stdout=subprocess.DEVNULL)
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_simulate_is_the_program_s(scene, actuator, tmp_path):
+    landing = ukemi.simulate(scene, actuator, ukemi.hold(-45))
+    told = program(tmp_path / "a", "simulate", ukemi.dataset("scenes/paper.toml"), "--actuator",
+                   ukemi.dataset("actuators/table2.toml"), "--hold", -45)
+    assert landing.peak == told["peak_acceleration"]
+    assert landing.t_peak == told["peak_time"]
+    assert landing.error_estimate == told["error_estimate"]
+    assert [c.point for c in landing.contacts] == [c["point"] for c in told["contacts"]]
+
+
+def test_a_trajectory_is_views_of_one_landing(scene, actuator):
+    landing = ukemi.simulate(scene, actuator, ukemi.hold(-45), rate=2000)
+    assert landing.t.shape == landing.acc.shape == landing.f_foot_y.shape
+    assert np.all(np.diff(landing.t) >= 0) and landing.t[0] == 0
+    assert np.allclose(landing.acc, np.hypot(landing.ddx_0, landing.ddy_0))
+    assert landing.acc.max() <= landing.peak * (1 + 1e-12) and landing.acc.max() > 0.99 * landing.peak
+    assert landing.f_foot_y.max() > 100 and landing.f_hip_y.min() >= 0
+    assert not landing.acc.flags.owndata and not landing.acc.flags.writeable
+    acc = ukemi.simulate(scene, actuator, ukemi.hold(-45)).acc  # the landing lives as long as its view
+    assert abs(acc.max() - landing.acc.max()) < 0.01 * landing.peak
+
+
+def test_optimize_is_the_program_s(scene, actuator, tmp_path):
+    best = ukemi.optimize(scene, actuator, seed=3, evaluations=500)
+    told = program(tmp_path / "a", "optimize", ukemi.dataset("scenes/paper.toml"), "--actuator",
+                   ukemi.dataset("actuators/table2.toml"), "--seed", 3, "--evaluations", 500)
+    assert best.found and best.peak == told["peak_acceleration"] and best.tolerant_peak == told["tolerant_peak"]
+    assert best.motion.phi_i_deg == pytest.approx(told["motion"]["phi_i_deg"], rel=1e-12)
+    assert best.landing.peak == best.peak < best.held.peak == best.held_peak
+    again = ukemi.simulate(scene, actuator, best.motion)
+    assert again.peak == pytest.approx(best.peak, rel=1e-9)
+
+
+def test_motions_as_files_and_arrays(scene, actuator, tmp_path):
+    motion = ukemi.Motion(-30, -80, 0.2, bumps_deg=[3, -1])
+    phi, dphi = motion.reference(np.linspace(0, 0.2, 201))
+    assert np.degrees(phi[0]) == pytest.approx(-30) and np.degrees(phi[-1]) == pytest.approx(-80)
+    assert np.allclose(np.gradient(phi, 1e-3)[2:-2], dphi[2:-2], atol=0.02 * abs(dphi).max())
+    motion.save(str(tmp_path / "m.toml"))
+    again = ukemi.read_motion(str(tmp_path / "m.toml"))
+    assert again.bumps == pytest.approx(motion.bumps) and again.duration == motion.duration
+    assert np.allclose(again.reference([0, 0.07])[0], motion.reference([0, 0.07])[0])
+
+
+def simulated_trial(actuator, rig, name="hit", noise=0.0, seed=1):
+    t = np.arange(0, 0.6, 1e-3)
+    force = np.where((t > 0.02) & (t < 0.035), 80 * np.sin((t - 0.02) / 0.015 * np.pi), 0)
+    phi = ukemi.predict([ukemi.Trial(t, force=force)], rig, actuator).trials[0].phi
+    return ukemi.Trial(t, phi=phi + noise * np.random.default_rng(seed).standard_normal(t.size), force=force, name=name)
+
+
+def test_identify_from_arrays_finds_what_made_them(actuator):
+    rig = ukemi.Rig(length=0.3, inertia=0.024225, tau_max=20)
+    trials = [simulated_trial(actuator, rig, "a", 1e-4, 1), simulated_trial(actuator, rig, "b", 1e-4, 2)]
+    fit = ukemi.identify(trials, rig)
+    assert fit.converged and fit.rms == pytest.approx(1e-4, rel=0.1)
+    assert set(fit.parameters) == set(SEA)
+    for name in SEA:
+        e = fit.parameters[name]
+        assert abs(e.value - getattr(actuator, name)) < 4 * e.std
+        assert e.ci95[0] < e.value < e.ci95[1]
+    assert fit.covariance.shape == (5, 5) and fit.fitted == list(SEA)
+    assert fit.actuator.covariance.shape == (5, 5)
+    assert fit.trials[0].phi.shape == trials[0].t.shape
+    only = ukemi.identify(trials, rig, start=actuator, free=["k_sea"])
+    assert only.fitted == ["k_sea"] and not only.parameters["k_p"].free
+
+
+def test_identify_is_the_program_s(tmp_path):
+    paths = [ukemi.dataset(f"impact/trial_{i}.csv") for i in (1, 2)]
+    fit = ukemi.identify([ukemi.read_trial(p) for p in paths], ukemi.read_rig(ukemi.dataset("rigs/paper.toml")))
+    told = program(tmp_path / "a", "identify", *paths, "--rig", ukemi.dataset("rigs/paper.toml"))
+    assert fit.rms == told["rms"] and fit.cost == told["cost"]
+    for name in SEA:
+        assert fit.parameters[name].value == told["parameters"][name]["value"]
+        assert fit.parameters[name].std == told["parameters"][name]["std"]
+    fit.actuator.save(str(tmp_path / "mine.toml"))
+    mine, its = (ukemi.read_actuator(str(p)) for p in (tmp_path / "mine.toml", tmp_path / "a/actuator.toml"))
+    assert np.array_equal(mine.covariance, its.covariance) and mine.verdicts == its.verdicts
+
+
+def test_risk_map_and_calibrate(scene, actuator):
+    motion = ukemi.Motion(-30, -80, 0.2)
+    risk = ukemi.risk(scene, actuator, motion, scatter="pitch_deg=1,height=0.01", samples=1000)
+    assert risk.peaks.samples == 1000 and float(risk.peaks.median) <= float(risk.peaks.q90) <= risk.peaks.max
+    drops, edges = risk.histogram
+    assert drops.sum() == 1000 and edges.size == drops.size + 1
+    assert set(risk.uncertainties) >= {"height", "pitch"}
+    survey = ukemi.map(scene, actuator, grid=[5, 4, 3], polish=2)
+    assert survey.peak.shape == (5, 4, 3) and list(survey.axes) == ["phi_i", "phi_f", "duration"]
+    axes = [survey.axes[k] for k in survey.axes]
+    there = ukemi.Motion(np.degrees(axes[0][1]), np.degrees(axes[1][2]), axes[2][1])
+    assert survey.peak[1, 2, 1] == pytest.approx(ukemi.simulate(scene, actuator, there).peak, rel=1e-3)
+    assert survey.basins[0].peak <= np.nanmin(survey.peak) * 1.001
+
+
+def test_calibrate_finds_the_floor_of_simulated_drops(scene, actuator):
+    motion = ukemi.hold(-45)
+    landing = ukemi.simulate(scene, actuator, motion, rate=1000)
+    keep = np.concatenate([[True], np.diff(landing.t) > 1e-9]) & (landing.t < 0.45)
+    log = ukemi.DropLog(landing.t[keep], acc=landing.acc[keep], phi_0=landing.phi_0[keep])
+    found = ukemi.calibrate(scene, actuator, [ukemi.Drop(log, motion)], free=["stiffness"])
+    assert found.converged and found.fitted == ["stiffness"]
+    assert found.parameters["stiffness"].value == pytest.approx(6880, rel=1e-3)
+    assert found.rms["phi_0"] < 1e-4 and set(found.rms) == {"acc", "phi_0"}
+
+
+def test_a_planner_answers_by_its_deadline(scene, actuator):
+    planner = ukemi.Planner(scene, actuator, objective="peak")
+    start = time.perf_counter()
+    plan = planner.plan(scene.height, scene.forward_speed, np.degrees(scene.pitch), deadline=0.2)
+    assert time.perf_counter() - start < 1
+    assert plan.found and plan.value < ukemi.simulate(scene, actuator, ukemi.hold(-45)).peak
+    assert plan.value == pytest.approx(ukemi.simulate(scene, actuator, plan.motion).peak, rel=1e-3)
+
+
+@pytest.mark.parametrize("call, said", [
+    (lambda: ukemi.read_scene("nowhere.toml"), "nowhere.toml"),
+    (lambda: ukemi.Motion(-30, -80, 0), "duration: 0: must be above 0"),
+    (lambda: ukemi.Trial([0, 1, 1], force=[0, 1, 0]), r"t\[2\]: 1: finite times that increase"),
+    (lambda: ukemi.Trial([0, 1, 2], force=[0, 1]), "force: 2 values: 3 are needed"),
+    (lambda: ukemi.Trial([0, 1, 2], phi=[0, np.nan, 0], force=[0, 1, 0]), r"phi\[1\]: nan: a finite number"),
+    (lambda: ukemi.Trial([0, 1, 2], phi=[0, 7, 0], force=[0, 1, 0]), r"phi\[1\]: 7: an angle within 2 pi"),
+    (lambda: ukemi.Trial([0, 1, 2], phi=[0, 0, 0]), "at least one excitation"),
+    (lambda: ukemi.Rig(length=-0.3, inertia=1), "length: -0.3: must be above 0"),
+    (lambda: ukemi.Actuator(1, 1, 1, 1, 0), "i_motor: 0: must be above 0"),
+    (lambda: ukemi.identify([], ukemi.Rig(0.3, 0.02)), "at least one"),
+])
+def test_bad_input_is_an_input_error(call, said):
+    with pytest.raises(ukemi.InputError, match=said) as e:
+        call()
+    assert isinstance(e.value, ValueError)
+
+
+def test_bad_options_are_input_errors(scene, actuator):
+    for wrong in ({"solver": "magic"}, {"objective": "pek"}, {"forbid": ["toe"]}, {"robust": "worse"}, {"deadline": 0.0},
+                  {"evaluations": 0}, {"samples": 1}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.optimize(scene, actuator, **wrong)
+    with pytest.raises(ukemi.InputError, match="grid"):
+        ukemi.map(scene, actuator, grid=[4, 4])
+
+
+def test_ctrl_c_ends_a_long_call_soon(scene, actuator):
+    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))  # runs: the interpreter is free
+    timer.start()
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        ukemi.optimize(scene, actuator, evaluations=50_000_000)
+    assert time.perf_counter() - start < 10
+    assert ukemi.simulate(scene, actuator, ukemi.hold(-45)).peak > 0
+
+
+def test_figures_are_svg(scene, actuator, tmp_path):
+    landing = ukemi.simulate(scene, actuator, ukemi.hold(-45))
+    assert landing._repr_svg_() == landing.figure().svg
+    assert landing.figure().svg.startswith('<svg xmlns="http://www.w3.org/2000/svg"') and "polyline" in landing.figure().svg
+    landing.figure().save(str(tmp_path / "a.svg"))
+    assert (tmp_path / "a.svg").read_text() == landing.figure().svg
+
+
+def public():
+    for name, value in vars(ukemi).items():
+        if not name.startswith("_"):
+            yield name, value
+            if inspect.isclass(value) and not hasattr(value, "__members__"):
+                for key, member in vars(value).items():
+                    if not key.startswith("_") and (isinstance(member, property) or callable(member)):
+                        yield f"{name}.{key}", member
+
+
+def test_everything_has_a_docstring_and_numbers_have_units():
+    seen = 0
+    for name, value in public():
+        words = value.__doc__ or ""
+        assert len(words.strip().split("\n")[-1]) > 5 or name == "InputError", name
+        getter = getattr(value, "fget", None)
+        if getter is not None and ("float" in getter.__doc__ or "ndarray" in getter.__doc__):
+            if name not in ("Motion.gain_p", "Motion.gain_d"):
+                assert "[" in words, name
+            seen += 1
+    assert seen > 60
+
+
+def test_the_stubs_name_what_there_is():
+    tree = ast.parse((BUILD / "ukemi-stubs/__init__.pyi").read_text())
+    told = set()
+    for node in tree.body:
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+            told.add(node.name)
+        if isinstance(node, ast.ClassDef):
+            told |= {f"{node.name}.{n.name}" for n in node.body if isinstance(n, ast.FunctionDef)}
+    assert {name for name, _ in public()} <= told

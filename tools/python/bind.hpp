@@ -1,0 +1,122 @@
+// What the parts of the Python module share: arrays, checks, long calls, figures.
+#pragma once
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <future>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/toml.hpp"
+#include "identify/estimate/estimates.hpp"
+
+namespace ukemi::python {
+
+namespace py = pybind11;
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Bounds = std::map<std::string, double>;
+using Priors = std::map<std::string, std::pair<double, double>>;  ///< value, standard deviation
+
+inline constexpr double kDegrees = 57.29577951308232;  ///< in a radian
+
+/// A value that a file would be allowed to hold. Throws InputError "WHAT: value: rule".
+double checked(const std::string& what, double value, const Range& range);
+std::optional<double> checked(const std::string& what, std::optional<double> value, const Range& range);
+/// The numbers of one column. Throws InputError where it has another shape than `rows` (0: any).
+std::vector<double> column(const std::string& what, const Numbers& numbers, std::size_t rows = 0);
+std::vector<double> column(const std::string& what, const std::optional<Numbers>& numbers, std::size_t rows);
+/// Throws InputError unless they are finite and increase.
+void check_times(const std::string& what, const std::vector<double>& t);
+
+/// `count` numbers, each so many bytes behind the one before, as an array that `owner` keeps alive; nothing is copied.
+py::array_t<double> view(const double* first, std::size_t count, std::size_t stride, py::handle owner);
+inline py::array_t<double> view(const std::vector<double>& numbers, py::handle owner) {
+  return view(numbers.data(), numbers.size(), sizeof(double), owner);
+}
+
+/// f(stop) on a thread of its own, the interpreter free meanwhile. What Python's signal handlers raise (Ctrl-C) makes
+/// stop() true; it is raised here once f has returned.
+template <class F>
+auto long_call(F&& f) {
+  std::atomic<bool> stop{false};
+  const std::function<bool()> stopped = [&] { return stop.load(); };
+  auto result = std::async(std::launch::async, [&] { return f(stopped); });
+  std::optional<py::error_already_set> raised;
+  const auto over = [&] {
+    const py::gil_scoped_release release;
+    return result.wait_for(std::chrono::milliseconds(20)) == std::future_status::ready;
+  };
+  while (!over())
+    if (!raised && PyErr_CheckSignals() != 0) raised.emplace(), stop = true;
+  if (raised) throw py::error_already_set(std::move(*raised));
+  return result.get();
+}
+
+/// A picture: notebooks show it by themselves.
+struct Figure {
+  std::string svg;
+};
+
+/// What is fitted, and what is asked of it.
+template <class Choice>
+Choice choose(Choice terms, const std::optional<std::vector<std::string>>& free,
+              const std::vector<std::string>& nuisance, const Priors& priors, const Bounds& lower,
+              const Bounds& upper) {
+  if (free) terms.free = *free;
+  terms.nuisance = nuisance, terms.lower = lower, terms.upper = upper;
+  for (const auto& [name, known] : priors) terms.priors.push_back({name, known.first, known.second});
+  return terms;
+}
+
+/// What a fit says of its terms, for a class of results that have it.
+template <class Result, class... Options>
+void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates& (*of)(const Result&)) {
+  using identify::Estimate;
+  const auto by_name = [](const std::vector<Estimate>& all) {
+    std::map<std::string, Estimate> out;
+    for (const Estimate& e : all) out[e.trial < 0 ? e.name : e.name + "[" + std::to_string(e.trial) + "]"] = e;
+    return out;
+  };
+  c.def_property_readonly(
+       "parameters", [=](const Result& r) { return by_name(of(r).parameters); },
+       "The constants by name, fitted or not; each an Estimate.")
+      .def_property_readonly(
+          "nuisance", [=](const Result& r) { return by_name(of(r).nuisance); },
+          "The terms that were fitted along, by name; name[i] where each trial has its own.")
+      .def_property_readonly(
+          "fitted", [=](const Result& r) { return of(r).fitted; }, "Names in the order of `covariance`.")
+      .def_property_readonly(
+          "covariance", [=](const Result& r) { return of(r).covariance; },
+          "Covariance of `fitted` [product of their units]; NaN where it is not determined.")
+      .def_property_readonly(
+          "cost", [=](const Result& r) { return of(r).cost; }, "The sum of squares [square of the outputs' unit].")
+      .def_property_readonly(
+          "converged", [=](const Result& r) { return of(r).converged; }, "Whether the search ended at a minimum.")
+      .def_property_readonly(
+          "trusted", [=](const Result& r) { return of(r).trusted(); },
+          "Whether it converged and every fitted constant is trusted.")
+      .def_property_readonly(
+          "message", [=](const Result& r) { return of(r).message; }, "Why it did not converge; empty where it did.")
+      .def_property_readonly(
+          "warnings", [=](const Result& r) { return of(r).warnings; }, "What a reader should know, a sentence each.");
+}
+
+void bind_common(py::module_& m);    ///< errors, figures, the actuator
+void bind_identify(py::module_& m);  ///< rig, trials, fits
+void bind_landing(py::module_& m);   ///< scene, motion, one landing
+void bind_search(py::module_& m);    ///< the best motion, its risk, the map, the planner
+void bind_study(py::module_& m);     ///< drops and calibration
+
+}  // namespace ukemi::python

@@ -1,0 +1,168 @@
+// Errors, arrays, figures and the actuator for Python.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/actuator.hpp"
+#include "common/csv.hpp"
+#include "common/files.hpp"
+#include "tools/program/output.hpp"
+#include "tools/python/bind.hpp"
+
+namespace ukemi::python {
+
+double checked(const std::string& what, double value, const Range& range) {
+  if (std::isfinite(value) && value >= range.low && value <= range.high && !(range.low_open && value == range.low))
+    return value;
+  throw InputError(fmt::format("{}: {}: must be {}", what, shortest(value), range.rule));
+}
+std::optional<double> checked(const std::string& what, std::optional<double> value, const Range& range) {
+  if (value) checked(what, *value, range);
+  return value;
+}
+
+std::vector<double> column(const std::string& what, const Numbers& numbers, std::size_t rows) {
+  if (numbers.ndim() != 1)
+    throw InputError(fmt::format("{}: {} dimensions: an array of one dimension is needed", what, numbers.ndim()));
+  if (rows > 0 && std::size_t(numbers.size()) != rows)
+    throw InputError(fmt::format("{}: {} values: {} are needed, one for each time", what, numbers.size(), rows));
+  return {numbers.data(), numbers.data() + numbers.size()};
+}
+std::vector<double> column(const std::string& what, const std::optional<Numbers>& numbers, std::size_t rows) {
+  return numbers ? column(what, *numbers, rows) : std::vector<double>{};
+}
+
+void check_times(const std::string& what, const std::vector<double>& t) {
+  if (t.size() < 2) throw InputError(fmt::format("{}: {} values: at least two are needed", what, t.size()));
+  for (std::size_t i = 0; i < t.size(); ++i)
+    if (!std::isfinite(t[i]) || (i > 0 && !(t[i] > t[i - 1])))
+      throw InputError(fmt::format("{}[{}]: {}: finite times that increase are needed", what, i, shortest(t[i])));
+}
+
+py::array_t<double> view(const double* first, std::size_t count, std::size_t stride, py::handle owner) {
+  if (count == 0) return py::array_t<double>(0);
+  py::array_t<double> out({py::ssize_t(count)}, {py::ssize_t(stride)}, first, owner);
+  out.attr("setflags")(false);  // results are told, not changed
+  return out;
+}
+
+namespace {
+
+using identify::Estimate;
+
+struct Limits {
+  double tau_max;
+  std::optional<double> speed_max;
+  double friction, viscous_friction, k_sea_cubic;
+};
+
+Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, Feedback feedback,
+                     const std::string& name) {
+  Actuator out;
+  out.name = name;
+  for (std::size_t i = 0; i < kConstants; ++i)
+    checked(kConstantNames[i], u[i], i + 1 == kConstants ? Range::positive() : Range::non_negative());
+  set_constants(out.sea, u);
+  if (!std::isinf(l.tau_max)) out.sea.tau_max = checked("tau_max", l.tau_max, Range::non_negative());
+  out.sea.friction = checked("friction", l.friction, Range::non_negative());
+  out.sea.viscous = checked("viscous_friction", l.viscous_friction, Range::non_negative());
+  out.sea.k_sea_cubic = checked("k_sea_cubic", l.k_sea_cubic, Range::non_negative());
+  out.sea.feedback = feedback;
+  out.speed_max = checked("speed_max", l.speed_max, Range::positive());
+  return out;
+}
+
+void bind_actuator(py::module_& m) {
+  py::enum_<Feedback>(m, "Feedback", "Which angle Eq. 3 feeds back.")
+      .value("output", Feedback::kOutput)
+      .value("motor", Feedback::kMotor);
+  py::class_<Actuator> c(m, "Actuator", "The constants of a series elastic actuator (Eq. 2-4), and its ratings.");
+  c.def(py::init([](double k_p, double k_d, double k_sea, double c_sea, double i_motor, double tau_max,
+                    std::optional<double> speed_max, double friction, double viscous_friction, double k_sea_cubic,
+                    Feedback feedback, const std::string& name) {
+          return actuator_of({k_p, k_d, k_sea, c_sea, i_motor},
+                             {tau_max, speed_max, friction, viscous_friction, k_sea_cubic}, feedback, name);
+        }),
+        "k_p [Nm/rad], k_d [Nm/(rad/s)], k_sea [Nm/rad], c_sea [Nm/(rad/s)], i_motor [kg m^2]; tau_max [Nm], infinite: "
+        "no "
+        "limit; speed_max [rad/s], None: no rating; friction [Nm], viscous_friction [Nm/(rad/s)], k_sea_cubic "
+        "[Nm/rad^3].",
+        py::arg("k_p"), py::arg("k_d"), py::arg("k_sea"), py::arg("c_sea"), py::arg("i_motor"),
+        py::arg_v("tau_max", std::numeric_limits<double>::infinity(), "float('inf')"),
+        py::arg("speed_max") = py::none(), py::arg("friction") = 0.0, py::arg("viscous_friction") = 0.0,
+        py::arg("k_sea_cubic") = 0.0, py::arg_v("feedback", Feedback::kOutput, "Feedback.output"),
+        py::arg("name") = "");
+  using Sea = SeaParameters<double>;
+  const std::pair<const char*, std::pair<double Sea::*, const char*>> numbers[] = {
+      {"k_p", {&Sea::k_p, "Proportional gain [Nm/rad]."}},
+      {"k_d", {&Sea::k_d, "Derivative gain [Nm/(rad/s)]."}},
+      {"k_sea", {&Sea::k_sea, "Stiffness of the spring [Nm/rad]."}},
+      {"c_sea", {&Sea::c_sea, "Damping of the spring [Nm/(rad/s)]."}},
+      {"i_motor", {&Sea::i_motor, "Reflected inertia of the motor [kg m^2]."}},
+      {"tau_max", {&Sea::tau_max, "Limit of the spring's torque [Nm]; infinite: none."}},
+      {"friction", {&Sea::friction, "Dry friction on the motor [Nm]."}},
+      {"viscous_friction", {&Sea::viscous, "Viscous friction on the motor [Nm/(rad/s)]."}},
+      {"k_sea_cubic", {&Sea::k_sea_cubic, "Cubic stiffness of the spring [Nm/rad^3]."}}};
+  for (const auto& [name, what] : numbers)
+    c.def_property_readonly(
+        name, [member = what.first](const Actuator& a) { return a.sea.*member; }, what.second);
+  c.def_readonly("name", &Actuator::name, "What it is called.")
+      .def_readonly("speed_max", &Actuator::speed_max, "Rated speed of the motor at the output [rad/s], or None.")
+      .def_property_readonly(
+          "feedback", [](const Actuator& a) { return a.sea.feedback; }, "Which angle Eq. 3 feeds back.")
+      .def_readonly("uncertain", &Actuator::uncertain, "The constants that a fit found, in the order of `covariance`.")
+      .def_readonly("covariance", &Actuator::covariance, "Covariance of `uncertain` [product of their units].")
+      .def_property_readonly(
+          "verdicts",
+          [](const Actuator& a) { return std::map<std::string, std::string>(a.verdicts.begin(), a.verdicts.end()); },
+          "How far the fit that found a constant may be relied on, by its name.")
+      .def("standard_error", &Actuator::standard_error, py::arg("constant"),
+           "Standard error of a constant [its unit], or None.")
+      .def(
+          "toml", [](const Actuator& a) { return to_toml(a); }, "The text of an actuator file.")
+      .def(
+          "save", [](const Actuator& a, const std::string& path) { write_file(path, to_toml(a)); }, py::arg("path"),
+          "Writes an actuator file.")
+      .def("__repr__", [](const Actuator& a) {
+        return fmt::format("<ukemi.Actuator '{}': k_p {:.6g}, k_d {:.6g}, k_sea {:.6g}, c_sea {:.6g}, i_motor {:.6g}>",
+                           a.name, a.sea.k_p, a.sea.k_d, a.sea.k_sea, a.sea.c_sea, a.sea.i_motor);
+      });
+  m.def("read_actuator", &read_actuator, py::arg("path"), "Reads an actuator file (TOML).");
+}
+
+}  // namespace
+
+void bind_common(py::module_& m) {
+  py::register_exception<InputError>(m, "InputError", PyExc_ValueError).attr("__doc__") =
+      "Bad input: where, what, the value and the rule, on one line.";
+  m.def("dataset", &tools::dataset, py::arg("name"), "Path of a file of the shipped data, as \"scenes/paper.toml\".");
+  py::class_<Figure>(m, "Figure", "A picture; notebooks show it by themselves.")
+      .def_readonly("svg", &Figure::svg, "Its text (SVG).")
+      .def(
+          "save", [](const Figure& f, const std::string& path) { write_file(path, f.svg); }, py::arg("path"),
+          "Writes it as an SVG file.")
+      .def(
+          "_repr_svg_", [](const Figure& f) { return f.svg; }, "What a notebook shows.");
+  py::class_<Estimate>(m, "Estimate", "What a fit came to for one term.")
+      .def_readonly("name", &Estimate::name, "The term.")
+      .def_readonly("unit", &Estimate::unit, "Its unit.")
+      .def_readonly("value", &Estimate::value, "Its value [unit].")
+      .def_readonly("std", &Estimate::std, "Standard error [unit], or None where it cannot be estimated.")
+      .def_property_readonly(
+          "ci95",
+          [](const Estimate& e) { return e.std ? std::optional(std::pair(e.ci_low, e.ci_high)) : std::nullopt; },
+          "95 % interval [unit], or None.")
+      .def_readonly("at_bound", &Estimate::at_bound, "Whether it stands at a bound.")
+      .def_readonly("free", &Estimate::free, "Whether it was fitted.")
+      .def_property_readonly(
+          "verdict", [](const Estimate& e) { return name(e.verdict); },
+          "How far a constant may be relied on: trusted, weak, not identifiable, at its bound, fixed.")
+      .def("__float__", [](const Estimate& e) { return e.value; })
+      .def("__repr__", [](const Estimate& e) {
+        return fmt::format("<ukemi.Estimate {} {:.6g}{} {}>", e.name, e.value,
+                           e.std ? fmt::format(" +- {:.2g}", *e.std) : "", e.unit);
+      });
+  bind_actuator(m);
+}
+
+}  // namespace ukemi::python

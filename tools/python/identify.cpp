@@ -1,0 +1,236 @@
+// Rig, trials and fits for Python.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/csv.hpp"
+#include "identify/logs/hits.hpp"
+#include "tools/program/trials.hpp"
+#include "tools/python/bind.hpp"
+#include "tools/report/identify.hpp"
+
+namespace ukemi::python {
+
+using namespace identify;
+
+namespace {
+
+using tools::IdentifyQuestion;
+
+Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::optional<Numbers>& force,
+               const std::optional<Numbers>& phi_ref, const std::optional<Numbers>& dphi_ref,
+               const std::optional<Numbers>& phi_motor, bool multi_turn, const std::string& name) {
+  Trial out;
+  out.file = name;
+  out.t = column("t", t);
+  check_times("t", out.t);
+  const auto load = [&](const char* what, const std::optional<Numbers>& from, std::vector<double>& to, bool one_turn) {
+    to = column(what, from, out.t.size());
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const bool finite = std::isfinite(to[i]);
+      if (finite && !(one_turn && std::abs(to[i]) > 2 * std::numbers::pi)) continue;
+      throw InputError(fmt::format("{}: {}[{}]: {}: {} is needed", name, what, i, shortest(to[i]),
+                                   finite ? "an angle within 2 pi rad, or multi_turn=True," : "a finite number"));
+    }
+  };
+  load("phi", phi, out.phi, !multi_turn), load("force", force, out.force, false);
+  load("phi_ref", phi_ref, out.phi_ref, !multi_turn), load("dphi_ref", dphi_ref, out.dphi_ref, false);
+  load("phi_motor", phi_motor, out.phi_motor, !multi_turn);
+  if (out.force.empty() && out.phi_ref.empty())
+    throw InputError(name + ": no force and no phi_ref: at least one excitation is needed");
+  if (!out.dphi_ref.empty() && out.phi_ref.empty()) throw InputError(name + ": dphi_ref without phi_ref");
+  return out;
+}
+
+/// The trials as the verbs take them: the force at rest between hits.
+std::vector<Trial> prepared(std::vector<Trial> trials, std::optional<double> force_noise) {
+  checked("force_noise", force_noise, Range::non_negative());
+  for (Trial& t : trials) rest_between_hits(t, force_noise);
+  return trials;
+}
+
+/// An answer with what was asked, for figures and the actuator.
+struct Identified {
+  IdentifyQuestion question;
+  Identification found;
+};
+
+Figure figure(const Identified& i, std::size_t trial) {
+  if (trial >= i.question.trials.size())
+    throw InputError(fmt::format("trial: {}: 0 to {} is needed", trial, i.question.trials.size() - 1));
+  return {tools::Report("").plot("t [s]", "phi_1 [rad]",
+                                 tools::angle_curves(i.question.trials[trial], i.found.fit.trials[trial]))};
+}
+
+Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,
+                           const FitOptions& options, const TrustOptions& trust, std::optional<double> force_noise) {
+  Identified out{{.rig = rig, .trials = prepared(trials, force_noise), .options = options, .given = start}, {}};
+  if (out.question.trials.empty()) throw InputError("trials: none: at least one is needed");
+  out.question.base = tools::base_of(rig, start);
+  options.validate();
+  if (!start)
+    for (const char* name : kConstantNames)
+      if (!options.terms.fits(name))
+        throw InputError(fmt::format("free: {} is not free and needs a value: give start", name));
+  const auto from = start ? std::optional(start->sea) : std::nullopt;
+  out.found = long_call([&](const std::function<bool()>& stop) {
+    out.question.options.monitor.stop = stop;
+    return identify::identify({out.question.rig, out.question.trials, out.question.options}, from, out.question.base,
+                              trust);
+  });
+  out.question.options.monitor = {};
+  return out;
+}
+
+Identified predict_trials(const std::vector<Trial>& trials, const Rig& rig, const Actuator& actuator, double accuracy,
+                          std::optional<double> force_noise, bool multi_turn) {
+  Identified out{{.verb = IdentifyQuestion::Verb::kPredict,
+                  .rig = rig,
+                  .trials = prepared(trials, force_noise),
+                  .options = {.accuracy = accuracy, .escape = multi_turn ? Term::kInfinity : kEscape},
+                  .given = actuator},
+                 {}};
+  out.question.base = tools::base_of(rig, actuator);
+  out.question.options.validate();
+  const py::gil_scoped_release release;
+  out.found.fit = identify::predict(rig, out.question.trials, out.question.base, out.question.options);
+  return out;
+}
+
+void bind_inputs(py::module_& m) {
+  py::class_<Rig>(m, "Rig", "The rig of the impact tests: one link on a fixed base, in the horizontal plane.")
+      .def(py::init([](double length, double inertia, std::optional<double> tau_max, std::optional<double> gear_ratio,
+                       std::optional<Feedback> feedback, std::optional<double> speed_max) {
+             return Rig{.length = checked("length", length, Range::positive()),
+                        .inertia = checked("inertia", inertia, Range::positive()),
+                        .tau_max = checked("tau_max", tau_max, Range::non_negative()),
+                        .gear_ratio = checked("gear_ratio", gear_ratio, Range::positive()),
+                        .feedback = feedback,
+                        .speed_max = checked("speed_max", speed_max, Range::positive())};
+           }),
+           "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max "
+           "[Nm], "
+           "speed_max [rad/s].",
+           py::arg("length"), py::arg("inertia"), py::arg("tau_max") = py::none(), py::arg("gear_ratio") = py::none(),
+           py::arg("feedback") = py::none(), py::arg("speed_max") = py::none())
+      .def_readonly("length", &Rig::length, "From the joint to where the force acts [m].")
+      .def_readonly("inertia", &Rig::inertia, "Of the link about the joint [kg m^2].")
+      .def_readonly("tau_max", &Rig::tau_max, "Limit of the spring's torque [Nm], or None.");
+  m.def("read_rig", &read_rig, py::arg("path"), "Reads a rig file (TOML).");
+
+  py::class_<Trial> c(m, "Trial", "One logged trial.");
+  c.def(
+      py::init(&trial_of),
+      "Times t [s]; measured angles phi and phi_motor [rad], force at the link's tip [N], reference phi_ref [rad] and "
+      "dphi_ref [rad/s]: arrays as long as t, or None. multi_turn: angles beyond 2 pi are meant.",
+      py::arg("t"), py::arg("phi") = py::none(), py::arg("force") = py::none(), py::arg("phi_ref") = py::none(),
+      py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("multi_turn") = false,
+      py::arg("name") = "trial");
+  const std::pair<const char*, std::pair<std::vector<double> Trial::*, const char*>> kept[] = {
+      {"t", {&Trial::t, "Times [s]."}},
+      {"phi", {&Trial::phi, "Measured output angle [rad]."}},
+      {"force", {&Trial::force, "Force at the link's tip [N]."}},
+      {"phi_ref", {&Trial::phi_ref, "Reference [rad]."}},
+      {"phi_motor", {&Trial::phi_motor, "Measured angle of the motor at the output side [rad]."}}};
+  for (const auto& [name, what] : kept)
+    c.def_property_readonly(
+        name, [member = what.first](py::object self) { return view(self.cast<const Trial&>().*member, self); },
+        what.second);
+  c.def_readonly("name", &Trial::file, "Its file, or the name that it was given.")
+      .def_readonly("notes", &Trial::notes, "What was handled while reading, a sentence each.");
+  m.def(
+      "read_trial",
+      [](const std::string& path, const std::string& columns, const std::string& module,
+         std::optional<double> gear_ratio) {
+        tools::TrialArguments a;
+        a.columns = columns, a.module = module;
+        Rig rig{};
+        rig.gear_ratio = checked("gear_ratio", gear_ratio, Range::positive());
+        tools::Json modules;
+        return tools::read_any(
+            path, a, {.columns = columns, .require_phi = false, .gear_ratio = gear_ratio.value_or(1)}, rig, modules);
+      },
+      py::arg("path"), py::arg("columns") = "", py::arg("module") = "", py::arg("gear_ratio") = py::none(),
+      "Reads a trial: CSV (t [s], phi [rad], force [N], phi_ref [rad]), or a HEBI log. columns as the program's "
+      "--columns.");
+}
+
+}  // namespace
+
+void bind_identify(py::module_& m) {
+  bind_inputs(m);
+  py::class_<TrialResult>(m, "TrialFit", "A trial as the constants predict it.")
+      .def_readonly("name", &TrialResult::file, "Of the trial.")
+      .def_readonly("rms", &TrialResult::rms, "Of the residual [rad].")
+      .def_readonly("noise", &TrialResult::noise, "The log's own noise [rad].")
+      .def_property_readonly(
+          "phi", [](py::object self) { return view(self.cast<const TrialResult&>().phi, self); },
+          "Predicted output angle [rad].")
+      .def_property_readonly(
+          "phi_motor", [](py::object self) { return view(self.cast<const TrialResult&>().phi_m, self); },
+          "Predicted angle of the motor [rad].");
+  py::class_<Identified> c(m, "Identification", "A fit of the actuator's constants, and how far it can be trusted.");
+  bind_estimates(
+      c, +[](const Identified& i) -> const Estimates& { return i.found.fit; });
+  c.def_property_readonly(
+       "actuator", [](const Identified& i) { return tools::fitted_actuator(i.question, i.found.fit); },
+       "The constants with covariance and verdicts, as actuator.toml has them.")
+      .def_property_readonly(
+          "rms", [](const Identified& i) { return i.found.fit.rms; }, "Of the residuals [rad].")
+      .def_property_readonly(
+          "identifiable", [](const Identified& i) { return i.found.fit.identifiable; },
+          "Whether the trials determine every fitted constant.")
+      .def_property_readonly(
+          "model_rejected", [](const Identified& i) { return i.found.trust && i.found.trust->tests.model_rejected(); },
+          "Whether the residuals speak against the model.")
+      .def_property_readonly(
+          "trials",
+          [](py::object self) {
+            py::list out;
+            for (const TrialResult& t : self.cast<const Identified&>().found.fit.trials)
+              out.append(py::cast(t, py::return_value_policy::reference_internal, self));
+            return out;
+          },
+          "Each trial as predicted, a TrialFit.")
+      .def("figure", &figure, py::arg("trial") = 0, "Angles of a trial [rad] over time [s], measured and predicted.")
+      .def(
+          "_repr_svg_", [](const Identified& i) { return figure(i, 0).svg; }, "What a notebook shows.")
+      .def("__repr__", [](const Identified& i) {
+        return fmt::format("<ukemi.Identification of {} trials, rms {:.3g} rad{}>", i.question.trials.size(),
+                           i.found.fit.rms, i.found.fit.trusted() ? ", trusted" : "");
+      });
+  m.def(
+      "identify",
+      [](const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,
+         const std::optional<std::vector<std::string>>& free, const std::vector<std::string>& nuisance,
+         const Priors& priors, const Bounds& lower, const Bounds& upper, double huber, bool trial_weights,
+         double accuracy, std::optional<double> force_noise, bool multi_turn, int starts, bool diagnose,
+         const std::vector<std::string>& profile, std::uint64_t seed, int threads) {
+        FitOptions o;
+        o.terms = choose(std::move(o.terms), free, nuisance, priors, lower, upper);
+        if (multi_turn) o.escape = Term::kInfinity;
+        o.huber = huber, o.accuracy = accuracy, o.explore = starts, o.seed = seed, o.threads = threads;
+        if (trial_weights) o.weights = FitOptions::Weights::kTrial;
+        using enum TrustOptions::Depth;
+        return identify_trials(trials, rig, start, o,
+                               {.depth = diagnose ? kRefit : kResiduals, .profiles = profile, .threads = threads},
+                               force_noise);
+      },
+      py::arg("trials"), py::arg("rig"), py::arg("start") = py::none(), py::arg("free") = py::none(),
+      py::arg("nuisance") = std::vector<std::string>{}, py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
+      py::arg("upper") = Bounds{}, py::arg("huber") = 0.0, py::arg("trial_weights") = false, py::arg("accuracy") = 1e-9,
+      py::arg("force_noise") = py::none(), py::arg("multi_turn") = false, py::arg("starts") = 0,
+      py::arg("diagnose") = false, py::arg("profile") = std::vector<std::string>{}, py::arg("seed") = 1,
+      py::arg("threads") = 0,
+      "Fits the actuator's constants to impact trials, as `ukemi identify`. free: names of the constants that are "
+      "fitted "
+      "(None: all); priors: name -> (value, standard deviation); lower, upper: name -> bound, each in the term's unit; "
+      "huber "
+      "[rad]; force_noise [N]; threads 0: all cores.");
+  m.def("predict", &predict_trials, py::arg("trials"), py::arg("rig"), py::arg("actuator"), py::arg("accuracy") = 1e-9,
+        py::arg("force_noise") = py::none(), py::arg("multi_turn") = false,
+        "The rig's motion for given constants [rad] beside each trial's log, nothing fitted; as `ukemi predict`.");
+}
+
+}  // namespace ukemi::python

@@ -1,0 +1,20 @@
+// The Python module `ukemi`: the functions of the libraries under the names of the program's verbs.
+#include "tools/python/bind.hpp"
+
+namespace ukemi::python {
+
+void build(py::module_& m) {
+  py::options options;
+  options.disable_enum_members_docstring();
+  m.doc() =
+      "ukemi: identify a series elastic actuator, plan the landing that it should make.\n\n"
+      "SI units: m, s, rad, N, Nm, kg; what ends in _deg is in degrees. Bad input raises InputError. Long calls free "
+      "the "
+      "interpreter and end at Ctrl-C.";
+  m.attr("__version__") = UKEMI_VERSION;
+  bind_common(m), bind_identify(m), bind_landing(m), bind_search(m), bind_study(m);
+}
+
+}  // namespace ukemi::python
+
+PYBIND11_MODULE(ukemi, m) { ukemi::python::build(m); }
