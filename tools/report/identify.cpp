@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tools/report/estimates.hpp"
+#include "tools/report/residuals.hpp"
 
 namespace ukemi::tools {
 
@@ -53,18 +54,25 @@ std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit&
   return csv.text();
 }
 
-void plot_trials(Report& report, const std::vector<Trial>& trials, const Fit& fit) {
-  for (std::size_t m = 0; m < trials.size() && m < 12; ++m) {
-    const Trial& t = trials[m];
-    std::vector<Series> series;
-    const auto add = [&](const char* name, const std::vector<double>& phi) {
-      if (!phi.empty()) series.push_back({name, t.t, phi});
-    };
-    add("measured", t.phi), add("predicted", fit.trials[m].phi);
-    if (!t.phi_motor.empty()) add("motor, measured", t.phi_motor), add("motor, predicted", fit.trials[m].phi_m);
-    report.heading(t.file);
-    report.plot("t [s]", "phi_1 [rad]", series);
-  }
+/// What the reader can do with it, a sentence each.
+std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::Identification& found) {
+  const Fit& fit = found.fit;
+  if (q.verb == IdentifyQuestion::Verb::kPredict) return {};
+  if (!found.trust) return {"Nothing was found: give a --start, or more trials."};
+  std::vector<std::string> out;
+  if (fit.flawed_logs) out.emplace_back("Mend the logs first: the warnings say where.");
+  if (found.trust->tests.model_rejected())
+    out.emplace_back(
+        "Try the term that the tests miss (--nuisance), and `ukemi identify --diagnose` to compare models.");
+  for (const identify::Estimate& e : fit.parameters)
+    if (e.free && e.verdict != identify::Identifiability::kTrusted) {
+      out.emplace_back("Make the hits that say most of what is still unknown: `ukemi design` proposes them.");
+      break;
+    }
+  if (q.trials.size() > 1 && !found.trust->ladder)
+    out.emplace_back("Validate on a trial that was not fitted: `ukemi predict`.");
+  if (fit.trusted()) out.emplace_back("Plan with it: `ukemi optimize SCENE.toml --actuator actuator.toml`.");
+  return out;
 }
 
 /// Where the torque limit and the feedback come from.
@@ -119,6 +127,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
   run.say(assumptions(q));
+  if (!predict) report.figure(constants_figure(fit.parameters));
   if (q.options.terms.fits("friction") || q.base.friction > 0)
     run.say(fmt::format("dry friction smoothed below v_s = {} rad/s", kFrictionSpeed));
   const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
@@ -139,7 +148,10 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   summary["trials"] = trials.objects();
   report.heading("Trials");
   report.table(trials);
-  plot_trials(report, q.trials, fit);
+  report.figure(trials_figure(q.trials, fit));
+  for (Figure& f : residual_figures(q.trials, fit)) report.figure(std::move(f));
+  if (const std::vector<std::string> next = next_steps(q, found); !next.empty())
+    report.heading("What to do next"), report.list(next);
   if (found.trust) {
     Actuator actuator = actuator_of(q, fit);
     actuator.provenance = run.provenance();
@@ -147,7 +159,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
     run.add("actuator.toml", to_toml(actuator, fit.half_width));
   }
   run.add("fit.csv", fit_csv(run, q.trials, fit));
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   const bool doubted = !predict && doubt == Doubt::kFail && !fit.trusted();
   return run.finish(summary, fit.converged && !doubted ? kDone : kNumbers);
 }
