@@ -150,7 +150,7 @@ int bench_batch(const BenchArguments& arguments, const CommonOptions& common) {
     for (const double deadline : {0.05, 0.1})
       late.push_back(lateness(goal, deadline, scene, sea, arguments.calls, run));
   summary["planner"] = tell(Table(kLatenessQuantities, late), report, run, "planner.csv");
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   return run.finish(summary, kDone);
 }
 

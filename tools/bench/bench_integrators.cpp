@@ -254,8 +254,10 @@ int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
     report.heading(b.name);
     report.paragraph(fmt::format("{} cases, {} timed passes of each entry, in turn, one core. Reference: {}.", b.cases,
                                  a.repetitions, b.reference));
-    report.plot("time a case [us]", "error of the peak", curves(entries, &Errors::peak), Axes::kLogarithmic);
-    report.plot("time a case [us]", "error of the final state", curves(entries, &Errors::state), Axes::kLogarithmic);
+    report.plot(b.name + "_peak", "time a case [us]", "error of the peak", curves(entries, &Errors::peak),
+                Axes::kLogarithmic);
+    report.plot(b.name + "_state", "time a case [us]", "error of the final state", curves(entries, &Errors::state),
+                Axes::kLogarithmic);
     run.say(""), run.say(fmt::format("{} ({})", b.name, b.reference));
     summary[b.name] = tell(Table(kEntryQuantities, entries), report, run);
   }
@@ -265,7 +267,7 @@ int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
                    "setting: the step [s] of semi_implicit_euler and rk4, else the accuracy. Errors are the largest "
                    "over the scene's cases: peak relative, touchdown [s], state [m, rad]; rhs, events and time a case, "
                    "the time a median."));
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   return run.finish(summary, kDone);
 }
 

@@ -156,8 +156,7 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
     }
   }
   report.table(header, rows);
-  const std::string plot = report.plot(x_label, "gap to the best known [%]", curves, Axes::kLogarithmic);
-  if (!plot.empty()) run.add(name + ".svg", plot);
+  report.plot(name, x_label, "gap to the best known [%]", curves, Axes::kLogarithmic);
   run.say("  " + fmt::format("{}", fmt::join(header, "  ")));
   for (const auto& row : rows) run.say(fmt::format("  {}", fmt::join(row, "  ")));
   return json;
@@ -213,7 +212,7 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
                                  gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
   }
   summary["times"] = times, summary["seeds"] = arguments.seeds;
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run, {"svg"});
   return run.finish(summary, kDone);
 }
 

@@ -177,7 +177,7 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
   (void)tell(table, report, run, "scenes.csv",
              "A landing each: instructions (callgrind), time_us (median, processor time); difference: largest "
              "relative, of the peaks.");
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   const auto unequal = std::count_if(savings.begin(), savings.end(), [](const Saving& s) { return !s.equal(); });
   if (unequal > 0) run.warn(fmt::format("{} omissions change a peak by more than they may", unequal));
   return run.finish(table.keyed(), unequal > 0 ? kNumbers : kDone);

@@ -209,7 +209,7 @@ int bench_stability(const BenchArguments& a, const CommonOptions& common) {
              of_fits = stability_of_fits(run, report);
   const int wrong = of_landings["wrong"].get<int>() + three["wrong"].get<int>() + of_fits["wrong"].get<int>();
   if (wrong > 0) run.warn(fmt::format("{} cases are silently wrong", wrong));
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   return run.finish({{"landings", of_landings}, {"three_ways", three}, {"fits", of_fits}},
                     wrong > 0 ? kNumbers : kDone);
 }

@@ -16,6 +16,15 @@ void add_common(CLI::App& verb, CommonOptions& o) {
       "--quiet", [&o] { o.messages = CommonOptions::Messages::kQuiet; }, "no messages on stderr but warnings");
   verb.add_flag_callback(
       "--no-report", [&o] { o.report = CommonOptions::Report::kSkip; }, "no report.html");
+  verb.add_option_function<std::string>(
+          "--figures",
+          [&o](const std::string& list) {
+            for (const std::string& f : split(list))
+              o.figures.push_back(
+                  choice<std::string>("--figures", f, {{"svg", "svg"}, {"pdf", "pdf"}, {"png", "png"}}));
+          },
+          "svg,pdf,png: every figure of the report as a file of its own")
+      ->type_name("LIST");
 }
 
 }  // namespace ukemi::tools

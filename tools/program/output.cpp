@@ -21,6 +21,30 @@ namespace {
 
 std::string command_line;
 
+/// The figures of a verb's report, which --figures writes as files; '#' stands for a number.
+std::vector<std::string> figure_names(const std::string& verb) {
+  static const std::vector<std::string> kFall = {"postures", "acceleration", "components", "joint",
+                                                 "torque",   "speed",        "energy"},
+                                        kFit = {"constants", "trials", "autocorrelation", "residuals"};
+  static const std::map<std::string, std::vector<std::string>> kMore = {
+      {"identify", {"profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
+      {"optimize", {"search"}},
+      {"compare", {"constants"}},
+      {"calibrate",
+       {"drop_#_acc_x", "drop_#_acc_y", "drop_#_acc", "drop_#_phi_0", "drop_#_phi_1", "drop_#_phi_m", "drop_#_force"}},
+      {"design", {"force", "angle"}},
+      {"ratings", {"ratings"}},
+      {"risk", {"histogram", "sobol"}},
+      {"bench identify", {"precision"}},
+      {"bench integrators", {"paper_peak", "paper_state", "stiff_peak", "stiff_state", "rig_peak", "rig_state"}},
+      {"bench optimizers", {"peak_time", "peak_motions", "tolerant_time", "tolerant_motions"}}};
+  std::vector<std::string> out;
+  if (const auto more = kMore.find(verb); more != kMore.end()) out = more->second;
+  if (verb == "simulate" || verb == "optimize" || verb == "compare") out.insert(out.end(), kFall.begin(), kFall.end());
+  if (verb == "identify" || verb == "predict") out.insert(out.end(), kFit.begin(), kFit.end());
+  return out;
+}
+
 /// Every file that a verb may write beside summary.json and report.html; '#' stands for a number.
 std::vector<std::string> result_names(const std::string& verb) {
   static const std::map<std::string, std::vector<std::string>> kNames = {
@@ -39,13 +63,13 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"bench drawn", {"drawn.csv"}},
       {"bench identify", {"identify.csv"}},
       {"bench integrators", {"integrators.csv"}},
-      {"bench optimizers",
-       {"optimizers.csv", "gaps.csv", "best_known.csv", "peak_time.svg", "peak_motions.svg", "tolerant_time.svg",
-        "tolerant_motions.svg"}},
+      {"bench optimizers", {"optimizers.csv", "gaps.csv", "best_known.csv"}},
       {"bench scenes", {"scenes.csv"}},
       {"bench stability", {"stability.csv", "three_ways.csv", "stability_identify.csv"}}};
   std::vector<std::string> names = kNames.at(verb);
   names.push_back("report.html");
+  for (const std::string& figure : figure_names(verb))
+    for (const char* format : {".svg", ".pdf", ".png"}) names.push_back(figure + format);
   return names;
 }
 

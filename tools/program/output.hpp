@@ -27,6 +27,7 @@ struct CommonOptions {
   int threads = 0;
   std::uint64_t seed = 1;
   enum class Report { kWrite, kSkip } report = Report::kWrite;
+  std::vector<std::string> figures;  ///< of svg, pdf, png: the report's figures as files of their own
   enum class Stdout { kText, kJson, kSilent } out = Stdout::kText;
   enum class Messages { kShow, kQuiet } messages = Messages::kShow;
 };

@@ -1,8 +1,10 @@
 #include "tools/program/terminal.hpp"
 
 #include <fcntl.h>
+#include <spawn.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -37,6 +39,19 @@ void print_line(const std::string& line) { print_raw(shown(line) + "\n"); }
 std::optional<std::string> stdout_failure() {
   note_failure(std::fflush(stdout) != 0);
   return stdout_error == 0 ? std::nullopt : std::optional<std::string>(std::strerror(stdout_error));
+}
+
+bool open_for_reader(const std::string& file) {
+  std::array<std::string, 2> words = {"xdg-open", file};
+  std::array<char*, 3> argv = {words[0].data(), words[1].data(), nullptr};
+  posix_spawn_file_actions_t quiet;
+  ::posix_spawn_file_actions_init(&quiet);
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+    ::posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int error = ::posix_spawnp(&child, words[0].c_str(), &quiet, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&quiet);
+  return error == 0;
 }
 
 void tell_raw(const char* text) { std::fputs(text, stderr); }

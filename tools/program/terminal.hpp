@@ -18,6 +18,9 @@ void print_raw(const std::string& text);
 /// The system's reason where stdout has not taken all of it.
 std::optional<std::string> stdout_failure();
 
+/// Opens a file with what the desktop opens it with; false where there is no xdg-open. Does not wait for it.
+bool open_for_reader(const std::string& file);
+
 /// A line on stderr, made safe to show; where stderr takes none there is no one to tell.
 void tell(const std::string& line);
 /// To stderr as it is; takes no memory.

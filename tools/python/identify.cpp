@@ -59,8 +59,8 @@ struct Identified {
 Figure figure(const Identified& i, std::size_t trial) {
   if (trial >= i.question.trials.size())
     throw InputError(fmt::format("trial: {}: 0 to {} is needed", trial, i.question.trials.size() - 1));
-  return {tools::Report("").plot("t [s]", "phi_1 [rad]",
-                                 tools::angle_curves(i.question.trials[trial], i.found.fit.trials[trial]))};
+  return {tools::lines_svg("t [s]", "phi_1 [rad]",
+                           tools::angle_curves(i.question.trials[trial], i.found.fit.trials[trial]))};
 }
 
 Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,

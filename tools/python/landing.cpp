@@ -18,7 +18,7 @@ Figure figure(const std::vector<std::pair<std::string, const Landing*>>& landing
   std::vector<tools::Series> curves;
   for (const auto& [name, l] : landings)
     if (!l->trajectory.empty()) curves.push_back(tools::curve(name, l->trajectory, &Sample::acc));
-  return {tools::Report("").plot("t [s] after release", "|ddr_0| [m/s^2]", curves)};
+  return {tools::lines_svg("t [s] after release", "|ddr_0| [m/s^2]", curves)};
 }
 
 std::array<bool, kPoints> points_of(const std::vector<std::string>& names) {

@@ -99,7 +99,8 @@ void tell_drops(const CalibratedDrops& c, Report& report, Json& summary, Run& ru
       const std::vector<double>& simulated = c.result.drops[m].value[o];
       if (simulated.empty()) continue;
       report.paragraph(log.file + ": " + kOutputNames[o]);
-      report.plot("t [s]", fmt::format("{} [{}]", kOutputNames[o], kOutputUnits[o]),
+      report.plot(fmt::format("drop_{}_{}", m + 1, kOutputNames[o]), "t [s]",
+                  fmt::format("{} [{}]", kOutputNames[o], kOutputUnits[o]),
                   {{"measured", log.t, log.output[o]}, {"simulated", log.t, simulated}});
     }
 }
@@ -132,7 +133,7 @@ int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& 
   }
   run.add("scene.toml", scene_toml(run, c));
   run.add("fit.csv", samples_csv(run, fitted));
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
 }
 

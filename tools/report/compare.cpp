@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
@@ -72,6 +73,17 @@ void warn(const Comparison& c, Run& run) {
       if (l && no_landing(l->end)) run.warn(failure_words(*l));
 }
 
+/// What planning with the nominal constants would have cost on the identified actuator.
+std::string lesson_of(const Comparison& c) {
+  const double own = c.motions[1].landings[1]->peak, nominal = c.motions[0].landings[1]->peak,
+               promised = c.motions[0].landings[0]->peak;
+  return fmt::format(
+      "Planned with the nominal constants, the identified actuator hits with {:.4g} m/s^2 where {:.4g} was promised: "
+      "{:.2f} "
+      "times the {:.4g} m/s^2 of the motion planned with its own constants.",
+      nominal, promised, nominal / own, own);
+}
+
 std::string trajectories_csv(const Comparison& c, const Run& run) {
   CsvWriter csv = run.csv();
   csv.comment("Each set's best motion under its own actuator. t = 0 at release. Units: s, m/s^2, rad.");
@@ -123,13 +135,19 @@ int report(const Comparison& c, Json summary, Run& run) {
     floor_source(report, *c.scene);
     (void)tell(peaks, report, run);
     run.add("trajectories.csv", trajectories_csv(c, run));
-    std::vector<Series> series;
-    for (std::size_t s = 0; s < 2; ++s)
-      series.push_back(curve(kSets[s], c.motions[s].landings[s]->trajectory, &Sample::acc));
-    report.plot("t [s] after release", "|ddr_0| [m/s²], each best motion under its own actuator", series);
+    const std::string lesson = lesson_of(c);
+    run.say(lesson), report.paragraph(lesson);
+    show({*c.scene,
+          c.sets[1],
+          {{"planned with the identified constants", &*c.motions[1].landings[1]},
+           {"planned with the nominal constants", &*c.motions[0].landings[1]}},
+          {},
+          "trajectories.csv holds each motion under its own actuator"},
+         report);
+    report.paragraph("Both falls above are on the identified actuator, the one that stands for the real one.");
   }
-  report.list(run.warnings());
-  run.add("report.html", report.html(run.provenance()));
+  report.distrust(run.warnings());
+  report.write(run);
   return run.finish(summary, c.complete ? kDone : kNumbers);
 }
 

@@ -80,8 +80,8 @@ void plot_hits(Report& report, const DesignQuestion& question, const Design& d, 
     forces.push_back({words(d.hits[i].hit), logs[i].t, logs[i].force});
     angles.push_back({words(d.hits[i].hit), logs[i].t, motion.trials[i].phi});
   }
-  report.plot("t [s]", "force [N]", forces);
-  report.plot("t [s]", "phi_1, predicted [rad]", angles);
+  report.plot("force", "t [s]", "force [N]", forces);
+  report.plot("angle", "t [s]", "phi_1, predicted [rad]", angles);
 }
 
 std::string hits_words(const RunnerUp& r) {
@@ -128,7 +128,7 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   const Table bars(error_bar_quantities(k, d), places(k)), hits(hit_quantities(d, o), d.hits);
   Report report("The next hits");
   report.paragraph(found ? "Done." : d.message);
-  report.list(run.warnings());
+  report.distrust(run.warnings());
   report.heading("Error bars, 95 %, relative");
   (void)tell(bars, report, run);
 
@@ -160,7 +160,7 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
     summary["runners_up"] = others.objects();
     if (answer.check) summary["check"] = check_of(report, k, *answer.check, run);
   }
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   return run.finish(summary, found && agrees ? kDone : kNumbers);
 }
 

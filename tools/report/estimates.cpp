@@ -71,14 +71,12 @@ Json matrix_json(const Eigen::MatrixXd& m) {
 /// A section with the table.
 void add_correlations(Report& report, const std::vector<std::string>& names, const Eigen::MatrixXd& correlation) {
   report.heading("Correlations");
-  std::vector<std::string> header = {""};
-  header.insert(header.end(), names.begin(), names.end());
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::vector<double>> rows;
   for (long i = 0; i < correlation.rows(); ++i) {
-    rows.push_back({names[std::size_t(i)]});
-    for (long j = 0; j < correlation.cols(); ++j) rows.back().push_back(fmt::format("{:.3f}", correlation(i, j)));
+    rows.emplace_back();
+    for (long j = 0; j < correlation.cols(); ++j) rows.back().push_back(correlation(i, j));
   }
-  report.table(header, rows);
+  report.matrix(names, rows);
 }
 
 }  // namespace
@@ -97,7 +95,7 @@ void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantitie
   summary["correlation"] = matrix_json(fit.correlation);
   summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
   report.paragraph(fit.converged ? "Done." : "Not converged: " + fit.message);
-  report.list(run.warnings());
+  report.distrust(run.warnings());
   report.heading("Constants");
   (void)tell(Table(quantities, all), report, run);
   if (fit.correlation.rows() > 1) add_correlations(report, fit.fitted, fit.correlation);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tools/report/estimates.hpp"
+#include "tools/report/residuals.hpp"
 
 namespace ukemi::tools {
 
@@ -53,11 +54,25 @@ std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit&
   return csv.text();
 }
 
-void plot_trials(Report& report, const std::vector<Trial>& trials, const Fit& fit) {
-  for (std::size_t m = 0; m < trials.size() && m < 12; ++m) {
-    report.heading(trials[m].file);
-    report.plot("t [s]", "phi_1 [rad]", angle_curves(trials[m], fit.trials[m]));
-  }
+/// What the reader can do with it, a sentence each.
+std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::Identification& found) {
+  const Fit& fit = found.fit;
+  if (q.verb == IdentifyQuestion::Verb::kPredict) return {};
+  if (!found.trust) return {"Nothing was found: give a --start, or more trials."};
+  std::vector<std::string> out;
+  if (fit.flawed_logs) out.emplace_back("Mend the logs first: the warnings say where.");
+  if (found.trust->tests.model_rejected())
+    out.emplace_back(
+        "Try the term that the tests miss (--nuisance), and `ukemi identify --diagnose` to compare models.");
+  for (const identify::Estimate& e : fit.parameters)
+    if (e.free && e.verdict != identify::Identifiability::kTrusted) {
+      out.emplace_back("Make the hits that say most of what is still unknown: `ukemi design` proposes them.");
+      break;
+    }
+  if (q.trials.size() > 1 && !found.trust->ladder)
+    out.emplace_back("Validate on a trial that was not fitted: `ukemi predict`.");
+  if (fit.trusted()) out.emplace_back("Plan with it: `ukemi optimize SCENE.toml --actuator actuator.toml`.");
+  return out;
 }
 
 /// Where the torque limit and the feedback come from.
@@ -133,6 +148,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
   run.say(assumptions(q));
+  if (!predict) report.figure(constants_figure(fit.parameters));
   const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
   if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, q.trials.size()));
@@ -150,7 +166,10 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   summary["trials"] = trials.objects();
   report.heading("Trials");
   report.table(trials);
-  plot_trials(report, q.trials, fit);
+  report.figure(trials_figure(q.trials, fit));
+  for (Figure& f : residual_figures(q.trials, fit)) report.figure(std::move(f));
+  if (const std::vector<std::string> next = next_steps(q, found); !next.empty())
+    report.heading("What to do next"), report.list(next);
   if (found.trust) {
     Actuator actuator = fitted_actuator(q, fit);
     actuator.provenance = run.provenance();
@@ -158,7 +177,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
     run.add("actuator.toml", to_toml(actuator, fit.half_width));
   }
   run.add("fit.csv", fit_csv(run, q.trials, fit));
-  run.add("report.html", report.html(run.provenance()));
+  report.write(run);
   const bool doubted = !predict && doubt == Doubt::kFail && !fit.trusted();
   return run.finish(summary, fit.converged && !doubted ? kDone : kNumbers);
 }

@@ -151,14 +151,33 @@ Series curve(const std::string& name, const std::vector<Sample>& trajectory, dou
   for (const Sample& s : trajectory) out.x.push_back(s.t), out.y.push_back(s.*column * unit);
   return out;
 }
-void plot_landing(Report& report, const std::vector<Sample>& trajectory) {
-  report.plot("t [s] after release", "|ddr_0| [m/s²]", {curve("|ddr_0|", trajectory, &Sample::acc)});
-  report.plot(
-      "t [s] after release", "joint [deg]",
-      {curve("phi_1", trajectory, &Sample::phi1, kDegrees), curve("phi_ref", trajectory, &Sample::phi_ref, kDegrees)});
-}
 void floor_source(Report& report, const Scene& scene) {
   if (!scene.floor_source.empty()) report.paragraph("Floor constants: " + scene.floor_source + ".");
+}
+void constants_table(Report& report, const Scene& scene, const Actuator& actuator) {
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const std::string& what, double value, const std::string& unit) {
+    if (std::isfinite(value)) rows.push_back({what, fmt::format("{:.6g}", value), unit});
+  };
+  const TwoLink<double>& r = scene.robot;
+  add("link length", r.link_length, "m");
+  for (const std::size_t i : {0, 1}) add(fmt::format("mass m_{}", i), r.mass[i], "kg");
+  for (const std::size_t i : {0, 1}) add(fmt::format("inertia I_{}", i), r.inertia_com[i], "kg m^2");
+  add("gravity", r.gravity, "m/s^2");
+  if (scene.floor) {
+    add("floor stiffness", scene.floor->stiffness, "N/m");
+    add("floor damping, normal", scene.floor->damping_normal, "N/(m/s)");
+    add("floor damping, tangential", scene.floor->damping_tangential, "N/(m/s)");
+  }
+  add("drop height", scene.drop.height, "m");
+  add("forward speed", scene.drop.forward_speed, "m/s");
+  add("pitch at release", scene.drop.pitch * kDegrees, "deg");
+  for (std::size_t k = 0; k < kConstants; ++k) add(kConstantNames[k], constants(actuator.sea)[k], kConstantUnits[k]);
+  add("tau_max", actuator.sea.tau_max, "Nm");
+  if (actuator.speed_max) add("speed_max", *actuator.speed_max, "rad/s");
+  report.heading("Scene and actuator");
+  report.paragraph("Scene: " + scene.name + ". Actuator: " + actuator.name + ".");
+  report.table({"constant", "value", "unit"}, rows);
 }
 
 }  // namespace ukemi::tools

@@ -55,11 +55,11 @@ void warn_of(const std::optional<landing::Instability>& instability, double tau_
 /// A column of a trajectory over time, in `unit`s.
 Series curve(const std::string& name, const std::vector<landing::Sample>& trajectory, double landing::Sample::*column,
              double unit = 1);
-/// Acceleration and joint over time.
-void plot_landing(Report& report, const std::vector<landing::Sample>& trajectory);
 /// The smallest peak of a map over the variables that are not drawn.
 Heatmap projection(const landing::PeakMap& map, int x, int y);
 /// Where the floor's constants come from, if the scene says so.
 void floor_source(Report& report, const landing::Scene& scene);
+/// What was simulated, as numbers.
+void constants_table(Report& report, const landing::Scene& scene, const Actuator& actuator);
 
 }  // namespace ukemi::tools

@@ -104,8 +104,8 @@ int report(const Survey& s, Run& run) {
   report.paragraph(
       "How far each variable may move down and up before the peak rises by 5 %, and the worst peaks under deviations.");
   report.table(basins);
-  report.list(run.warnings());
-  run.add("report.html", report.html(run.provenance()));
+  report.distrust(run.warnings());
+  report.write(run);
   return run.finish(summary, kDone);
 }
 

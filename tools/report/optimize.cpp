@@ -6,6 +6,7 @@
 #include "landing/judge/answer.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
+#include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
@@ -184,13 +185,38 @@ Json summary_of(const Answer& a, Run& run) {
   return s;
 }
 
-std::string html(const Answer& a, const Run& run) {
+/// The best peak after so many motions, a step each time that it fell.
+Series descent(const Optimum& o) {
+  Series out{o.solver, {}, {}};
+  for (const Progress& p : o.progress) {
+    if (!std::isfinite(p.best.value)) continue;
+    if (!out.x.empty()) out.x.push_back(double(p.motions)), out.y.push_back(out.y.back());
+    out.x.push_back(double(p.motions)), out.y.push_back(p.best.value);
+  }
+  if (!out.x.empty()) out.x.push_back(double(o.evaluations)), out.y.push_back(out.y.back());
+  return out;
+}
+
+Report page_of(const Answer& a, const Run& run) {
   Report report("Best landing: " + a.scene.name);
-  floor_source(report, a.scene);
   report.table(Table::of(answer_quantities(a), a).turned());
-  report.list(run.warnings());
-  plot_landing(report, a.landing.trajectory);
-  return report.html(run.provenance());
+  report.distrust(run.warnings());
+  std::optional<double> limit;
+  if (a.limit && !a.best.motion.reposition) limit = a.limit->jump;
+  show({a.scene,
+        a.actuator,
+        {{"best motion", &a.landing}, {fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees), &a.held}},
+        limit,
+        ""},
+       report);
+  report.heading("The search");
+  std::vector<Series> descents;
+  for (const Optimum& o : a.tried) descents.push_back(descent(o));
+  report.plot("search", "motions evaluated", "best value so far [m/s²]", descents);
+  report.paragraph("Its numbers, and the time that they took: progress.csv.");
+  constants_table(report, a.scene, a.actuator);
+  floor_source(report, a.scene);
+  return report;
 }
 
 }  // namespace
@@ -200,7 +226,7 @@ std::map<std::string, std::string> files_of(const Answer& a, double rate, const 
                                               {"motion.csv", motion_csv(run, a, rate)},
                                               {"solvers.csv", solvers(a).csv(run)},
                                               {"progress.csv", progress_csv(run, a)}};
-  if (run.options().report == CommonOptions::Report::kWrite) files["report.html"] = html(a, run);
+  files.merge(page_of(a, run).files(run));
   return files;
 }
 

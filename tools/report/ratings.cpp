@@ -63,9 +63,9 @@ int report(const Scene& scene, const std::vector<RatedPlan>& plans, Run& run) {
                                    "The motion is that of the tolerant peak. Units: rad/s, Nm, m/s^2, deg, s.")}};
   std::vector<Series> series = curves(plans, "peak", &RatedPlan::lowest);
   for (Series& s : curves(plans, "tolerant peak", &RatedPlan::tolerant)) series.push_back(std::move(s));
-  page.plot("motor speed [rad/s]", "peak of |ddr_0| [m/s^2]", series);
-  page.list(run.warnings());
-  run.add("report.html", page.html(run.provenance()));
+  page.plot("ratings", "motor speed [rad/s]", "peak of |ddr_0| [m/s^2]", series);
+  page.distrust(run.warnings());
+  page.write(run);
   return run.finish(summary, missing == long(plans.size()) ? kNumbers : kDone);
 }
 

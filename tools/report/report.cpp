@@ -5,130 +5,167 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <map>
+#include <sstream>
 
-#include "common/text.hpp"
+#include "tools/report/page/page.hpp"
 
 namespace ukemi::tools {
 
 namespace {
 
-std::string escape(const std::string& s) {
-  static const std::map<char, std::string> marks = {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}};
+/// Where a figure will stand: a character that no text shown has.
+std::string placeholder(std::size_t figure) { return fmt::format("\x01{}\x02", figure); }
+
+constexpr const char* kEnd = "</div>\n";
+
+/// Places of the panels for the cursor that follows the animation.
+std::string places_json(const Drawing& d) {
+  Json out = Json::array();
+  for (const Place& p : d.places)
+    out.push_back(
+        {{"left", p.left}, {"right", p.right}, {"top", p.top}, {"bottom", p.bottom}, {"x0", p.x[0]}, {"x1", p.x[1]}});
+  return out.dump();
+}
+
+/// The class and the data of a figure's element.
+std::string opening(const Figure& f, const Drawing& d) {
+  std::string out = "<figure id=\"figure-" + escaped(f.name) + "\"";
+  if (f.width == Figure::Width::kWhole) out += " class=\"whole\"";
+  if (f.cursor == Figure::Cursor::kTime) out += " data-places=\"" + escaped(places_json(d)) + "\"";
+  return out + ">";
+}
+
+std::string element(const Figure& f, const Drawing& d) {
+  std::string svg = d.svg;
+  std::string described = f.caption.empty() ? f.name : f.caption;
+  for (const Panel& p : f.panels)
+    if (f.panels.size() == 1) described = p.y_label + " against " + p.x_label + ". " + f.caption;
+  svg.replace(0, 4, "<svg role=\"img\" aria-label=\"" + escaped(described) + "\"");
+  std::string out = opening(f, d) + "<div class=\"drawing\">" + svg + "</div>";
+  if (!f.caption.empty()) out += "<figcaption>" + escaped(f.caption) + "</figcaption>";
+  return out + "</figure>\n";
+}
+
+/// Escaped line by line.
+std::string escaped_lines(const std::string& text) {
   std::string out;
-  for (const char c : shown(s)) out += marks.contains(c) ? marks.at(c) : std::string(1, c);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) out += escaped(line) + "\n";
   return out;
 }
 
-/// A round step that gives about `count` ticks over a range.
-double tick_step(double range, int count) {
-  const double raw = range / count, power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double m : {1.0, 2.0, 5.0})
-    if (m * power >= raw) return m * power;
-  return 10 * power;
+/// An SVG that stands alone, with where it comes from.
+std::string alone(std::string svg, const std::string& provenance) {
+  const std::size_t root = svg.find("<svg");
+  if (root == std::string::npos) return svg;
+  svg.insert(svg.find('>', root) + 1, "\n<metadata>" + escaped_lines(provenance) + "</metadata>");
+  return svg.insert(root + 4, " style=\"color:black;background:white\"");
 }
-
-constexpr std::array<const char*, 6> kColours = {"#1f5fa8", "#c2452d", "#3c8a3f", "#8a5aa8", "#b8860b", "#444444"};
-constexpr std::array<const char*, 3> kDashes = {"none", "7 3", "2 3"};  ///< for those beyond the colours
 
 }  // namespace
 
-Report::Report(const std::string& title) {
-  html_ = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escape(title) +
-          "</title><style>body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}"
-          "table{border-collapse:collapse;margin:1em 0}td,th{border-bottom:1px solid #ccc;padding:.25em "
-          ".8em;text-align:right}"
-          "th:first-child,td:first-child{text-align:left}svg{max-width:100%;height:auto}</style></head><body><h1>" +
-          escape(title) + "</h1>\n";
+Report::Report(const std::string& title) : title_(title) {}
+
+std::string& Report::body() {
+  if (in_figures_) html_ += kEnd;
+  in_figures_ = false;
+  return html_;
 }
-std::string Report::html(const std::vector<std::pair<std::string, std::string>>& provenance) {
-  heading("Provenance");
-  std::vector<std::string> lines;
-  for (const auto& [key, value] : provenance) lines.push_back(key + ": " + value);
-  list(lines);
-  return html_ + "</body></html>\n";
-}
-void Report::heading(const std::string& text) { html_ += "<h2>" + escape(text) + "</h2>\n"; }
-void Report::paragraph(const std::string& text) { html_ += "<p>" + escape(text) + "</p>\n"; }
+void Report::heading(const std::string& text) { body() += "<h2>" + escaped(text) + "</h2>\n"; }
+void Report::paragraph(const std::string& text) { body() += "<p>" + escaped(text) + "</p>\n"; }
 void Report::list(const std::vector<std::string>& items) {
   if (items.empty()) return;
-  html_ += "<ul>";
-  for (const std::string& i : items) html_ += "<li>" + escape(i) + "</li>";
+  body() += "<ul>";
+  for (const std::string& i : items) html_ += "<li>" + escaped(i) + "</li>";
   html_ += "</ul>\n";
 }
+void Report::distrust(const std::vector<std::string>& sentences) {
+  body() += "<section class=\"doubt\"><h2>What to distrust</h2>\n";
+  if (sentences.empty()) html_ += "<p>No check of this run found a fault.</p>\n";
+  list(sentences);
+  html_ += "</section>\n";
+}
 void Report::table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
-  html_ += "<table><tr>";
-  for (const std::string& h : header) html_ += "<th>" + escape(h) + "</th>";
-  html_ += "</tr>\n";
+  body() += "<div class=\"table\"><table><thead><tr>";
+  for (const std::string& h : header) html_ += "<th scope=\"col\">" + escaped(h) + "</th>";
+  html_ += "</tr></thead>\n";
   for (const auto& row : rows) {
     html_ += "<tr>";
-    for (const std::string& cell : row) html_ += "<td>" + escape(cell) + "</td>";
+    for (const std::string& cell : row) html_ += "<td>" + escaped(cell) + "</td>";
     html_ += "</tr>\n";
   }
-  html_ += "</table>\n";
+  html_ += "</table></div>\n";
+}
+void Report::matrix(const std::vector<std::string>& names, const std::vector<std::vector<double>>& rows) {
+  body() += "<div class=\"table\"><table class=\"colours\"><thead><tr><th></th>";
+  for (const std::string& n : names) html_ += "<th scope=\"col\">" + escaped(n) + "</th>";
+  html_ += "</tr></thead>\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    html_ += "<tr><td>" + escaped(names[i]) + "</td>";
+    for (const double v : rows[i]) {
+      // From white to blue below zero and to orange above it, as far as the number is from zero.
+      const std::array<int, 3> end = v < 0 ? std::array{86, 180, 233} : std::array{230, 159, 0};
+      const double part = std::isfinite(v) ? std::min(1.0, std::abs(v)) : 0;
+      const auto mixed = [&](int c) { return int(std::lround(255 + part * (c - 255))); };
+      html_ += std::isfinite(v) ? fmt::format("<td style=\"background:rgb({},{},{})\">{:.2f}</td>", mixed(end[0]),
+                                              mixed(end[1]), mixed(end[2]), v)
+                                : "<td></td>";
+    }
+    html_ += "</tr>\n";
+  }
+  html_ += "</table></div>\n";
 }
 
-std::string Report::plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
-                         Axes axes) {
-  const bool log = axes == Axes::kLogarithmic;
-  if (log)
-    for (Series& s : series)
-      for (std::vector<double>* v : {&s.x, &s.y})
-        for (double& x : *v) x = x > 0 ? std::log10(x) : std::numeric_limits<double>::quiet_NaN();
-  const auto label = [log](double v) {
-    return log ? fmt::format("{:g}", std::pow(10.0, v)) : fmt::format("{:.4g}", v);
-  };
-  const auto step_of = [log](double range, int count) {
-    const double step = tick_step(range, count);
-    return log ? std::max(1.0, std::ceil(step)) : step;
-  };
-  constexpr double kWidth = 820, kHeight = 340, kLeft = 70, kBottom = 45, kTop = 25;
-  // A few names stand above the plot; more of them in a column beside it.
-  const bool column = series.size() > 5;
-  const double right = column ? 130 : 15;
-  double x0 = std::numeric_limits<double>::infinity(), x1 = -x0, y0 = x0, y1 = -x0;
-  for (const Series& s : series)
-    for (std::size_t i = 0; i < s.x.size(); ++i) {
-      if (!std::isfinite(s.y[i]) || !std::isfinite(s.x[i])) continue;
-      x0 = std::min(x0, s.x[i]), x1 = std::max(x1, s.x[i]), y0 = std::min(y0, s.y[i]), y1 = std::max(y1, s.y[i]);
-    }
-  if (!(x1 > x0)) return {};
-  if (!(y1 > y0)) y0 -= 1, y1 += 1;
-  const auto px = [&](double x) { return kLeft + (x - x0) / (x1 - x0) * (kWidth - kLeft - right); };
-  const auto py = [&](double y) { return kHeight - kBottom - (y - y0) / (y1 - y0) * (kHeight - kBottom - kTop); };
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" "
-      "aria-label=\"{} against {}\" font-size=\"12\" font-family=\"sans-serif\" style=\"background:#fff\">",
-      kWidth, kHeight, kWidth, escape(y_label), escape(x_label));
-  for (double step = step_of(y1 - y0, 5), v = std::ceil(y0 / step) * step; v <= y1; v += step)
-    svg += fmt::format(
-        "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1f}\" "
-        "text-anchor=\"end\">{}</text>",
-        kLeft, kWidth - right, py(v), py(v), kLeft - 6, py(v) + 4, label(std::abs(v) < 1e-12 * (y1 - y0) ? 0 : v));
-  for (double step = step_of(x1 - x0, 8), v = std::ceil(x0 / step) * step; v <= x1; v += step)
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>", px(v), kHeight - kBottom + 18,
-                       label(std::abs(v) < 1e-12 * (x1 - x0) ? 0 : v));
-  svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text><text x=\"5\" y=\"14\">{}</text>",
-                     kWidth / 2, kHeight - 8, escape(x_label), escape(y_label));
-  for (std::size_t n = 0; n < series.size(); ++n) {
-    const Series& s = series[n];
-    const char* colour = kColours[n % kColours.size()];
-    const std::string pen = fmt::format("stroke=\"{}\" stroke-width=\"{}\" stroke-dasharray=\"{}\"", colour,
-                                        column && n == 0 ? 2.6 : 1.3, kDashes[n / kColours.size() % kDashes.size()]);
-    svg += fmt::format("<polyline fill=\"none\" {} points=\"", pen);
-    for (std::size_t i = 0; i < s.x.size(); ++i)
-      if (std::isfinite(s.x[i]) && std::isfinite(s.y[i])) svg += fmt::format("{:.1f},{:.1f} ", px(s.x[i]), py(s.y[i]));
-    svg += "\"/>";
-    const double x = column ? kWidth - right + 35 : 180 + (series.size() > 3 ? 110 : 180) * double(n),
-                 y = column ? kTop + 18 * double(n) + 8 : 14;
-    if (column)
-      svg += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"{}\" y2=\"{}\" {}/>", x - 25, x - 5, y - 4, y - 4, pen);
-    svg += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", x, y, colour, escape(s.name));
+void Report::figure(Figure f) {
+  if (f.empty()) return;
+  for (Panel& p : f.panels)
+    for (Series& s : p.series)
+      if (s.low.empty()) s = thinned(s);
+  if (!in_figures_) html_ += "<div class=\"figures\">\n";
+  in_figures_ = true;
+  html_ += placeholder(figures_.size());
+  figures_.push_back(std::move(f));
+}
+void Report::plot(const std::string& name, const std::string& x_label, const std::string& y_label,
+                  std::vector<Series> series, Axes axes) {
+  Panel panel;
+  panel.x_label = x_label, panel.y_label = y_label, panel.series = std::move(series), panel.axes = axes;
+  Figure out;
+  out.name = name, out.panels = {panel};
+  figure(out);
+}
+void Report::player(const Json& landings) {
+  body() +=
+      "<div class=\"player\" id=\"player\"><noscript><p>The animation needs the script of this page; the "
+      "postures and the figures below show the same.</p></noscript></div>\n" +
+      json_block("landings", landings.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::map<std::string, std::string> Report::files(const Run& run, std::vector<std::string> formats) const {
+  const bool page_wanted = run.options().report == CommonOptions::Report::kWrite;
+  for (const std::string& f : run.options().figures)
+    if (std::find(formats.begin(), formats.end(), f) == formats.end()) formats.push_back(f);
+  if (!page_wanted && formats.empty()) return {};
+  std::string why;
+  const std::vector<Drawing> drawings = draw(figures_, formats, why);
+  std::map<std::string, std::string> out;
+  std::string text = html_ + (in_figures_ ? kEnd : "");
+  for (std::size_t i = 0; i < figures_.size(); ++i) {
+    const std::string mark = placeholder(i);
+    text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[i]));
   }
-  svg += "</svg>";
-  html_ += svg + "\n";
-  return svg;
+  for (const Drawing& d : drawings)
+    for (const auto& [name, content] : d.files)
+      out[name] = name.ends_with(".svg") ? alone(content, run.provenance_text()) : content;
+  if (!why.empty()) text += "<p>The figures are left out: " + escaped(why) + ".</p>\n";
+  text += "<section class=\"provenance\"><h2>Provenance</h2>\n<ul>";
+  for (const auto& [key, value] : run.provenance()) text += "<li>" + escaped(key + ": " + value) + "</li>";
+  text += "</ul></section>\n";
+  if (page_wanted) out["report.html"] = page(title_, text);
+  return out;
+}
+void Report::write(Run& run, const std::vector<std::string>& formats) const {
+  for (auto& [name, content] : files(run, formats)) run.add(name, content);
 }
 
 namespace {
@@ -160,10 +197,11 @@ std::string Report::heatmap(const Heatmap& m) {
     return std::isfinite(v) ? int(std::clamp((v - low) / (high - low), 0.0, 1.0) * kSteps) : -1;
   };
   std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" "
-      "aria-label=\"{} against {}\" font-size=\"12\" "
-      "font-family=\"sans-serif\" shape-rendering=\"crispEdges\">",
-      kWidth, kHeight, kWidth, escape(m.y_label), escape(m.x_label));
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"map\" viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" "
+      "aria-label=\"{} against {}\" "
+      "font-size=\"12\" "
+      "font-family=\"sans-serif\" fill=\"currentColor\" shape-rendering=\"crispEdges\">",
+      kWidth, kHeight, kWidth, escaped(m.y_label), escaped(m.x_label));
   const auto box = [&](double x, double y, double width, double height, int step) {
     svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>", x, y, width,
                        height, colour(double(step) / kSteps));
@@ -177,7 +215,7 @@ std::string Report::heatmap(const Heatmap& m) {
         box(kLeft + w * double(begin), kHeight - kBottom - h * double(j + 1), w * double(i - begin), h + 0.3, step);
     }
   const auto text = [&](double x, double y, const char* anchor, const std::string& s) {
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, escape(s));
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, escaped(s));
   };
   for (int q = 0; q <= 4; ++q) {
     const double s = q / 4.0;
@@ -194,7 +232,7 @@ std::string Report::heatmap(const Heatmap& m) {
   text((kLeft + kWidth - kRight) / 2, kHeight - 8, "middle", m.x_label);
   text(5, 14, "start", m.y_label);
   svg += "</svg>";
-  html_ += svg + "\n";
+  body() += svg + "\n";
   return svg;
 }
 

@@ -1,26 +1,21 @@
-// Plain HTML reports: headings, tables and line plots as inline SVG, one file, nothing fetched.
+// HTML reports: headings, tables, figures and the animation of landings, one file, nothing fetched.
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tools/report/page/figure.hpp"
 #include "tools/report/table.hpp"
 
 namespace ukemi::tools {
-
-struct Series {
-  std::string name;
-  std::vector<double> x, y;
-};
 
 /// Values on a grid, row by row from the smallest y; NaN is left white.
 struct Heatmap {
   std::string x_label, y_label;
   std::vector<double> x, y, values;
 };
-
-enum class Axes { kLinear, kLogarithmic };
 
 class Report {
  public:
@@ -30,18 +25,33 @@ class Report {
   void list(const std::vector<std::string>& items);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
   void table(const Table& table) { this->table(table.headings(), table.shown()); }
-  /// Lines; on logarithmic axes only what is above zero. Returns them as an SVG that stands alone; empty where there is
-  /// no range to draw.
-  std::string plot(const std::string& x_label, const std::string& y_label, std::vector<Series> series,
-                   Axes axes = Axes::kLinear);
-  /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it. Returns it
-  /// as `plot` does.
+  /// Numbers from -1 to 1 as colours, written in them; NaN is left empty.
+  void matrix(const std::vector<std::string>& names, const std::vector<std::vector<double>>& rows);
+  /// What a reader should know before the numbers are believed, a sentence each, under a heading of its own.
+  void distrust(const std::vector<std::string>& sentences);
+  /// Drawn with all others by `files`; long lines are thinned so that no peak is lost. What has nothing to draw is left
+  /// out.
+  void figure(Figure figure);
+  /// A figure of lines, with `name` as its file.
+  void plot(const std::string& name, const std::string& x_label, const std::string& y_label, std::vector<Series> series,
+            Axes axes = Axes::kLinear);
+  /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it.
+  /// Returns it as an SVG.
   std::string heatmap(const Heatmap& map);
-  /// The page, closed by the provenance.
-  std::string html(const std::vector<std::pair<std::string, std::string>>& provenance);
+  /// The animation, for script.js: {"landings": [...]}, see landing.cpp.
+  void player(const Json& landings);
+  /// The page, closed by the run's provenance, as report.html where one is wanted, and the figures as files of their
+  /// own in the run's formats and in these. Where gnuplot is missing the page says so.
+  std::map<std::string, std::string> files(const Run& run, std::vector<std::string> formats = {}) const;
+  /// The same, into the run.
+  void write(Run& run, const std::vector<std::string>& formats = {}) const;
 
  private:
-  std::string html_;
+  std::string& body();  ///< to add something that is no figure
+
+  std::string title_, html_;
+  std::vector<Figure> figures_;
+  bool in_figures_ = false;
 };
 
 /// Tells a table on the terminal and in the report, with a name as that file too; the value is for the summary.

@@ -9,9 +9,13 @@
 
 #include "tools/program/output.hpp"
 
+namespace ukemi {
+struct Actuator;
+}
 namespace ukemi::landing {
 struct Answer;
 struct CheckedLanding;
+struct Landing;
 struct RatedPlan;
 struct Scene;
 struct Survey;
@@ -24,7 +28,9 @@ struct RiskStudy;
 struct Comparison;
 enum class Doubt;
 
-int report(const landing::CheckedLanding& landing, Run& run);
+/// `held`: the landing of the held reference on the same drop, to stand beside it.
+int report(const landing::CheckedLanding& landing, const Actuator& actuator,
+           const std::optional<landing::Landing>& held, Run& run);
 int report(const landing::Survey& survey, Run& run);
 int report(const landing::Scene& scene, const std::vector<landing::RatedPlan>& plans, Run& run);
 int report(const RiskStudy& study, Run& run);

@@ -130,6 +130,55 @@ Series outline(const std::string& name, const Risk& r, long PeakBin::*count, lon
   return out;
 }
 
+/// Sobol's indices as bars with their intervals.
+Figure sobol_figure(const Risk& r) {
+  Figure out;
+  out.name = "sobol";
+  Panel p;
+  p.x_label = "share of the variance of the peak";
+  Series total{"with the others", {}, {}, Series::Look::kBars, 5},
+      first{"alone (95 %)", {}, {}, Series::Look::kIntervals, 1};
+  for (std::size_t i = 0; i < r.uncertainties.size(); ++i) {
+    const Risk::Uncertainty& u = r.uncertainties[i];
+    const double row = double(r.uncertainties.size() - i);
+    p.rows.push_back(spaced(u.name));
+    total.x.push_back(u.index.total.value), total.y.push_back(row);
+    first.x.push_back(u.index.first.value), first.y.push_back(row);
+    first.low.push_back(u.index.first.low), first.high.push_back(u.index.first.high);
+  }
+  Series spread{"with the others (95 %)", total.x, total.y, Series::Look::kIntervals, Series::kInk};
+  for (const Risk::Uncertainty& u : r.uncertainties)
+    spread.low.push_back(u.index.total.low), spread.high.push_back(u.index.total.high);
+  p.series = {total, spread, first};
+  out.panels = {p}, out.panel_height = 110 + 30.0 * double(p.rows.size());
+  out.caption =
+      "Which uncertainty makes the peak scatter: what it brings alone and together with the others (sobol.csv).";
+  return out;
+}
+
+/// Both distributions, with the quantiles of the motion's.
+Figure histogram_figure(const Risk& r) {
+  Figure out;
+  out.name = "histogram";
+  Panel p;
+  p.x_label = "peak of |ddr_0| [m/s²]", p.y_label = "% of the drops";
+  p.series = {outline("motion", r, &PeakBin::drops, r.peaks.samples),
+              outline(held_words(), r, &PeakBin::held, r.held.samples)};
+  p.series[1].look = Series::Look::kDashed;
+  double top = 0;
+  for (const Series& s : p.series)
+    for (const double y : s.y) top = std::max(top, y);
+  for (const auto& [words, at] :
+       {std::pair("50 %", r.peaks.median.value), {"90 %", r.peaks.q90.value}, {"99 %", r.peaks.q99.value}}) {
+    p.series.push_back({"", {at, at}, {0, 0.85 * top}, Series::Look::kDashed, Series::kInk});
+    p.marks.push_back({at, 0.85 * top, words});
+  }
+  out.panels = {p}, out.width = Figure::Width::kWhole, out.panel_height = 300;
+  out.caption =
+      "How the peak is distributed over the drops; so many of the motion's are below each line (histogram.csv).";
+  return out;
+}
+
 /// Where the drops come from.
 std::string scatter_words(const RiskStudy& s) {
   if (!s.scatter) return "Drops as they were measured.";
@@ -227,21 +276,20 @@ int report(const RiskStudy& s, Run& run) {
   page.paragraph(scatter_words(s));
   tell(peaks, page, run);
   for (const std::string& sentence : {held_comparison(r), index_words(r)}) run.say(sentence), page.paragraph(sentence);
-  page.plot("peak of |ddr_0| [m/s²]", "% of the drops",
-            {outline("motion", r, &PeakBin::drops, r.peaks.samples),
-             outline(held_words(), r, &PeakBin::held, r.held.samples)});
+  page.figure(histogram_figure(r));
+  if (!r.uncertainties.empty()) page.figure(sobol_figure(r));
   if (!r.uncertainties.empty())
     tell(indices, page, run, "sobol.csv",
          "Shares of the variance of the peak: first, what a number brings alone; total, with what it does together "
          "with others; low, high: 95 % intervals.");
   for (const Table* t : {&contacts, &touched, &passed})
     if (!t->shown().empty()) tell(*t, page, run);
-  page.list(run.warnings());
+  page.distrust(run.warnings());
   run.add("histogram.csv", Table(bin_quantities(), r.histogram).csv(run, "Drops by their peak [m/s^2]."));
   run.add("risk.csv", worst_drops(s).csv(run,
                                          "The worst drops, the worst first: `ukemi simulate --drop-from` replays a "
                                          "row. peak [m/s^2]; what does not stand here is as planned."));
-  run.add("report.html", page.html(run.provenance()));
+  page.write(run);
   return run.finish(summary, kDone);
 }
 

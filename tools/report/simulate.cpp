@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "landing/judge/checked.hpp"
+#include "landing/judge/under_scatter.hpp"
+#include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 
@@ -57,6 +59,12 @@ Quantities<Sample> trajectory_quantities() {
   return out;
 }
 
+/// "held at -45 deg", or where it goes.
+std::string motion_name(const Motion& m) {
+  if (!moves(m)) return fmt::format("held at {:.4g} deg", m.phi_i * kDegrees);
+  return fmt::format("from {:.4g} to {:.4g} deg in {:.4g} s", m.phi_i * kDegrees, m.phi_f * kDegrees, m.duration);
+}
+
 void warn(const CheckedLanding& c, Run& run) {
   const Landing& l = c.landing;
   const bool failed = l.end == End::kFailed;
@@ -84,7 +92,7 @@ void warn(const CheckedLanding& c, Run& run) {
 
 }  // namespace
 
-int report(const CheckedLanding& c, Run& run) {
+int report(const CheckedLanding& c, const Actuator& actuator, const std::optional<Landing>& held, Run& run) {
   const Landing& l = c.landing;
   warn(c, run);
   const Table table = Table::of(kQuantities, c), contacts(contact_quantities(), l.touches);
@@ -103,12 +111,15 @@ int report(const CheckedLanding& c, Run& run) {
       contacts.csv(run, "t = 0 at release; t_liftoff: when the point rises through y = 0 again. Units: s, N, m/s^2."));
   Report report("Landing: " + c.scene.name);
   tell(table.turned(), report, run);
-  floor_source(report, c.scene);
-  report.list(run.warnings());
-  plot_landing(report, l.trajectory);
-  report.plot("t [s] after release", "tau_SEA [Nm]", {curve("tau_SEA", l.trajectory, &Sample::tau_sea)});
+  report.distrust(run.warnings());
+  std::vector<Fall> falls = {{motion_name(c.motion), &l}};
+  if (held) falls.push_back({motion_name(kHeld), &*held});
+  show({c.scene, actuator, falls, {}, "trajectory.csv, contacts.csv"}, report);
+  report.heading("Contacts");
   report.table(contacts);
-  run.add("report.html", report.html(run.provenance()));
+  constants_table(report, c.scene, actuator);
+  floor_source(report, c.scene);
+  report.write(run);
   return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
 }
 

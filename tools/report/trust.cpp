@@ -179,7 +179,7 @@ void tell_profiles(const std::vector<identify::Profile>& profiles, const Fit& fi
     report.heading("Profile likelihood of " + p.constant);
     report.paragraph("95 %: " + interval(p));
     report.plot(
-        fmt::format("{} [{}]", p.constant, p.unit), "rise of -2 log likelihood",
+        "profile_" + p.constant, fmt::format("{} [{}]", p.constant, p.unit), "rise of -2 log likelihood",
         {{"refitted", p.value, p.rise}, {"95 %", {p.value.front(), p.value.back()}, {p.threshold, p.threshold}}});
     for (std::size_t i = 0; i < p.value.size(); ++i)
       csv.cell(p.constant)

@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
+#include "tools/program/terminal.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/verbs.hpp"
@@ -72,9 +73,23 @@ std::vector<Fact> facts(const Scene& scene, const SeaParameters<double>& table2,
   return out;
 }
 
-struct DemoArguments {};
+struct DemoArguments {
+  enum class Reports { kName, kOpen } reports = Reports::kName;
+};
 
-int run_demo(const DemoArguments&, const CommonOptions& common) {
+/// Names the reports of the parts, and opens them where that is asked for.
+void name_reports(const DemoArguments& a, const std::string& folder, const CommonOptions& common, Run& run) {
+  if (common.report == CommonOptions::Report::kSkip) return;
+  run.say(""), run.say("Reports to open:");
+  for (const char* part : {"identify", "optimize", "compare"}) {
+    const std::string file = folder + "/" + part + "/report.html";
+    run.say("  " + file);
+    if (a.reports == DemoArguments::Reports::kOpen && !open_for_reader(file))
+      run.warn("--open: " + file + " cannot be opened: no xdg-open is installed");
+  }
+}
+
+int run_demo(const DemoArguments& a, const CommonOptions& common) {
   Run run("demo", common);
   const std::string folder = run.options().folder;
   const auto begin = [&](const char* part, const std::string& heading) {
@@ -128,7 +143,7 @@ int run_demo(const DemoArguments&, const CommonOptions& common) {
   say(best, run);
   run.say(""), run.say("== beside the paper");
   say(published, run);
-  run.say("");
+  name_reports(a, folder, common, run);
   return run.finish({{"identified", best.object(0)},
                      {"table2", best.object(1)},
                      {"nominal", best.object(2)},
@@ -140,7 +155,10 @@ int run_demo(const DemoArguments&, const CommonOptions& common) {
 
 void add_demo(CLI::App& app, Action& chosen) {
   CLI::App* verb = app.add_subcommand("demo", "the whole chain on the shipped data: identify, optimize, compare");
-  add_action<DemoArguments>(*verb, std::make_shared<DemoArguments>(), "ukemi demo -o out", chosen, run_demo);
+  auto args = std::make_shared<DemoArguments>();
+  verb->add_flag_callback(
+      "--open", [args] { args->reports = DemoArguments::Reports::kOpen; }, "open the reports in the browser");
+  add_action<DemoArguments>(*verb, args, "ukemi demo -o out", chosen, run_demo);
 }
 
 }  // namespace ukemi::tools

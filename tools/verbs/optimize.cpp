@@ -64,7 +64,7 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   o.validate();
   o.monitor = run.monitor(all ? "solvers" : "optimize");
   if (all) out.solvers = solver_names();
-  out.rate = common.report == CommonOptions::Report::kWrite ? 1000 : 0;
+  out.rate = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ? 1000 : 0;
   out.evidence = a.evidence;
   out.evidence_monitor = run.monitor("evidence");
   return out;

@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "landing/judge/checked.hpp"
+#include "landing/judge/under_scatter.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "tools/program/actuators.hpp"
@@ -57,7 +58,13 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
     const Play play = drop.played({motion, actuator.sea});
     scene = drop.scene, motion = play.motion, actuator.sea = play.sea;
   }
-  return report(checked_landing(scene, actuator, motion, options, rate), run);
+  const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
+  std::optional<Landing> held;
+  if (beside && (moves(motion) || motion.phi_i != kHeld.phi_i)) {
+    held = simulate(scene, actuator.sea, kHeld, options, rate);
+    if (no_landing(held->end)) held.reset();
+  }
+  return report(checked_landing(scene, actuator, motion, options, rate), actuator, held, run);
 }
 
 }  // namespace

@@ -1,0 +1,10 @@
+// The page's style and script, style.css and script.js of this folder, as the build puts them into the program.
+#pragma once
+
+namespace ukemi::tools {
+
+extern const char* const kStyle;
+extern const char* const kScript;
+extern const char* const kScriptSha256;  ///< hexadecimal
+
+}  // namespace ukemi::tools

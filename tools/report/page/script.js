@@ -1,0 +1,183 @@
+'use strict';
+// The animation of landings, and the cursors of the figures that follow it. Nothing here is needed to read the page.
+(() => {
+  const SVG = 'http://www.w3.org/2000/svg';
+  const make = (name, attributes, parent) => {
+    const node = document.createElementNS(SVG, name);
+    for (const key in attributes) node.setAttribute(key, attributes[key]);
+    if (parent) parent.appendChild(node);
+    return node;
+  };
+  const element = (name, parent, text) => {
+    const node = parent.appendChild(document.createElement(name));
+    if (text !== undefined) node.textContent = text;
+    return node;
+  };
+  const circled = n => n <= 20 ? String.fromCodePoint(0x245f + n) : '(' + n + ')';
+
+  // The index of the last row at or before a time, and how far it is from there to the next.
+  const place = (times, t) => {
+    let low = 0, high = times.length - 1;
+    if (t >= times[high]) return [high, 0];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (times[middle] <= t) low = middle; else high = middle;
+    }
+    const step = times[high] - times[low];
+    return [low, step > 0 ? Math.max(0, (t - times[low]) / step) : 0];
+  };
+
+  // Hip, knee and foot of a posture: r_0 is the thigh's middle, angles as in the theory.
+  const posture = (x, y, phi0, phi1, length) => {
+    const a = length / 2, s = Math.sin(phi0), c = Math.cos(phi0), s1 = Math.sin(phi0 + phi1), c1 = Math.cos(phi0 + phi1);
+    const knee = [x + a * s, y - a * c];
+    return [[x - a * s, y + a * c], knee, [knee[0] + length * s1, knee[1] - length * c1]];
+  };
+  const points = list => list.map(p => p[0].toFixed(4) + ',' + (-p[1]).toFixed(4)).join(' ');
+
+  const names = ['hip', 'knee', 'foot'];
+
+  class Stage {
+    constructor(landing, box, forceScale, parent) {
+      this.landing = landing;
+      this.forceScale = forceScale;
+      const stage = element('div', parent);
+      stage.className = 'stage';
+      element('strong', stage, landing.name);
+      const svg = make('svg', {viewBox: [box.x0, -box.y1, box.x1 - box.x0, box.y1 - box.y0].join(' '), role: 'img',
+                               'aria-label': 'animation: ' + landing.name}, stage);
+      make('line', {x1: box.x0, x2: box.x1, y1: 0, y2: 0, class: 'ground'}, svg);
+      for (const ghost of landing.ghosts || [])
+        make('polyline', {points: points(ghost.map(p => [p[0], p[1]])), class: 'ghost'}, svg);
+      this.trace = make('polyline', {class: 'trace'}, svg);
+      this.thigh = make('polyline', {class: 'link'}, svg);
+      this.shank = make('polyline', {class: 'link shank'}, svg);
+      this.forces = names.map(() => [make('line', {class: 'force'}, svg), make('path', {class: 'head'}, svg)]);
+      this.joints = names.map(() => make('circle', {r: .016, class: 'point'}, svg));
+      this.badge = make('text', {class: 'badge'}, svg);
+      this.said = element('div', stage);
+      this.said.className = 'said';
+      this.hips = landing.t.map((_, i) => this.at(i, 0).joints[0]);
+    }
+    at(i, part) {
+      const l = this.landing, k = Math.min(i + 1, l.t.length - 1);
+      const mix = column => column[i] + part * (column[k] - column[i]);
+      return {joints: posture(mix(l.x), mix(l.y), mix(l.phi_0), mix(l.phi_1), l.length), acceleration: mix(l.acc),
+              phi: mix(l.phi_1), forces: l.force.map(f => [mix(f[0]), mix(f[1])])};
+    }
+    show(t) {
+      const [i, part] = place(this.landing.t, t), now = this.at(i, part);
+      this.thigh.setAttribute('points', points(now.joints.slice(0, 2)));
+      this.shank.setAttribute('points', points(now.joints.slice(1)));
+      this.trace.setAttribute('points', points(this.hips.slice(0, i + 1).concat([now.joints[0]])));
+      const touching = [];
+      names.forEach((name, j) => {
+        const [x, y] = now.joints[j], force = now.forces[j], size = Math.hypot(force[0], force[1]);
+        this.joints[j].setAttribute('cx', x);
+        this.joints[j].setAttribute('cy', -y);
+        this.joints[j].classList.toggle('touches', size > 0);
+        const [line, head] = this.forces[j], shown = size > 0;
+        line.style.display = head.style.display = shown ? '' : 'none';
+        if (!shown) return;
+        touching.push(name + ' ' + size.toFixed(0) + ' N');
+        const s = this.forceScale, ex = x + force[0] * s, ey = -(y + force[1] * s), ux = force[0] / size, uy = -force[1] / size;
+        for (const [key, value] of [['x1', x], ['y1', -y], ['x2', ex], ['y2', ey]]) line.setAttribute(key, value);
+        head.setAttribute('d', `M${ex + ux * .03} ${ey + uy * .03}L${ex - uy * .014} ${ey + ux * .014}L${ex + uy * .014} ${ey - ux * .014}Z`);
+      });
+      const peak = this.landing.peaks.find(p => Math.abs(p.t - t) < 1e-3);
+      this.badge.textContent = peak ? circled(peak.n) : '';
+      this.badge.setAttribute('x', now.joints[0][0]);
+      this.badge.setAttribute('y', -now.joints[0][1] - .05);
+      this.said.textContent = `|ddr_0| ${now.acceleration.toFixed(1)} m/s², joint ${(now.phi * 180 / Math.PI).toFixed(1)}°` +
+        (touching.length ? ', floor: ' + touching.join(', ') : ', in the air') +
+        (peak ? `; peak ${circled(peak.n)} of contact ${peak.contact}: ${peak.acceleration.toFixed(1)} m/s²` : '');
+    }
+  }
+
+  const bounds = landings => {
+    const box = {x0: Infinity, x1: -Infinity, y0: -.06, y1: .1};
+    for (const l of landings)
+      for (let i = 0; i < l.t.length; ++i)
+        for (const [x, y] of posture(l.x[i], l.y[i], l.phi_0[i], l.phi_1[i], l.length)) {
+          box.x0 = Math.min(box.x0, x - .06), box.x1 = Math.max(box.x1, x + .06);
+          box.y0 = Math.min(box.y0, y - .03), box.y1 = Math.max(box.y1, y + .12);
+        }
+    return box;
+  };
+
+  class Player {
+    constructor(data, parent) {
+      this.end = Math.max(...data.landings.map(l => l.t[l.t.length - 1]));
+      this.cursors = [...document.querySelectorAll('figure[data-places] svg')].flatMap(svg =>
+        JSON.parse(svg.closest('figure').dataset.places).map(p =>
+          ({place: p, line: make('line', {class: 'cursor', y1: p.top, y2: p.bottom}, svg)})));
+      const stages = element('div', parent);
+      stages.className = 'stages';
+      const box = bounds(data.landings), most = Math.max(1e-9, ...data.landings.flatMap(l => l.force.flatMap(f => f[1])));
+      this.stages = data.landings.map(l => new Stage(l, box, .3 / most, stages));
+      this.stops = data.landings[0].peaks.map(p => p.t);
+      this.build(parent, data.landings[0].peaks);
+      this.show(this.stops.length ? data.landings[0].peaks.reduce((a, b) => b.acceleration > a.acceleration ? b : a).t : 0);
+    }
+    build(parent, peaks) {
+      const controls = element('div', parent);
+      controls.className = 'controls';
+      this.button = element('button', controls, 'Play');
+      this.button.type = 'button';
+      this.slider = element('input', controls);
+      Object.assign(this.slider, {type: 'range', min: 0, max: this.end, step: 'any'});
+      this.slider.setAttribute('aria-label', 'time from release in seconds');
+      this.said = element('output', controls);
+      this.speed = element('select', controls);
+      this.speed.setAttribute('aria-label', 'speed');
+      for (const [factor, text] of [[1, 'real time'], [.2, '5 times slower'], [.05, '20 times slower'], [.01, '100 times slower']])
+        Object.assign(element('option', this.speed, text), {value: factor, selected: factor === .05});
+      const label = element('label', controls);
+      this.pauses = element('input', label);
+      Object.assign(this.pauses, {type: 'checkbox', checked: true});
+      label.append(' stop at each peak');
+      for (const p of peaks) {
+        const jump = element('button', controls, circled(p.n) + ' ' + p.contact);
+        jump.type = 'button';
+        jump.addEventListener('click', () => { this.pause(); this.show(p.t); });
+      }
+      this.button.addEventListener('click', () => this.playing ? this.pause() : this.play());
+      this.slider.addEventListener('input', () => { this.pause(); this.show(Number(this.slider.value)); });
+    }
+    show(t) {
+      this.t = Math.min(Math.max(t, 0), this.end);
+      this.slider.value = this.t;
+      this.said.textContent = this.t.toFixed(4) + ' s';
+      this.stages.forEach(s => s.show(this.t));
+      for (const {place: p, line} of this.cursors) {
+        const x = p.left + (this.t - p.x0) / (p.x1 - p.x0) * (p.right - p.left), inside = this.t >= p.x0 && this.t <= p.x1;
+        line.setAttribute('x1', x);
+        line.setAttribute('x2', x);
+        line.style.display = inside ? '' : 'none';
+      }
+    }
+    play() {
+      if (this.t >= this.end) this.show(0);
+      this.playing = true;
+      this.button.textContent = 'Pause';
+      let before;
+      const frame = now => {
+        if (!this.playing) return;
+        const from = this.t, to = from + (before === undefined ? 0 : (now - before) / 1000 * Number(this.speed.value));
+        before = now;
+        const stop = this.pauses.checked ? this.stops.find(s => s > from + 1e-9 && s <= to) : undefined;
+        this.show(stop === undefined ? to : stop);
+        if (stop !== undefined || this.t >= this.end) return this.pause();
+        requestAnimationFrame(frame);
+      };
+      requestAnimationFrame(frame);
+    }
+    pause() {
+      this.playing = false;
+      this.button.textContent = 'Play';
+    }
+  }
+
+  const data = document.getElementById('landings');
+  if (data) new Player(JSON.parse(data.textContent), document.getElementById('player'));
+})();

@@ -1,0 +1,153 @@
+#include "tools/report/residuals.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace ukemi::tools {
+
+using identify::Fit;
+using identify::Trial;
+
+namespace {
+
+constexpr std::size_t kSideBySide = 4, kMostTrials = 12;
+
+/// phi_sim - phi, empty where one of them is missing.
+std::vector<double> residual(const Trial& t, const identify::TrialResult& r) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < std::min(t.phi.size(), r.phi.size()); ++i) out.push_back(r.phi[i] - t.phi[i]);
+  return out;
+}
+
+Panel panel_of(const std::string& title, const std::string& x_label, const std::string& y_label) {
+  Panel out;
+  out.title = title, out.x_label = x_label, out.y_label = y_label;
+  return out;
+}
+
+void add(Panel& p, const std::string& name, const std::vector<double>& t, const std::vector<double>& y,
+         Series::Look look, int colour) {
+  if (!y.empty() && y.size() == t.size()) p.series.push_back({name, t, y, look, colour});
+}
+
+std::vector<Panel> force_angle_residual(const Trial& t, const identify::TrialResult& r, std::size_t number) {
+  const std::string file = t.file.substr(t.file.rfind('/') + 1);
+  constexpr std::size_t kLetters = 24;
+  Panel force = panel_of(fmt::format("{}: {}", number, file.size() > kLetters ? file.substr(0, kLetters) : file), "",
+                         "force [N]");
+  Panel angle = panel_of("", "", "phi_1 [rad]"), rest = panel_of("", "t [s]", "residual [mrad]");
+  add(force, "", t.t, t.force, Series::Look::kLine, 2);
+  if (t.force.empty()) force.y_label = "phi_ref [rad]", add(force, "", t.t, t.phi_ref, Series::Look::kLine, 2);
+  add(angle, "", t.t, t.phi, Series::Look::kPoints, 0);
+  add(angle, "", t.t, r.phi, Series::Look::kLine, 1);
+  std::vector<double> milli = residual(t, r);
+  for (double& x : milli) x *= 1e3;
+  add(rest, "", t.t, milli, Series::Look::kLine, 0);
+  for (Panel* p : {&force, &angle, &rest}) p->x_range = {{t.t.front(), t.t.back()}};
+  return {force, angle, rest};
+}
+
+}  // namespace
+
+double autocorrelation(const std::vector<double>& values, std::size_t lag) {
+  if (values.size() <= lag) return std::nan("");
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+  double products = 0, squares = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    squares += (values[i] - mean) * (values[i] - mean);
+    if (i + lag < values.size()) products += (values[i] - mean) * (values[i + lag] - mean);
+  }
+  return products / squares;
+}
+
+Figure trials_figure(const std::vector<Trial>& trials, const Fit& fit) {
+  Figure out;
+  out.name = "trials", out.width = Figure::Width::kWhole, out.panel_height = 150;
+  const std::size_t shown = std::min(trials.size(), kMostTrials);
+  out.columns = int(std::min(kSideBySide, shown));
+  for (std::size_t first = 0; first < shown; first += kSideBySide) {
+    std::vector<std::vector<Panel>> beside;
+    for (std::size_t m = first; m < std::min(first + kSideBySide, shown); ++m)
+      beside.push_back(force_angle_residual(trials[m], fit.trials[m], m + 1));
+    beside.resize(std::size_t(out.columns));
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::vector<Panel>& trial : beside) out.panels.push_back(trial.empty() ? Panel() : trial[row]);
+  }
+  out.caption = fmt::format(
+      "Each trial: what drove it; the angle, measured (points) and predicted (line); the residual (predicted - "
+      "measured) on its own scale.{} "
+      "All samples: fit.csv.",
+      shown < trials.size() ? fmt::format(" The first {} of {}.", shown, trials.size()) : "");
+  return out;
+}
+
+std::vector<Figure> residual_figures(const std::vector<Trial>& trials, const Fit& fit) {
+  constexpr std::size_t kLags = 20;
+  std::vector<std::vector<double>> residuals;
+  std::vector<double> all;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    residuals.push_back(residual(trials[m], fit.trials[m]));
+    all.insert(all.end(), residuals.back().begin(), residuals.back().end());
+  }
+  std::erase_if(residuals, [](const auto& r) { return r.size() <= kLags; });
+  if (residuals.empty()) return {};
+  Series correlation{"", {}, {}, Series::Look::kPoints, 0};
+  double samples = 0;
+  for (const auto& r : residuals) samples += double(r.size());
+  for (std::size_t lag = 1; lag <= kLags; ++lag) {
+    double sum = 0;
+    for (const auto& r : residuals) sum += autocorrelation(r, lag);
+    correlation.x.push_back(double(lag)), correlation.y.push_back(sum / double(residuals.size()));
+  }
+  Figure first, second;
+  first.name = "autocorrelation", second.name = "residuals";
+  Panel p = panel_of("", "lag [samples]", "autocorrelation");
+  p.series = {correlation};
+  const double band = 1.96 / std::sqrt(samples);
+  p.levels = {{band, "95 % of white noise"}, {-band, ""}};
+  p.x_range = {{0, double(kLags) + 1}};
+  first.panels = {p};
+  first.caption = "Autocorrelation of the residuals, the mean over the trials: within the band they are white.";
+  const auto [low, high] = std::minmax_element(all.begin(), all.end());
+  constexpr int kBins = 40;
+  const double from = *low, width = (*high - *low) / kBins;
+  std::vector<double> counts(kBins, 0);
+  for (const double r : all)
+    if (width > 0) ++counts[std::size_t(std::clamp(int((r - from) / width), 0, kBins - 1))];
+  Series outline{"", {1e3 * from}, {0}, Series::Look::kLine, 0};
+  for (int b = 0; b < kBins; ++b)
+    for (const int edge : {b, b + 1})
+      outline.x.push_back(1e3 * (from + edge * width)), outline.y.push_back(counts[std::size_t(b)]);
+  outline.x.push_back(1e3 * *high), outline.y.push_back(0);
+  Panel h = panel_of("", "residual [mrad]", "samples");
+  h.series = {outline};
+  second.panels = {h};
+  second.caption = "How the residuals of all trials are distributed.";
+  return {first, second};
+}
+
+Figure constants_figure(const std::vector<identify::Estimate>& estimates) {
+  Figure out;
+  out.name = "constants";
+  Panel p = panel_of("", "95 % interval [% of the value]", "");
+  Series s{"", {}, {}, Series::Look::kIntervals, 0};
+  std::vector<const identify::Estimate*> known;
+  for (const identify::Estimate& e : estimates)
+    if (e.std && e.value != 0 && std::isfinite(*e.std)) known.push_back(&e);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const identify::Estimate& e = *known[i];
+    const auto percent = [&](double x) { return 100 * (x / e.value - 1); };
+    p.rows.push_back(e.name);
+    s.x.push_back(0), s.y.push_back(double(known.size() - i));
+    s.low.push_back(percent(e.ci_low)), s.high.push_back(percent(e.ci_high));
+  }
+  p.series = {s};
+  out.panels = {p}, out.panel_height = 80 + 26.0 * double(known.size());
+  out.caption = "How well each constant is known; a constant without an interval is not shown.";
+  return out;
+}
+
+}  // namespace ukemi::tools
