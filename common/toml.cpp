@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 #define TOML_HEADER_ONLY 1
+// In a Debug build the parser would end the program on "[+]", where it otherwise refuses it; found by test/fuzz.
+#define TOML_ASSERT(expression) static_cast<void>(0)
 #include <toml++/toml.h>
 
 #include <algorithm>

@@ -87,7 +87,7 @@ void add_words(const CLI::App& app, std::string& known, std::string& lines) {
 std::string completion(const CLI::App& app) {
   std::string known, lines;
   add_words(app, known, lines);
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   return fmt::format(R"(# bash completion for {0}: verbs and options, else files.
 _{0}() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} path={0} word words

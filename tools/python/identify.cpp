@@ -135,7 +135,7 @@ void bind_inputs(py::module_& m) {
       {"phi_motor", {&Trial::phi_motor, "Measured angle of the motor at the output side [rad]."}}};
   for (const auto& [name, what] : kept)
     c.def_property_readonly(
-        name, [member = what.first](py::object self) { return view(self.cast<const Trial&>().*member, self); },
+        name, [member = what.first](const py::object& self) { return view(self.cast<const Trial&>().*member, self); },
         what.second);
   c.def_readonly("name", &Trial::file, "Its file, or the name that it was given.")
       .def_readonly("notes", &Trial::notes, "What was handled while reading, a sentence each.");
@@ -165,10 +165,10 @@ void bind_identify(py::module_& m) {
       .def_readonly("rms", &TrialResult::rms, "Of the residual [rad].")
       .def_readonly("noise", &TrialResult::noise, "The log's own noise [rad].")
       .def_property_readonly(
-          "phi", [](py::object self) { return view(self.cast<const TrialResult&>().phi, self); },
+          "phi", [](const py::object& self) { return view(self.cast<const TrialResult&>().phi, self); },
           "Predicted output angle [rad].")
       .def_property_readonly(
-          "phi_motor", [](py::object self) { return view(self.cast<const TrialResult&>().phi_m, self); },
+          "phi_motor", [](const py::object& self) { return view(self.cast<const TrialResult&>().phi_m, self); },
           "Predicted angle of the motor [rad].");
   py::class_<Identified> c(m, "Identification", "A fit of the actuator's constants, and how far it can be trusted.");
   bind_estimates(
@@ -186,7 +186,7 @@ void bind_identify(py::module_& m) {
           "Whether the residuals speak against the model.")
       .def_property_readonly(
           "trials",
-          [](py::object self) {
+          [](const py::object& self) {
             py::list out;
             for (const TrialResult& t : self.cast<const Identified&>().found.fit.trials)
               out.append(py::cast(t, py::return_value_policy::reference_internal, self));

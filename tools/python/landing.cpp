@@ -131,7 +131,7 @@ void bind_trajectory(py::class_<Played>& c) {
   const auto add = [&](const char* name, auto address, const char* words) {
     c.def_property_readonly(
         name,
-        [address](py::object self) {
+        [address](const py::object& self) {
           const std::vector<Sample>& rows = self.cast<const Played&>().landing.trajectory;
           return view(rows.empty() ? nullptr : address(rows.front()), rows.size(), sizeof(Sample), self);
         },

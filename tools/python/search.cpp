@@ -123,6 +123,9 @@ void bind_answer(py::module_& m) {
                    ? fmt::format("<ukemi.Optimum: {}; peak {:.6g} m/s^2>", tools::motion_words(a.best.motion), a.peak())
                    : "<ukemi.Optimum: " + a.best.message + ">";
       });
+}
+
+void bind_optimize(py::module_& m) {
   m.def(
       "optimize",
       [](const Scene& scene, const Actuator& actuator, std::uint64_t seed, const std::string& objective,
@@ -235,7 +238,7 @@ void bind_map(py::module_& m) {
   py::class_<Survey>(m, "Map", "The box of motions on a grid, and its basins.")
       .def_property_readonly(
           "peak",
-          [](py::object self) {
+          [](const py::object& self) {
             const PeakMap& map = self.cast<const Survey&>().map;
             std::vector<py::ssize_t> shape(map.cells.begin(), map.cells.end()), strides(shape.size());
             py::ssize_t step = sizeof(PeakMap::Cell);
@@ -368,6 +371,6 @@ void bind_planner(py::module_& m) {
 
 }  // namespace
 
-void bind_search(py::module_& m) { bind_answer(m), bind_risk(m), bind_map(m), bind_planner(m); }
+void bind_search(py::module_& m) { bind_answer(m), bind_optimize(m), bind_risk(m), bind_map(m), bind_planner(m); }
 
 }  // namespace ukemi::python

@@ -63,10 +63,11 @@ void bind_logs(py::module_& m) {
         py::arg("name") = "drop")
       .def_readonly("name", &DropLog::file, "Its file, or the name that it was given.")
       .def_property_readonly(
-          "t", [](py::object self) { return view(self.cast<const DropLog&>().t, self); }, "Times from release [s].");
+          "t", [](const py::object& self) { return view(self.cast<const DropLog&>().t, self); },
+          "Times from release [s].");
   for (std::size_t o = 0; o < kOutputs; ++o)
     c.def_property_readonly(
-        kOutputNames[o], [o](py::object self) { return view(self.cast<const DropLog&>().output[o], self); },
+        kOutputNames[o], [o](const py::object& self) { return view(self.cast<const DropLog&>().output[o], self); },
         fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]).c_str());
   m.def("read_drop", &read_drop, py::arg("path"), "Reads a log of a drop (CSV).");
   py::class_<PlayedDrop>(m, "Drop", "A log with the motion that was played, and how the robot was thrown.")
