@@ -84,8 +84,8 @@ Canvas canvas(const Figure& f) {
 Place place_of(const Figure& f, std::size_t i) {
   const Panel& p = f.panels[i];
   const Canvas c = canvas(f);
-  const double width = c.width / f.columns, x = width * double(int(i) % f.columns),
-               y = f.panel_height * double(int(i) / f.columns);
+  const int column = int(i) % f.columns, row = int(i) / f.columns;
+  const double width = c.width / f.columns, x = width * column, y = f.panel_height * row;
   double left = 62;
   for (const std::string& name : p.rows) left = std::max(left, characters(name) * kCharacter + 14);
   if (p.scale == Panel::Scale::kBare) left = 6;
