@@ -164,6 +164,8 @@ def look_at_animation(browser, report, summary):
     for peak in peaks if isinstance(peaks, list) else []:
         browser.value(f"slide({peak['t']})")
         said = browser.value("document.querySelector('#player .said').textContent")
+        shown = float(said.split()[1])
+        check(abs(shown - peak['acceleration']) < .02 * peak['acceleration'] + .1, report, f"at peak {peak['n']} the robot has {shown}")
         check(f"contact {peak['contact']}: {peak['acceleration']:.1f} m/s²" in said, report, f"peak {peak['n']}: {said}")
 
 

@@ -182,7 +182,7 @@ double link_energy(const Scene& scene, const Sample& s) {
 void show(const Falls& given, Report& report) {
   Falls f = given;
   std::erase_if(f.falls, [](const Fall& fall) { return fall.landing->trajectory.size() < 2; });
-  if (f.falls.empty()) return;
+  if (f.falls.empty() || f.figures == Falls::Figures::kLeaveOut) return;
   const double length = f.scene.robot.link_length;
   report.heading("The fall");
   Json landings = Json::array();

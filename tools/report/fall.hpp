@@ -23,6 +23,7 @@ struct Falls {
   std::vector<Fall> falls;      ///< the first is the one that the reader asked for
   std::optional<double> limit;  ///< of the peak, see landing::TouchdownLimit [m/s^2]
   std::string data;             ///< the CSV that holds the numbers; empty: none does
+  enum class Figures { kDraw, kLeaveOut } figures = Figures::kDraw;  ///< kLeaveOut: nor the animation
 };
 
 /// The animation and the figures. Falls without a trajectory are left out.

@@ -197,6 +197,13 @@ Series descent(const Optimum& o) {
   return out;
 }
 
+/// gnuplot takes some 0.1 s, and several times that on a busy machine: a short deadline is for the search.
+Falls::Figures figures_of(const Answer& a) {
+  constexpr double kShort = 2;  // [s]
+  const std::optional<double>& deadline = a.options.search.deadline;
+  return deadline && *deadline < kShort ? Falls::Figures::kLeaveOut : Falls::Figures::kDraw;
+}
+
 Report page_of(const Answer& a, const Run& run) {
   Report report("Best landing: " + a.scene.name);
   report.table(Table::of(answer_quantities(a), a).turned());
@@ -207,12 +214,18 @@ Report page_of(const Answer& a, const Run& run) {
         a.actuator,
         {{"best motion", &a.landing}, {fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees), &a.held}},
         limit,
-        ""},
+        "",
+        figures_of(a)},
        report);
   report.heading("The search");
   std::vector<Series> descents;
   for (const Optimum& o : a.tried) descents.push_back(descent(o));
-  report.plot("search", "motions evaluated", "best value so far [m/s²]", descents);
+  if (figures_of(a) == Falls::Figures::kLeaveOut)
+    report.paragraph(
+        "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
+        "does.");
+  else
+    report.plot("search", "motions evaluated", "best value so far [m/s²]", descents);
   report.paragraph("Its numbers, and the time that they took: progress.csv.");
   constants_table(report, a.scene, a.actuator);
   floor_source(report, a.scene);

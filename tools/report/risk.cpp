@@ -143,10 +143,11 @@ Figure sobol_figure(const Risk& r) {
     const double row = double(r.uncertainties.size() - i);
     p.rows.push_back(spaced(u.name));
     total.x.push_back(u.index.total.value), total.y.push_back(row);
-    first.x.push_back(u.index.first.value), first.y.push_back(row);
+    first.x.push_back(u.index.first.value), first.y.push_back(row - 0.18);
     first.low.push_back(u.index.first.low), first.high.push_back(u.index.first.high);
   }
   Series spread{"with the others (95 %)", total.x, total.y, Series::Look::kIntervals, Series::kInk};
+  for (double& y : spread.y) y += 0.18;
   for (const Risk::Uncertainty& u : r.uncertainties)
     spread.low.push_back(u.index.total.low), spread.high.push_back(u.index.total.high);
   p.series = {total, spread, first};

@@ -85,8 +85,8 @@ Canvas canvas(const Figure& f) {
 Place place_of(const Figure& f, std::size_t i) {
   const Panel& p = f.panels[i];
   const Canvas c = canvas(f);
-  const double width = c.width / f.columns, x = width * double(int(i) % f.columns),
-               y = f.panel_height * double(int(i) / f.columns);
+  const int column = int(i) % f.columns, row = int(i) / f.columns;
+  const double width = c.width / f.columns, x = width * column, y = f.panel_height * row;
   double left = 62;
   for (const std::string& name : p.rows) left = std::max(left, characters(name) * kCharacter + 14);
   if (p.scale == Panel::Scale::kBare) left = 6;
@@ -224,7 +224,7 @@ std::string axes_of(const Panel& p, const Pixels& to) {
   std::string out = "set border 3 lw 0.8\nset grid lt 1 lw 0.5 lc rgb '#c8c8c8'\nset xtics nomirror scale 0.5 " +
                     step(to.at.x, to.at.right - to.at.left, 62) + "\n";
   if (p.rows.empty())
-    out += "set ytics nomirror scale 0.5 " + step(to.y, to.at.bottom - to.at.top, 30) + "\n";
+    out += "set ytics nomirror scale 0.5 " + step(to.y, to.at.bottom - to.at.top, 24) + "\n";
   else {
     out += "set ytics nomirror scale 0 (";
     for (std::size_t i = 0; i < p.rows.size(); ++i)
@@ -315,6 +315,7 @@ std::string for_page(std::string svg) {
   }
   for (std::size_t at = 0; (at = svg.find(" id=\"gnuplot_", at)) != std::string::npos;)
     svg.erase(at, svg.find('"', at + 5) + 1 - at);
+  replace_all(svg, "\t", " ");
   replace_all(svg, "\n\n", "\n");
   return svg;
 }

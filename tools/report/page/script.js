@@ -16,12 +16,14 @@
   const circled = n => n <= 20 ? String.fromCodePoint(0x245f + n) : '(' + n + ')';
 
   // The index of the last row at or before a time, and how far it is from there to the next.
+  // Of the two rows of an event the second: what begins there, as a peak that jumps. Times are rounded to 1 us.
   const place = (times, t) => {
+    const rounding = 1e-6;
     let low = 0, high = times.length - 1;
     if (t >= times[high]) return [high, 0];
     while (high - low > 1) {
       const middle = (low + high) >> 1;
-      if (times[middle] <= t) low = middle; else high = middle;
+      if (times[middle] <= t + rounding) low = middle; else high = middle;
     }
     const step = times[high] - times[low];
     return [low, step > 0 ? Math.max(0, (t - times[low]) / step) : 0];
