@@ -17,17 +17,6 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Verbs that later versions bring: named, so that a script learns why.
-void add_later(CLI::App& app, Action& chosen) {
-  for (const char* name : {"atlas"}) {
-    CLI::App* verb = app.add_subcommand(name, "not in this version");
-    verb->allow_extras();
-    verb->callback([name, &chosen] {
-      chosen = [name]() -> int { throw InputError(std::string(name) + ": this verb is not in this version"); };
-    });
-  }
-}
-
 int run(int argc, char** argv) {
   CLI::App app("ukemi: identify a series elastic actuator, plan the landing it should make", "ukemi");
   app.set_version_flag("--version", "ukemi " UKEMI_VERSION);
@@ -38,7 +27,7 @@ int run(int argc, char** argv) {
   set_command_line(argc, argv);
   Action chosen;
   for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
-                         add_map, add_ratings, add_risk, add_bench, add_later})
+                         add_map, add_ratings, add_risk, add_atlas, add_bench})
     add(app, chosen);
   try {
     std::vector<std::string> verbs;
