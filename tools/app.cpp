@@ -15,17 +15,6 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Verbs that later versions bring: named, so that a script learns why.
-void add_later(CLI::App& app, Action& chosen) {
-  for (const char* name : {"atlas"}) {
-    CLI::App* verb = app.add_subcommand(name, "not in this version");
-    verb->allow_extras();
-    verb->callback([name, &chosen] {
-      chosen = [name]() -> int { throw InputError(std::string(name) + ": this verb is not in this version"); };
-    });
-  }
-}
-
 /// What a package is made with; --help does not name it.
 void add_manual(CLI::App& app, Action& chosen) {
   auto folder = std::make_shared<std::string>();
@@ -49,7 +38,7 @@ void add_verbs(CLI::App& app, Action& chosen) {
       "Exit codes: 0 done; 1 the numbers did not work out, or memory or stdout gave out; 2 bad usage or bad input; 130 "
       "interrupted (Ctrl-C).");
   for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
-                         add_map, add_ratings, add_risk, add_bench, add_later, add_manual})
+                         add_map, add_ratings, add_risk, add_atlas, add_bench, add_manual})
     add(app, chosen);
 }
 

@@ -46,12 +46,11 @@ Motion holding(double phi, const Motion& planned) {
 }  // namespace
 
 std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOptions& options, std::uint64_t seed) {
-  constexpr long kJudging = 2048;
   constexpr std::uint64_t kApart = 0x9d6e5;  // the drops that judge are others than those that are searched on
   auto robust = std::make_shared<Robust>();
   robust->measure = *options.measure, robust->penalty = options.penalty;
   robust->drops = model.even(options.samples, seed);
-  robust->judging = model.even(kJudging, seed ^ kApart << 32);
+  robust->judging = model.even(options.judging, seed ^ kApart << 32);
   return robust;
 }
 

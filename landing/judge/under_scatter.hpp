@@ -23,6 +23,7 @@ struct RobustOptions {
   std::vector<ScatteredDrop> drops;  ///< measured ones, in place of all that is drawn
   double inflate = 1;                ///< see DropModel::Options
   long samples = 256;                ///< drops that are searched on
+  long judging = 2048;               ///< others, that the best few are judged on
   double penalty = 1000;             ///< what a drop that breaks a limit counts [m/s^2]
 };
 

@@ -40,6 +40,27 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
   return exhausted ? none + "; " + bound : none;
 }
 
+/// The best of the starts, a place in the cube; under scatter by a few drops. Without one that can be followed nothing.
+std::optional<Coordinates> best_start(Search& search, const std::vector<Coordinates>& starts) {
+  constexpr std::size_t kDrops = 16, kBatch = 32;
+  const MotionSpace& space = search.objective().space();
+  const Goal goal = search.objective().options().goal;
+  Candidate best = search.nothing();
+  for (std::size_t from = 0; from < starts.size(); from += kBatch) {
+    std::vector<Candidate> points;
+    for (std::size_t i = from; i < std::min(from + kBatch, starts.size()); ++i) {
+      points.push_back({space.unit(starts[i])});
+      points.back().bound = best.value;
+    }
+    if (goal == Goal::kRobust)
+      search.evaluate_over(points, kDrops);
+    else
+      search.evaluate(points);
+    best = std::min(best, *std::min_element(points.begin(), points.end()));
+  }
+  return best.value < kNoMotion ? std::optional(best.u) : std::nullopt;
+}
+
 }  // namespace
 
 Optimum optimize(const Scene& scene, const SeaParameters<double>& sea, const OptimizeOptions& options) {
@@ -77,6 +98,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   out.progress.reserve(kKept);
   Search search(objective, budget, options.seed, &out.progress);
   search.tell = options.monitor.tell;
+  search.hint = best_start(search, options.starts);
   run_solver(options.solver, search, options.settings);
   out.evaluations = search.motions();
   out.work = objective.work();

@@ -30,6 +30,8 @@ struct OptimizeOptions {
   double search_accuracy = 1e-6;                                    ///< of the landings that are searched
   double accuracy = 1e-9;                                           ///< of the result
   std::uint64_t seed = 1;
+  /// Motions that are tried before all others, as values of the space's variables: the search begins at the best.
+  std::vector<Coordinates> starts;
   int threads = 0;               ///< 0: all cores; with a number of evaluations the result does not depend on it
   int tolerance_samples = 2000;  ///< random points inside the execution box of the result; with a deadline none
   Monitor monitor;               ///< told of the motions spent; where it stops, the best so far is judged in kLeave

@@ -60,7 +60,10 @@ void Planner::scatter() {
 Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   check_deadline(deadline);
   scene_.drop = drop;
-  const Plan out = search(deadline, seed, std::nullopt);
+  std::optional<Coordinates> hint;
+  if (start_) hint = space_->unit(*start_);
+  start_.reset();
+  const Plan out = search(deadline, seed, hint);
   if (out.found && in_air_ && scene_.release) last_ = in_air_->values_of(out.motion);
   return out;
 }
@@ -92,6 +95,8 @@ Plan Planner::plan(const FallState& s, double deadline, std::uint64_t seed) {
   // The last plan goes on where it was: its move ends when it would have.
   std::optional<Coordinates> hint;
   const int to = in_air_->dimension() - 1;
+  if (start_) last_ = start_;
+  start_.reset();
   if (last_) {
     Coordinates now = *last_;
     now[to] -= s.gone;

@@ -64,6 +64,9 @@ class Planner {
   /// on. Throws InputError where the scene has no [release], or the floor comes before the deadline. The release stays
   /// for later calls.
   [[nodiscard]] Plan plan(const FallState& state, double deadline, std::uint64_t seed = 1);
+  /// The next plan tries this motion before all others: values of the space's variables, as an atlas has them (the end
+  /// of a move in the air from release).
+  void start(const Coordinates& values) { start_ = values; }
 
  private:
   Planner(const Scene& scene, std::shared_ptr<ReferenceSpace> space, const Options& options)
@@ -82,7 +85,8 @@ class Planner {
   std::vector<Drop> beside_;        ///< each drop, less the planned one
   Objective objective_;
   AutoSearch search_;
-  std::optional<Coordinates> last_;  ///< the last plan in the air, its move's end counted from release
+  std::optional<Coordinates> last_;   ///< the last plan in the air, its move's end counted from release
+  std::optional<Coordinates> start_;  ///< see `start`
 };
 
 /// A landing at the accuracy that judges takes up to so many times as long as one of the search.

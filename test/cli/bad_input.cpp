@@ -383,10 +383,8 @@ TEST_CASE("a scatter, a risk and a row of drops that are none are refused") {
   check_simulate({"--hold", "0", "--drop-from", f.at("drops.csv:2")}, {"--drop-from: ", "1 row(s)"});
 }
 
-TEST_CASE("what a later version brings says so") {
+TEST_CASE("a benchmark that is none is refused") {
   const Folder f;
-  const std::string later = "not in this version";
-  for (const char* verb : {"atlas"}) check_refused(f, {verb}, {verb, later});
   check_refused(f, {"bench", "-o", "out"}, {"subcommand"});
   check_refused(f, {"bench", "optimizers", "--solvers", "none", "-o", "out"}, {"solver: 'none'"});
   check_refused(f, {"bench", "scenes", "--only", "nonsense", "-o", "out"}, {"--only", "no such omission"});

@@ -15,5 +15,6 @@ void add_demo(CLI::App& app, Action& chosen);
 void add_map(CLI::App& app, Action& chosen);
 void add_ratings(CLI::App& app, Action& chosen);
 void add_risk(CLI::App& app, Action& chosen);
+void add_atlas(CLI::App& app, Action& chosen);
 
 }  // namespace ukemi::tools

@@ -1,0 +1,68 @@
+// The atlas: the best motion for every drop of a grid, and the one that is safest over all of them.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/actuator.hpp"
+#include "landing/atlas/grid.hpp"
+#include "landing/judge/under_scatter.hpp"
+#include "landing/search/optimize.hpp"
+
+namespace ukemi::landing {
+
+/// What is planned for one drop. As it stands in a file.
+struct AtlasCell {
+  enum class State : std::uint64_t {
+    kOpen,     ///< not planned yet, or by another shard
+    kNone,     ///< no motion of the search range could be followed
+    kPlanned,  ///< what follows holds
+  };
+  State state = State::kOpen;
+  double value = 0;          ///< the goal [m/s^2]
+  double peak = 0;           ///< of the drop itself [m/s^2]
+  double tolerant_peak = 0;  ///< the same within the execution tolerance; NaN: some landing in it cannot be followed
+  std::array<double, kMostVariables> values{};  ///< of the motion space's variables, SI; those it has not: 0
+
+  bool planned() const { return state == State::kPlanned; }
+  Coordinates coordinates(int dimension) const { return Coordinates::Map(values.data(), dimension); }
+};
+
+struct AtlasOptions {
+  AtlasGrid grid;
+  AtlasShard shard;
+  /// Of each drop: goal, motions (or landings) that are tried, seed. `threads` are spent over blocks.
+  OptimizeOptions search;
+  RobustOptions robust;  ///< with a measure: for drops that scatter about each of the grid
+  Monitor monitor;       ///< told of drops that are planned, of those that were open; where it stops, open ones stay so
+  /// Told of every drop as soon as it is planned; called by one thread at a time.
+  std::function<void(std::size_t drop, const AtlasCell& cell)> done;
+
+  /// Motions (or landings) that each drop is given; the first of a block, which nothing starts, has four times as many.
+  static constexpr long kMotions = 3'000, kTolerantMotions = 1'000, kLandings = 12'000;
+  long effort() const;    ///< what search.evaluations says, else that of its goal
+  void validate() const;  ///< throws InputError
+};
+
+/// What determines the cells, apart from the shard: a checksum, so that parts of different atlases never meet.
+[[nodiscard]] std::string atlas_identity(const Scene& scene, const Actuator& actuator, const AtlasOptions& options);
+
+/// Plans the shard's drops that are open in `cells` (one for each drop of the grid). The drops of a block are planned
+/// one after the other, each search starting from the best of the block's motions so far; blocks know nothing of each
+/// other. So the result depends neither on threads, nor on shards, nor on where it was stopped.
+void plan_atlas(const Scene& scene, const Actuator& actuator, const AtlasOptions& options, std::span<AtlasCell> cells);
+
+/// The motion of the atlas whose worst peak over all drops of the grid is the smallest: for a drop that the atlas does
+/// not know.
+struct SafestMotion {
+  std::uint64_t drop = kNoDrop;  ///< whose motion it is; kNoDrop: no motion lands all drops
+  double worst = 0;              ///< its worst peak over the grid [m/s^2]
+  static constexpr std::uint64_t kNoDrop = ~std::uint64_t(0);
+};
+/// Each motion is played, the hardest drops first, until one is worse than the worst of the best so far.
+[[nodiscard]] SafestMotion safest_motion(const Scene& scene, const SeaParameters<double>& sea, const AtlasGrid& grid,
+                                         std::span<const AtlasCell> cells, int threads, const Monitor& monitor);
+
+}  // namespace ukemi::landing

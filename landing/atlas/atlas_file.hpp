@@ -1,0 +1,99 @@
+// An atlas as a file that is mapped, not parsed: a header, then a cell for each drop of the grid, all at fixed places.
+//
+// Little-endian, doubles as IEEE 754; a machine of the other kind refuses it. The header says its version, its size and
+// the checksum of all that stands behind it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "landing/atlas/atlas.hpp"
+
+namespace ukemi::landing {
+
+/// A name with its unit, both ended by zeros.
+struct AtlasVariable {
+  char name[24], unit[8];
+};
+
+struct AtlasHeader {
+  static constexpr std::uint32_t kVersion = 1, kLittleEndian = 0x01020304;
+  char magic[8];          ///< "ukemiatl"
+  std::uint32_t version;  ///< kVersion
+  std::uint32_t order;    ///< kLittleEndian as the machine that wrote it stores it
+  std::uint64_t size;     ///< of the file [bytes]
+  char checksum[16];      ///< FNV-1a, 64 bits in hexadecimal digits, of all bytes behind it
+  char identity[16];      ///< see atlas_identity
+  char robot[16];         ///< checksum of the texts of scene.toml and actuator.toml beside it
+  std::uint64_t goal;     ///< Goal: what AtlasCell::value is
+  std::uint64_t measure;  ///< under scatter, Measure::Kind, and its level
+  double level;
+  AtlasGrid grid;
+  SafestMotion safest;
+  std::uint64_t variables;  ///< of the motion space: so many of AtlasCell::values hold
+  AtlasVariable variable[kMostVariables];
+};
+
+/// What is written, and read back.
+struct Atlas {
+  AtlasHeader header{};
+  std::vector<AtlasCell> cells;
+
+  std::size_t planned() const;  ///< drops with a motion
+  std::size_t none() const;     ///< without one
+  std::size_t open() const { return cells.size() - planned() - none(); }
+};
+
+/// A header for what is to be planned; size and checksum follow when it is written.
+[[nodiscard]] AtlasHeader atlas_header(const Scene& scene, const Actuator& actuator, const AtlasOptions& options);
+/// Its bytes as a file has them.
+[[nodiscard]] std::string atlas_bytes(const Atlas& atlas);
+/// The same back. Throws InputError "PATH: ..." for what is no atlas, of another version or machine, cut or changed.
+[[nodiscard]] Atlas atlas_of(std::span<const std::byte> bytes, const std::string& path);
+
+/// The same in place, read only.
+class MappedAtlas {
+ public:
+  /// Throws InputError as above, and where it cannot be opened.
+  explicit MappedAtlas(const std::string& path);
+  ~MappedAtlas();
+  MappedAtlas(const MappedAtlas&) = delete;
+  MappedAtlas& operator=(const MappedAtlas&) = delete;
+
+  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
+  const AtlasHeader& header() const { return *static_cast<const AtlasHeader*>(data_); }
+  std::span<const AtlasCell> cells() const;
+
+ private:
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Cells as they are planned, on the disk before the next one is begun. A kill at any moment costs no cell that is in
+/// it; one process at a time has it.
+class AtlasJournal {
+ public:
+  /// Takes what an earlier run left there into `cells`, else begins; makes the folder. Throws InputError where it is of
+  /// an atlas with another identity, another process has it, or it cannot be written.
+  AtlasJournal(const std::string& path, const std::string& identity, std::span<AtlasCell> cells);
+  ~AtlasJournal();
+  AtlasJournal(const AtlasJournal&) = delete;
+  AtlasJournal& operator=(const AtlasJournal&) = delete;
+
+  /// Throws InputError with the system's reason.
+  void add(std::size_t drop, const AtlasCell& cell);
+  std::size_t taken() const { return taken_; }  ///< cells of an earlier run
+  /// All that it holds.
+  std::string bytes() const;
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const;
+  void take(const std::string& identity, std::span<AtlasCell> cells);
+
+  std::string path_;
+  int file_ = -1;
+  std::size_t taken_ = 0;
+};
+
+}  // namespace ukemi::landing

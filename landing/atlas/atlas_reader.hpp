@@ -1,0 +1,59 @@
+// The atlas in a robot's control program: an answer for the drop at hand in 2 ms.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "landing/atlas/atlas_file.hpp"
+#include "landing/search/objective.hpp"
+
+namespace ukemi::landing {
+
+/// What an atlas has for a drop.
+struct AtlasEntry {
+  Motion motion{};
+  SeaParameters<double> sea;  ///< the drive that plays it
+  Coordinates values;         ///< of the space's variables: where Planner may start
+  double value = kNoMotion;   ///< AtlasReader::Options::goal at this very drop; kNoMotion: no time was left to play it
+  std::uint64_t drop = SafestMotion::kNoDrop;  ///< of the grid, for which the motion was planned
+  bool inside = false;  ///< false: the grid does not reach so far, or has no motion here, and this is the safest one
+  bool found = false;   ///< false: nor has the atlas any motion that lands all its drops
+};
+
+/// Motions do not blend: between two drops lies a cliff as often as not. So the motions of the drops around the one at
+/// hand are played, in lanes, and the best is taken.
+class AtlasReader {
+ public:
+  struct Options {
+    Goal goal = Goal::kTolerant;  ///< by which the motions are compared: kPeak or kTolerant
+    double accuracy = 1e-5;       ///< of their landings
+    double deadline = 1.5e-3;     ///< for playing; what is not played by then is no answer [s]
+    Limits limits;                ///< what no landing may do
+  };
+  /// Opens the file; all memory is taken here. Throws InputError for what is no whole atlas, and where the scene's
+  /// motions have other variables than the atlas's.
+  AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea, const Options& options);
+  AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea)
+      : AtlasReader(path, scene, sea, Options()) {}
+  AtlasReader(const AtlasReader&) = delete;
+  AtlasReader& operator=(const AtlasReader&) = delete;
+
+  /// Allocates nothing, starts no thread. A vertical speed counts as the height that makes it, a pitch rate as the
+  /// pitch that it makes until the floor; what is played is the drop itself.
+  [[nodiscard]] AtlasEntry at(const Drop& drop);
+
+  const AtlasHeader& header() const { return file_.header(); }
+
+ private:
+  static constexpr std::size_t kCorners = 8;
+  bool around(const Drop& drop, std::array<std::size_t, kCorners>& corners) const;
+  AtlasEntry best_of(std::span<const std::size_t> drops);
+
+  MappedAtlas file_;
+  Scene scene_;
+  std::unique_ptr<ReferenceSpace> space_;
+  Options options_;
+  Objective objective_;
+};
+
+}  // namespace ukemi::landing
