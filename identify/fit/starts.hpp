@@ -29,8 +29,8 @@ struct StartOptions {
 /// What the logs suggest without a fit. From rest to rest the motor and the link together give, torque limit or not,
 ///     K_p int phi dt = int l cos(phi) F dt        and        K_p int t phi dt - K_d int phi dt = int t l cos(phi) F
 ///     dt,
-/// the rest is scaled from the link's inertia and the log's dominant angular frequency: of the spring's deflection where
-/// the drive's command is known and both sides were logged, else of the link.
+/// the rest is scaled from the link's inertia and the log's dominant angular frequency: of the spring's deflection
+/// where the drive's command is known and both sides were logged, else of the link.
 struct Suggestion {
   SeaParameters<double> centre;
   double spread_gains;  ///< K_p, K_d lie within this factor, either way

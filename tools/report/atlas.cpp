@@ -126,8 +126,8 @@ int report(const AtlasResult& r, Run& run) {
   if (safe)
     page.paragraph(fmt::format("The safest motion over all drops has a worst peak of {:.1f} m/s².", h.safest.worst));
   picture(page, atlas);
-  page.list(run.warnings());
-  run.add("report.html", page.html(run.provenance()));
+  page.distrust(run.warnings());
+  page.write(run);
   return run.finish(summary, atlas.planned() > 0 ? kDone : kNumbers);
 }
 
