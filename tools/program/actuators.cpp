@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
+
 namespace ukemi::tools {
 
 Actuator actuator_of(const std::string& path, Run& run) {
@@ -13,6 +15,22 @@ Actuator actuator_of(const std::string& path, Run& run) {
       doubts += fmt::format("{}{} is {}", doubts.empty() ? "" : ", ", constant, verdict);
   if (!doubts.empty())
     run.warn(fmt::format("{}: not trusted by the fit that wrote it: {}; what follows rests on it", path, doubts));
+  return actuator;
+}
+
+Actuator landing_actuator_of(const std::string& path, Run& run) {
+  Actuator actuator = actuator_of(path, run);
+  const SeaParameters<double>& sea = actuator.sea;
+  if (sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0)
+    throw InputError({path},
+                     "no k_p and k_d: this drive was identified by its command (k_t); a landing needs the gains "
+                     "of its controller, Eq. 3");
+  std::string left_out;
+  for (const auto& [name, value] : {std::pair("output_friction", sea.output_friction),
+                                    {"output_viscous", sea.output_viscous},
+                                    {"friction_asymmetry", sea.friction_asymmetry}})
+    if (value != 0) left_out += (left_out.empty() ? "" : ", ") + std::string(name);
+  if (!left_out.empty()) run.warn(fmt::format("{}: not part of a landing, left out: {}", path, left_out));
   return actuator;
 }
 

@@ -11,4 +11,8 @@ namespace ukemi::tools {
 /// Reads the file, lists it among the run's inputs, and warns of every constant that its fit did not trust.
 Actuator actuator_of(const std::string& path, Run& run);
 
+/// The same for a landing, whose motor follows Eq. 3: throws InputError where the drive was identified by its command,
+/// without K_p and K_d. Warns of friction that a landing leaves out.
+Actuator landing_actuator_of(const std::string& path, Run& run);
+
 }  // namespace ukemi::tools

@@ -110,7 +110,7 @@ std::vector<std::size_t> all_drops(const AtlasGrid& grid) { return AtlasShard().
 int run_plan(const AtlasArguments& a, const CommonOptions& common) {
   Run run("atlas", common);
   if (a.scene.empty() || a.actuator.empty()) throw InputError("atlas: SCENE and --actuator are needed, or --merge");
-  AtlasResult r{.scene = scene_of(a.scene, a.freedom, run), .actuator = actuator_of(a.actuator, run)};
+  AtlasResult r{.scene = scene_of(a.scene, a.freedom, run), .actuator = landing_actuator_of(a.actuator, run)};
   AtlasOptions options = options_of(a, common, r.scene, r.actuator, run);
   r.scene_toml = to_toml(r.scene, ""), r.actuator_toml = to_toml(r.actuator);
   r.shard = a.shard;

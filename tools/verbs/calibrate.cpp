@@ -140,7 +140,7 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   options.monitor = run.monitor("calibrate: parts");
   const Scene scene = read_scene(a.scene);
   run.input(a.scene);
-  const Actuator actuator = actuator_of(a.actuator, run);
+  const Actuator actuator = landing_actuator_of(a.actuator, run);
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_of(a.motion, run));
   check("--motion-of", a.motion_of, a), check("--height-of", a.height_of, a), check("--speed-of", a.speed_of, a);
   const std::vector<LoggedDrop> drops = read_drops(a.drops, a, scene, motion, run),

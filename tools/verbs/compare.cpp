@@ -12,7 +12,7 @@ namespace ukemi::tools {
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
   Run run("compare", common);
-  const OfSets<Actuator> sets = {actuator_of(a.nominal, run), actuator_of(a.identified, run)};
+  const OfSets<Actuator> sets = {landing_actuator_of(a.nominal, run), landing_actuator_of(a.identified, run)};
   std::optional<RigTrials> measured;
   std::optional<landing::Scene> scene;
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");

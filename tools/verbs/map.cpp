@@ -37,7 +37,7 @@ Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
 int run_map(const MapArguments& a, const CommonOptions& common) {
   Run run("map", common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
-  const Actuator actuator = actuator_of(a.actuator, run);
+  const Actuator actuator = landing_actuator_of(a.actuator, run);
   const ReferenceSpace space(scene, actuator.sea);
   const bool slice = space.dimension() > kPaperVariables;
   if (slice ? a.grid.size() < kPaperVariables : a.grid.size() != kPaperVariables)

@@ -86,7 +86,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const Clock clock;
   Run run("optimize", common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
-  const Actuator actuator = actuator_of(a.actuator, run);
+  const Actuator actuator = landing_actuator_of(a.actuator, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
   options.robust = robust_of(a, scene, actuator, run);

@@ -36,7 +36,7 @@ std::vector<double> points_of(const std::string& option, const std::string& text
 int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
   Run run("ratings", common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
-  const Actuator actuator = actuator_of(a.actuator, run);
+  const Actuator actuator = landing_actuator_of(a.actuator, run);
   RatingOptions options;
   options.speeds = points_of("--motor-speed", a.speed);
   if (a.torque)
