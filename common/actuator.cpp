@@ -52,6 +52,8 @@ std::optional<double> Actuator::standard_error(const std::string& constant) cons
   return std::sqrt(covariance(i, i));
 }
 
+bool by_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0; }
+
 Actuator read_actuator(const std::string& path) {
   TomlFile file(path);
   TomlSection s = file.require("actuator");
@@ -88,8 +90,7 @@ Actuator read_actuator(const std::string& path) {
 std::string to_toml(const Actuator& a, double half_width) {
   std::string t = fmt::format("[actuator]\nname = \"{}\"\n", toml_text(a.name));
   const auto u = constants(a.sea);
-  const bool gains = a.sea.k_t == 0 || a.sea.k_p != 0 || a.sea.k_d != 0;
-  for (int i = gains ? 0 : 2; i < kConstants; ++i)
+  for (int i = by_command(a.sea) ? 2 : 0; i < kConstants; ++i)
     t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s\n", shortest(*a.speed_max));

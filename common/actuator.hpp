@@ -43,6 +43,9 @@ struct Actuator {
   std::optional<double> standard_error(const std::string& constant) const;
 };
 
+/// Whether its drive was identified by its command alone: K_t stands in place of K_p and K_d.
+bool by_command(const SeaParameters<double>& sea);
+
 /// Reads an actuator file; throws InputError (see common/toml.hpp).
 Actuator read_actuator(const std::string& path);
 

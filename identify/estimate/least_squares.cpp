@@ -322,14 +322,15 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   o.update_state_every_iteration = true;
   ceres::Solver::Summary summary;
   constexpr int kActiveSets = 8;  // then Ceres' own way to the end
-  for (int sets = 0; sets <= kActiveSets; ++sets) {
-    watch.look_at_bounds = !all_held && sets < kActiveSets;
+  bool follow = !all_held;
+  for (int sets = 1;; ++sets) {
+    watch.look_at_bounds = follow;
     ceres::Solve(o, &ceres_problem, &summary);
     out.iterations += int(summary.iterations.size()) - 1;
-    if (all_held || !summary.IsSolutionUsable() || (options.stop && options.stop())) break;
+    if (!follow || !summary.IsSolutionUsable() || (options.stop && options.stop())) break;
     std::vector<bool> now = pressed(problem, costs, x, locals, held);
     if (now == held && !watch.cut_off) break;
-    if (now == held) sets = kActiveSets - 1;
+    follow = now != held && sets < kActiveSets;
     held = std::move(now);
   }
 

@@ -70,8 +70,7 @@ void FitSearch::run() {
   if (start_) {
     Sea from = base_;
     set_constants(from, ukemi::constants(*start_));
-    for (const RigTerm* t : layout_.shared)
-      if (!t->key.empty()) t->set_in(from, t->value_in(*start_));
+    take_terms(*start_, from);
     tried_ = {from};
     starts_.search_all(1, search(0));
   }
@@ -130,6 +129,11 @@ MultiStart::Search FitSearch::search(std::size_t first) {
   };
 }
 
+void FitSearch::take_terms(const Sea& from, Sea& to) const {
+  for (const RigTerm* t : layout_.shared)
+    if (!t->is_constant() && !t->key.empty() && t->value_in(from) != t->absent) t->set_in(to, t->value_in(from));
+}
+
 FitSearch::Sea FitSearch::admitted(const Sea& drawn) const {
   Sea out = base_;
   const Choice& c = options_.terms;
@@ -137,8 +141,7 @@ FitSearch::Sea FitSearch::admitted(const Sea& drawn) const {
     if (t.is_constant())
       t.set_in(out, c.fits(t.name) ? std::clamp(t.value_in(drawn), c.lower_of(t), c.upper_of(t))
                                    : t.value_in(start_ ? *start_ : base_));
-  for (const RigTerm* t : layout_.shared)
-    if (!t->key.empty() && t->value_in(drawn) != t->absent) t->set_in(out, t->value_in(drawn));
+  take_terms(drawn, out);
   return out;
 }
 

@@ -53,6 +53,8 @@ class FitSearch {
   LeastSquaresProblem problem(const Sea& from, Budget* budget) const;
   Sea sea_of(const LeastSquaresSolution& solution, const Sea& from) const;
   const Sea& best_from() const { return tried_[std::size_t(starts_.best_start())]; }
+  /// Takes the values of the actuator's fitted terms beside the five constants, where they are there.
+  void take_terms(const Sea& from, Sea& to) const;
   /// A drawn start within the bounds; what is not free stays as given.
   Sea admitted(const Sea& drawn) const;
   /// Starts, best first, judged on a coarse rollout of two trials.

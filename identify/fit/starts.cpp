@@ -41,7 +41,7 @@ double command_gain(const Rig& rig, const std::vector<Trial>& trials) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   double gain = kNone;
   for (const Trial& trial : trials) {
-    const Drive& drive = (trial.rig ? *trial.rig : rig).drive;
+    const Drive& drive = trial.rig_or(rig).drive;
     const double command = largest_deviation(trial.command), angle = largest_deviation(trial.phi);
     if (drive.kind == Drive::Kind::kController) gain = std::min(gain, drive.gain);
     if (drive.kind == Drive::Kind::kCommand && command > 0 && angle > 0) gain = std::min(gain, command / angle);
@@ -52,7 +52,8 @@ double command_gain(const Rig& rig, const std::vector<Trial>& trials) {
 }  // namespace
 
 Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
-  double omega = 0, num_p = 0, den_p = 0, num_d = 0;
+  Suggestion s;
+  double largest_deflection = 0, omega = 0, num_p = 0, den_p = 0, num_d = 0;
   int with_frequency = 0;
   struct Moments {
     double torque = 0, torque_t = 0, phi = 0, phi_t = 0;
@@ -60,10 +61,12 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   std::vector<Moments> all;
   for (const Trial& trial : trials) {
     const std::vector<double> spring = deflection(trial);
-    const bool known = (trial.rig ? *trial.rig : rig).drive.kind != Drive::Kind::kGains;
+    const bool known = trial.rig_or(rig).drive.kind != Drive::Kind::kGains;
     if (const double w = dominant_frequency(trial, known && !spring.empty() ? spring : trial.phi);
         w > 0 && std::isfinite(w))
       omega += w, ++with_frequency;
+    largest_deflection = std::max(largest_deflection, largest_deviation(spring));
+    s.rate = std::max(s.rate, dominant_frequency(trial, spring) * largest_deviation(trial.phi));
     if (trial.force.empty() || trial.phi.empty()) continue;
     Moments m;
     const std::vector<double> force = force_at_samples(trial);
@@ -83,7 +86,6 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   for (const Moments& m : all) num_d += (k_p * m.phi_t - m.torque_t) * m.phi;
   const double k_d = den_p > 0 ? num_d / den_p : 0;
 
-  Suggestion s;
   const bool moments = k_p > 0 && std::isfinite(k_p);
   const double stiffness = rig.inertia * omega * omega;
   s.centre.k_p = moments ? k_p : stiffness;
@@ -94,11 +96,7 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   s.centre.k_t = s.centre.k_p / command_gain(rig, trials);
   s.spread_gains = moments ? 1.2 : 30;
   s.spread_rest = 10;
-  for (const Trial& trial : trials) {
-    const std::vector<double> spring = deflection(trial);
-    s.torque = std::max(s.torque, s.centre.k_sea * largest_deviation(spring));
-    s.rate = std::max(s.rate, dominant_frequency(trial, spring) * largest_deviation(trial.phi));
-  }
+  s.torque = s.centre.k_sea * largest_deflection;
   return s;
 }
 

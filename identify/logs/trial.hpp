@@ -27,6 +27,8 @@ struct Trial {
   std::vector<std::string> notes;  ///< what was handled and counted while reading, a sentence each
 
   std::size_t samples() const { return t.size(); }
+  /// The rig that it was logged on: its own, else that of the others.
+  const Rig& rig_or(const Rig& common) const { return rig ? *rig : common; }
   /// Measured outputs that a fit compares: phi, then phi_motor.
   std::size_t measurements() const { return phi.size() + phi_motor.size(); }
 };

@@ -5,6 +5,12 @@
 
 namespace ukemi::identify {
 
+SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
+  sea.tau_max = tau_max.value_or(sea.tau_max);
+  sea.feedback = feedback.value_or(sea.feedback);
+  return sea;
+}
+
 Rig read_rig(const std::string& path) {
   TomlFile file(path);
   TomlSection s = file.require("rig");

@@ -30,6 +30,9 @@ struct Rig {
   std::optional<Feedback> feedback;      ///< what Eq. 3 feeds back
   Drive drive = {};                      ///< what drives the motor
   std::optional<double> speed_max = {};  ///< rated motor speed at the output [rad/s], for the actuator file
+
+  /// An actuator as it is on this rig: limit and feedback are the rig's, where it names them.
+  SeaParameters<double> mounted(SeaParameters<double> sea) const;
 };
 
 /// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5);

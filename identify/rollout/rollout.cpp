@@ -69,11 +69,10 @@ template <class T>
 RolloutStatus rollout(const Rig& common, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                       const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                       std::vector<T>& phi_m) {
-  const Rig& rig = trial.trial->rig ? *trial.trial->rig : common;
-  const bool extended = rig.drive.kind != Drive::Kind::kGains ||
-
-                        present(sea.friction) || present(sea.viscous) || present(sea.output_friction) ||
-                        present(sea.output_viscous) || present(sea.k_sea_cubic) || sea.feedback == Feedback::kMotor;
+  const Rig& rig = trial.trial->rig_or(common);
+  const bool extended = rig.drive.kind != Drive::Kind::kGains || present(sea.friction) || present(sea.viscous) ||
+                        present(sea.output_friction) || present(sea.output_viscous) || present(sea.k_sea_cubic) ||
+                        sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
     if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m);
   // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening

@@ -25,10 +25,6 @@ long AtlasOptions::effort() const {
 
 namespace {
 
-Scatter scatter_of(const Scene& scene, const RobustOptions& robust) {
-  return robust.scatter ? *robust.scatter : scene.scatter.value_or(Scatter::assumed());
-}
-
 AtlasCell cell_of(const Optimum& best) {
   AtlasCell out{.state = AtlasCell::State::kNone};
   if (!best.found) return out;
@@ -52,7 +48,8 @@ AtlasCell plan_drop(Scene scene, const Actuator& actuator, const AtlasOptions& o
   search.seed = Random(options.search.seed, drop).bits();
   search.monitor = {{}, options.monitor.stop};
   if (options.robust.measure) {
-    const DropModel drops(scene, scatter_of(scene, options.robust), actuator, {.inflate = options.robust.inflate});
+    const DropModel drops(scene, scatter_for(options.robust.scatter, scene), actuator,
+                          {.inflate = options.robust.inflate});
     RobustOptions robust = options.robust;
     robust.judging = kJudging;
     search.goal = Goal::kRobust, search.search_accuracy = Robust::kAccuracy;
@@ -71,7 +68,7 @@ std::string atlas_identity(const Scene& scene, const Actuator& actuator, const A
   text += std::to_string(options.search.seed) + "\n";
   if (const auto& measure = options.robust.measure) {
     text += measure->name() + "\n";
-    const Scatter scatter = scatter_of(scene, options.robust);
+    const Scatter scatter = scatter_for(options.robust.scatter, scene);
     for (const ScatterTerm& term : kScatterTerms) add(scatter.*term.deviation);
     add(options.robust.inflate), add(double(options.robust.samples)), add(options.robust.penalty);
   }

@@ -101,7 +101,7 @@ DropModel drops_of(Answer& a) {
   const RobustOptions& o = a.options.robust;
   if (!o.drops.empty()) return DropModel::measured(a.scene, o.drops);
   a.scatter_assumed = !o.scatter && !a.scene.scatter;
-  a.scatter = o.scatter ? *o.scatter : a.scene.scatter.value_or(Scatter::assumed());
+  a.scatter = scatter_for(o.scatter, a.scene);
   return {a.scene,
           *a.scatter,
           a.actuator,

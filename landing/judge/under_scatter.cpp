@@ -45,6 +45,10 @@ Motion holding(double phi, const Motion& planned) {
 
 }  // namespace
 
+Scatter scatter_for(const std::optional<Scatter>& asked, const Scene& scene) {
+  return asked ? *asked : scene.scatter.value_or(Scatter::assumed());
+}
+
 std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOptions& options, std::uint64_t seed) {
   constexpr std::uint64_t kApart = 0x9d6e5;  // the drops that judge are others than those that are searched on
   auto robust = std::make_shared<Robust>();

@@ -16,10 +16,13 @@ namespace ukemi::landing {
 /// The reference that others are compared with: it holds the middle of Fig. 5's range, -45 deg.
 inline constexpr Motion kHeld{-0.7853981633974483, -0.7853981633974483, 1};
 
+/// How drops scatter: as asked for, else as the scene says, else Scatter::assumed().
+Scatter scatter_for(const std::optional<Scatter>& asked, const Scene& scene);
+
 /// A plan for drops that scatter.
 struct RobustOptions {
   std::optional<Measure> measure;    ///< what is minimised; absent: the peak or the tolerant peak of the planned drop
-  std::optional<Scatter> scatter;    ///< absent: the scene's, else Scatter::assumed()
+  std::optional<Scatter> scatter;    ///< see scatter_for
   std::vector<ScatteredDrop> drops;  ///< measured ones, in place of all that is drawn
   double inflate = 1;                ///< see DropModel::Options
   long samples = 256;                ///< drops that are searched on

@@ -21,7 +21,7 @@ Actuator actuator_of(const std::string& path, Run& run) {
 Actuator landing_actuator_of(const std::string& path, Run& run) {
   Actuator actuator = actuator_of(path, run);
   const SeaParameters<double>& sea = actuator.sea;
-  if (sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0)
+  if (by_command(sea))
     throw InputError({path},
                      "no k_p and k_d: this drive was identified by its command (k_t); a landing needs the gains "
                      "of its controller, Eq. 3");

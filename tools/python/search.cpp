@@ -25,7 +25,7 @@ Goal goal_of(const std::string& text) {
 }
 /// The scatter of an argument, else the scene's, else what is assumed.
 Scatter scatter_of(const std::optional<std::string>& text, const Scene& scene) {
-  return text ? parse_scatter("scatter", *text) : scene.scatter.value_or(Scatter::assumed());
+  return scatter_for(text ? std::optional(parse_scatter("scatter", *text)) : std::nullopt, scene);
 }
 double inflation(double inflate) { return checked("inflate", inflate, {0, 100, false, "0 to 100"}); }
 

@@ -93,11 +93,8 @@ Panel postures_of(const Fall& f, double length) {
 }
 
 Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series) {
-  Figure out;
-  out.name = name, out.cursor = Figure::Cursor::kTime;
-  Panel panel;
-  panel.x_label = "time from release [s]", panel.y_label = y_label, panel.series = std::move(series);
-  out.panels = {panel};
+  Figure out = lines(name, "time from release [s]", y_label, std::move(series));
+  out.cursor = Figure::Cursor::kTime;
   return out;
 }
 

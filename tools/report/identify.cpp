@@ -106,10 +106,7 @@ void warn(const IdentifyQuestion& q, const identify::Identification& found, Run&
 }  // namespace
 
 SeaParameters<double> base_of(const identify::Rig& rig, const std::optional<Actuator>& given) {
-  SeaParameters<double> out = given ? given->sea : SeaParameters<double>{};
-  out.tau_max = rig.tau_max.value_or(out.tau_max);
-  out.feedback = rig.feedback.value_or(out.feedback);
-  return out;
+  return rig.mounted(given ? given->sea : SeaParameters<double>{});
 }
 
 Actuator fitted_actuator(const IdentifyQuestion& q, const Fit& fit) {

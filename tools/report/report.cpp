@@ -128,11 +128,7 @@ void Report::figure(Figure f) {
 }
 void Report::plot(const std::string& name, const std::string& x_label, const std::string& y_label,
                   std::vector<Series> series, Axes axes) {
-  Panel panel;
-  panel.x_label = x_label, panel.y_label = y_label, panel.series = std::move(series), panel.axes = axes;
-  Figure out;
-  out.name = name, out.panels = {panel};
-  figure(out);
+  figure(lines(name, x_label, y_label, std::move(series), axes));
 }
 void Report::player(const Json& landings) {
   body() +=

@@ -29,9 +29,7 @@ OfSets<identify::Fit> predictions(const OfSets<Actuator>& sets, const RigTrials&
   options.escape = escape;
   OfSets<identify::Fit> out;
   for (std::size_t s = 0; s < 2; ++s) {
-    SeaParameters<double> sea = sets[s].sea;
-    sea.tau_max = measured.rig.tau_max.value_or(sea.tau_max);
-    sea.feedback = measured.rig.feedback.value_or(sea.feedback);
+    const SeaParameters<double> sea = measured.rig.mounted(sets[s].sea);
     out[s] = identify::predict(measured.rig, measured.trials, sea, options);
   }
   return out;
@@ -61,7 +59,7 @@ bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const Com
 /// Adds the plans for drops that scatter; false where one could not be found or was stopped.
 bool compare_plans(const OfSets<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
                    std::vector<ComparedPlan>& plans) {
-  const Scatter scatter = options.robust.scatter.value_or(scene.scatter.value_or(Scatter::assumed()));
+  const Scatter scatter = scatter_for(options.robust.scatter, scene);
   const bool measured = !options.robust.drops.empty();
   const DropModel drops = measured ? DropModel::measured(scene, options.robust.drops) : DropModel(scene, scatter);
   const bool covariance = !measured && sets[1].covariance.size() > 0;

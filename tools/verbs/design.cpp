@@ -46,8 +46,8 @@ identify::DesignOptions options_of(const DesignArguments& a, const std::vector<i
 /// What is known of the constants before the hits.
 identify::Knowledge knowledge_of(const DesignArguments& a, const identify::Rig& rig, Actuator actuator,
                                  const std::vector<identify::Trial>& trials, double noise) {
-  actuator.sea.tau_max = a.tau_max.value_or(rig.tau_max.value_or(actuator.sea.tau_max));
-  actuator.sea.feedback = rig.feedback.value_or(actuator.sea.feedback);
+  actuator.sea = rig.mounted(actuator.sea);
+  actuator.sea.tau_max = a.tau_max.value_or(actuator.sea.tau_max);
   const std::vector<int> uncertain = identify::uncertain_constants(actuator);
   if (uncertain.empty()) throw InputError({a.actuator}, "no uncertain constant above 0: there is nothing to shrink");
   const std::optional<identify::Knowledge> knowledge =

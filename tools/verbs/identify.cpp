@@ -91,7 +91,7 @@ void check(const IdentifyArguments& a, const IdentifyQuestion& q) {
 void choose_drive(IdentifyQuestion& q) {
   using Kind = identify::Drive::Kind;
   std::size_t known = 0;
-  for (const identify::Trial& t : q.trials) known += (t.rig ? *t.rig : q.rig).drive.kind != Kind::kGains;
+  for (const identify::Trial& t : q.trials) known += t.rig_or(q.rig).drive.kind != Kind::kGains;
   if (known == 0) return;
   if (known != q.trials.size())
     throw InputError("--trial-rig: some trials have a [drive] and others none: K_p, K_d and K_t cannot be told apart");

@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "landing/judge/risk.hpp"
+#include "landing/judge/under_scatter.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
@@ -64,7 +65,7 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
   study.scattering = {.inflate = scattering.inflate, .inexact = a.execution == RiskArguments::Execution::kInexact};
   options.measured = scattering.measured;
   if (options.measured.empty()) {
-    study.scatter = scattering.scatter ? *scattering.scatter : scene.scatter.value_or(Scatter::assumed());
+    study.scatter = scatter_for(scattering.scatter, scene);
     study.assumed = !scattering.scatter && !scene.scatter;
   }
   const DropModel model(scene, study.scatter.value_or(Scatter{}), actuator, study.scattering);

@@ -382,13 +382,18 @@ std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<
   return out;
 }
 
-std::string lines_svg(const std::string& x_label, const std::string& y_label, std::vector<Series> series) {
+Figure lines(const std::string& name, const std::string& x_label, const std::string& y_label,
+             std::vector<Series> series, Axes axes) {
   Panel panel;
-  panel.x_label = x_label, panel.y_label = y_label, panel.series = std::move(series);
-  Figure figure;
-  figure.name = "figure", figure.panels = {panel};
+  panel.x_label = x_label, panel.y_label = y_label, panel.series = std::move(series), panel.axes = axes;
+  Figure out;
+  out.name = name, out.panels = {panel};
+  return out;
+}
+
+std::string lines_svg(const std::string& x_label, const std::string& y_label, std::vector<Series> series) {
   std::string why;
-  std::vector<Drawing> drawn = draw({figure}, {"svg"}, why);
+  std::vector<Drawing> drawn = draw({lines("figure", x_label, y_label, std::move(series))}, {"svg"}, why);
   if (drawn.empty()) throw std::runtime_error("no figure: " + why);
   return drawn.front().files.begin()->second;
 }

@@ -87,7 +87,11 @@ struct Drawing {
 std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<std::string>& formats,
                           std::string& why);
 
-/// One panel of lines as an SVG that stands alone. Throws std::runtime_error where gnuplot is not there or fails.
+/// A figure of one panel.
+Figure lines(const std::string& name, const std::string& x_label, const std::string& y_label,
+             std::vector<Series> series, Axes axes = Axes::kLinear);
+
+/// The same as an SVG that stands alone. Throws std::runtime_error where gnuplot is not there or fails.
 std::string lines_svg(const std::string& x_label, const std::string& y_label, std::vector<Series> series);
 
 /// At most some 3 `most` of a line's points: the first, the smallest and the largest y of each of `most` equal parts,
