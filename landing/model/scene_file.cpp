@@ -9,6 +9,7 @@
 
 #include "common/csv.hpp"
 #include "common/toml.hpp"
+#include "landing/model/motion_csv.hpp"
 #include "landing/model/release.hpp"
 #include "landing/model/scatter_file.hpp"
 
@@ -119,6 +120,7 @@ Scene read_scene(const std::string& path) {
 }
 
 Motion read_motion(const std::string& path) {
+  if (std::filesystem::path(path).extension() == ".csv") return read_motion_csv(path);
   TomlFile file(path);
   TomlSection s = file.require("motion");
   Motion motion{s.angle("phi_i"), s.angle("phi_f"), s.number("duration", Range::positive())};

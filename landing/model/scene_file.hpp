@@ -24,7 +24,7 @@ std::optional<ReleaseFault> release_fault(const Scene& scene);
 std::string to_toml(const Scene& scene, const std::string& comments);
 
 /// Reads motion.toml: [motion] phi_i_deg, phi_f_deg (or phi_i, phi_f in rad), duration; optional bumps_deg, gain_p,
-/// gain_d, and [reposition] phi_deg, rate_deg, from, to.
+/// gain_d, and [reposition] phi_deg, rate_deg, from, to. A path that ends in .csv: see landing/model/motion_csv.hpp.
 Motion read_motion(const std::string& path);
 
 /// The text of a motion.toml; `comments` goes in front, each line behind "# ".

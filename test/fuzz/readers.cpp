@@ -10,6 +10,7 @@
 #include "identify/logs/hits.hpp"
 #include "identify/rig/rig.hpp"
 #include "landing/drops/drop_log.hpp"
+#include "landing/model/motion_csv.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "test/fuzz/targets.hpp"
@@ -82,6 +83,11 @@ void drops(const std::string& bytes) {
   accepts([&] { (void)landing::read_drops(file.path(), scene, {50, 1, 65, 1.6, 0.085}); });
 }
 
+void motion(const std::string& bytes) {
+  const File file(bytes);
+  accepts([&] { (void)landing::read_motion_csv(file.path()); });
+}
+
 /// What is read can be written, and what is written can be read.
 template <class T>
 void round_trip(const std::string& path, T (*read)(const std::string&), std::string (*text)(const T&)) {
@@ -111,8 +117,9 @@ void gains(const std::string& bytes) {
 }  // namespace
 
 const std::map<std::string, Target>& readers() {
-  static const std::map<std::string, Target> all = {{"trial", trial}, {"hebi", hebi}, {"drop", drop},
-                                                    {"drops", drops}, {"toml", toml}, {"gains", gains}};
+  static const std::map<std::string, Target> all = {{"trial", trial}, {"hebi", hebi},     {"drop", drop},
+                                                    {"drops", drops}, {"motion", motion}, {"toml", toml},
+                                                    {"gains", gains}};
   return all;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "landing/judge/answer.hpp"
+#include "landing/model/motion_csv.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
 #include "tools/report/fall.hpp"
@@ -62,32 +63,8 @@ double expected_start(const Answer& a) {
 /// What a robot plays: t = 0 at the detected first touchdown; the move in the air before it.
 std::string motion_csv(const Run& run, const Answer& a, double rate) {
   const Motion& m = a.best.motion;
-  CsvWriter csv = run.csv();
-  const auto row = [&](double t, const Reference<double>& r) { csv.row({t, r.phi, r.dphi}); };
-  csv.comment("t = 0 at the detected first touchdown; before it hold phi_ref of the first row. Units: s, rad, rad/s.");
   const double start = m.reposition ? expected_start(a) : std::numeric_limits<double>::infinity();
-  const bool moves = m.reposition && start > m.reposition->from && std::isfinite(start);
-  if (moves)
-    csv.comment(fmt::format(
-        "Rows with t < 0 are the move in the air, by the clock: t = 0 is then the expected detection of the touchdown, "
-        "{:.6f} s after release. The landing motion starts at the detected touchdown, from where the reference is.",
-        start));
-  if (m.gain_p != 1 || m.gain_d != 1)
-    csv.comment(fmt::format("From t = 0 on K_p times {:.6g} and K_d times {:.6g}.", m.gain_p, m.gain_d));
-  csv.header({"t", "phi_ref", "dphi_ref"});
-  if (moves) {
-    const double begin = m.reposition->from - start;
-    row(begin, reference_before(m, m.reposition->from));
-    for (long i = long(std::ceil(-begin * rate - 1e-9)) - 1; i > 0; --i)
-      row(-double(i) / rate, reference_before(m, start - double(i) / rate));
-  }
-  const Motion played = started_at(m, start);
-  const long rows = long(std::ceil(m.duration * rate - 1e-9));
-  for (long i = 0; i <= rows; ++i) {
-    const double t = std::min(double(i) / rate, m.duration);
-    row(t, reference_of(played, t));
-  }
-  return csv.text();
+  return to_csv(rows_of(m, start, rate), run.provenance_text());
 }
 
 Table solvers(const Answer& a) {

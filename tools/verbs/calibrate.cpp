@@ -171,7 +171,7 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   verb->add_option("--scene", args->scene, "scene file (TOML): the robot, the drop, the constants to start from")
       ->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
-  verb->add_option("--motion", args->motion, "motion file (TOML) that every drop played");
+  verb->add_option("--motion", args->motion, "motion file (TOML, CSV) that every drop played");
   repeated("--motion-of", args->motion_of, "DROP=MOTION.toml: another motion for one drop");
   repeated("--height-of", args->height_of, "DROP=H: another height for one drop [m]");
   repeated("--speed-of", args->speed_of, "DROP=V: another forward speed for one drop [m/s]");

@@ -10,7 +10,7 @@
 namespace ukemi::tools {
 
 void add_motion(CLI::App& verb, MotionArguments& a) {
-  verb.add_option("--motion", a.file, "motion file (TOML)");
+  verb.add_option("--motion", a.file, "motion file: TOML, or the rows of a motion.csv");
   verb.add_option("--hold", a.hold, "hold the reference at this angle [deg]; the joint stays compliant");
 }
 
