@@ -26,6 +26,10 @@ double shaped_rate(const ReferencePiece<double>& piece) {
 
 }  // namespace
 
+bool moves_in_air(const Motion& m, double start) {
+  return m.reposition && start > m.reposition->from && std::isfinite(start);
+}
+
 Reference<double> reference_before(const Motion& m, double time) {
   if (!m.reposition || time >= m.reposition->to) return {m.phi_i, 0};
   if (time <= m.reposition->from) return {m.reposition->phi, 0};

@@ -158,6 +158,8 @@ bool has_bumps(const MotionOf<T>& m) {
 /// Whether the reference moves at all after the touchdown.
 inline bool moves(const Motion& m) { return m.phi_i != m.phi_f || m.reposition || has_bumps(m); }
 
+/// Whether the reference moves before a landing motion that starts at a finite time from release.
+bool moves_in_air(const Motion& m, double start);
 /// Where the reference is before the landing motion, `time` from release.
 Reference<double> reference_before(const Motion& m, double time);
 /// The landing motion that starts `time` from release, from where the reference is then: phi_I is replaced by it.

@@ -17,7 +17,7 @@ MotionRows rows_of(const Motion& m, double start, double rate) {
   const auto row = [&](double t, const Reference<double>& r) {
     out.t.push_back(t), out.phi.push_back(r.phi), out.dphi.push_back(r.dphi);
   };
-  if (m.reposition && start > m.reposition->from && std::isfinite(start)) {
+  if (moves_in_air(m, start)) {
     const double begin = m.reposition->from - start;
     row(begin, reference_before(m, m.reposition->from));
     for (long i = long(std::ceil(-begin * rate - 1e-9)) - 1; i > 0; --i)

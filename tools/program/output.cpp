@@ -50,8 +50,10 @@ std::vector<std::string> result_names(const std::string& verb) {
   static const std::map<std::string, std::vector<std::string>> kNames = {
       {"identify", {"actuator.toml", "fit.csv", "profile.csv"}},
       {"predict", {"fit.csv"}},
-      {"simulate", {"trajectory.csv", "contacts.csv"}},
-      {"optimize", {"motion.toml", "motion.csv", "solvers.csv", "progress.csv"}},
+      {"simulate", {"trajectory.csv", "contacts.csv", "motion_ros2.yaml", "reposition_ros2.yaml", "plotjuggler.csv"}},
+      {"optimize",
+       {"motion.toml", "motion.csv", "solvers.csv", "progress.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
+        "plotjuggler.csv"}},
       {"calibrate", {"scene.toml", "fit.csv", "validation.csv"}},
       {"compare", {"parameters.csv", "trajectories.csv"}},
       {"design", {"hit_#.csv", "hits.csv"}},

@@ -7,6 +7,7 @@
 #include "landing/model/motion_csv.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
+#include "tools/report/exports.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
@@ -58,13 +59,6 @@ double expected_start(const Answer& a) {
   const double touchdown = a.landing.touches.empty() ? first_touchdown(a.scene, a.best.sea, a.best.motion)
                                                      : a.landing.touches[0].t_touchdown;
   return touchdown + a.scene.detection_delay;
-}
-
-/// What a robot plays: t = 0 at the detected first touchdown; the move in the air before it.
-std::string motion_csv(const Run& run, const Answer& a, double rate) {
-  const Motion& m = a.best.motion;
-  const double start = m.reposition ? expected_start(a) : std::numeric_limits<double>::infinity();
-  return to_csv(rows_of(m, start, rate), run.provenance_text());
 }
 
 Table solvers(const Answer& a) {
@@ -211,16 +205,19 @@ Report page_of(const Answer& a, const Run& run) {
 
 }  // namespace
 
-std::map<std::string, std::string> files_of(const Answer& a, double rate, const Run& run) {
-  std::map<std::string, std::string> files = {{"motion.toml", to_toml(a.best.motion, run.provenance_text())},
-                                              {"motion.csv", motion_csv(run, a, rate)},
+std::map<std::string, std::string> files_of(const Answer& a, double rate, const Exports& exports, const Run& run) {
+  const Motion& m = a.best.motion;
+  const double start = m.reposition ? expected_start(a) : std::numeric_limits<double>::infinity();
+  std::map<std::string, std::string> files = {{"motion.toml", to_toml(m, run.provenance_text())},
+                                              {"motion.csv", to_csv(rows_of(m, start, rate), run.provenance_text())},
                                               {"solvers.csv", solvers(a).csv(run)},
                                               {"progress.csv", progress_csv(run, a)}};
+  files.merge(exported(exports, m, start, a.landing, run));
   files.merge(page_of(a, run).files(run));
   return files;
 }
 
-int report(const Answer& a, double rate, Run& run) {
+int report(const Answer& a, double rate, const Exports& exports, Run& run) {
   const OptimizeOptions& searched = a.options.search;
   Json summary;
   if (a.best.found) {
@@ -233,7 +230,9 @@ int report(const Answer& a, double rate, Run& run) {
                           a.limit->jump, a.limit->first_contact, a.peak(), short_peak_words(a.held_peak())));
     tell_scatter(a, run);
     run.say(fmt::format("searched for {:.2f} s", a.best.seconds));
-    for (auto& [name, content] : files_of(a, rate, run)) run.add(name, content);
+    if (exports.has(Exports::Format::kPlotJuggler) && !a.played())
+      run.warn("plotjuggler.csv is not written: there was no time to play the landing");
+    for (auto& [name, content] : files_of(a, rate, exports, run)) run.add(name, content);
   } else {
     run.warn(a.best.message);
     summary = {{"motion", nullptr},

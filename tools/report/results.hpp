@@ -24,13 +24,14 @@ struct Survey;
 namespace ukemi::tools {
 
 struct CalibratedDrops;
+struct Exports;
 struct RiskStudy;
 struct Comparison;
 enum class Doubt;
 
 /// `held`: the landing of the held reference on the same drop, to stand beside it.
 int report(const landing::CheckedLanding& landing, const Actuator& actuator,
-           const std::optional<landing::Landing>& held, Run& run);
+           const std::optional<landing::Landing>& held, const Exports& exports, Run& run);
 int report(const landing::Survey& survey, Run& run);
 int report(const landing::Scene& scene, const std::vector<landing::RatedPlan>& plans, Run& run);
 int report(const RiskStudy& study, Run& run);
@@ -39,8 +40,9 @@ int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& 
 /// `summary` holds what was read.
 int report(const Comparison& comparison, Json summary, Run& run);
 /// `rate`: rows of motion.csv a second [Hz].
-int report(const landing::Answer& answer, double rate, Run& run);
+int report(const landing::Answer& answer, double rate, const Exports& exports, Run& run);
 /// Every file of the answer but the summary.
-std::map<std::string, std::string> files_of(const landing::Answer& answer, double rate, const Run& run);
+std::map<std::string, std::string> files_of(const landing::Answer& answer, double rate, const Exports& exports,
+                                            const Run& run);
 
 }  // namespace ukemi::tools

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "landing/judge/checked.hpp"
 #include "landing/judge/under_scatter.hpp"
+#include "tools/report/exports.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
+#include "tools/report/trajectory.hpp"
 
 namespace ukemi::tools {
 
@@ -29,35 +32,6 @@ const Quantities<CheckedLanding> kQuantities = {
     {"", "steps", [](auto& c) { return c.landing.work.steps; }},
     {"", "implicit_steps", [](auto& c) { return c.landing.work.implicit; }},  // where a phase is stiff
 };
-
-Quantities<Sample> trajectory_quantities() {
-  Quantities<Sample> out;
-  const auto add = [&](const std::string& name, const std::function<Json(const Sample&)>& value) {
-    out.push_back({name, "", value});
-  };
-  const std::pair<const char*, double Sample::*> columns[] = {{"t", &Sample::t},
-                                                              {"x_0", &Sample::x0},
-                                                              {"y_0", &Sample::y0},
-                                                              {"phi_0", &Sample::phi0},
-                                                              {"phi_1", &Sample::phi1},
-                                                              {"phi_m", &Sample::phi_m},
-                                                              {"dx_0", &Sample::dx0},
-                                                              {"dy_0", &Sample::dy0},
-                                                              {"dphi_0", &Sample::dphi0},
-                                                              {"dphi_1", &Sample::dphi1},
-                                                              {"dphi_m", &Sample::dphi_m},
-                                                              {"ddx_0", &Sample::ddx0},
-                                                              {"ddy_0", &Sample::ddy0},
-                                                              {"acc", &Sample::acc},
-                                                              {"tau_sea", &Sample::tau_sea},
-                                                              {"phi_ref", &Sample::phi_ref}};
-  for (const auto& [name, value] : columns) add(name, value);
-  for (std::size_t j = 0; j < std::size_t(kPoints); ++j) {
-    add(fmt::format("f_{}_x", kPointNames[j]), [j](const Sample& s) { return s.force[j].x(); });
-    add(fmt::format("f_{}_y", kPointNames[j]), [j](const Sample& s) { return s.force[j].y(); });
-  }
-  return out;
-}
 
 /// "held at -45 deg", or where it goes.
 std::string motion_name(const Motion& m) {
@@ -92,7 +66,8 @@ void warn(const CheckedLanding& c, Run& run) {
 
 }  // namespace
 
-int report(const CheckedLanding& c, const Actuator& actuator, const std::optional<Landing>& held, Run& run) {
+int report(const CheckedLanding& c, const Actuator& actuator, const std::optional<Landing>& held,
+           const Exports& exports, Run& run) {
   const Landing& l = c.landing;
   warn(c, run);
   const Table table = Table::of(kQuantities, c), contacts(contact_quantities(), l.touches);
@@ -102,13 +77,13 @@ int report(const CheckedLanding& c, const Actuator& actuator, const std::optiona
   summary["peaks"] = peaks_json(l);
   summary["contacts"] = contacts.objects();
   summary["ratings"] = ratings_json(c.ratings);
-  run.add("trajectory.csv", Table(trajectory_quantities(), l.trajectory)
-                                .csv(run,
-                                     "t = 0 at release. Two rows with one t: left and right limit of an event. Units: "
-                                     "s, m, rad, N, Nm; acc = |ddr_0|, m/s^2."));
+  run.add("trajectory.csv", trajectory_csv(l.trajectory, run));
   run.add(
       "contacts.csv",
       contacts.csv(run, "t = 0 at release; t_liftoff: when the point rises through y = 0 again. Units: s, N, m/s^2."));
+  const double start =
+      l.touches.empty() ? std::numeric_limits<double>::infinity() : l.touches[0].t_touchdown + c.scene.detection_delay;
+  for (auto& [name, content] : exported(exports, c.motion, start, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
   tell(table.turned(), report, run);
   report.distrust(run.warnings());

@@ -64,17 +64,19 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   o.validate();
   o.monitor = run.monitor(all ? "solvers" : "optimize");
   if (all) out.solvers = solver_names();
-  out.rate = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ? 1000 : 0;
+  const bool rows = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
+                    a.exports.has(Exports::Format::kPlotJuggler);
+  out.rate = rows ? 1000 : 0;
   out.evidence = a.evidence;
   out.evidence_monitor = run.monitor("evidence");
   return out;
 }
 
 /// How long it takes to write such an answer [s].
-double writing_time(const Answer& a, double rate, const Run& run) {
+double writing_time(const Answer& a, double rate, const Exports& exports, const Run& run) {
   constexpr double kTwice = 2, kFiles = 8, kExit = 2e-3;  // the program's own end takes 1 ms
   const Stopwatch watch(Stopwatch::Time::kWall);
-  (void)files_of(a, rate, run);
+  (void)files_of(a, rate, exports, run);
   const double composed = watch.seconds();
   require_writable_folder(run.options().folder);
   return kTwice * composed + kFiles * (watch.seconds() - composed) + kExit;
@@ -98,9 +100,9 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
                            ? fmt::format("{:g} s", *o.deadline)
                            : fmt::format("{} motions", o.evaluations.value_or(default_evaluations(goal, variables))),
                        o.seed));
-  options.rehearse = [&](const Answer& rehearsed) { return writing_time(rehearsed, a.rate, run); };
+  options.rehearse = [&](const Answer& rehearsed) { return writing_time(rehearsed, a.rate, a.exports, run); };
   options.used = clock.seconds();
-  return report(answer(scene, actuator, options), a.rate, run);
+  return report(answer(scene, actuator, options), a.rate, a.exports, run);
 }
 
 void add_optimize(CLI::App& app, Action& chosen) {
@@ -142,6 +144,7 @@ void add_optimize(CLI::App& app, Action& chosen) {
   verb->add_option("--penalty", args->penalty,
                    "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
+  add_export(*verb, args->exports, landing_exports());
   add_action<OptimizeArguments>(*verb, args, "ukemi optimize scene.toml --actuator actuator.toml -o out", chosen,
                                 [](auto& a, auto& common) { return run_optimize(a, common); });
 }

@@ -11,6 +11,7 @@
 #include "tools/program/trials.hpp"
 #include "tools/report/identify.hpp"
 #include "tools/study/comparison.hpp"
+#include "tools/verbs/exporting.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/scattering.hpp"
 
@@ -46,6 +47,7 @@ struct OptimizeArguments {
   ScatterArguments scatter;
   long samples = landing::RobustOptions().samples;
   double penalty = landing::RobustOptions().penalty;
+  Exports exports;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
 

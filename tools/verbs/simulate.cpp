@@ -11,6 +11,7 @@
 #include "landing/scatter/drop_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/results.hpp"
+#include "tools/verbs/exporting.hpp"
 #include "tools/verbs/given_motion.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -24,6 +25,7 @@ struct SimulateArguments {
   std::string scene, actuator, drop_from;
   MotionArguments motion;
   std::optional<double> rate, accuracy;
+  Exports exports;
 };
 
 /// Drop ROW of FILE:ROW.
@@ -64,7 +66,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
     held = simulate(scene, actuator.sea, kHeld, options, rate);
     if (no_landing(held->end)) held.reset();
   }
-  return report(checked_landing(scene, actuator, motion, options, rate), actuator, held, run);
+  return report(checked_landing(scene, actuator, motion, options, rate), actuator, held, a.exports, run);
 }
 
 }  // namespace
@@ -78,6 +80,7 @@ void add_simulate(CLI::App& app, Action& chosen) {
   verb->add_option("--drop-from", args->drop_from, "FILE:ROW, a drop as risk.csv has it in place of the scene's");
   verb->add_option("--rate", args->rate, "rows of trajectory.csv a second [1000 Hz]");
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of each step [1e-9]");
+  add_export(*verb, args->exports, landing_exports());
   add_action<SimulateArguments>(*verb, args, "ukemi simulate scene.toml --actuator actuator.toml --hold -45 -o out",
                                 chosen, run_simulate);
 }

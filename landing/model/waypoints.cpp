@@ -1,0 +1,61 @@
+#include "landing/model/waypoints.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ukemi::landing {
+
+namespace {
+
+bool shaped(const ReferencePiece<double>& p) {
+  return std::any_of(p.powers.begin(), p.powers.end(), [](double c) { return c != 0; });
+}
+
+/// The reference and its acceleration, `t` from the start of the piece.
+Waypoint waypoint(const ReferencePiece<double>& piece, double t) {
+  using Jet = ceres::Jet<double, 1>;
+  const double within = std::min(t, piece.duration);
+  const Reference<Jet> r = piece.cast<Jet>().at(Jet(piece.start) + Jet(within, 0), shaped(piece));
+  return {t, r.phi.a, r.dphi.a, r.dphi.v[0]};
+}
+
+std::vector<Waypoint> equal_steps(const ReferencePiece<double>& piece, int steps) {
+  constexpr double kNanosecond = 1e-9;
+  std::vector<Waypoint> out;
+  for (int k = 0; k <= steps; ++k)
+    out.push_back(waypoint(piece, std::round(piece.duration * k / steps / kNanosecond) * kNanosecond));
+  out.back() = {out.back().t, piece.b, 0, 0};
+  return out;
+}
+
+double misfit(const ReferencePiece<double>& piece, const std::vector<Waypoint>& points) {
+  constexpr int kPlaces = 64;
+  double worst = 0;
+  for (std::size_t k = 1; k < points.size(); ++k)
+    for (int i = 1; i < kPlaces; ++i) {
+      const double t = points[k - 1].t + (points[k].t - points[k - 1].t) * i / kPlaces;
+      worst = std::max(worst, std::abs(spline_between(points[k - 1], points[k], t) - waypoint(piece, t).phi));
+    }
+  return worst;
+}
+
+}  // namespace
+
+double spline_between(const Waypoint& a, const Waypoint& b, double t) {
+  const double h = b.t - a.t, s = (t - a.t) / h;
+  const double c1 = a.dphi * h, c2 = 0.5 * a.ddphi * h * h;
+  // What the powers from s^3 on add at the end: to the angle, to its first and its second derivative by s.
+  const double d0 = b.phi - a.phi - c1 - c2, d1 = b.dphi * h - c1 - 2 * c2, d2 = b.ddphi * h * h - 2 * c2;
+  const double c3 = 10 * d0 - 4 * d1 + 0.5 * d2, c4 = -15 * d0 + 7 * d1 - d2, c5 = 6 * d0 - 3 * d1 + 0.5 * d2;
+  return a.phi + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))));
+}
+
+std::vector<Waypoint> waypoints(const ReferencePiece<double>& piece) {
+  constexpr int kMostSteps = 1000;
+  for (int steps = 1;; ++steps) {
+    std::vector<Waypoint> points = equal_steps(piece, steps);
+    if (!shaped(piece) || steps == kMostSteps || misfit(piece, points) <= kSplineMisfit) return points;
+  }
+}
+
+}  // namespace ukemi::landing

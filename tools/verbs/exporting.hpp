@@ -1,0 +1,22 @@
+// --export and --joint: results as other programs read them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/report/exports.hpp"
+
+namespace ukemi::tools {
+
+/// Formats by their names, and what they are for.
+struct ExportChoices {
+  std::vector<std::pair<std::string, Exports::Format>> formats;
+  std::string help;
+};
+/// Of a motion and its landing.
+ExportChoices landing_exports();
+void add_export(CLI::App& verb, Exports& exports, const ExportChoices& choices);
+
+}  // namespace ukemi::tools
