@@ -48,8 +48,8 @@ std::vector<std::string> figure_names(const std::string& verb) {
 /// Every file that a verb may write beside summary.json and report.html; '#' stands for a number.
 std::vector<std::string> result_names(const std::string& verb) {
   static const std::map<std::string, std::vector<std::string>> kNames = {
-      {"identify", {"actuator.toml", "fit.csv", "profile.csv"}},
-      {"predict", {"fit.csv"}},
+      {"identify", {"actuator.toml", "fit.csv", "profile.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
+      {"predict", {"fit.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
       {"simulate", {"trajectory.csv", "contacts.csv", "motion_ros2.yaml", "reposition_ros2.yaml", "plotjuggler.csv"}},
       {"optimize",
        {"motion.toml", "motion.csv", "solvers.csv", "progress.csv", "motion_ros2.yaml", "reposition_ros2.yaml",

@@ -77,6 +77,15 @@ std::string reposition_message(const Exports& exports, const Motion& m, const Ru
 
 bool Exports::has(Format format) const { return std::find(formats.begin(), formats.end(), format) != formats.end(); }
 
+std::map<std::string, std::string> exported(const Exports& exports, const Actuator& actuator, const RigLink& link,
+                                            const Run& run) {
+  std::map<std::string, std::string> out;
+  const std::string made_by = run.provenance_text();
+  if (exports.has(Exports::Format::kMjcf)) out["actuator.mjcf.xml"] = mjcf(actuator, link, exports.joint, made_by);
+  if (exports.has(Exports::Format::kUrdf)) out["actuator.urdf.xml"] = urdf(actuator, link, exports.joint, made_by);
+  return out;
+}
+
 std::map<std::string, std::string> exported(const Exports& exports, const Motion& motion, double start,
                                             const Landing& landing, const Run& run) {
   std::map<std::string, std::string> out;

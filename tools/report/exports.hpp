@@ -7,6 +7,7 @@
 
 #include "landing/judge/checked.hpp"
 #include "tools/program/output.hpp"
+#include "tools/report/actuator_models.hpp"
 
 namespace ukemi::tools {
 
@@ -15,6 +16,8 @@ struct Exports {
   enum class Format {
     kRos2,         ///< trajectory_msgs/JointTrajectory, YAML
     kPlotJuggler,  ///< the landing's rows without comment lines
+    kMjcf,         ///< the actuator as a model of MuJoCo
+    kUrdf,         ///< the same as URDF
   };
   std::vector<Format> formats;
   std::string joint = "knee";  ///< its name in the files
@@ -22,6 +25,9 @@ struct Exports {
   bool has(Format format) const;
 };
 
+/// The files of an actuator, by their names: its rig as a model.
+std::map<std::string, std::string> exported(const Exports& exports, const Actuator& actuator, const RigLink& link,
+                                            const Run& run);
 /// The files of a motion and its landing, by their names. `start`: when the landing motion is expected to start, from
 /// release, as landing::rows_of has it. Without a trajectory there is no file for PlotJuggler.
 std::map<std::string, std::string> exported(const Exports& exports, const landing::Motion& motion, double start,

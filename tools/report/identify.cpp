@@ -167,8 +167,15 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
   for (Figure& f : residual_figures(q.trials, fit)) report.figure(std::move(f));
   if (const std::vector<std::string> next = next_steps(q, found); !next.empty())
     report.heading("What to do next"), report.list(next);
+  const RigLink link{q.rig.length, q.rig.inertia};
+  if (predict) {
+    Actuator mounted = *q.given;
+    mounted.sea = q.base;
+    for (auto& [name, content] : exported(q.exports, mounted, link, run)) run.add(name, content);
+  }
   if (found.trust) {
     Actuator actuator = fitted_actuator(q, fit);
+    for (auto& [name, content] : exported(q.exports, actuator, link, run)) run.add(name, content);
     actuator.provenance = run.provenance();
     actuator.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");
     run.add("actuator.toml", to_toml(actuator, fit.half_width));

@@ -9,6 +9,7 @@
 #include "identify/trust/identification.hpp"
 #include "tools/program/output.hpp"
 #include "tools/report/estimates.hpp"
+#include "tools/report/exports.hpp"
 
 namespace ukemi::tools {
 
@@ -19,6 +20,7 @@ struct IdentifyQuestion {
   identify::FitOptions options;
   std::optional<Actuator> given;  ///< to start from, to predict with
   SeaParameters<double> base;     ///< what is not fitted: limit, feedback, friction
+  Exports exports;
 };
 
 /// What is not fitted: a given actuator's, else no limit and Eq. 3 as printed; the rig's limit and feedback count

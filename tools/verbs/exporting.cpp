@@ -26,6 +26,11 @@ ExportChoices landing_exports() {
           "ros2: motion_ros2.yaml, a JointTrajectory; plotjuggler: plotjuggler.csv, the landing's rows"};
 }
 
+ExportChoices actuator_exports() {
+  return {{{"mjcf", Exports::Format::kMjcf}, {"urdf", Exports::Format::kUrdf}},
+          "mjcf: actuator.mjcf.xml, for MuJoCo; urdf: actuator.urdf.xml"};
+}
+
 void add_export(CLI::App& verb, Exports& exports, const ExportChoices& choices) {
   verb.add_option_function<std::string>(
           "--export",

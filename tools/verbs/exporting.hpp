@@ -17,6 +17,8 @@ struct ExportChoices {
 };
 /// Of a motion and its landing.
 ExportChoices landing_exports();
+/// Of an actuator.
+ExportChoices actuator_exports();
 void add_export(CLI::App& verb, Exports& exports, const ExportChoices& choices);
 
 }  // namespace ukemi::tools

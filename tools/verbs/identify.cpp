@@ -119,7 +119,8 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   const bool predict = !a.actuator.empty();
   Run run(predict ? "predict" : "identify", common);
   IdentifyQuestion q{.verb = predict ? IdentifyQuestion::Verb::kPredict : IdentifyQuestion::Verb::kIdentify,
-                     .rig = identify::read_rig(a.rig)};
+                     .rig = identify::read_rig(a.rig),
+                     .exports = a.exports};
   run.input(a.rig);
   if (a.reading.drive == identify::Drive::Kind::kCommand) q.rig.drive = {.kind = identify::Drive::Kind::kCommand};
   if (predict) q.given = actuator_of(a.actuator, run);
@@ -179,6 +180,7 @@ void add_identify(CLI::App& app, Action& chosen) {
       verb->add_option("--profile", args->profile,
                        "k_sea,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
     }
+    add_export(*verb, args->exports, actuator_exports());
     add_action<IdentifyArguments>(*verb, args,
                                   predict ? "ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"
                                           : "ukemi identify trial_*.csv --rig rig.toml -o out",

@@ -28,6 +28,7 @@ struct IdentifyArguments {
   Doubt doubt = Doubt::kReport;
   identify::TrustOptions::Depth depth = identify::TrustOptions::Depth::kResiduals;
   std::string profile;  ///< constants, at commas
+  Exports exports;
 };
 /// Fits, or with `actuator` set predicts.
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common);

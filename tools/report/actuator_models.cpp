@@ -1,0 +1,223 @@
+#include "tools/report/actuator_models.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <vector>
+
+#include "common/csv.hpp"
+
+namespace ukemi::tools {
+
+namespace {
+
+/// Lines as an XML comment, in which "--" may not stand.
+std::string comment(std::string text) {
+  for (std::size_t i; (i = text.find("--")) != std::string::npos;) text.replace(i, 2, "- -");
+  return "<!--\n" + text + "-->\n";
+}
+
+/// A constant, and where in the model it stands; an empty place: nowhere.
+struct Place {
+  const char* name;
+  double value;
+  const char* unit;
+  std::string place;
+};
+
+/// What each constant that the actuator has became.
+std::string sheet(const Actuator& a, const std::vector<Place>& places) {
+  std::string text;
+  for (const Place& p : places) {
+    if (p.value == 0 || !std::isfinite(p.value)) continue;
+    const auto error = a.standard_error(p.name);
+    text += fmt::format("  {} = {} {}{}: {}\n", p.name, shortest(p.value), p.unit,
+                        error ? fmt::format(", standard error {:.2g}", *error) : "",
+                        p.place.empty() ? "NOT IN THIS MODEL" : p.place);
+  }
+  for (const auto& [name, verdict] : a.verdicts)
+    if (verdict != "trusted" && verdict != "fixed") text += fmt::format("  Beware: {} is {}.\n", name, verdict);
+  return text;
+}
+
+/// The constants with their places, in the order of the actuator's file.
+struct Places {
+  std::string k_p, k_d, k_t, k_sea, c_sea, i_motor, friction, viscous, output_friction, output_viscous, tau_max;
+};
+std::vector<Place> table(const Actuator& a, const Places& p) {
+  const SeaParameters<double>& s = a.sea;
+  return {{"k_p", s.k_p, "Nm/rad", p.k_p},
+          {"k_d", s.k_d, "Nm/(rad/s)", p.k_d},
+          {"k_t", s.k_t, "Nm for a unit of the command", p.k_t},
+          {"k_sea", s.k_sea, "Nm/rad", p.k_sea},
+          {"c_sea", s.c_sea, "Nm/(rad/s)", p.c_sea},
+          {"i_motor", s.i_motor, "kg m^2 at the gear's output", p.i_motor},
+          {"friction", s.friction, "Nm", p.friction},
+          {"friction_asymmetry", s.friction_asymmetry, "of friction", ""},
+          {"viscous_friction", s.viscous, "Nm/(rad/s)", p.viscous},
+          {"output_friction", s.output_friction, "Nm", p.output_friction},
+          {"output_friction_asymmetry", s.output_friction_asymmetry, "of output_friction", ""},
+          {"output_viscous", s.output_viscous, "Nm/(rad/s)", p.output_viscous},
+          {"k_sea_cubic", s.k_sea_cubic, "Nm/rad^3", ""},
+          {"tau_max", s.tau_max, "Nm, limit of the spring's torque", p.tau_max}};
+}
+
+bool feeds_back_motor(const Actuator& a) { return a.sea.feedback == Feedback::kMotor; }
+
+std::string mjcf_words(const Actuator& a, const std::string& j) {
+  const bool motor = feeds_back_motor(a), command = by_command(a.sea);
+  const std::string text =
+      fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) +
+      sheet(a, table(a, {.k_p = motor ? "kp of the position actuator" : "your controller, see below",
+                         .k_d = motor ? "kv of the position actuator" : "your controller, see below",
+                         .k_t = command ? "gear of the motor actuator, of which ctrl is the command" : "",
+                         .k_sea = "stiffness of the tendon " + j + "_spring",
+                         .c_sea = "damping of the same tendon",
+                         .i_motor = "armature of " + j + "_motor",
+                         .friction = "frictionloss of " + j + "_motor",
+                         .viscous = "damping of " + j + "_motor",
+                         .output_friction = "frictionloss of " + j,
+                         .output_viscous = "damping of " + j})) +
+      fmt::format(
+          "{0} is phi_1, the angle of the link; {0}_motor is phi_m, the angle of the rotor at the gear's output.\n"
+          "The tendon's length is phi_m - phi_1: K_SEA (phi_m - phi_1) + C_SEA (dphi_m - dphi_1) drives the link "
+          "and brakes the rotor, Eq. 2 without its limit. An armature counts the rotor's turning against its base "
+          "alone, as Eq. 4 does.\n",
+          j);
+  if (command) return text;
+  if (motor)
+    return text +
+           "The drive feeds back the motor's angle. A position actuator knows no reference rate: with\n  ctrl = "
+           "phi_ref + k_d / k_p dphi_ref\nit is Eq. 3.\n";
+  return text + fmt::format(
+                    "The drive feeds back the angle of the link, while its torque acts on the rotor. No position "
+                    "actuator can: it acts where it measures. Set the ctrl of the motor actuator at every step:\n"
+                    "  ctrl = {} (phi_ref - {}) + {} (dphi_ref - rate of {})\n",
+                    shortest(a.sea.k_p), j, shortest(a.sea.k_d), j);
+}
+
+std::string drive_element(const Actuator& a, const std::string& j) {
+  if (by_command(a.sea))
+    return fmt::format("<motor name=\"{0}\" joint=\"{0}_motor\" gear=\"{1}\"/>", j, shortest(a.sea.k_t));
+  if (feeds_back_motor(a))
+    return fmt::format("<position name=\"{0}\" joint=\"{0}_motor\" kp=\"{1}\" kv=\"{2}\"/>", j, shortest(a.sea.k_p),
+                       shortest(a.sea.k_d));
+  return fmt::format("<motor name=\"{0}\" joint=\"{0}_motor\"/>", j);
+}
+
+/// What the controller of the drive does, for a format that has none.
+std::string controller_words(const Actuator& a) {
+  if (by_command(a.sea)) return fmt::format("k_t = {} times its command", shortest(a.sea.k_t));
+  return fmt::format("Eq. 3: k_p (phi_ref - {0}) + k_d (dphi_ref - rate of {0})",
+                     feeds_back_motor(a) ? "phi_m" : "phi_1");
+}
+
+bool rated(const Actuator& a) { return std::isfinite(a.sea.tau_max) && a.speed_max; }
+
+std::string urdf_words(const Actuator& a, const std::string& j) {
+  return fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) +
+         sheet(a, table(a, {.k_sea = "springStiffness of " + j + "_spring, which Gazebo alone reads",
+                            .c_sea = "damping of " + j + "_spring",
+                            .i_motor = "inertia of the link " + j + "_rotor",
+                            .friction = "friction of " + j + "_motor",
+                            .viscous = "damping of " + j + "_motor",
+                            .tau_max = rated(a) ? "effort of " + j + "_motor, a rating" : ""})) +
+         fmt::format(
+             "Two joints in a row: {0}_motor is phi_m, {0}_spring is phi_1 - phi_m, so that phi_1 is their sum.\n"
+             "What URDF cannot hold: the spring (without Gazebo's line the joint is free); the controller, whose "
+             "torque "
+             "acts on {0}_motor ({1}); the limit of the spring's torque; friction between link and base.\n"
+             "The rotor is a body here: on a base that turns it carries i_motor along, which Eq. 4 does not.\n"
+             "The same in SDF: <dynamics><damping>{2}</damping><friction>0</friction><spring_reference>0"
+             "</spring_reference><spring_stiffness>{3}</spring_stiffness></dynamics>\n",
+             j, controller_words(a), shortest(a.sea.c_sea), shortest(a.sea.k_sea));
+}
+
+}  // namespace
+
+std::string mjcf(const Actuator& a, const RigLink& link, const std::string& j, const std::string& comments) {
+  const SeaParameters<double>& s = a.sea;
+  return comment(comments + mjcf_words(a, j) +
+                 "The rig is a link without gravity; in your robot put the rotor's body beside the link's, both in the "
+                 "body that carries the actuator, with one pos and one axis.\n") +
+         fmt::format(
+             R"(<mujoco model="ukemi_actuator">
+  <compiler angle="radian"/>
+  <option gravity="0 0 0" timestep="0.0005" integrator="implicitfast"/>
+  <worldbody>
+    <body name="{j}_rotor">
+      <inertial pos="0 0 0" mass="1e-6" diaginertia="1e-12 1e-12 1e-12"/>
+      <joint name="{j}_motor" type="hinge" axis="0 0 1" armature="{i_motor}" damping="{viscous}" frictionloss="{friction}"/>
+    </body>
+    <body name="{j}_link">
+      <inertial pos="0 0 0" mass="1" diaginertia="{inertia} {inertia} {inertia}"/>
+      <joint name="{j}" type="hinge" axis="0 0 1" damping="{output_viscous}" frictionloss="{output_friction}"/>
+      <site name="{j}_tip" pos="{length} 0 0"/>
+    </body>
+  </worldbody>
+  <tendon>
+    <fixed name="{j}_spring" stiffness="{k_sea}" damping="{c_sea}" springlength="0">
+      <joint joint="{j}_motor" coef="1"/>
+      <joint joint="{j}" coef="-1"/>
+    </fixed>
+  </tendon>
+  <actuator>
+    {drive}
+  </actuator>
+</mujoco>
+)",
+             fmt::arg("j", j), fmt::arg("i_motor", shortest(s.i_motor)), fmt::arg("viscous", shortest(s.viscous)),
+             fmt::arg("friction", shortest(s.friction)), fmt::arg("inertia", shortest(link.inertia)),
+             fmt::arg("output_viscous", shortest(s.output_viscous)),
+             fmt::arg("output_friction", shortest(s.output_friction)), fmt::arg("length", shortest(link.length)),
+             fmt::arg("k_sea", shortest(s.k_sea)), fmt::arg("c_sea", shortest(s.c_sea)),
+             fmt::arg("drive", drive_element(a, j)));
+}
+
+std::string urdf(const Actuator& a, const RigLink& link, const std::string& j, const std::string& comments) {
+  const SeaParameters<double>& s = a.sea;
+  const std::string limit = rated(a) ? fmt::format("\n    <limit effort=\"{}\" velocity=\"{}\"/>", shortest(s.tau_max),
+                                                   shortest(*a.speed_max))
+                                     : "";
+  return "<?xml version=\"1.0\"?>\n" + comment(comments + urdf_words(a, j)) +
+         fmt::format(
+             R"(<robot name="ukemi_actuator">
+  <link name="{j}_base"/>
+  <link name="{j}_rotor">
+    <inertial>
+      <mass value="1e-6"/>
+      <inertia ixx="{i_motor}" ixy="0" ixz="0" iyy="{i_motor}" iyz="0" izz="{i_motor}"/>
+    </inertial>
+  </link>
+  <link name="{j}_link">
+    <inertial>
+      <mass value="1"/>
+      <inertia ixx="{inertia}" ixy="0" ixz="0" iyy="{inertia}" iyz="0" izz="{inertia}"/>
+    </inertial>
+  </link>
+  <joint name="{j}_motor" type="continuous">
+    <parent link="{j}_base"/>
+    <child link="{j}_rotor"/>
+    <axis xyz="0 0 1"/>{limit}
+    <dynamics damping="{viscous}" friction="{friction}"/>
+  </joint>
+  <joint name="{j}_spring" type="continuous">
+    <parent link="{j}_rotor"/>
+    <child link="{j}_link"/>
+    <axis xyz="0 0 1"/>
+    <dynamics damping="{c_sea}" friction="0"/>
+  </joint>
+  <gazebo reference="{j}_spring">
+    <implicitSpringDamper>true</implicitSpringDamper>
+    <springReference>0</springReference>
+    <springStiffness>{k_sea}</springStiffness>
+  </gazebo>
+</robot>
+)",
+             fmt::arg("j", j), fmt::arg("i_motor", shortest(s.i_motor)), fmt::arg("inertia", shortest(link.inertia)),
+             fmt::arg("limit", limit), fmt::arg("viscous", shortest(s.viscous)),
+             fmt::arg("friction", shortest(s.friction)), fmt::arg("c_sea", shortest(s.c_sea)),
+             fmt::arg("k_sea", shortest(s.k_sea)));
+}
+
+}  // namespace ukemi::tools
