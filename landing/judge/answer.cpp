@@ -115,8 +115,24 @@ UnderScatter judged_under_scatter(const DropModel& model, const Answer& a, const
                               .seed = search.seed,
                               .threads = search.threads,
                               .monitor = a.options.evidence_monitor};
+  constexpr double kShownRate = 200;  // [Hz]
   if (a.scattered) options.samples = kPlanned, options.measure = *a.options.robust.measure;
+  if (a.scattered && a.options.rate > 0) options.rate = kShownRate;
+  if (a.nominal) options.nominal = a.nominal->motion;
   return under_scatter(model, ReferenceSpace(a.scene, a.best.sea), {a.best.motion, a.best.sea}, options);
+}
+
+/// The best motion for the scene's own drop, which a plan for scatter is compared with; with no more motions than were
+/// asked for.
+std::optional<Optimum> nominal_plan(const Answer& a, const Monitor& monitor) {
+  OptimizeOptions own = a.options.search;
+  const long most = default_evaluations(own.goal, ReferenceSpace(a.scene, a.actuator.sea).dimension());
+  own.deadline.reset();
+  own.evaluations = std::min(own.evaluations.value_or(most), most);
+  own.tolerance_samples = 0;
+  own.monitor = {.tell = {}, .stop = monitor.stop};
+  Optimum found = optimize(a.scene, a.actuator.sea, own);
+  return found.found ? std::optional(std::move(found)) : std::nullopt;
 }
 
 /// best.value again, with its error.
@@ -165,6 +181,7 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
                            .monitor = options.evidence_monitor});
     if (a.evidence->complete) {
       a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
+      if (a.scattered) a.nominal = nominal_plan(a, options.evidence_monitor);
       if (drops.scatters()) a.under_scatter = judged_under_scatter(drops, a, searched);
       if (a.scattered) a.promised = promised(a, searched);
     }

@@ -51,6 +51,7 @@ struct Answer {
   bool scatter_assumed = false;               ///< for nothing was said
   bool scattered = false;                     ///< planned for it: best.value is the measure that is promised
   std::optional<UnderScatter> under_scatter;  ///< with the evidence
+  std::optional<Optimum> nominal;             ///< the plan for the scene's own drop, beside one for scatter
   std::optional<Estimated> promised;          ///< best.value of a plan for scatter, and its error; with the evidence
   std::optional<Ratings> ratings;             ///< where the landing was played
   std::optional<Instability> instability;

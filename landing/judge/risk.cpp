@@ -121,24 +121,6 @@ class Lander {
   std::vector<LandingPeak> landed_;
 };
 
-/// Bins whose width is a power of two: 32 to 64 from the smallest peak of the motion to its 99th percentile `q99`, and
-/// not more than 512 over both.
-std::vector<PeakBin> histogram(std::span<const double> peaks, std::span<const double> held, double q99) {
-  double low = std::numeric_limits<double>::infinity(), high = 0;
-  for (const auto& all : {peaks, held})
-    for (const double x : all) low = std::min(low, x), high = std::max(high, x);
-  std::vector<PeakBin> out;
-  if (!(high > 0)) return out;
-  const double most = peaks.empty() ? 0 : q99 - *std::min_element(peaks.begin(), peaks.end());
-  const double width = std::exp2(std::ceil(std::log2(std::max({most / 64, (high - low) / 512, 1e-5 * high}))));
-  const double start = std::floor(low / width);
-  for (double k = start; k * width <= high; ++k) out.push_back({k * width, (k + 1) * width});
-  const auto bin = [&](double x) -> PeakBin& { return out[std::size_t(std::floor(x / width) - start)]; };
-  for (const double x : peaks) ++bin(x).drops;
-  for (const double x : held) ++bin(x).held;
-  return out;
-}
-
 /// What is counted while the drops are played.
 class Census {
  public:

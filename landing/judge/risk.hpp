@@ -45,12 +45,6 @@ struct PeakContact {
   long drops = 0;
 };
 
-/// Drops with a peak from `lower` to below `upper` [m/s^2].
-struct PeakBin {
-  double lower, upper;
-  long drops = 0, held = 0;  ///< of the motion, of the held reference
-};
-
 struct RiskyDrop {
   ScatteredDrop drop;
   double peak;  ///< [m/s^2]
@@ -63,11 +57,11 @@ struct Risk {
     SobolIndex index;
   };
 
-  Distribution peaks, held;           ///< of the motion, of kHeld over the same drops
-  long failed = 0, held_failed = 0;   ///< landings that could not be followed to the floor: they are left out
-  std::vector<PeakContact> contacts;  ///< most drops first
-  std::vector<RiskEvent> events;      ///< of the drops that were followed
-  std::vector<PeakBin> histogram;
+  Distribution peaks, held;                ///< of the motion, of kHeld over the same drops
+  long failed = 0, held_failed = 0;        ///< landings that could not be followed to the floor: they are left out
+  std::vector<PeakContact> contacts;       ///< most drops first
+  std::vector<RiskEvent> events;           ///< of the drops that were followed
+  std::vector<PeakBin> histogram;          ///< of the motion, beside it of kHeld
   std::vector<RiskyDrop> worst;            ///< kWorst at most, the worst first
   std::vector<Uncertainty> uncertainties;  ///< the largest total index first; empty: see `why_none`
   enum class WhyNone { kThere, kMeasured, kNothingScatters, kOneGroup, kStopped } why_none = WhyNone::kThere;

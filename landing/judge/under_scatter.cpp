@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "landing/run/simulate.hpp"
+
 namespace ukemi::landing {
 
 namespace {
@@ -35,6 +37,11 @@ class Players {
   const std::function<bool()> over_ = [this] { return options_.monitor.stopped(); };
   ScatteredLandings landings_;
 };
+
+std::vector<double> finite(std::vector<double> x) {
+  std::erase_if(x, [](double v) { return !std::isfinite(v); });
+  return x;
+}
 
 /// A reference that stands at phi, after the planned move in the air, if there is one.
 Motion holding(double phi, const Motion& planned) {
@@ -69,6 +76,18 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
   const std::vector<double> peaks = play.peaks(planned, drops, limits);
   out.planned = distribution(peaks), out.measured = estimated(options.measure, peaks);
   out.broken = play.broken;
+  if (options.nominal) {
+    const std::vector<double> beside = play.peaks({*options.nominal, planned.sea}, drops, limits);
+    out.nominal = distribution(beside);
+    const std::vector<double> followed = finite(peaks);
+    out.histogram = histogram(followed, finite(beside), distribution(followed).q99.value);
+  }
+  const std::function<bool()> over = [&] { return options.monitor.stopped(); };
+  for (std::size_t k = 0; options.rate > 0 && k < std::min(UnderScatter::kShown, drops.size()); ++k) {
+    const Play p = drops[k].played(space, planned);
+    out.shown.push_back(
+        simulate(drops[k].scene, p.sea, p.motion, {.accuracy = kAccuracy, .over = &over}, options.rate));
+  }
   const auto held = [&](double phi) { return Play{holding(phi, planned.motion), planned.sea}; };
   out.held = distribution(play.peaks({kHeld, planned.sea}, drops, {}));
   // The best posture: on a grid, then between the best one's neighbours.

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "common/monitor.hpp"
 #include "landing/scatter/drop_model.hpp"
@@ -40,6 +41,8 @@ struct UnderScatterOptions {
   double penalty = 1000;
   std::uint64_t seed = 1;  ///< of the drops: others than any search's
   int threads = 0;
+  std::optional<Motion> nominal;  ///< another plan, over the same drops and within the same limits
+  double rate = 0;                ///< rows a second of the landings that are shown [Hz]; 0: none is
   Monitor monitor;
 };
 
@@ -49,6 +52,11 @@ struct UnderScatter {
   double posture_phi = 0;  ///< the posture whose mean peak is the smallest [rad]
   long broken = 0;         ///< drops in which the motion broke a limit; each counts as the penalty
   bool complete = false;   ///< false where it was stopped
+
+  std::optional<Distribution> nominal;  ///< of UnderScatterOptions::nominal
+  std::vector<PeakBin> histogram;       ///< of the planned motion, beside it of the nominal one; finite peaks alone
+  std::vector<Landing> shown;           ///< of the planned motion in the first drops
+  static constexpr std::size_t kShown = 10;
 };
 
 /// Plays them over the same fresh drops. A landing that cannot be followed makes what it is part of infinite.

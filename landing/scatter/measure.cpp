@@ -128,4 +128,20 @@ Distribution distribution(std::span<const double> peaks) {
           .samples = long(x.size())};
 }
 
+std::vector<PeakBin> histogram(std::span<const double> peaks, std::span<const double> beside, double q99) {
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const auto& all : {peaks, beside})
+    for (const double x : all) low = std::min(low, x), high = std::max(high, x);
+  std::vector<PeakBin> out;
+  if (!(high > 0)) return out;
+  const double most = peaks.empty() ? 0 : q99 - *std::min_element(peaks.begin(), peaks.end());
+  const double width = std::exp2(std::ceil(std::log2(std::max({most / 64, (high - low) / 512, 1e-5 * high}))));
+  const double start = std::floor(low / width);
+  for (double k = start; k * width <= high; ++k) out.push_back({k * width, (k + 1) * width});
+  const auto bin = [&](double x) -> PeakBin& { return out[std::size_t(std::floor(x / width) - start)]; };
+  for (const double x : peaks) ++bin(x).drops;
+  for (const double x : beside) ++bin(x).beside;
+  return out;
+}
+
 }  // namespace ukemi::landing

@@ -40,4 +40,13 @@ struct Distribution {
 };
 Distribution distribution(std::span<const double> peaks);
 
+/// Drops with a peak from `lower` to below `upper` [m/s^2].
+struct PeakBin {
+  double lower, upper;
+  long drops = 0, beside = 0;  ///< of a motion, of what stands beside it
+};
+/// Bins whose width is a power of two: 32 to 64 from the smallest peak of the motion to its 99th percentile `q99`, and
+/// not more than 512 over both.
+std::vector<PeakBin> histogram(std::span<const double> peaks, std::span<const double> beside, double q99);
+
 }  // namespace ukemi::landing

@@ -52,6 +52,17 @@ TEST_CASE("robust: what a search promises holds over fresh drops, within the int
   CHECK(a.under_scatter->held.mean.value == Approx(464).epsilon(0.02));
   CHECK(a.under_scatter->held.cvar90.value == Approx(498).epsilon(0.02));
   CHECK(a.under_scatter->posture.mean.value < a.under_scatter->held.mean.value);
+  // The plan for the scene's own drop, over the same drops.
+  REQUIRE(a.nominal);
+  REQUIRE(a.under_scatter->nominal);
+  CHECK(a.nominal->landing.peak < 180);
+  CHECK(a.under_scatter->nominal->mean.value > fresh.value);
+  CHECK(a.under_scatter->nominal->samples == a.under_scatter->planned.samples);
+  long drops = 0, beside = 0;
+  for (const PeakBin& bin : a.under_scatter->histogram) drops += bin.drops, beside += bin.beside;
+  CHECK(drops == a.under_scatter->planned.samples);
+  CHECK(beside == drops);
+  CHECK(a.under_scatter->shown.empty());  // no rows were asked for
 }
 
 TEST_CASE("robust: the landings of a search are those of the scalar path over the same drops") {

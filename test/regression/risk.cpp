@@ -68,7 +68,7 @@ TEST_CASE("risk: what is told adds up, and the worst drops are the worst") {
   CHECK(r.held.samples + r.held_failed == 2000);
   long in_contacts = 0, in_bins = 0, held_in_bins = 0;
   for (const PeakContact& c : r.contacts) in_contacts += c.drops;
-  for (const PeakBin& b : r.histogram) in_bins += b.drops, held_in_bins += b.held;
+  for (const PeakBin& b : r.histogram) in_bins += b.drops, held_in_bins += b.beside;
   CHECK(in_contacts == r.peaks.samples);
   CHECK(in_bins == r.peaks.samples);
   CHECK(held_in_bins == r.held.samples);

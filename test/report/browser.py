@@ -150,10 +150,14 @@ def look_at_animation(browser, report, summary):
     time_shown = "document.querySelector('#player output').textContent"
     cursor = "document.querySelector('#figure-acceleration .cursor').getAttribute('x1')"
     browser.value('slide(0.1)')
+    ghosts = "[...document.querySelectorAll('#player polyline.ghost')].map(g => g.getAttribute('points')).join(';')"
+    drops = browser.value(ghosts)
+    check((drops.count(';') == 9) == (report == 'robust'), report, f'ghosts: {drops[:200]}')
     before, at = browser.value(robot), float(browser.value(cursor))
     check(browser.value(time_shown) == '0.1000 s', report, 'the slider at 0.1 s shows ' + browser.value(time_shown))
     browser.value('slide(0.2)')
     check(browser.value(robot) != before, report, 'the slider does not move the robot')
+    check(report != 'robust' or browser.value(ghosts) != drops, report, 'the slider does not move the ghosts')
     check(float(browser.value(cursor)) > at, report, 'the slider does not move the cursor of the figure')
     browser.value("document.querySelector('#player select').value = 1")
     browser.value("document.querySelector('#player button').click()")
@@ -206,6 +210,7 @@ def made(program, data, folder):
     runs = {
         'simulate': ['simulate', *scene, '--hold', '-30'],
         'optimize': ['optimize', *scene, '--evaluations', '2000'],
+        'robust': ['optimize', *scene, '--robust', 'cvar', '--evaluations', '20000'],
         'identify': ['identify', *trials, *rig],
         'compare': ['compare', '--nominal', data + '/actuators/x8-9_nominal.toml', '--identified',
                     data + '/actuators/table2.toml', '--scene', data + '/scenes/paper.toml'],

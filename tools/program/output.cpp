@@ -28,7 +28,7 @@ std::vector<std::string> figure_names(const std::string& verb) {
                                         kFit = {"constants", "trials", "autocorrelation", "residuals"};
   static const std::map<std::string, std::vector<std::string>> kMore = {
       {"identify", {"profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
-      {"optimize", {"search"}},
+      {"optimize", {"search", "histogram"}},
       {"compare", {"constants"}},
       {"calibrate",
        {"drop_#_acc_x", "drop_#_acc_y", "drop_#_acc", "drop_#_phi_0", "drop_#_phi_1", "drop_#_phi_m", "drop_#_force"}},

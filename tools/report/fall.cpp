@@ -28,19 +28,33 @@ std::vector<std::size_t> frames_of(const Landing& l) {
   return kept_rows({&acc, &hip}, kMost);
 }
 
+/// A quantity in some rows of a landing, to whole units.
+Json column_of(const Landing& l, const std::vector<std::size_t>& frames,
+               const std::function<double(const Sample&)>& value, double unit) {
+  Json out = Json::array();
+  for (const std::size_t i : frames) out.push_back(std::round(value(l.trajectory[i]) / unit) / std::round(1 / unit));
+  return out;
+}
+
+/// Where the robot is in these rows.
+Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double unit) {
+  Json out;
+  const std::pair<const char*, double Sample::*> columns[] = {
+      {"t", &Sample::t}, {"x", &Sample::x0}, {"y", &Sample::y0}, {"phi_0", &Sample::phi0}, {"phi_1", &Sample::phi1}};
+  for (const auto& [name, member] : columns) out[name] = column_of(l, frames, member, unit);
+  return out;
+}
+
 Json animation_of(const Fall& f, double length) {
-  const std::vector<Sample>& rows = f.landing->trajectory;
   const std::vector<std::size_t> frames = frames_of(*f.landing);
   // To as many digits as an eye can see.
   const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
-    Json out = Json::array();
-    for (const std::size_t i : frames) out.push_back(std::round(value(rows[i]) / unit) / std::round(1 / unit));
-    return out;
+    return column_of(*f.landing, frames, value, unit);
   };
   Json out = {{"name", f.name}, {"length", length}, {"peaks", peaks_json(*f.landing)}};
-  const std::pair<const char*, double Sample::*> columns[] = {
-      {"t", &Sample::t}, {"x", &Sample::x0}, {"y", &Sample::y0}, {"phi_0", &Sample::phi0}, {"phi_1", &Sample::phi1}};
-  for (const auto& [name, member] : columns) out[name] = column([m = member](const Sample& s) { return s.*m; }, 1e-6);
+  out.update(motion_of(*f.landing, frames, 1e-6));
+  for (const Landing& ghost : f.ghosts)
+    if (ghost.trajectory.size() > 1) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
   out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
     out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j].x(); }, 1e-2),
@@ -185,6 +199,8 @@ void show(const Falls& given, Report& report) {
   Json landings = Json::array();
   for (const Fall& fall : f.falls) landings.push_back(animation_of(fall, length));
   report.player({{"landings", landings}});
+  if (const std::size_t ghosts = f.falls[0].ghosts.size(); ghosts > 0)
+    report.paragraph(fmt::format("Thin: the same motion in {} scattered drops.", ghosts));
   Figure postures;
   postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
   for (const Fall& fall : f.falls)

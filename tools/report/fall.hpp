@@ -15,6 +15,7 @@ namespace ukemi::tools {
 struct Fall {
   std::string name;  ///< "held at -45 deg"
   const landing::Landing* landing;
+  std::vector<landing::Landing> ghosts{};  ///< of the same motion in other drops, thin beside it
 };
 
 struct Falls {

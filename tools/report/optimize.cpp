@@ -183,11 +183,13 @@ Report page_of(const Answer& a, const Run& run) {
   if (a.limit && !a.best.motion.reposition) limit = a.limit->jump;
   show({a.scene,
         a.actuator,
-        {{"best motion", &a.landing}, {fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees), &a.held}},
+        {{"best motion", &a.landing, a.under_scatter ? a.under_scatter->shown : std::vector<Landing>{}},
+         {fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees), &a.held}},
         limit,
         "",
         figures_of(a)},
        report);
+  if (figures_of(a) == Falls::Figures::kDraw) show_scatter(a, report);
   report.heading("The search");
   std::vector<Series> descents;
   for (const Optimum& o : a.tried) descents.push_back(descent(o));

@@ -24,17 +24,6 @@ std::string spaced(std::string name) {
 }
 std::string held_words() { return fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees); }
 
-struct NamedDistribution {
-  std::string name;
-  Distribution of;
-};
-
-Quantities<NamedDistribution> named_quantities() {
-  Quantities<NamedDistribution> out = {{"", "", "peak |ddr_0| [m/s^2]", "{}", &NamedDistribution::name}};
-  append(out, "", distribution_quantities(), &NamedDistribution::of);
-  return out;
-}
-
 /// Something that happens in some of the drops.
 struct Share {
   std::string key, words;
@@ -117,17 +106,7 @@ Quantities<PeakBin> bin_quantities() {
   return {{"lower", "", &PeakBin::lower},
           {"upper", "", &PeakBin::upper},
           {"count", "", &PeakBin::drops},
-          {"count_held", "", &PeakBin::held}};
-}
-/// The outline of the bins, in parts of all drops.
-Series outline(const std::string& name, const Risk& r, long PeakBin::*count, long of) {
-  Series out{name, {}, {}};
-  const auto add = [&](double x, long n) { out.x.push_back(x), out.y.push_back(100.0 * double(n) / double(of)); };
-  if (r.histogram.empty() || of == 0) return out;
-  add(r.histogram.front().lower, 0);
-  for (const PeakBin& b : r.histogram) add(b.lower, b.*count), add(b.upper, b.*count);
-  add(r.histogram.back().upper, 0);
-  return out;
+          {"count_held", "", &PeakBin::beside}};
 }
 
 /// Sobol's indices as bars with their intervals.
@@ -154,29 +133,6 @@ Figure sobol_figure(const Risk& r) {
   out.panels = {p}, out.panel_height = 110 + 30.0 * double(p.rows.size());
   out.caption =
       "Which uncertainty makes the peak scatter: what it brings alone and together with the others (sobol.csv).";
-  return out;
-}
-
-/// Both distributions, with the quantiles of the motion's.
-Figure histogram_figure(const Risk& r) {
-  Figure out;
-  out.name = "histogram";
-  Panel p;
-  p.x_label = "peak of |ddr_0| [m/s²]", p.y_label = "% of the drops";
-  p.series = {outline("motion", r, &PeakBin::drops, r.peaks.samples),
-              outline(held_words(), r, &PeakBin::held, r.held.samples)};
-  p.series[1].look = Series::Look::kDashed;
-  double top = 0;
-  for (const Series& s : p.series)
-    for (const double y : s.y) top = std::max(top, y);
-  for (const auto& [words, at] :
-       {std::pair("50 %", r.peaks.median.value), {"90 %", r.peaks.q90.value}, {"99 %", r.peaks.q99.value}}) {
-    p.series.push_back({"", {at, at}, {0, 0.85 * top}, Series::Look::kDashed, Series::kInk});
-    p.marks.push_back({at, 0.85 * top, words});
-  }
-  out.panels = {p}, out.width = Figure::Width::kWhole, out.panel_height = 300;
-  out.caption =
-      "How the peak is distributed over the drops; so many of the motion's are below each line (histogram.csv).";
   return out;
 }
 
@@ -277,7 +233,9 @@ int report(const RiskStudy& s, Run& run) {
   page.paragraph(scatter_words(s));
   tell(peaks, page, run);
   for (const std::string& sentence : {held_comparison(r), index_words(r)}) run.say(sentence), page.paragraph(sentence);
-  page.figure(histogram_figure(r));
+  Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, held_words(), r.held.samples);
+  peak_figure.caption += " (histogram.csv)";
+  page.figure(peak_figure);
   if (!r.uncertainties.empty()) page.figure(sobol_figure(r));
   if (!r.uncertainties.empty())
     tell(indices, page, run, "sobol.csv",

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -32,6 +33,12 @@ Quantities<Distribution> distribution_quantities() {
   return out;
 }
 
+Quantities<NamedDistribution> named_quantities() {
+  Quantities<NamedDistribution> out = {{"", "", "peak |ddr_0| [m/s^2]", "{}", &NamedDistribution::name}};
+  append(out, "", distribution_quantities(), &NamedDistribution::of);
+  return out;
+}
+
 std::string goal_words(const AnswerOptions& options) {
   const std::string plain = options.search.goal == Goal::kPeak ? "peak" : "tolerant peak";
   return options.robust.measure ? fmt::format("{} under scatter ({})", plain, options.robust.measure->name()) : plain;
@@ -47,8 +54,61 @@ std::string scatter_words(const std::optional<Scatter>& scatter, bool assumed) {
 }
 
 namespace {
+
+/// The outline of the bins, in parts of all drops.
+Series outline(const std::string& name, const std::vector<PeakBin>& bins, long PeakBin::*count, long of) {
+  Series out{name, {}, {}};
+  const auto add = [&](double x, long n) { out.x.push_back(x), out.y.push_back(100.0 * double(n) / double(of)); };
+  if (bins.empty() || of == 0) return out;
+  add(bins.front().lower, 0);
+  for (const PeakBin& b : bins) add(b.lower, b.*count), add(b.upper, b.*count);
+  add(bins.back().upper, 0);
+  return out;
+}
+
 Json json_of(const Distribution& d) { return Table::of(distribution_quantities(), d).object(); }
+
 }  // namespace
+
+Figure histogram_figure(const std::vector<PeakBin>& bins, const std::string& name, const Distribution& of,
+                        const std::string& beside, long beside_samples) {
+  Figure out;
+  out.name = "histogram";
+  Panel p;
+  p.x_label = "peak of |ddr_0| [m/s²]", p.y_label = "% of the drops";
+  p.series = {outline(name, bins, &PeakBin::drops, of.samples),
+              outline(beside, bins, &PeakBin::beside, beside_samples)};
+  p.series[1].look = Series::Look::kDashed;
+  double top = 0;
+  for (const Series& s : p.series)
+    for (const double y : s.y) top = std::max(top, y);
+  for (const auto& [words, at] : {std::pair("50 %", of.median.value), {"90 %", of.q90.value}, {"99 %", of.q99.value}}) {
+    if (!std::isfinite(at)) continue;
+    p.series.push_back({"", {at, at}, {0, 0.85 * top}, Series::Look::kDashed, Series::kInk});
+    p.marks.push_back({at, 0.85 * top, words});
+  }
+  out.panels = {p}, out.width = Figure::Width::kWhole, out.panel_height = 300;
+  out.caption = "How the peak is distributed over the drops; so many of \"" + name + "\" are below each line";
+  return out;
+}
+
+void show_scatter(const Answer& a, Report& report) {
+  if (!a.scattered || !a.under_scatter || !a.nominal) return;
+  const UnderScatter& u = *a.under_scatter;
+  const std::string robust = "planned for scatter", nominal = "planned for the scene's own drop";
+  report.heading("Under scatter");
+  report.paragraph(
+      fmt::format("Drops: {}. The same {} for each plan; they are others than those that were searched on.",
+                  scatter_words(a.scatter, a.scatter_assumed), u.planned.samples));
+  report.table(Table(named_quantities(),
+                     {{robust, u.planned},
+                      {nominal, *u.nominal},
+                      {"held at -45 deg", u.held},
+                      {fmt::format("best posture to hold, {:.1f} deg", u.posture_phi * kDegrees), u.posture}}));
+  Figure figure = histogram_figure(u.histogram, robust, u.planned, nominal, u.nominal->samples);
+  figure.caption += ".";
+  report.figure(figure);
+}
 
 Json scatter_json(const Answer& a) {
   Json out = Json::object();
@@ -74,6 +134,10 @@ Json scatter_json(const Answer& a) {
                {"held", json_of(u->held)},
                {"best_posture", json_of(u->posture)},
                {"broken", u->broken}};
+    if (u->nominal) {
+      scatter["nominal"] = json_of(*u->nominal);
+      scatter["nominal"]["motion"] = motion_json(a.nominal->motion);
+    }
     scatter["best_posture"]["phi_deg"] = u->posture_phi * 180 / std::numbers::pi;
   }
   return out;
@@ -92,6 +156,8 @@ void tell_scatter(const Answer& a, Run& run) {
     run.say(fmt::format("promised {}{}, fresh {} ({:+.1f} %)", short_peak_words(a.best.value),
                         a.promised ? fmt::format(" +- {:.2g}", 1.96 * a.promised->standard_error) : "",
                         short_peak_words(u.measured.value), 100 * (u.measured.value / a.best.value - 1)));
+  if (u.nominal)
+    run.say(fmt::format("the plan for the scene's own drop, over the same drops: {}", distribution_words(*u.nominal)));
   if (u.broken > 0)
     run.warn(fmt::format("in {} of {} drops the motion breaks a limit; each counts as {:g} m/s^2", u.broken,
                          u.planned.samples, a.options.robust.penalty));

@@ -5,12 +5,19 @@
 #include <string>
 
 #include "landing/judge/answer.hpp"
-#include "tools/report/table.hpp"
+#include "tools/report/report.hpp"
 
 namespace ukemi::tools {
 
 /// Of the peaks of one motion over many drops [m/s^2].
 Quantities<landing::Distribution> distribution_quantities();
+
+struct NamedDistribution {
+  std::string name;
+  landing::Distribution of;
+};
+/// The same with the motion's name in front.
+Quantities<NamedDistribution> named_quantities();
 
 /// What is minimised: "peak", "tolerant peak", "mean peak under scatter".
 std::string goal_words(const landing::AnswerOptions& options);
@@ -19,10 +26,17 @@ std::string distribution_words(const landing::Distribution& d);
 /// The scatter as its option has it, and whether it is assumed.
 std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool assumed);
 
+/// Peaks of a motion over many drops and of what stands beside it (of so many drops), with the quantiles of the
+/// motion's.
+Figure histogram_figure(const std::vector<landing::PeakBin>& bins, const std::string& name,
+                        const landing::Distribution& of, const std::string& beside, long beside_samples);
+
 /// "robust" and "scatter" of an answer; what is not known is absent.
 Json scatter_json(const landing::Answer& answer);
 /// One sentence of the motion under scatter, beside the references that do nothing; and a warning where its worst tenth
 /// is worse than theirs.
 void tell_scatter(const landing::Answer& answer, Run& run);
+/// The same on a page: the plan for scatter beside the plan for the scene's own drop and beside holding still.
+void show_scatter(const landing::Answer& answer, Report& report);
 
 }  // namespace ukemi::tools

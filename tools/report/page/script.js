@@ -29,6 +29,12 @@
     return [low, step > 0 ? Math.max(0, (t - times[low]) / step) : 0];
   };
 
+  // Columns of a landing at a row, or a part of the way to the next.
+  const between = (l, i, part) => {
+    const k = Math.min(i + 1, l.t.length - 1);
+    return column => column[i] + part * (column[k] - column[i]);
+  };
+
   // Hip, knee and foot of a posture: r_0 is the thigh's middle, angles as in the theory.
   const posture = (x, y, phi0, phi1, length) => {
     const a = length / 2, s = Math.sin(phi0), c = Math.cos(phi0), s1 = Math.sin(phi0 + phi1), c1 = Math.cos(phi0 + phi1);
@@ -49,8 +55,7 @@
       const svg = make('svg', {viewBox: [box.x0, -box.y1, box.x1 - box.x0, box.y1 - box.y0].join(' '), role: 'img',
                                'aria-label': 'animation: ' + landing.name}, stage);
       make('line', {x1: box.x0, x2: box.x1, y1: 0, y2: 0, class: 'ground'}, svg);
-      for (const ghost of landing.ghosts || [])
-        make('polyline', {points: points(ghost.map(p => [p[0], p[1]])), class: 'ghost'}, svg);
+      this.ghosts = (landing.ghosts || []).map(ghost => [ghost, make('polyline', {class: 'ghost'}, svg)]);
       this.trace = make('polyline', {class: 'trace'}, svg);
       this.thigh = make('polyline', {class: 'link'}, svg);
       this.shank = make('polyline', {class: 'link shank'}, svg);
@@ -61,16 +66,21 @@
       this.said.className = 'said';
       this.hips = landing.t.map((_, i) => this.at(i, 0).joints[0]);
     }
+    // Hip, knee and foot of a landing between two of its rows.
+    jointsOf(l, i, part) {
+      const mix = between(l, i, part);
+      return posture(mix(l.x), mix(l.y), mix(l.phi_0), mix(l.phi_1), this.landing.length);
+    }
     at(i, part) {
-      const l = this.landing, k = Math.min(i + 1, l.t.length - 1);
-      const mix = column => column[i] + part * (column[k] - column[i]);
-      return {joints: posture(mix(l.x), mix(l.y), mix(l.phi_0), mix(l.phi_1), l.length), acceleration: mix(l.acc),
-              phi: mix(l.phi_1), forces: l.force.map(f => [mix(f[0]), mix(f[1])])};
+      const l = this.landing, mix = between(l, i, part);
+      return {joints: this.jointsOf(l, i, part), acceleration: mix(l.acc), phi: mix(l.phi_1),
+              forces: l.force.map(f => [mix(f[0]), mix(f[1])])};
     }
     show(t) {
       const [i, part] = place(this.landing.t, t), now = this.at(i, part);
       this.thigh.setAttribute('points', points(now.joints.slice(0, 2)));
       this.shank.setAttribute('points', points(now.joints.slice(1)));
+      for (const [ghost, line] of this.ghosts) line.setAttribute('points', points(this.jointsOf(ghost, ...place(ghost.t, t))));
       this.trace.setAttribute('points', points(this.hips.slice(0, i + 1).concat([now.joints[0]])));
       const touching = [];
       names.forEach((name, j) => {
@@ -98,7 +108,8 @@
 
   const bounds = landings => {
     const box = {x0: Infinity, x1: -Infinity, y0: -.06, y1: .1};
-    for (const l of landings)
+    const ghosts = landings.flatMap(l => (l.ghosts || []).map(g => ({...g, length: l.length})));
+    for (const l of landings.concat(ghosts))
       for (let i = 0; i < l.t.length; ++i)
         for (const [x, y] of posture(l.x[i], l.y[i], l.phi_0[i], l.phi_1[i], l.length)) {
           box.x0 = Math.min(box.x0, x - .06), box.x1 = Math.max(box.x1, x + .06);
