@@ -20,12 +20,13 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
 
 namespace {
 
-/// A constant beside the five: its key, absent where it is 0.
+/// A constant beside the five: its key, which a file needs only where it is not as in no file.
 struct OptionalConstant {
   const char* key;
   double SeaParameters<double>::*at;
   const char* unit;
   Range range;
+  double absent = 0;
 };
 const std::vector<OptionalConstant>& optional_constants() {
   using Sea = SeaParameters<double>;
@@ -38,6 +39,8 @@ const std::vector<OptionalConstant>& optional_constants() {
       {"output_friction", &Sea::output_friction, "Nm", level},
       {"output_friction_asymmetry", &Sea::output_friction_asymmetry, "of output_friction", part},
       {"output_viscous", &Sea::output_viscous, "Nm/(rad/s)", level},
+      {"breakaway", &Sea::breakaway, "of both dry frictions", level},
+      {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), Sea{}.stribeck_speed},
       {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level},
   };
   return list;
@@ -60,7 +63,8 @@ Actuator read_actuator(const std::string& path) {
   Actuator a;
   a.name = s.text("name");
   const Range constant = Range::non_negative();
-  for (const OptionalConstant& c : optional_constants()) a.sea.*c.at = s.optional_number(c.key, c.range).value_or(0);
+  for (const OptionalConstant& c : optional_constants())
+    a.sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
   const bool gains = a.sea.k_t == 0;  // where K_t stands for them they may be absent
   a.sea.k_p = gains ? s.number("k_p", constant) : s.optional_number("k_p", constant).value_or(0);
   a.sea.k_d = gains ? s.number("k_d", constant) : s.optional_number("k_d", constant).value_or(0);
@@ -95,7 +99,7 @@ std::string to_toml(const Actuator& a, double half_width) {
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s\n", shortest(*a.speed_max));
   for (const OptionalConstant& c : optional_constants())
-    if (const double v = a.sea.*c.at; v != 0) t += fmt::format("{} = {}  # {}\n", c.key, shortest(v), c.unit);
+    if (const double v = a.sea.*c.at; v != c.absent) t += fmt::format("{} = {}  # {}\n", c.key, shortest(v), c.unit);
   t += fmt::format("feedback = \"{}\"\n", name(a.sea.feedback));
   if (!a.verdicts.empty()) {
     t += "\n[verdict]\n";

@@ -15,6 +15,13 @@
 /// memory.
 #define UKEMI_INLINE [[gnu::always_inline]] inline
 #define UKEMI_INLINE_LAMBDA __attribute__((always_inline))
+/// For a stage of a kernel: all that it calls is inlined. Not in a build for debugging or with a sanitizer, where that
+/// takes the compiler minutes.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__)
+#define UKEMI_FLATTEN [[gnu::flatten]]
+#else
+#define UKEMI_FLATTEN
+#endif
 
 namespace ukemi {
 

@@ -39,6 +39,8 @@ struct SeaParameters {
   T friction_asymmetry = T(0);         ///< of `friction`, see coulomb_level; -1..1
   T k_t = T(0);                        ///< K_t, the motor's torque for a unit of its command [Nm/unit], >= 0; 0: none
   T output_friction_asymmetry = T(0);  ///< of `output_friction`; -1..1
+  T breakaway = T(0);                  ///< of both Coulomb torques, see stribeck; >= 0; 0: none
+  T stribeck_speed = T(0.05);          ///< v_s of the same [rad/s], > 0
 
   /// The same constants in another scalar.
   template <class U>
@@ -55,6 +57,7 @@ struct SeaParameters {
     f(a.tau_max, b.tau_max), f(a.friction, b.friction), f(a.k_sea_cubic, b.k_sea_cubic), f(a.viscous, b.viscous);
     f(a.k_t, b.k_t), f(a.output_friction, b.output_friction), f(a.output_viscous, b.output_viscous);
     f(a.friction_asymmetry, b.friction_asymmetry), f(a.output_friction_asymmetry, b.output_friction_asymmetry);
+    f(a.breakaway, b.breakaway), f(a.stribeck_speed, b.stribeck_speed);
   }
 };
 
@@ -136,6 +139,14 @@ T motor_torque(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<
 template <class T>
 T coulomb_level(const T& mean, const T& asymmetry, int direction) {
   return mean * (T(1) + T(direction) * asymmetry);
+}
+
+/// Stribeck's factor of a Coulomb torque at a speed: 1 + breakaway exp(-speed / v_s), so that a side breaks away at
+/// 1 + breakaway times what it slides with. speed >= 0 [rad/s]. Ours.
+template <class T>
+T stribeck(const T& breakaway, const T& v_s, const T& speed) {
+  using std::exp;
+  return T(1) + breakaway * exp(-speed / v_s);
 }
 
 /// Friction against the motor's motion, smoothed dry and viscous: tau_c v / sqrt(v^2 + v_s^2) + viscous v [Nm]. Ours.

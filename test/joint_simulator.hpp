@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "test/impact.hpp"
@@ -14,6 +15,7 @@ namespace test {
 struct Effects {
   double viscous = 0;     ///< friction of the motor [Nm/(rad/s)]
   double dry = 0;         ///< Coulomb friction of the motor, sticking [Nm]
+  double breakaway = 0;   ///< of it, falling by exp(-speed / 0.05 rad/s)
   double force_gain = 1;  ///< logged force over true force
   double load_cell = 0;   ///< standard deviation of the logged force's noise [N]
   double angle_noise = 1e-3;
@@ -25,10 +27,11 @@ struct HitOf {
 inline constexpr HitOf kEightHits[] = {{40, 0.040},  {-60, 0.030}, {90, 0.024},  {120, 0.020},
                                        {-70, 0.040}, {110, 0.028}, {150, 0.020}, {-180, 0.018}};
 
-/// The angle at every sample of a log whose force, linear between samples, is the true one.
-inline std::vector<double> joint_angle(const std::vector<double>& t, const std::vector<double>& force,
-                                       const Effects& effects) {
-  constexpr double kP = kTruth[0], kD = kTruth[1], kSea = kTruth[2], cSea = kTruth[3], iMotor = kTruth[4];
+/// The angle at every sample where `force(t)` [N] pushes the link; constants in the order of kConstantNames.
+inline std::vector<double> joint_angle(const std::vector<double>& t, const std::function<double(double)>& force,
+                                       const Effects& effects,
+                                       const std::array<double, kConstants>& constants = kTruth) {
+  const auto [kP, kD, kSea, cSea, iMotor] = constants;
   constexpr double kLength = 0.3, kInertia = 0.024225, kTauMax = 20, kStep = 2e-5;
   struct State {
     double phi = 0, phi_m = 0, omega = 0, omega_m = 0;
@@ -43,10 +46,13 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     return -kP * y.phi - kD * y.omega - effects.viscous * y.omega_m - spring(y);
   };
   int slip = 0;  // sign of the motor's motion; 0: it sticks, where there is friction
+  const auto rubbing = [&](double rate) {
+    return effects.dry * (1 + effects.breakaway * std::exp(-std::abs(rate) / 0.05));
+  };
   const auto field = [&](const State& y, double f) {
     const bool stuck = effects.dry > 0 && slip == 0;
     return State{y.omega, stuck ? 0 : y.omega_m, (spring(y) + kLength * std::cos(y.phi) * f) / kInertia,
-                 stuck ? 0 : (on_motor(y) - slip * effects.dry) / iMotor};
+                 stuck ? 0 : (on_motor(y) - slip * rubbing(y.omega_m)) / iMotor};
   };
   State y;
   std::vector<double> out{0};
@@ -54,8 +60,8 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     const int steps = int(std::ceil((t[i + 1] - t[i]) / kStep - 1e-9));
     const double h = (t[i + 1] - t[i]) / steps;
     for (int k = 0; k < steps; ++k) {
-      const auto f = [&](double part) { return force[i] + (force[i + 1] - force[i]) * (k + part) / steps; };
-      if (effects.dry > 0 && slip == 0 && std::abs(on_motor(y)) > effects.dry) slip = on_motor(y) > 0 ? 1 : -1;
+      const auto f = [&](double part) { return force(t[i] + (k + part) * h); };
+      if (effects.dry > 0 && slip == 0 && std::abs(on_motor(y)) > rubbing(0)) slip = on_motor(y) > 0 ? 1 : -1;
       const State a = field(y, f(0)), b = field(y.plus(h / 2, a), f(0.5)), c = field(y.plus(h / 2, b), f(0.5)),
                   d = field(y.plus(h, c), f(1));
       y = y.plus(h / 6, a).plus(h / 3, b).plus(h / 3, c).plus(h / 6, d);
@@ -64,6 +70,20 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     out.push_back(y.phi);
   }
   return out;
+}
+
+/// The same where the force is linear between the samples of a log.
+inline std::vector<double> joint_angle(const std::vector<double>& t, const std::vector<double>& force,
+                                       const Effects& effects) {
+  std::size_t i = 0;
+  return joint_angle(
+      t,
+      [&](double at) {
+        while (i > 0 && t[i] > at) --i;
+        while (i + 2 < t.size() && t[i + 1] <= at) ++i;
+        return force[i] + (force[i + 1] - force[i]) * (at - t[i]) / (t[i + 1] - t[i]);
+      },
+      effects);
 }
 
 /// Logs of eight hits at 500 Hz for 1 s, simulated.

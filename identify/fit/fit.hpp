@@ -50,6 +50,7 @@ struct TrialResult {
   std::string file;
   std::size_t samples = 0;
   double rms = 0;                  ///< over phi and, where measured, phi_motor [rad]; NaN where the rollout failed
+  double rms_rate = 0;             ///< of the same residuals' change from sample to sample [rad/s]
   double noise = 0;                ///< the log's own noise [rad]
   std::vector<double> phi, phi_m;  ///< predicted; empty where the rollout failed
   RolloutStatus status = RolloutStatus::kDone;

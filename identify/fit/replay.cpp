@@ -17,10 +17,15 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutI
     out.rms = std::numeric_limits<double>::quiet_NaN();
     return out;
   }
-  double sum = 0;
-  for (const auto& [measured, predicted] : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}})
-    for (std::size_t i = 0; i < measured->size(); ++i) sum += std::pow((*predicted)[i] - (*measured)[i], 2);
+  double sum = 0, sum_of_rates = 0, rates = 0;
+  for (const auto& [measured, predicted] : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}}) {
+    const auto residual = [&](std::size_t i) { return (*predicted)[i] - (*measured)[i]; };
+    for (std::size_t i = 0; i < measured->size(); ++i) sum += std::pow(residual(i), 2);
+    for (std::size_t i = 1; i < measured->size(); ++i, ++rates)
+      sum_of_rates += std::pow((residual(i) - residual(i - 1)) / (trial.t[i] - trial.t[i - 1]), 2);
+  }
   if (trial.measurements() > 0) out.rms = std::sqrt(sum / double(trial.measurements()));
+  if (rates > 0) out.rms_rate = std::sqrt(sum_of_rates / rates);
   return out;
 }
 

@@ -58,8 +58,8 @@ RigTerm also(const char* alias, RigTerm t) {
   t.alias = alias;
   return t;
 }
-RigTerm only_with(RigTerm t, double Sea::*constant) {
-  t.only_with = constant;
+RigTerm only_with(RigTerm t, std::vector<double Sea::*> constants) {
+  t.only_with = std::move(constants);
   return t;
 }
 /// Of a Coulomb friction: both levels stay above 0.
@@ -67,7 +67,26 @@ template <class F>
 RigTerm asymmetry(const char* name, const char* words, F field, double Sea::*friction) {
   RigTerm t = bounded(nuisance(name, "1", words, Scope::kShared, 0.2, field), -0.95, 0.95, 0);
   t.key = name;
-  return only_with(t, friction);
+  return only_with(t, {friction});
+}
+/// Of Trial::force_smooth: what the log's own force lacks of the smooth curve, or has too much of it.
+RigTerm between_samples() {
+  RigTerm t{{.name = kForceSmooth, .unit = "1", .words = "the force between its samples: 0 as read, 1 smoother"}};
+  t.size = 1, t.lower = -1, t.upper = 1;
+  t.change = [](double value, Rig&, Sea&, Trial& log) { log.force_smooth += value; };
+  return t;
+}
+/// Stribeck's, of whatever dry friction there is.
+std::vector<RigTerm> falling_friction() {
+  RigTerm breakaway =
+      nuisance("breakaway", "1", "of dry friction: what it breaks away with over what it slides with, less 1",
+               Scope::kShared, 0.3, [](auto& in) { return &in.sea.breakaway; });
+  breakaway.lower = 0, breakaway.key = breakaway.name;
+  RigTerm speed = bounded(nuisance("stribeck_speed", "rad/s", "by which breakaway falls to 1/e", Scope::kShared, 0.05,
+                                   [](auto& in) { return &in.sea.stribeck_speed; }),
+                          1e-4, 100, Sea{}.stribeck_speed);
+  speed.key = speed.name;
+  return {only_with(breakaway, {&Sea::friction, &Sea::output_friction}), only_with(speed, {&Sea::breakaway})};
 }
 RigTerm in_ladder(RigTerm t) {
   t.in_ladder = true;
@@ -76,7 +95,7 @@ RigTerm in_ladder(RigTerm t) {
 
 std::vector<RigTerm> table() {
   constexpr auto kShared = Scope::kShared, kEach = Scope::kEach;
-  return {
+  std::vector<RigTerm> out = {
       constant(0, "proportional gain of the motor", 0, [](auto& in) { return &in.sea.k_p; }),
       constant(1, "derivative gain of the motor", 0, [](auto& in) { return &in.sea.k_d; }),
       constant(2, "stiffness of the spring", 0, [](auto& in) { return &in.sea.k_sea; }),
@@ -106,7 +125,7 @@ std::vector<RigTerm> table() {
       only_with(optional(nuisance("k_t", "Nm/unit", "the motor's torque for a unit of its command", kShared, 1,
                                   [](auto& in) { return &in.sea.k_t; }),
                          1, &Sea::k_t, "k_t"),
-                &Sea::k_t),
+                {&Sea::k_t}),
       // As much torque as the linear part at a deflection of 1 rad.
       in_ladder(optional(nuisance("stiffening", "Nm/rad^3", "cubic stiffness of the spring", kShared, 10,
                                   [](auto& in) { return &in.sea.k_sea_cubic; }),
@@ -123,7 +142,10 @@ std::vector<RigTerm> table() {
       bounded(nuisance("time_shift", "s", "by which the hit came later than logged", kEach, 1e-3,
                        [](auto& in) { return &in.nuisance.time_shift; }),
               -0.1, 0.1, 0),
+      between_samples(),
   };
+  for (RigTerm& t : falling_friction()) out.push_back(std::move(t));
+  return out;
 }
 
 }  // namespace

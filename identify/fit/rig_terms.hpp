@@ -54,8 +54,8 @@ struct RigTerm : Term {
   double SeaParameters<double>::*relative_to = nullptr;
   double part = 1;
   bool in_ladder = false;  ///< the model ladder tries the fit with and without it
-  /// It is tested for only where this constant is there: without it, it says nothing.
-  double SeaParameters<double>::*only_with = nullptr;
+  /// It is tested for only where one of these constants is there: without them, it says nothing. Empty: everywhere.
+  std::vector<double SeaParameters<double>::*> only_with = {};
   std::string key = {};  ///< its name in actuator.toml; empty: it is no constant of the actuator
 
   /// Its value in an actuator; its absence where it is none of an actuator's.
@@ -66,6 +66,9 @@ struct RigTerm : Term {
   Parameter column(const SeaParameters<double>& start, const SeaParameters<double>& suggested,
                    const Choice& choice) const;
 };
+
+/// The name of the term that bends the force between its samples, see Trial::force_smooth.
+inline constexpr const char* kForceSmooth = "force_smooth";
 
 /// The table: the five constants in their order, then the others.
 const std::vector<RigTerm>& rig_terms();

@@ -53,10 +53,10 @@ double command_gain(const Rig& rig, const std::vector<Trial>& trials) {
 
 Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   Suggestion s;
-  double largest_deflection = 0, omega = 0, num_p = 0, den_p = 0, num_d = 0;
+  double largest_deflection = 0, omega = 0, num_p = 0, den_p = 0, num_d = 0, den_d = 0;
   int with_frequency = 0;
   struct Moments {
-    double torque = 0, torque_t = 0, phi = 0, phi_t = 0;
+    double torque = 0, torque_t = 0, phi = 0, phi_t = 0, moved = 0;
   };
   std::vector<Moments> all;
   for (const Trial& trial : trials) {
@@ -69,22 +69,26 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
     s.rate = std::max(s.rate, dominant_frequency(trial, spring) * largest_deviation(trial.phi));
     if (trial.force.empty() || trial.phi.empty()) continue;
     Moments m;
+    const Gravity& gravity = trial.rig_or(rig).gravity;
+    const double sag = gravity.moment == 0 ? 0 : trial.phi[0] - (trial.phi_ref.empty() ? 0 : trial.phi_ref[0]);
     const std::vector<double> force = force_at_samples(trial);
     for (std::size_t i = 0; i + 1 < trial.samples(); ++i) {
       const double dt = trial.t[i + 1] - trial.t[i], t = 0.5 * (trial.t[i + 1] + trial.t[i]) - trial.t[0];
       const double ref = trial.phi_ref.empty() ? 0 : trial.phi_ref[i];
       const double phi = 0.5 * (trial.phi[i] + trial.phi[i + 1]) - ref;
       const double torque =
-          0.5 * rig.length * (std::cos(trial.phi[i]) * force[i] + std::cos(trial.phi[i + 1]) * force[i + 1]);
+          0.5 * rig.length * (std::cos(trial.phi[i]) * force[i] + std::cos(trial.phi[i + 1]) * force[i + 1]) -
+          gravity.moment * std::sin(0.5 * (trial.phi[i] + trial.phi[i + 1]) - gravity.hanging);
       m.torque += torque * dt, m.torque_t += torque * t * dt, m.phi += phi * dt, m.phi_t += phi * t * dt;
+      m.moved += (phi - sag) * dt;
     }
-    num_p += m.torque * m.phi, den_p += m.phi * m.phi;
+    num_p += m.torque * m.phi, den_p += m.phi * m.phi, den_d += m.moved * m.moved;
     all.push_back(m);
   }
   omega = with_frequency > 0 ? std::clamp(omega / with_frequency, 1.0, 1e3) : 20;
   const double k_p = den_p > 0 ? num_p / den_p : 0;
-  for (const Moments& m : all) num_d += (k_p * m.phi_t - m.torque_t) * m.phi;
-  const double k_d = den_p > 0 ? num_d / den_p : 0;
+  for (const Moments& m : all) num_d += (k_p * m.phi_t - m.torque_t) * m.moved;
+  const double k_d = den_d > 0 ? num_d / den_d : 0;
 
   const bool moments = k_p > 0 && std::isfinite(k_p);
   const double stiffness = rig.inertia * omega * omega;
@@ -124,12 +128,13 @@ std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int coun
   if (!(about.torque > 0 && about.rate > 0)) return out;
   using Sea = SeaParameters<double>;
   std::size_t k = kConstants;
-  for (const auto& [friction, largest] : {std::pair(&Sea::friction, about.torque),
+  for (const auto& [friction, typical] : {std::pair(&Sea::friction, about.torque),
                                           {&Sea::output_friction, about.torque},
                                           {&Sea::viscous, about.torque / about.rate},
                                           {&Sea::output_viscous, about.torque / about.rate}})
-    in_layers(k++,
-              [&, f = friction, most = largest](Sea& sea, double place) { sea.*f = most * std::pow(10, place - 1); });
+    in_layers(k++, [&, f = friction, middle = typical](Sea& sea, double place) {
+      sea.*f = middle * std::pow(about.spread_rest, place);
+    });
   return out;
 }
 

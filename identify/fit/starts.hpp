@@ -27,8 +27,8 @@ struct StartOptions {
 };
 
 /// What the logs suggest without a fit. From rest to rest the motor and the link together give, torque limit or not,
-///     K_p int phi dt = int l cos(phi) F dt        and        K_p int t phi dt - K_d int phi dt = int t l cos(phi) F
-///     dt,
+///     K_p int phi dt = int T dt    and    K_p int t phi dt - K_d int (phi - phi(0)) dt = int t T dt,
+/// phi from the reference, T = l cos(phi_1) F - gravity's pull;
 /// the rest is scaled from the link's inertia and the log's dominant angular frequency: of the spring's deflection
 /// where the drive's command is known and both sides were logged, else of the link.
 struct Suggestion {
@@ -41,7 +41,7 @@ struct Suggestion {
 Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials);
 
 /// `count` sets of constants within the factors about the centre: a Latin hypercube in their logarithms. Friction on
-/// either side, dry and viscous, from a hundredth of the suggested torque to all of it, where there is one.
+/// either side, dry and viscous, within spread_rest of the suggested torque, either way, where there is one.
 std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int count, std::uint64_t seed);
 
 }  // namespace ukemi::identify

@@ -15,10 +15,18 @@ namespace ukemi::identify {
 
 namespace {
 
-const std::vector<Column> kColumns = {{"t", Quantity::kTime},         {"phi", Quantity::kAngle},
-                                      {"force", Quantity::kForce},    {"phi_ref", Quantity::kAngle},
-                                      {"dphi_ref", Quantity::kRate},  {"phi_motor", Quantity::kAngle},
-                                      {"command", Quantity::kCommand}};
+const std::vector<Column> kColumns = {
+    {"t", Quantity::kTime},          {"phi", Quantity::kAngle},     {"force", Quantity::kForce},
+    {"phi_ref", Quantity::kAngle},   {"dphi_ref", Quantity::kRate}, {"phi_motor", Quantity::kAngle},
+    {"command", Quantity::kCommand}, {"dphi", Quantity::kRate},     {"dphi_motor", Quantity::kRate}};
+
+/// The angle that an encoder's rate is the change of from sample to sample, from 0 on. Exact but for the encoder's
+/// step, where the rate was formed so.
+std::vector<double> summed(const std::vector<double>& t, const std::vector<double>& rate) {
+  std::vector<double> out(rate.size(), 0.0);
+  for (std::size_t i = 1; i < rate.size(); ++i) out[i] = out[i - 1] + rate[i] * (t[i] - t[i - 1]);
+  return out;
+}
 
 bool constant(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [&](double v) { return v == x.front(); });
@@ -41,7 +49,7 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
     if (which.quantity == Quantity::kTime) time_column = c;
     if (c < 0) return;
     const bool one_turn = which.quantity == Quantity::kAngle && options.angles == TrialOptions::Angles::kOneTurn;
-    const double gear = which.name == "phi_motor" ? options.gear_ratio : 1;
+    const double gear = which.name == "phi_motor" || which.name == "dphi_motor" ? options.gear_ratio : 1;
     table.require_full(c);
     const auto& column = table.columns[std::size_t(c)];
     out.resize(column.size());
@@ -54,14 +62,23 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
                                      s.column, shortest(column[i]), which.name, which.name));
     }
   };
-  std::vector<double>* const targets[] = {&trial.t,        &trial.phi,       &trial.force,  &trial.phi_ref,
-                                          &trial.dphi_ref, &trial.phi_motor, &trial.command};
+  std::vector<double> dphi, dphi_motor;
+  std::vector<double>* const targets[] = {&trial.t,       &trial.phi,      &trial.force,
+                                          &trial.phi_ref, &trial.dphi_ref, &trial.phi_motor,
+                                          &trial.command, &dphi,           &dphi_motor};
   for (std::size_t k = 0; k < kColumns.size(); ++k) load(kColumns[k], *targets[k]);
 
   const auto missing = [&](const std::string& name) {
     throw InputError({path, table.header_line}, "no column '" + name + "'" + hint(name, table.header));
   };
   if (trial.t.empty()) missing("t");
+  const auto sum = [&](const char* name, const std::vector<double>& rate, std::vector<double>& angle) {
+    if (rate.empty() || !angle.empty()) return;
+    angle = summed(trial.t, rate);
+    trial.notes.push_back(
+        fmt::format("the angle is the running sum of {}, from 0 on: right for an encoder's rate", name));
+  };
+  sum("dphi", dphi, trial.phi), sum("dphi_motor", dphi_motor, trial.phi_motor);
   if (options.require_phi && trial.phi.empty()) missing("phi");
   const bool elsewhere = options.force == TrialOptions::Force::kElsewhere;
   if (trial.force.empty() && trial.phi_ref.empty() && trial.command.empty() && !elsewhere)

@@ -13,17 +13,18 @@ namespace ukemi::identify {
 /// as `force_t`.
 struct Trial {
   std::string file;
-  std::vector<double> t;           ///< [s], increasing
-  std::vector<double> phi;         ///< measured output angle [rad]
-  std::vector<double> force;       ///< at the link's tip, along +y [N]; linear between samples
-  std::vector<double> force_t;     ///< the force's own sample times on the clock of `t` [s], increasing; empty: `t`
-  std::vector<double> phi_ref;     ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
-  std::vector<double> dphi_ref;    ///< [rad/s]; linear between samples
-  std::vector<double> phi_motor;   ///< measured motor angle at the gear's output side [rad]
-  std::vector<double> command;     ///< what the motor was told [V, A or Nm]; held from sample to sample
-  std::optional<Rig> rig = {};     ///< a rig of its own, in place of the other trials'
-  double force_noise = 0;          ///< standard deviation of each sample of the force within hits [N]; see hits.hpp
-  double force_rest = 0;           ///< what the load cell reads between hits, where that has been worked out [N]
+  std::vector<double> t;          ///< [s], increasing
+  std::vector<double> phi;        ///< measured output angle [rad]
+  std::vector<double> force;      ///< at the link's tip, along +y [N]; see force_smooth
+  std::vector<double> force_t;    ///< the force's own sample times on the clock of `t` [s], increasing; empty: `t`
+  std::vector<double> phi_ref;    ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
+  std::vector<double> dphi_ref;   ///< [rad/s]; linear between samples
+  std::vector<double> phi_motor;  ///< measured motor angle at the gear's output side [rad]
+  std::vector<double> command;    ///< what the motor was told [V, A or Nm]; held from sample to sample
+  std::optional<Rig> rig = {};    ///< a rig of its own, in place of the other trials'
+  double force_smooth = 0;  ///< between its samples the force is 0: linear, 1: a smooth curve; see force_curve.hpp
+  double force_noise = 0;   ///< standard deviation of each sample of the force within hits [N]; see hits.hpp
+  double force_rest = 0;    ///< what the load cell reads between hits, where that has been worked out [N]
   std::vector<std::string> notes;  ///< what was handled and counted while reading, a sentence each
 
   std::size_t samples() const { return t.size(); }
@@ -44,10 +45,11 @@ struct TrialOptions {
   double gear_ratio = 1;                                                 ///< divides phi_motor
 };
 
-/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor, command; unit suffixes
-/// convert (see Quantity). Throws InputError with file:line:column on whatever read_csv refuses, on a missing column
-/// (nearest name given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2
-/// pi unless multi-turn.
+/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor, command, dphi, dphi_motor;
+/// unit suffixes convert (see Quantity). Where an angle was not logged but its rate was, the angle is the rate's
+/// running sum. Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name
+/// given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2 pi unless
+/// multi-turn.
 Trial read_trial(const std::string& path, const TrialOptions& options = {});
 
 /// Throws InputError, naming the file and the rule, where nothing moves the rig: no force or all of it zero, and a

@@ -1,5 +1,4 @@
-// The rig as a hybrid system: Eq. 5 with the actuator of Eq. 2-4. No floor, no gravity: nothing of them is in this
-// kernel.
+// The rig as a hybrid system: Eq. 5 with the actuator of Eq. 2-4. No floor: nothing of one is in this kernel.
 #pragma once
 
 #include <algorithm>
@@ -9,22 +8,31 @@
 
 #include "common/integrate/hybrid.hpp"
 #include "common/sea.hpp"
+#include "identify/rig/rig.hpp"
 
 namespace ukemi::identify {
 
-/// Force and reference on one stretch of a trial, linear in time from `t`.
+/// Force and reference on one stretch of a trial: the force cubic, the rest linear in time from `t`.
 template <class T>
 struct Excitation {
-  double t = 0;                            ///< start [s]
-  bool pushed = false;                     ///< there is a force, or a derivative by one of its terms
-  T force{0}, force_rate{0};               ///< F_e [N], [N/s]
-  double phi_ref = 0, phi_ref_rate = 0;    ///< [rad], [rad/s]
-  double dphi_ref = 0, dphi_ref_rate = 0;  ///< what Eq. 3 sees as the reference's rate [rad/s], [rad/s^2]
-  double command = 0;                      ///< what the motor is told, where that is logged [V, A or Nm]
+  double t = 0;                                    ///< start [s]
+  bool pushed = false;                             ///< there is a force, or a derivative by one of its terms
+  bool curved = false;                             ///< the force's last two coefficients are not 0
+  std::array<T, 4> force{T(0), T(0), T(0), T(0)};  ///< F_e = force[0] + force[1] u + ... [N], u = time - t [s]
+  double phi_ref = 0, phi_ref_rate = 0;            ///< [rad], [rad/s]
+  double dphi_ref = 0, dphi_ref_rate = 0;          ///< what Eq. 3 sees as the reference's rate [rad/s], [rad/s^2]
+  double command = 0;                              ///< what the motor is told, where that is logged [V, A or Nm]
+
+  /// F_e at t + u.
+  template <class Time>
+  UKEMI_INLINE T force_at(const Time& u) const {
+    if (!curved) return force[0] + force[1] * u;
+    return force[0] + u * (force[1] + u * (force[2] + u * force[3]));
+  }
 
   template <class U>
-  Excitation<U> with_force(bool is_pushed, const U& f, const U& rate) const {
-    return {t, is_pushed, f, rate, phi_ref, phi_ref_rate, dphi_ref, dphi_ref_rate, command};
+  Excitation<U> with_force(bool is_pushed, const std::array<U, 4>& f = {U(0), U(0), U(0), U(0)}) const {
+    return {t, is_pushed, is_pushed && curved, f, phi_ref, phi_ref_rate, dphi_ref, dphi_ref_rate, command};
   }
 };
 
@@ -42,7 +50,7 @@ struct RigMode {
   bool operator==(const RigMode&) const = default;
 };
 
-/// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t) - friction, Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
+/// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t) - friction - gravity, Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
 ///
 /// Coulomb friction sticks (ours). With T_s what moves side s (`torques`) and L(+-) its level in each direction
 /// (coulomb_level), a side slips with I_s a_s = T_s - slip L(slip), slip = +-1 the sign of its rate, until that rate is
@@ -58,8 +66,8 @@ class OneLinkSystem {
                        kGuards = kTerms.extended ? int(kRub) + 2 * kSides : int(kTorqueLower) + 1;
   using State = Eigen::Matrix<T, kStates, 1>;
 
-  OneLinkSystem(const SeaParameters<T>& actuator, double length, double inertia)
-      : sea(actuator), length_(length), inverse_inertia_(1 / inertia) {
+  OneLinkSystem(const SeaParameters<T>& actuator, const Rig& rig)
+      : sea(actuator), length_(rig.length), inverse_inertia_(1 / rig.inertia), gravity_(rig.gravity) {
     if (kTerms.torque_limit && value_of(sea.tau_max) == 0) mode.saturation = 1;
   }
 
@@ -67,12 +75,13 @@ class OneLinkSystem {
   T command_limit = T(std::numeric_limits<double>::infinity());  ///< of |tau_mot| [Nm], >= 0
   Excitation<T> input;
   RigMode mode;
+  bool stribeck = false;  ///< friction falls with speed, or a derivative by it does
 
   static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
 
-  /// What moves each side, Coulomb friction apart [Nm]: tau_SEA + l cos(phi_1) F_e - viscous friction on the output,
-  /// tau_mot - tau_SEA - viscous friction on the motor. tau_mot is Eq. 3 within `command_limit`, and K_t times a logged
-  /// command. `t` may be a double or, to differentiate by it, a T.
+  /// What moves each side, Coulomb friction apart [Nm]: tau_SEA + l cos(phi_1) F_e - viscous friction on the output -
+  /// gravity, tau_mot - tau_SEA - viscous friction on the motor. tau_mot is Eq. 3 within `command_limit`, and K_t times
+  /// a logged command. `t` may be a double or, to differentiate by it, a T.
   template <class Time>
   UKEMI_INLINE std::array<T, kSides> torques(const Time& t, const State& y) const {
     const Time u = t - input.t;
@@ -81,29 +90,34 @@ class OneLinkSystem {
     T on_output = tau, on_motor = -tau;
     if (input.pushed) {
       using std::cos;
-      on_output += T(length_) * (input.force + input.force_rate * u) * cos(y[kPhi]);
+      on_output += T(length_) * input.force_at(u) * cos(y[kPhi]);
     }
     if constexpr (kTerms.extended) {
+      using std::sin;
+      if (gravity_.moment != 0) on_output -= T(gravity_.moment) * sin(y[kPhi] - T(gravity_.hanging));
       on_output -= sea.output_viscous * s.dphi, on_motor += sea.k_t * T(input.command) - sea.viscous * s.dphi_m;
       if (mode.command != 0) return {on_output, on_motor + T(mode.command) * command_limit};
     }
     return {on_output, on_motor + motor_torque<kTerms>(sea, s, reference(u))};
   }
-  /// L(direction) of a side [Nm].
-  T level(int side, int direction) const {
+  /// L(direction) of a side at a speed >= 0 in that direction [Nm].
+  T level(int side, int direction, const T& speed = T(0)) const {
+    const T sliding = coulomb_level_of(side, direction);
+    return stribeck ? T(sliding * ukemi::stribeck(sea.breakaway, sea.stribeck_speed, speed)) : sliding;
+  }
+  T coulomb_level_of(int side, int direction) const {
     return side == kMotorSide ? coulomb_level(sea.friction, sea.friction_asymmetry, direction)
                               : coulomb_level(sea.output_friction, sea.output_friction_asymmetry, direction);
   }
 
   /// Flattened: operations on Jets are worth no calls.
   template <class Time>
-  [[gnu::flatten]] void derivative(const Time& t, const State& y, State& dy) const {
+  UKEMI_FLATTEN void derivative(const Time& t, const State& y, State& dy) const {
     std::array<T, kSides> torque = torques(t, y);
     if constexpr (kTerms.extended)
       for (const int side : {kOutputSide, kMotorSide})
         if (mode.rubs[side])
-          torque[side] =
-              mode.slip[side] == 0 ? T(0) : T(torque[side] - T(mode.slip[side]) * level(side, mode.slip[side]));
+          torque[side] = mode.slip[side] == 0 ? T(0) : T(torque[side] - friction_of(side, y[rate_of(side)]));
     dy[kPhi] = y[kOmega];
     dy[kPhiM] = y[kOmegaM];
     dy[kOmega] = torque[kOutputSide] * T(inverse_inertia_);
@@ -116,10 +130,12 @@ class OneLinkSystem {
     SeaParameters<U> values{};
     SeaParameters<U>::for_each(values, sea, [](U& to, const T& from) { to = U(value_of(from)); });
     values.feedback = sea.feedback;
-    OneLinkSystem<kTerms, U> out(values, length_, 1 / inverse_inertia_);
+    OneLinkSystem<kTerms, U> out(values, {.length = length_, .inertia = 1 / inverse_inertia_, .gravity = gravity_});
     out.command_limit = U(value_of(command_limit));
-    out.input = input.with_force(input.pushed, U(value_of(input.force)), U(value_of(input.force_rate)));
-    out.mode = mode;
+    std::array<U, 4> force;
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] = U(value_of(input.force[i]));
+    out.input = input.with_force(input.pushed, force);
+    out.mode = mode, out.stribeck = stribeck;
     return out;
   }
 
@@ -195,6 +211,12 @@ class OneLinkSystem {
   friend class OneLinkSystem;
   static constexpr int upward(int side) { return kRub + 2 * side; }
 
+  /// Of a side that slips, along its rate [Nm].
+  T friction_of(int side, const T& rate) const {
+    const T direction(mode.slip[side]);
+    return direction * level(side, mode.slip[side], direction * rate);
+  }
+
   template <class Time>
   UKEMI_INLINE Reference<T> reference(const Time& u) const {
     return {T(input.phi_ref + input.phi_ref_rate * u), T(input.dphi_ref + input.dphi_ref_rate * u)};
@@ -242,6 +264,7 @@ class OneLinkSystem {
   }
 
   double length_, inverse_inertia_;
+  Gravity gravity_;
 };
 
 }  // namespace ukemi::identify

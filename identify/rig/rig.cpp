@@ -1,9 +1,15 @@
 #include "identify/rig/rig.hpp"
 
+#include <numbers>
+
 #include "common/actuator.hpp"
 #include "common/toml.hpp"
 
 namespace ukemi::identify {
+
+namespace {
+constexpr double kDegrees = 180 / std::numbers::pi;
+}
 
 SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
   sea.tau_max = tau_max.value_or(sea.tau_max);
@@ -28,6 +34,10 @@ Rig read_rig(const std::string& path) {
   rig.speed_max = s.optional_number("speed_max", Range::positive());
   rig.gear_ratio = s.optional_number("gear_ratio", Range::positive());
   rig.feedback = read_feedback(s);
+  const auto moment = s.optional_number("gravity_moment", Range::non_negative());
+  const auto hanging = s.optional_number("hanging_deg", Range{-360, 360, false, "degrees from -360 to 360"});
+  if (hanging && !moment) s.fail("hanging_deg", "without gravity_moment it has no say");
+  rig.gravity = {moment.value_or(0), hanging.value_or(0) / kDegrees};
   if (auto drive = file.optional("drive")) {
     rig.drive.kind = Drive::Kind::kController;
     rig.drive.gain = drive->number("command_gain", Range::positive());

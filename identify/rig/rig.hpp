@@ -22,13 +22,21 @@ struct Drive {
   Feedback feedback = Feedback::kOutput;                   ///< the side that it feeds back
 };
 
+/// Of a rig whose link does not turn in the horizontal plane: it pulls the link to where it hangs with
+/// moment sin(phi_1 - hanging). Ours: the rig of [1] is horizontal.
+struct Gravity {
+  double moment = 0;   ///< m g times the distance of the centre of mass from the joint [Nm], >= 0; 0: none
+  double hanging = 0;  ///< phi_1 where the link hangs straight down [rad]
+};
+
 struct Rig {
-  double length;                         ///< l, from the joint to where the force acts [m], > 0
-  double inertia;                        ///< M, of the link about the joint [kg m^2], > 0
-  std::optional<double> tau_max;         ///< torque limit of the spring [Nm]
-  std::optional<double> gear_ratio;      ///< a log's phi_motor is divided by it
-  std::optional<Feedback> feedback;      ///< what Eq. 3 feeds back
-  Drive drive = {};                      ///< what drives the motor
+  double length;                     ///< l, from the joint to where the force acts [m], > 0
+  double inertia;                    ///< M, of the link about the joint [kg m^2], > 0
+  std::optional<double> tau_max;     ///< torque limit of the spring [Nm]
+  std::optional<double> gear_ratio;  ///< a log's phi_motor is divided by it
+  std::optional<Feedback> feedback;  ///< what Eq. 3 feeds back
+  Drive drive = {};                  ///< what drives the motor
+  Gravity gravity = {};
   std::optional<double> speed_max = {};  ///< rated motor speed at the output [rad/s], for the actuator file
 
   /// An actuator as it is on this rig: limit and feedback are the rig's, where it names them.
@@ -36,7 +44,7 @@ struct Rig {
 };
 
 /// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5);
-/// [drive], a controller that is known: command_gain, command_limit, feedback. Throws
+/// gravity_moment, hanging_deg; [drive], a controller that is known: command_gain, command_limit, feedback. Throws
 /// InputError.
 Rig read_rig(const std::string& path);
 

@@ -4,6 +4,7 @@
 // Private: not installed.
 #pragma once
 
+#include <Eigen/LU>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -38,8 +39,8 @@ class Roll {
   Roll(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance, const PreparedTrial& trial,
        const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m)
       : drive_(rig.drive),
-        system_(driven_by(rig.drive, sea), rig.length, rig.inertia),
-        plain_(values(system_.sea), rig.length, rig.inertia),
+        system_(driven_by(rig.drive, sea), rig),
+        plain_(values(system_.sea), rig),
         nuisance_(nuisance),
         trial_(trial),
         shifted_(shift() == 0 ? std::vector<Stretch>() : trial.cut(shift())),
@@ -49,7 +50,7 @@ class Roll {
         motor_(kDerivatives<T> == 0 || !trial.trial->phi_motor.empty()),
         phi_(phi),
         phi_m_(phi_m),
-        driver_(system_, t_[0], start(),
+        driver_(system_, t_[0], start(rig.gravity),
                 {.accuracy = options.accuracy,
                  .first_step = std::min(1e-3, options.max_step),
                  .max_step = options.max_step}) {
@@ -59,9 +60,10 @@ class Roll {
     }
     if constexpr (kTerms.extended)
       system_.mode.rubs[kMotorSide] = present(sea.friction),
-      system_.mode.rubs[kOutputSide] = present(sea.output_friction);
+      system_.mode.rubs[kOutputSide] = present(sea.output_friction),
+      system_.stribeck = system_.mode.rubbing() && present(sea.breakaway);
     exact_ = kExact && options.linear == RolloutOptions::Linear::kExact && t_.size() > 1 &&
-             !(kTerms.extended && present(sea.k_sea_cubic));
+             !(kTerms.extended && (present(sea.k_sea_cubic) || system_.stribeck || rig.gravity.moment != 0));
   }
 
   RolloutStatus run() {
@@ -115,19 +117,65 @@ class Roll {
     if (controller) sea.feedback = drive.feedback;
     return sea;
   }
-  State start() const {
-    const T angle = T(trial_.phi_start) + nuisance_.angle;
-    State y;
-    y << angle, angle, nuisance_.rate, T(0);
+  State start(const Gravity& gravity) const {
+    State y = State::Constant(T(trial_.phi_start));
+    y[System::kOmega] = y[System::kOmegaM] = T(0);
+    if constexpr (kTerms.extended)
+      if (gravity.moment != 0) sag(y);
+    const bool held = drive_.kind == Drive::Kind::kCommand && gravity.moment != 0;  // sag has put it there
+    for (const int angle : {System::kPhi, System::kPhiM})
+      if (!held) y[angle] += nuisance_.angle;
+    y[System::kOmega] = nuisance_.rate;
     return y;
+  }
+  /// To where spring and motor carry the link at rest, friction apart; where only a command is known, to where the
+  /// spring carries it at the angle where it starts. Newton's method on the two torques.
+  void sag(State& y) const {
+    using Dual = ceres::Jet<double, 2>;
+    constexpr int kMost = 50;
+    const bool by_command = drive_.kind == Drive::Kind::kCommand;
+    const T held = T(trial_.phi_start) + nuisance_.angle;
+    const auto lacking = [&](auto system, const auto& x, const auto& angle) {
+      using U = std::decay_t<decltype(x[0])>;
+      system.input = {};
+      system.input.phi_ref = trial_.phi_start;
+      const std::array<U, kSides> torque = system.torques(0.0, x);
+      return Eigen::Matrix<U, 2, 1>(
+          torque[kOutputSide], by_command ? U(x[System::kPhi] - angle) : U(torque[kOutputSide] + torque[kMotorSide]));
+    };
+    Eigen::Vector2d x = Eigen::Vector2d::Constant(by_command ? value_of(held) : trial_.phi_start);
+    Eigen::Matrix2d inverse = Eigen::Matrix2d::Zero();
+    const auto duals = system_.template in_values<Dual>();
+    for (int i = 0; i < kMost; ++i) {
+      Eigen::Matrix<Dual, 4, 1> at(Dual(x[0], 0), Dual(x[1], 1), Dual(0), Dual(0));
+      const auto f = lacking(duals, at, Dual(value_of(held)));
+      Eigen::Matrix2d slopes;
+      for (int row = 0; row < 2; ++row) slopes.row(row) = f[row].v.transpose();
+      bool invertible;
+      slopes.computeInverseWithCheck(inverse, invertible);
+      if (!invertible) return;  // nothing carries it
+      const Eigen::Vector2d step = inverse * Eigen::Vector2d(f[0].a, f[1].a);
+      x -= step;
+      if (step.norm() < 1e-14 * (1 + x.norm())) break;
+    }
+    y[System::kPhi] = T(x[0]), y[System::kPhiM] = T(x[1]);
+    const Eigen::Matrix<T, 2, 1> rest = lacking(system_, y, held);  // 0 but for its derivatives
+    y[System::kPhi] -= T(inverse(0, 0)) * rest[0] + T(inverse(0, 1)) * rest[1];
+    y[System::kPhiM] -= T(inverse(1, 0)) * rest[0] + T(inverse(1, 1)) * rest[1];
   }
   /// The input as it drives the rig. The cuts stand where the shift's value puts them; the force is continuous there,
   /// so its derivative by the shift is all there is.
   Excitation<T> driven(const Excitation<double>& e) const {
     const T later = nuisance_.time_shift - T(shift());
-    const T force = nuisance_.force_gain * (T(e.force) - T(e.force_rate) * later) + nuisance_.force_bias,
-            rate = nuisance_.force_gain * T(e.force_rate);
-    Excitation<T> out = e.with_force(present(force) || present(rate), force, rate);
+    std::array<T, 4> force;
+    bool pushed = false;
+    for (std::size_t i = 0; i < force.size(); ++i) {
+      const double next = i + 1 < force.size() ? double(i + 1) * e.force[i + 1] : 0;
+      force[i] = nuisance_.force_gain * (T(e.force[i]) - T(next) * later);
+      if (i == 0) force[i] += nuisance_.force_bias;
+      pushed = pushed || present(force[i]);
+    }
+    Excitation<T> out = e.with_force(pushed, force);
     if (drive_.kind != Drive::Kind::kCommand) out.command = 0;  // it is logged, but does not drive
     return out;
   }
@@ -316,13 +364,13 @@ class Roll {
   }
 
   /// To the end of the stretch, or to where the torque limit is met.
-  [[gnu::flatten]] RolloutStatus flow(double t_end) {
+  UKEMI_FLATTEN RolloutStatus flow(double t_end) {
     const Exact& exact = this->exact();
     const LinearFlow<T>& flow = exact.flow;
     double t = driver_.time();
     const Frame f = frame(t);
     plain_.mode = system_.mode;
-    plain_.input = f.held ? Excitation<double>{} : system_.input.with_force(false, 0.0, 0.0);
+    plain_.input = f.held ? Excitation<double>{} : system_.input.template with_force<double>(false);
     const State rest{f.rest, f.rest, T(0), T(0)};
     State z = driver_.state() - rest;
     const double from = t;
@@ -364,7 +412,7 @@ class Roll {
 
   /// The same where friction holds or brakes: from interval to interval, and within one from event to event. A side
   /// that is stuck does not move at all: its rows of the flow are zero.
-  [[gnu::flatten]] RolloutStatus slide(double t_end) {
+  UKEMI_FLATTEN RolloutStatus slide(double t_end) {
     const Exact& exact = this->exact();
     if (!(exact.flow.rate() * trial_.spacing < kStiff)) return RolloutStatus::kDiverged;
     double t = driver_.time();
@@ -372,7 +420,7 @@ class Roll {
     system_.derivative(t, State(State::Zero()), b0);
     system_.derivative(t + 1, State(State::Zero()), b1);
     b1 -= b0;
-    plain_.mode = system_.mode, plain_.input = system_.input.with_force(false, 0.0, 0.0);
+    plain_.mode = system_.mode, plain_.input = system_.input.template with_force<double>(false);
     const double from = t;
     while (t < t_end) {
       const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;

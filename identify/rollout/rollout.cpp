@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/median.hpp"
+#include "identify/logs/force_curve.hpp"
 #include "identify/rollout/roll.hpp"
 
 namespace ukemi::identify {
@@ -22,24 +23,21 @@ PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cu
 }
 
 std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
-  const std::vector<double>&t = trial->t, &f = trial->force, &r = trial->phi_ref, &d = trial->dphi_ref,
-        &c = trial->command;
-  const std::vector<double>& force_t = trial->force_t.empty() ? t : trial->force_t;
+  const std::vector<double>&t = trial->t, &r = trial->phi_ref, &d = trial->dphi_ref, &c = trial->command;
+  const ForceCurve force(*trial);
+  const std::size_t begins = trial->force.empty() ? 0 : force.pieces() + 1;
   std::vector<Stretch> out;
   constexpr double kNow = 1e-12;  // times that differ by rounding are one [s]
   double force_end = 0;
-  std::size_t j = 0;  // the force's samples up to here are behind
+  std::size_t j = 0;  // so many of the force's pieces have begun
   for (std::size_t i = 0; i + 1 < t.size(); ++i) {
     for (double from = t[i]; from < t[i + 1];) {
-      while (j < f.size() && force_t[j] + shift <= from + kNow) ++j;
-      double to = j < f.size() ? std::min(t[i + 1], force_t[j] + shift) : t[i + 1];
+      while (j < begins && force.begin(j) + shift <= from + kNow) ++j;
+      double to = j < begins ? std::min(t[i + 1], force.begin(j) + shift) : t[i + 1];
       if (t[i + 1] - to < kNow) to = t[i + 1];
       Excitation<double> e{.t = from};
-      if (j > 0 && j < f.size()) {
-        e.force_rate = (f[j] - f[j - 1]) / (force_t[j] - force_t[j - 1]);
-        e.force = f[j - 1] + e.force_rate * (from - shift - force_t[j - 1]);
-      }
-      e.pushed = e.force != 0 || e.force_rate != 0;
+      if (j > 0 && j < begins) e.force = moved(force.piece(j - 1), from - shift - force.begin(j - 1));
+      e.pushed = e.force != Cubic{}, e.curved = e.force[2] != 0 || e.force[3] != 0;
       if (!r.empty()) e.phi_ref = r[i];
       if (!c.empty()) e.command = c[i];
       if (!d.empty()) {
@@ -50,7 +48,7 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
       const bool reference_jumps = i > 0 && from == t[i] && !r.empty() && d.empty() && r[i] != r[i - 1];
       const bool command_jumps = i > 0 && from == t[i] && !c.empty() && c[i] != c[i - 1];
       const bool jumps =
-          reference_jumps || command_jumps || std::abs(e.force - force_end) > 1e-9 * (1 + std::abs(force_end));
+          reference_jumps || command_jumps || std::abs(e.force[0] - force_end) > 1e-9 * (1 + std::abs(force_end));
       const auto still = [](const Excitation<double>& x) {
         return !x.pushed && x.phi_ref_rate == 0 && x.dphi_ref == 0 && x.dphi_ref_rate == 0;
       };
@@ -58,7 +56,7 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
         out.back().t_end = to;
       else
         out.push_back({e, to, jumps});
-      force_end = e.force + e.force_rate * (to - from);
+      force_end = e.force_at(to - from);
       from = to;
     }
   }
@@ -72,7 +70,7 @@ RolloutStatus rollout(const Rig& common, const SeaParameters<T>& sea, const Nuis
   const Rig& rig = trial.trial->rig_or(common);
   const bool extended = rig.drive.kind != Drive::Kind::kGains || present(sea.friction) || present(sea.viscous) ||
                         present(sea.output_friction) || present(sea.output_viscous) || present(sea.k_sea_cubic) ||
-                        sea.feedback == Feedback::kMotor;
+                        rig.gravity.moment != 0 || sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
     if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m);
   // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening

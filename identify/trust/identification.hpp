@@ -16,6 +16,8 @@ struct TrustOptions {
     kResiduals,  ///< whiteness, normality, score tests: a fraction of the fit's own time
     kRefit,      ///< and the model ladder and each trial left out: several fits each
   } depth = Depth::kResiduals;
+  /// The force between its samples (Trial::force_smooth): linear or smooth by what the residuals say, or as it is set.
+  enum class Force { kByResiduals, kAsSet } force = Force::kByResiduals;
   std::vector<std::string> profiles = {};  ///< constants whose profile likelihood is wanted
   int threads = 0;                         ///< 0: all cores; without influence on the results
 };
@@ -36,10 +38,12 @@ struct Trust {
 
 struct Identification {
   Fit fit;                     ///< errors and verdicts after the examination
+  double force_smooth = 0;     ///< of the trials as they were fitted
   std::optional<Trust> trust;  ///< none where no start could be followed: Fit::fitted is empty
 };
 
-/// `fit`, then `examine`.
+/// `fit`, then `examine`. Where the residuals of a fit with a linear force ask for more than half of the smooth curve,
+/// and a fit with it leaves less, that is the result (TrustOptions::force); Fit::minima are those of the first fit.
 [[nodiscard]] Identification identify(const Experiment& experiment, const std::optional<SeaParameters<double>>& start,
                                       const SeaParameters<double>& base, const TrustOptions& options = {});
 

@@ -15,7 +15,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 bool absent(const RigTerm& t, const Fit& fit, const FitOptions& options) {
-  const bool says_something = !t.only_with || fit.sea.*t.only_with != 0;
+  const bool says_something = t.only_with.empty() || std::any_of(t.only_with.begin(), t.only_with.end(),
+                                                                 [&](auto constant) { return fit.sea.*constant != 0; });
   return !t.is_constant() && !options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent && says_something;
 }
 

@@ -182,7 +182,8 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
     if (a.evidence->complete) {
       a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
       if (a.scattered) a.nominal = nominal_plan(a, options.evidence_monitor);
-      if (drops.scatters()) a.under_scatter = judged_under_scatter(drops, a, searched);
+      if (drops.scatters() && !searched.monitor.stopped()) a.under_scatter = judged_under_scatter(drops, a, searched);
+      if (a.under_scatter && !a.under_scatter->complete) a.under_scatter.reset(), a.nominal.reset();
       if (a.scattered) a.promised = promised(a, searched);
     }
     a.evidence_seconds = watch.seconds();

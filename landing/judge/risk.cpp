@@ -20,7 +20,8 @@ void RiskOptions::validate() const {
 
 namespace {
 
-constexpr long kChunk = 16'384;  // landings that are held in memory at once
+constexpr long kChunk = 16'384;      // landings that are held in memory at once
+constexpr long kHeldDrops = kChunk;  // that the held reference is played over: its tail is known to 1 % from so many
 
 /// The peak, infinite where there is none.
 double peak_of(const LandingPeak& l) { return counted(l, std::numeric_limits<double>::infinity()); }
@@ -127,8 +128,10 @@ class Census {
   Census(std::vector<RiskEvent>& events) : events_(events) {}
 
   void add(long first, const std::vector<LandingPeak>& landed, const std::vector<LandingPeak>& held) {
+    for (const LandingPeak& l : held)
+      if (followed(l)) held_.push_back(l.peak);
+    held_played_ += long(held.size());
     for (std::size_t i = 0; i < landed.size(); ++i) {
-      if (followed(held[i])) held_.push_back(held[i].peak);
       const LandingPeak& l = landed[i];
       if (!followed(l)) continue;
       peaks_.push_back(l.peak);
@@ -146,7 +149,7 @@ class Census {
 
   void finish(Risk& out) const {
     out.peaks = distribution(peaks_), out.held = distribution(held_);
-    out.failed = played_ - long(peaks_.size()), out.held_failed = played_ - long(held_.size());
+    out.failed = played_ - long(peaks_.size()), out.held_failed = held_played_ - long(held_.size());
     for (const auto& [contact, drops] : contacts_) out.contacts.push_back({contact.first, contact.second, drops});
     std::stable_sort(out.contacts.begin(), out.contacts.end(), [](auto& a, auto& b) { return a.drops > b.drops; });
     out.histogram = histogram(peaks_, held_, out.peaks.q99.value);
@@ -159,7 +162,7 @@ class Census {
   std::vector<double> peaks_, held_;
   std::vector<std::pair<double, long>> worst_;
   std::map<std::pair<int, int>, long> contacts_;
-  long played_ = 0;
+  long played_ = 0, held_played_ = 0;
 };
 
 /// Landings of the indices: n base points each of A and B, and of A with one group at a time from B.
@@ -229,7 +232,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
   Risk out;
   out.events = events_of(model.scene(), actuator, options);
   const IndexPlan plan(model, options);
-  Course course(options, 2 * n + plan.landings());
+  Course course(options, n + (drawn ? std::min(n, kHeldDrops) : n) + plan.landings());
   Census census(out.events);
   Lander lander(planned, out.events, model.scene());
   ScatteredLandings of_held;
@@ -240,11 +243,12 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
     const std::span<const ScatteredDrop> drops =
         drawn ? std::span<const ScatteredDrop>(made)
               : std::span(options.measured).subspan(std::size_t(first), std::size_t(count));
-    const std::vector<LandingPeak>& landed_held = course.play(of_held, held, drops);
+    const auto held_drops = drops.first(std::size_t(drawn ? std::clamp(kHeldDrops - first, 0L, count) : count));
+    const std::vector<LandingPeak>& landed_held = course.play(of_held, held, held_drops);
     const std::vector<LandingPeak>& landed = lander.land(drops, course);
     if (course.stopped()) break;
     census.add(first, landed, landed_held);
-    course.tell(2 * count);
+    course.tell(count + long(held_drops.size()));
   }
   census.finish(out);
   for (const auto& [peak, place] : census.worst())

@@ -57,12 +57,12 @@ struct Risk {
     SobolIndex index;
   };
 
-  Distribution peaks, held;                ///< of the motion, of kHeld over the same drops
-  long failed = 0, held_failed = 0;        ///< landings that could not be followed to the floor: they are left out
-  std::vector<PeakContact> contacts;       ///< most drops first
-  std::vector<RiskEvent> events;           ///< of the drops that were followed
-  std::vector<PeakBin> histogram;          ///< of the motion, beside it of kHeld
-  std::vector<RiskyDrop> worst;            ///< kWorst at most, the worst first
+  Distribution peaks, held;           ///< of the motion, of kHeld over the same drops, of drawn ones 16,384 at most
+  long failed = 0, held_failed = 0;   ///< landings that could not be followed to the floor: they are left out
+  std::vector<PeakContact> contacts;  ///< most drops first
+  std::vector<RiskEvent> events;      ///< of the drops that were followed
+  std::vector<PeakBin> histogram;     ///< of the motion, beside it of kHeld
+  std::vector<RiskyDrop> worst;       ///< kWorst at most, the worst first
   std::vector<Uncertainty> uncertainties;  ///< the largest total index first; empty: see `why_none`
   enum class WhyNone { kThere, kMeasured, kNothingScatters, kOneGroup, kStopped } why_none = WhyNone::kThere;
   long index_landings = 0, index_failed = 0;  ///< played for them; of these could not be followed

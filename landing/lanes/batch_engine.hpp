@@ -20,7 +20,7 @@
 #include "landing/run/schedule.hpp"
 
 /// A piece of the driver for one instruction set: called, not inlined, with everything below it inside.
-#define UKEMI_BATCH_STAGE [[gnu::noinline, gnu::flatten]] UKEMI_BATCH_TARGET
+#define UKEMI_BATCH_STAGE [[gnu::noinline]] UKEMI_FLATTEN UKEMI_BATCH_TARGET
 
 namespace ukemi::landing {
 

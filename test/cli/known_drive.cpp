@@ -51,13 +51,10 @@ TEST_CASE("a measured drive with friction that sticks on both sides is explained
   const Folder f;
   f.write("output.toml", controller(50, "output"));
   f.write("motor.toml", controller(270, "motor"));
-  f.write("start.toml",
-          "[actuator]\nname = \"guess\"\nk_t = 1.5\nk_sea = 200\nc_sea = 1\ni_motor = 1\nfriction = 1\noutput_friction "
-          "= 1\n");
   const Result r =
       run({"identify", *output, *motor, "--rig", "output.toml", "--trial-rig", "p_motor_270.csv=motor.toml",
            "--columns", "t=t_s,phi=0.001*x2_mm,phi_motor=0.001*x1_mm,phi_ref=0.001*xr_mm", "--nuisance",
-           "friction,output_friction,viscous,output_viscous", "--start", "start.toml", "-o", "out"},
+           "friction,output_friction,viscous,output_viscous", "-o", "out"},
           f.at(""));
   INFO(r.err);
   CHECK(r.code == 0);

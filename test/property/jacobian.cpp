@@ -75,8 +75,15 @@ TEST_CASE("jacobian: the rig's is exact") {
     Random r(kSeed, i);
     System system(
         {r.uniform(0, 100), r.uniform(0, 3), r.uniform(1, 200), r.uniform(0, 3), r.uniform(0.01, 0.2), 20, 0.2, 30},
-        0.3, 0.024);
-    system.input = {0.1, true, 50, -2000, 0.1, 0.5, 0.5, 2};
+        {.length = 0.3, .inertia = 0.024, .gravity = {r.uniform(0, 5), r.uniform(-1, 1)}});
+    system.input = {.t = 0.1,
+                    .pushed = true,
+                    .curved = i % 2 == 0,
+                    .force = {50, -2000, 3e4, -1e6},
+                    .phi_ref = 0.1,
+                    .phi_ref_rate = 0.5,
+                    .dphi_ref = 0.5,
+                    .dphi_ref_rate = 2};
     system.mode.saturation = int(i % 3) - 1;
     System::State y;
     for (int k = 0; k < 4; ++k) y[k] = r.uniform(-1, 1) * (k < 2 ? 1 : 5);

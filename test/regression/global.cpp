@@ -15,7 +15,7 @@ namespace {
 
 /// Whether the rig settles: no eigenvalue of its linear mode beyond -0.5/s.
 bool settles(const SeaParameters<double>& sea, const Rig& rig) {
-  const OneLinkSystem<SeaTerms{true, false}, double> system(sea, rig.length, rig.inertia);
+  const OneLinkSystem<SeaTerms{true, false}, double> system(sea, rig);
   Eigen::Matrix4d a;
   for (int j = 0; j < 4; ++j) {
     Eigen::Vector4d dy;

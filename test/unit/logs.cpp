@@ -340,6 +340,20 @@ TEST_CASE("a column's unit is in its suffix, or in a scale of the map") {
   CHECK_THROWS_WITH(trial("t,phi,force,force_kN\n0,0,1,1\n1,0,1,1\n"), Contains("'force' is given twice"));
 }
 
+TEST_CASE("an encoder's rates stand for angles that were not logged") {
+  const Trial t = read_trial(File("a.csv", "t,dphi_deg,dphi_motor,phi_ref\n0,5,9,0\n0.1,180,4,1\n0.3,-90,-2,1\n").path,
+                             {.gear_ratio = 2});
+  REQUIRE(t.phi.size() == 3);
+  CHECK(t.phi[0] == 0);
+  CHECK(t.phi[1] == Approx(0.1 * std::numbers::pi));
+  CHECK(t.phi[2] == Approx(0.1 * std::numbers::pi - 0.2 * std::numbers::pi / 2));
+  CHECK(t.phi_motor == std::vector<double>{0, 0.1 * 2, 0.1 * 2 + (0.3 - 0.1) * -1});
+  CHECK(t.notes.size() == 2);
+  const Trial both = read_trial(File("b.csv", "t,phi,dphi,phi_ref\n0,0.5,5,0\n0.1,0.25,7,1\n").path);
+  CHECK(both.phi == std::vector<double>{0.5, 0.25});  // the angle itself counts
+  CHECK(both.notes.empty());
+}
+
 TEST_CASE("a trial without excitation is refused, two with the same content are known") {
   Trial t{.file = "still.csv", .t = {0, 1}, .phi = {0, 0}, .force = {0, 0}};
   CHECK_THROWS_WITH(require_excitation(t),

@@ -110,9 +110,10 @@ TEST_CASE("sticking: under less than breakaway torque nothing creeps for an hour
 TEST_CASE("sticking: the motor of an independent simulation sticks and slips alike") {
   using namespace test;
   SeaParameters<double> p{kTruth[0], kTruth[1], kTruth[2], kTruth[3], kTruth[4], 20};
-  p.friction = 0.6, p.viscous = 0.1;
+  p.friction = 0.6, p.viscous = 0.1, p.breakaway = GENERATE(0.0, 0.5);
   Trial trial = driven("hit");
-  const std::vector<double> other = joint_angle(trial.t, trial.force, {.viscous = p.viscous, .dry = p.friction});
+  const std::vector<double> other =
+      joint_angle(trial.t, trial.force, {.viscous = p.viscous, .dry = p.friction, .breakaway = p.breakaway});
   const std::vector<double> phi = rolled(p, trial).phi;
   CHECK(*std::max_element(phi.begin(), phi.end()) > 0.05);
   CHECK(apart(phi, other) < 2e-6);  // that one ends its slips within 2e-5 s
@@ -134,10 +135,12 @@ TEST_CASE("sticking: the exact path is the integrated one") {
 
 TEST_CASE("sticking: derivatives through slip, stick and a command's limit are the differences") {
   using Jet = ceres::Jet<double, kLargeJet>;
-  const std::string kind = GENERATE("hit", "sampled", "smooth", "controller", "command", "stiffening");
+  const std::string kind = GENERATE("hit", "sampled", "smooth", "controller", "command", "stiffening", "stribeck");
   CAPTURE(kind);
   Rig rig = kRig;
-  Trial trial = driven(kind == "stiffening" ? "hit" : kind == "controller" || kind == "command" ? "sampled" : kind);
+  Trial trial = driven(kind == "stiffening" || kind == "stribeck"  ? "hit"
+                       : kind == "controller" || kind == "command" ? "sampled"
+                                                                   : kind);
   SeaParameters<double> p = rubbing();
   if (kind == "controller") {
     rig.drive = {.kind = Drive::Kind::kController, .gain = 20, .limit = 1.5, .feedback = Feedback::kMotor};
@@ -148,8 +151,9 @@ TEST_CASE("sticking: derivatives through slip, stick and a command's limit are t
     p.k_t = 2.5;
   }
   if (kind == "stiffening") p.k_sea_cubic = 400;
+  if (kind == "stribeck") p.breakaway = 0.4, p.stribeck_speed = 0.3;
   using Sea = SeaParameters<double>;
-  const std::vector<std::pair<const char*, double Sea::*>> terms = {
+  std::vector<std::pair<const char*, double Sea::*>> terms = {
       {"k_p", &Sea::k_p},
       {"k_d", &Sea::k_d},
       {"k_sea", &Sea::k_sea},
@@ -167,6 +171,10 @@ TEST_CASE("sticking: derivatives through slip, stick and a command's limit are t
   jets.k_p.v[0] = 1, jets.k_d.v[1] = 1, jets.k_sea.v[2] = 1, jets.c_sea.v[3] = 1, jets.i_motor.v[4] = 1;
   jets.friction.v[5] = 1, jets.friction_asymmetry.v[6] = 1, jets.viscous.v[7] = 1, jets.output_friction.v[8] = 1;
   jets.output_friction_asymmetry.v[9] = 1, jets.output_viscous.v[10] = 1, jets.k_t.v[11] = 1;
+  if (kind == "stribeck") {
+    terms.insert(terms.end(), {{"breakaway", &Sea::breakaway}, {"stribeck_speed", &Sea::stribeck_speed}});
+    jets.breakaway.v[12] = jets.stribeck_speed.v[13] = 1;
+  }
   std::vector<Jet> phi, phi_m;
   REQUIRE(rollout(rig, jets, {}, PreparedTrial(trial), kTight, phi, phi_m) == RolloutStatus::kDone);
   phi.insert(phi.end(), phi_m.begin(), phi_m.end());

@@ -18,6 +18,16 @@ Actuator actuator_of(const std::string& path, Run& run) {
   return actuator;
 }
 
+std::string left_out_of_landing(const SeaParameters<double>& sea) {
+  std::string out;
+  for (const auto& [name, value] : {std::pair("output_friction", sea.output_friction),
+                                    {"output_viscous", sea.output_viscous},
+                                    {"friction_asymmetry", sea.friction_asymmetry},
+                                    {"breakaway", sea.breakaway}})
+    if (value != 0) out += (out.empty() ? "" : ", ") + std::string(name);
+  return out;
+}
+
 Actuator landing_actuator_of(const std::string& path, Run& run) {
   Actuator actuator = actuator_of(path, run);
   const SeaParameters<double>& sea = actuator.sea;
@@ -25,11 +35,7 @@ Actuator landing_actuator_of(const std::string& path, Run& run) {
     throw InputError({path},
                      "no k_p and k_d: this drive was identified by its command (k_t); a landing needs the gains "
                      "of its controller, Eq. 3");
-  std::string left_out;
-  for (const auto& [name, value] : {std::pair("output_friction", sea.output_friction),
-                                    {"output_viscous", sea.output_viscous},
-                                    {"friction_asymmetry", sea.friction_asymmetry}})
-    if (value != 0) left_out += (left_out.empty() ? "" : ", ") + std::string(name);
+  const std::string left_out = left_out_of_landing(sea);
   if (!left_out.empty()) run.warn(fmt::format("{}: not part of a landing, left out: {}", path, left_out));
   return actuator;
 }

@@ -15,4 +15,7 @@ Actuator actuator_of(const std::string& path, Run& run);
 /// without K_p and K_d. Warns of friction that a landing leaves out.
 Actuator landing_actuator_of(const std::string& path, Run& run);
 
+/// Friction that a landing leaves out, where the actuator has it: names at commas, else empty.
+std::string left_out_of_landing(const SeaParameters<double>& sea);
+
 }  // namespace ukemi::tools

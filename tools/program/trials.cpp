@@ -79,6 +79,11 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
       "--force-noise", a.force_noise,
       "noise of the load cell [N], standard deviation: between hits the force is then at rest, within them it "
       "counts for the errors [estimated before the first hit]");
+  using Curve = TrialArguments::ForceCurve;
+  add_choice(verb, "--force-curve", a.force_curve,
+             {{"auto", Curve::kByResiduals}, {"linear", Curve::kLinear}, {"smooth", Curve::kSmooth}},
+             "the force between its samples: linear, a smooth curve through each pulse, or auto: a fit takes what its "
+             "residuals ask for [auto]");
   verb.add_option("--trial-rig", a.trial_rigs, "FILE=RIG: a rig of its own for a trial; once for each")
       ->allow_extra_args(false);
   using Kind = identify::Drive::Kind;
@@ -135,6 +140,7 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   double noisiest = 0;
   for (identify::Trial& t : out.trials) {
     identify::rest_between_hits(t, a.force_noise);
+    if (a.force_curve == TrialArguments::ForceCurve::kSmooth) t.force_smooth = 1;
     noises.push_back(number(t.force_noise)), noisiest = std::max(noisiest, t.force_noise);
   }
   if (noisiest > 0) out.summary["force_noise"] = noises;

@@ -23,6 +23,8 @@ struct TrialArguments {
   identify::Drive::Kind drive = identify::Drive::Kind::kGains;  ///< kCommand: the logged command drives every trial
   std::string gains;                                            ///< XML, for the record
   std::optional<double> force_noise;  ///< of the load cell [N]; else estimated before each first hit
+  /// The force between its samples; kByResiduals: a fit takes what its residuals ask for, others take it as linear.
+  enum class ForceCurve { kByResiduals, kLinear, kSmooth } force_curve = ForceCurve::kByResiduals;
 };
 
 struct TrialInputs {
@@ -31,8 +33,8 @@ struct TrialInputs {
       Json::object();  ///< "force_logs", "force_noise", "modules", "gains", each where there is something to say
 };
 
-/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise, --gains, --trial-rig,
-/// --drive.
+/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise, --force-curve,
+/// --gains, --trial-rig, --drive.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
 
 /// Beyond which angle a rollout has escaped [rad]: infinite where many turns are meant.

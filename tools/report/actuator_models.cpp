@@ -58,6 +58,8 @@ std::vector<Place> table(const Actuator& a, const Places& p) {
           {"output_friction", s.output_friction, "Nm", p.output_friction},
           {"output_friction_asymmetry", s.output_friction_asymmetry, "of output_friction", ""},
           {"output_viscous", s.output_viscous, "Nm/(rad/s)", p.output_viscous},
+          {"breakaway", s.breakaway, "of both dry frictions", ""},
+          {"stribeck_speed", s.breakaway != 0 ? s.stribeck_speed : 0, "rad/s, by which breakaway falls", ""},
           {"k_sea_cubic", s.k_sea_cubic, "Nm/rad^3", ""},
           {"tau_max", s.tau_max, "Nm, limit of the spring's torque", p.tau_max}};
 }
@@ -138,7 +140,8 @@ std::string urdf_words(const Actuator& a, const std::string& j) {
 std::string mjcf(const Actuator& a, const RigLink& link, const std::string& j, const std::string& comments) {
   const SeaParameters<double>& s = a.sea;
   return comment(comments + mjcf_words(a, j) +
-                 "The rig is a link without gravity; in your robot put the rotor's body beside the link's, both in the "
+                 "The link here is without gravity, whatever the rig was; in your robot put the rotor's body beside "
+                 "the link's, both in the "
                  "body that carries the actuator, with one pos and one axis.\n") +
          fmt::format(
              R"(<mujoco model="ukemi_actuator">

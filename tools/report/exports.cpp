@@ -51,12 +51,17 @@ constexpr const char* kRos2Words =
 
 std::string landing_message(const Exports& exports, const Motion& m, double start, const Run& run) {
   const Motion played = started_at(m, start);
-  const std::vector<Waypoint> points = waypoints(landing_of(played, played.phi_i, 0.0));
+  std::vector<Waypoint> points = waypoints(landing_of(played, played.phi_i, 0.0));
+  if (m.reposition) points.erase(points.begin());
   std::string words = run.provenance_text() + kRos2Words +
                       fmt::format("{} points: the motion {}.\n", points.size(),
                                   has_bumps(m) ? fmt::format("within {:g} rad", kSplineMisfit)
                                                : "itself, its duration rounded to 1 ns") +
                       "Send it when the first touchdown is detected; a zero stamp means now.";
+  if (m.reposition)
+    words +=
+        "\nIt has no point at its start: the floor may cut the move in the air short, and the controller goes on from "
+        "where its reference is.";
   if (m.gain_p != 1 || m.gain_d != 1)
     words += fmt::format("\nNot in this message: from its start on K_p times {} and K_d times {}.", m.gain_p, m.gain_d);
   return joint_trajectory(exports.joint, points, words);

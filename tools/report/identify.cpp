@@ -1,10 +1,12 @@
 #include "tools/report/identify.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <limits>
 
+#include "tools/program/actuators.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/residuals.hpp"
 
@@ -29,6 +31,7 @@ const Quantities<identify::TrialResult> kTrialQuantities = {
     {"", "file", "file", {}, &identify::TrialResult::file},
     {"", "samples", "samples", {}, &identify::TrialResult::samples},
     {"", "rms", "residual rms [rad]", "{:.4g}", &identify::TrialResult::rms},
+    {"", "rms_rate", "of its rate [rad/s]", "{:.4g}", &identify::TrialResult::rms_rate},
     {"", "noise", "log's own noise [rad]", "{:.4g}", &identify::TrialResult::noise},
     {"", "", "rollout", {}, [](auto& t) { return name(t.status); }},
 };
@@ -54,6 +57,31 @@ std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit&
   return csv.text();
 }
 
+/// The rung that predicts the trials best that were left out of its fit; none where that was not computed.
+const identify::Rung* best_held_out(const identify::Ladder& ladder) {
+  const identify::Rung* best = nullptr;
+  for (const identify::Rung& r : ladder.rungs)
+    if (std::isfinite(r.held_out) && (!best || r.held_out < best->held_out)) best = &r;
+  return best;
+}
+
+/// Which model to take, as an option to paste.
+std::string model_to_take(const identify::Ladder& ladder) {
+  const identify::Rung& by_bic = ladder.rungs[ladder.preferred];
+  const identify::Rung* by_trials = best_held_out(ladder);
+  const auto option = [](const identify::Rung& r) {
+    const std::vector<std::string>& terms = r.options.terms.nuisance;
+    return terms.empty() ? "no --nuisance" : fmt::format("--nuisance {}", fmt::join(terms, ","));
+  };
+  if (!by_trials || by_trials == &by_bic)
+    return fmt::format("Take this model: `{}`. BIC{} it.", option(by_bic),
+                       by_trials ? " and the trials held out both prefer" : " prefers");
+  return fmt::format(
+      "BIC prefers the model `{}`; trials held out are predicted best with `{}` ({:.4g} rad rms against "
+      "{:.4g}): take that.",
+      option(by_bic), option(*by_trials), by_trials->held_out, by_bic.held_out);
+}
+
 /// What the reader can do with it, a sentence each.
 std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::Identification& found) {
   const Fit& fit = found.fit;
@@ -64,13 +92,15 @@ std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::I
   if (found.trust->tests.model_rejected())
     out.emplace_back(
         "Try the term that the tests miss (--nuisance), and `ukemi identify --diagnose` to compare models.");
+  if (found.trust->ladder) out.push_back(model_to_take(*found.trust->ladder));
   for (const identify::Estimate& e : fit.parameters)
     if (e.free && e.verdict != identify::Identifiability::kTrusted) {
       out.emplace_back("Make the hits that say most of what is still unknown: `ukemi design` proposes them.");
       break;
     }
   if (q.trials.size() > 1 && !found.trust->ladder)
-    out.emplace_back("Validate on a trial that was not fitted: `ukemi predict`.");
+    out.push_back(fmt::format("Validate on a trial that was not fitted: `ukemi predict{}`.",
+                              found.force_smooth > 0 ? " --force-curve smooth" : ""));
   if (fit.trusted()) out.emplace_back("Plan with it: `ukemi optimize SCENE.toml --actuator actuator.toml`.");
   return out;
 }
@@ -90,6 +120,29 @@ std::string assumptions(const IdentifyQuestion& q) {
                      q.rig.feedback ? "rig"
                      : q.given      ? "actuator"
                                     : "default");
+}
+
+/// What the fit's errors do to a landing.
+void tell(const LandingOfFit& l, const Fit& fit, Report& report, Json& summary, Run& run) {
+  summary["landing"] = {{"peak", number(l.peak)},          {"mean", number(l.mean)}, {"deviation", number(l.deviation)},
+                        {"cvar90", number(l.worst_tenth)}, {"landings", l.samples},  {"failed", l.failed}};
+  std::string text = fmt::format("landing: peak {:.4g} m/s^2 with the fitted constants", l.peak);
+  if (l.samples > 0)
+    text += fmt::format(
+        "; over the errors of the five constants {:.4g} +- {:.2g} m/s^2 (mean and standard deviation of {} landings), "
+        "worst tenth {:.4g}",
+        l.mean, l.deviation, l.samples, l.worst_tenth);
+  else if (l.failed == 0)
+    text += "; the fit tells no errors of them";
+  run.say(text);
+  report.heading("What it means for the landing");
+  if (l.samples > 0 && fit.trusted())
+    text += ". Everything else is as planned: the standard deviation is what more measuring could take away";
+  report.paragraph(text + ".");
+  if (l.failed > 0)
+    run.warn(fmt::format("landing: {} of the drawn actuators gave none that could be followed", l.failed));
+  if (const std::string left_out = left_out_of_landing(fit.sea); !left_out.empty())
+    run.warn("landing: not part of it, left out: " + left_out);
 }
 
 void warn(const IdentifyQuestion& q, const identify::Identification& found, Run& run) {
@@ -138,7 +191,8 @@ std::vector<Series> angle_curves(const Trial& t, const identify::TrialResult& pr
   return series;
 }
 
-int report(const IdentifyQuestion& q, const identify::Identification& found, Doubt doubt, Json summary, Run& run) {
+int report(const IdentifyQuestion& q, const identify::Identification& found, const std::optional<LandingOfFit>& landing,
+           Doubt doubt, Json summary, Run& run) {
   const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
   const Fit& fit = found.fit;
   warn(q, found, run);
@@ -154,10 +208,17 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, Dou
     for (const double e : fit.eigenvalues) eigenvalues += fmt::format(" {:.3g}", e);
     report.paragraph(eigenvalues);
   }
+  if (found.force_smooth > 0)
+    run.say(
+        "the force between its samples: a smooth curve through each pulse (predict, compare and design take it with "
+        "--force-curve smooth)");
+  summary["force_curve"] = found.force_smooth > 0 ? "smooth" : "linear";
   summary["rms"] = number(fit.rms);
   summary["identifiable"] = fit.identifiable;
   if (!predict) summary["trusted"] = fit.trusted();
   if (found.trust) tell(*found.trust, fit, report, summary, run);
+  if (found.trust && found.trust->ladder) run.say(model_to_take(*found.trust->ladder));
+  if (landing) tell(*landing, fit, report, summary, run);
   summary["minima"] = minima.objects();
   summary["assumed"] = assumptions(q);
   summary["trials"] = trials.objects();

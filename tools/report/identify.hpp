@@ -10,6 +10,7 @@
 #include "tools/program/output.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/exports.hpp"
+#include "tools/study/landing_of_fit.hpp"
 
 namespace ukemi::tools {
 
@@ -31,9 +32,10 @@ Actuator fitted_actuator(const IdentifyQuestion& question, const identify::Fit& 
 /// The angles of a trial, measured and predicted.
 std::vector<Series> angle_curves(const identify::Trial& trial, const identify::TrialResult& predicted);
 
-/// Adds to a summary that holds what was read, writes the files, returns the exit code.
-int report(const IdentifyQuestion& question, const identify::Identification& found, Doubt doubt, Json summary,
-           Run& run);
+/// Adds to a summary that holds what was read, writes the files, returns the exit code. `landing`: what the fit's
+/// errors do to a landing, where that was asked for.
+int report(const IdentifyQuestion& question, const identify::Identification& found,
+           const std::optional<LandingOfFit>& landing, Doubt doubt, Json summary, Run& run);
 
 // --- how far it can be trusted, trust.cpp ---
 

@@ -189,7 +189,7 @@ void warn(const RiskStudy& s, Run& run) {
     run.warn(fmt::format("{} of {} drops could not be followed to the floor: they are left out", r.failed, n));
   if (r.held_failed > 0)
     run.warn(fmt::format("{} of {} drops could not be followed with the reference {}: they are left out of its column",
-                         r.held_failed, n, held_words()));
+                         r.held_failed, r.held.samples + r.held_failed, held_words()));
   if (r.index_failed > 0)
     run.warn(fmt::format("{} of the {} landings of the indices could not be followed: their base points are left out",
                          r.index_failed, r.index_landings));

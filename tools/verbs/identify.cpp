@@ -6,9 +6,11 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/identify.hpp"
+#include "tools/study/landing_of_fit.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/term_help.hpp"
 #include "tools/verbs/verbs.hpp"
@@ -113,6 +115,23 @@ TrialNeeds needs_of(const IdentifyQuestion& q) {
   return needs;
 }
 
+/// The landing that the fit is for, read before any work.
+struct AskedLanding {
+  landing::Scene scene;
+  landing::Motion motion;
+};
+std::optional<AskedLanding> asked_landing(const IdentifyArguments& a, const IdentifyQuestion& q, Run& run) {
+  const bool motion = !a.motion.file.empty() || a.motion.hold;
+  if (a.scene.empty() && !motion) return std::nullopt;
+  if (a.scene.empty()) throw InputError("--motion, --hold: --scene is needed with them");
+  if (!q.options.terms.fits("k_p") && q.base.k_p == 0)
+    throw InputError("--scene: a landing needs K_p and K_d, and this drive is identified by its command (k_t)");
+  AskedLanding out{.scene = landing::read_scene(a.scene), .motion = {}};
+  run.input(a.scene);
+  out.motion = motion_of(a.motion, "identify --scene", run);
+  return out;
+}
+
 }  // namespace
 
 int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
@@ -132,14 +151,24 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   q.trials = std::move(inputs.trials);
   q.base = base_of(q.rig, q.given);
   choose_drive(q);
+  const std::optional<AskedLanding> asked = asked_landing(a, q, run);
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));
   const auto start = q.given ? std::optional(q.given->sea) : std::nullopt;
-  const identify::TrustOptions depth{.depth = a.depth, .profiles = split(a.profile), .threads = common.threads};
+  using Force = identify::TrustOptions::Force;
+  const bool by_residuals = a.reading.force_curve == TrialArguments::ForceCurve::kByResiduals;
+  const identify::TrustOptions depth{.depth = a.depth,
+                                     .force = by_residuals ? Force::kByResiduals : Force::kAsSet,
+                                     .profiles = split(a.profile),
+                                     .threads = common.threads};
   const identify::Identification found =
-      predict ? identify::Identification{identify::predict(q.rig, q.trials, q.base, q.options), {}}
+      predict ? identify::Identification{.fit = identify::predict(q.rig, q.trials, q.base, q.options),
+                                         .force_smooth = q.trials.front().force_smooth}
               : identify::identify({q.rig, q.trials, q.options}, start, q.base, depth);
-  return report(q, found, a.doubt, std::move(inputs.summary), run);
+  std::optional<LandingOfFit> landing;
+  if (asked && found.trust)
+    landing = landing_of_fit(asked->scene, fitted_actuator(q, found.fit), asked->motion, common.seed, common.threads);
+  return report(q, found, landing, a.doubt, std::move(inputs.summary), run);
 }
 
 void add_identify(CLI::App& app, Action& chosen) {
@@ -179,6 +208,11 @@ void add_identify(CLI::App& app, Action& chosen) {
           "refit with and without each optional term (BIC, likelihood ratio, held-out error), and without each trial");
       verb->add_option("--profile", args->profile,
                        "k_sea,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
+      verb->add_option(
+          "--scene", args->scene,
+          "scene file (TOML): how far the errors of the fit move the peak of a landing there, with --motion "
+          "or --hold");
+      add_motion(*verb, args->motion);
     }
     add_export(*verb, args->exports, actuator_exports());
     add_action<IdentifyArguments>(*verb, args,

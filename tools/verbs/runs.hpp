@@ -13,6 +13,7 @@
 #include "tools/study/comparison.hpp"
 #include "tools/verbs/exporting.hpp"
 #include "tools/verbs/freedom.hpp"
+#include "tools/verbs/given_motion.hpp"
 #include "tools/verbs/scattering.hpp"
 
 namespace ukemi::tools {
@@ -28,6 +29,8 @@ struct IdentifyArguments {
   Doubt doubt = Doubt::kReport;
   identify::TrustOptions::Depth depth = identify::TrustOptions::Depth::kResiduals;
   std::string profile;  ///< constants, at commas
+  std::string scene;    ///< of the landing whose peak the fit's errors move
+  MotionArguments motion;
   Exports exports;
 };
 /// Fits, or with `actuator` set predicts.

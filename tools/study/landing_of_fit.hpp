@@ -1,0 +1,28 @@
+// From the fit to the landing: what an identified actuator's own uncertainty does to the peak of a motion.
+#pragma once
+
+#include "common/actuator.hpp"
+#include "landing/model/motion_space.hpp"
+#include "landing/model/scene.hpp"
+
+namespace ukemi::tools {
+
+/// The peak of one motion in one scene, everything as planned but for the actuator, which is drawn by the covariance of
+/// its five constants (normal, cut at three deviations, no constant below 0). Peaks in m/s^2.
+struct LandingOfFit {
+  landing::Scene scene;
+  landing::Motion motion;
+  double peak = 0;         ///< with the fitted constants; infinite where the landing cannot be followed
+  double mean = 0;         ///< over the drawn actuators
+  double deviation = 0;    ///< standard deviation over them: what more measuring could take away
+  double worst_tenth = 0;  ///< mean of the worst tenth
+  long samples = 0;        ///< landings that were drawn; 0: the fit tells no covariance
+  long failed = 0;         ///< of them could not be followed, and are left out
+};
+
+/// Plays 1024 scrambled Sobol points of the covariance. Same inputs and seed, same result, whatever the threads (0: all
+/// cores). Throws InputError for a covariance that is not positive semidefinite.
+[[nodiscard]] LandingOfFit landing_of_fit(const landing::Scene& scene, const Actuator& actuator,
+                                          const landing::Motion& motion, std::uint64_t seed, int threads = 0);
+
+}  // namespace ukemi::tools
