@@ -6,11 +6,18 @@
 
 namespace ukemi::identify {
 
-Trust examine(const Experiment& experiment, Fit& fit, const TrustOptions& options) {
-  Trust out;
-  out.tests = test_residuals(experiment, fit);
+namespace {
+
+/// What a fraction of a fit's own time tells; widens the fit's errors.
+Trust tested(const Experiment& experiment, Fit& fit) {
+  Trust out{.tests = test_residuals(experiment, fit)};
   widen_errors(out.tests, fit);
-  if (fit.interrupted) return out;
+  return out;
+}
+
+/// Adds what takes several fits.
+void deepen(const Experiment& experiment, const Fit& fit, const TrustOptions& options, Trust& out) {
+  if (fit.interrupted) return;
   if (options.depth == TrustOptions::Depth::kRefit) {
     out.ladder = ladder(experiment, fit, HeldOut::kCompute, options.threads);
     if (fit.converged) out.left_out = leave_one_out(experiment, fit, options.threads);
@@ -24,38 +31,32 @@ Trust examine(const Experiment& experiment, Fit& fit, const TrustOptions& option
     else
       out.not_profiled.push_back(constant);
   }
-  return out;
 }
 
-namespace {
-
-/// Whether the residuals of a fit with a linear force are nearer to those of the smooth one: the first estimate of the
+/// Whether the residuals of fits with a linear force are nearer to those of the smooth one: the first estimate of the
 /// term `force_smooth`, which its score test gives.
-bool asks_for_smooth_force(const Experiment& experiment, const Fit& fit) {
-  const auto no_force = [](const Trial& t) { return t.force.empty(); };
-  const auto set = [](const Trial& t) { return t.force_smooth != 0; };
-  const std::vector<Trial>& trials = experiment.trials;
-  if (std::all_of(trials.begin(), trials.end(), no_force) || std::any_of(trials.begin(), trials.end(), set))
-    return false;
-  Experiment alone{experiment.rig, trials, experiment.options};
-  Terms<RigTerm>& terms = alone.options.terms;
-  if (terms.fits(kForceSmooth)) return false;
-  std::erase_if(terms.table,
-                [&](const RigTerm& t) { return !t.is_constant() && !terms.fits(t.name) && t.name != kForceSmooth; });
-  const std::optional<Score> score = score_of(alone, fit);
-  if (!score) return false;
-  const std::vector<ScoreTest> tests = score_tests_of(*score);
-  return !tests.empty() && tests.front().size > 0.5;
+bool ask_for_smooth_force(const ResidualTests& tests, const std::vector<Trial>& trials) {
+  if (std::any_of(trials.begin(), trials.end(), [](const Trial& t) { return t.force_smooth != 0; })) return false;
+  return std::any_of(tests.score_tests.begin(), tests.score_tests.end(),
+                     [](const ScoreTest& t) { return t.term == kForceSmooth && t.size > 0.5; });
 }
 
 }  // namespace
+
+Trust examine(const Experiment& experiment, Fit& fit, const TrustOptions& options) {
+  Trust out = tested(experiment, fit);
+  deepen(experiment, fit, options, out);
+  return out;
+}
 
 Identification identify(const Experiment& experiment, const std::optional<SeaParameters<double>>& start,
                         const SeaParameters<double>& base, const TrustOptions& options) {
   const std::vector<Trial>& trials = experiment.trials;
   Identification out{fit(experiment.rig, trials, start, base, experiment.options)};
   if (out.fit.fitted.empty()) return out;
-  if (options.force == TrustOptions::Force::kByResiduals && asks_for_smooth_force(experiment, out.fit)) {
+  out.force_smooth = trials.front().force_smooth;
+  out.trust = tested(experiment, out.fit);
+  if (options.force == TrustOptions::Force::kByResiduals && ask_for_smooth_force(out.trust->tests, trials)) {
     std::vector<Trial> smooth = trials;
     for (Trial& t : smooth) t.force_smooth = 1;
     Fit again = refit(experiment.rig, smooth, out.fit.sea, experiment.options);
@@ -66,8 +67,7 @@ Identification identify(const Experiment& experiment, const std::optional<SeaPar
       return out;
     }
   }
-  out.force_smooth = trials.front().force_smooth;
-  out.trust = examine(experiment, out.fit, options);
+  deepen(experiment, out.fit, options, *out.trust);
   return out;
 }
 
