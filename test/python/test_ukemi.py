@@ -170,11 +170,15 @@ def test_bad_input_is_an_input_error(call, said):
     assert isinstance(e.value, ValueError)
 
 
-def test_bad_options_are_input_errors(scene, actuator):
+def test_bad_options_are_input_errors(scene, actuator, tmp_path):
     for wrong in ({"solver": "magic"}, {"objective": "pek"}, {"forbid": ["toe"]}, {"robust": "worse"}, {"deadline": 0.0},
                   {"evaluations": 0}, {"samples": 1}):
         with pytest.raises(ukemi.InputError):
             ukemi.optimize(scene, actuator, **wrong)
+    by_command = tmp_path / "drive.toml"
+    by_command.write_text('[actuator]\nname = "leg"\nk_sea = 65\nc_sea = 1.6\ni_motor = 0.085\nk_t = 1.5\n')
+    with pytest.raises(ukemi.InputError, match="actuator: no k_p and k_d"):
+        ukemi.optimize(scene, ukemi.read_actuator(str(by_command)))
     with pytest.raises(ukemi.InputError, match="grid"):
         ukemi.map(scene, actuator, grid=[4, 4])
 

@@ -28,14 +28,17 @@ std::string left_out_of_landing(const SeaParameters<double>& sea) {
   return out;
 }
 
-Actuator landing_actuator_of(const std::string& path, Run& run) {
-  Actuator actuator = actuator_of(path, run);
-  const SeaParameters<double>& sea = actuator.sea;
-  if (by_command(sea))
-    throw InputError({path},
+void require_gains(const Actuator& actuator, const Location& where) {
+  if (by_command(actuator.sea))
+    throw InputError(where,
                      "no k_p and k_d: this drive was identified by its command (k_t); a landing needs the gains "
                      "of its controller, Eq. 3");
-  const std::string left_out = left_out_of_landing(sea);
+}
+
+Actuator landing_actuator_of(const std::string& path, Run& run) {
+  Actuator actuator = actuator_of(path, run);
+  require_gains(actuator, {path});
+  const std::string left_out = left_out_of_landing(actuator.sea);
   if (!left_out.empty()) run.warn(fmt::format("{}: not part of a landing, left out: {}", path, left_out));
   return actuator;
 }

@@ -20,6 +20,7 @@
 #include "common/error.hpp"
 #include "common/toml.hpp"
 #include "identify/estimate/estimates.hpp"
+#include "tools/program/actuators.hpp"
 
 namespace ukemi::python {
 
@@ -112,6 +113,9 @@ void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates
       .def_property_readonly(
           "warnings", [=](const Result& r) { return of(r).warnings; }, "What a reader should know, a sentence each.");
 }
+
+/// tools::require_gains of an argument.
+inline void require_gains(const Actuator& actuator) { tools::require_gains(actuator, {"actuator"}); }
 
 void bind_common(py::module_& m);    ///< errors, figures, the actuator
 void bind_identify(py::module_& m);  ///< rig, trials, fits

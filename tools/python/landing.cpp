@@ -231,6 +231,7 @@ void bind_landing(py::module_& m) {
   m.def(
       "simulate",
       [](const Scene& scene, const Actuator& actuator, const Motion& motion, double rate, double accuracy) {
+        require_gains(actuator);
         SimulateOptions options{.accuracy = accuracy};
         options.validate();
         checked("rate", rate, {0, 1e6, true, "above 0 to 1e6 Hz"});

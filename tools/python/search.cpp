@@ -43,6 +43,7 @@ struct Asked {
   int threads;
 };
 AnswerOptions options_of(const Asked& a, const Actuator& actuator) {
+  require_gains(actuator);
   AnswerOptions out;
   OptimizeOptions& o = out.search;
   o.solver = a.solver, o.goal = goal_of(a.objective), o.evaluations = a.evaluations, o.deadline = a.deadline;
@@ -196,6 +197,7 @@ void bind_risk(py::module_& m) {
       [](const Scene& scene, const Actuator& actuator, const Motion& motion, const std::optional<std::string>& scatter,
          double inflate, bool inexact, long samples, const std::vector<std::string>& forbid, std::uint64_t seed,
          int threads) {
+        require_gains(actuator);
         RiskOptions options{.samples = samples, .forbidden = points_of(forbid), .seed = seed, .threads = threads};
         options.validate();
         const DropModel model(scene, scatter_of(scatter, scene), actuator,
@@ -269,6 +271,7 @@ void bind_map(py::module_& m) {
       "map",
       [](const Scene& scene, const Actuator& actuator, const std::vector<int>& grid, int polish, std::uint64_t seed,
          int threads) {
+        require_gains(actuator);
         const ReferenceSpace space(scene, actuator.sea);
         if (grid.size() < kPaperVariables || int(grid.size()) > space.dimension())
           throw InputError(fmt::format("grid: {} numbers: {} to {} are needed", grid.size(), int(kPaperVariables),
@@ -292,7 +295,7 @@ void bind_map(py::module_& m) {
 class PythonPlanner {
  public:
   PythonPlanner(const Scene& scene, const Actuator& actuator, const Planner::Options& options)
-      : planner_(scene, actuator.sea, options) {}
+      : planner_(scene, (require_gains(actuator), actuator.sea), options) {}
 
   template <class State>
   Plan plan(const State& state, double deadline, std::uint64_t seed) {

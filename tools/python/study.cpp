@@ -85,6 +85,7 @@ void bind_logs(py::module_& m) {
 Calibration calibrated(const Scene& scene, const Actuator& actuator, const std::vector<PlayedDrop>& played,
                        tools::CalibrationOptions options) {
   options.validate();
+  require_gains(actuator);
   std::vector<LoggedDrop> drops;
   for (const PlayedDrop& d : played) drops.push_back(d.thrown(scene));
   check_drops(scene, drops);
