@@ -16,6 +16,6 @@ for half in identify:NLopt landing:Ceres; do
 done
 if ldd "$work/identify/consumer" | grep nlopt || ldd "$work/landing/consumer" | grep -e ceres -e glog; then exit 1; fi
 command -v ccache >/dev/null && common+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-# What it computes does not depend on the optimiser, and -O0 compiles in a third of the time.
+# That the project builds inside another is seen by its smallest library.
 cmake -S "$source_dir/test/install/consumer" -B "$work/b" "${common[@]}" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DUKEMI_SOURCE="$source_dir" >/dev/null
 cmake --build "$work/b" && "$work/b/consumer"
