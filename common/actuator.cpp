@@ -18,35 +18,23 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
   return *v == "motor" ? Feedback::kMotor : Feedback::kOutput;
 }
 
-namespace {
-
-/// A constant beside the five: its key, which a file needs only where it is not as in no file.
-struct OptionalConstant {
-  const char* key;
-  double SeaParameters<double>::*at;
-  const char* unit;
-  Range range;
-  double absent = 0;
-};
 const std::vector<OptionalConstant>& optional_constants() {
   using Sea = SeaParameters<double>;
   const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"};
   static const std::vector<OptionalConstant> list = {
       {"k_t", &Sea::k_t, "Nm for a unit of the command", level},
-      {"friction", &Sea::friction, "Nm", level},
+      {"friction", &Sea::friction, "Nm", level, true},
       {"friction_asymmetry", &Sea::friction_asymmetry, "of friction", part},
-      {"viscous_friction", &Sea::viscous, "Nm/(rad/s)", level},
+      {"viscous_friction", &Sea::viscous, "Nm/(rad/s)", level, true},
       {"output_friction", &Sea::output_friction, "Nm", level},
       {"output_friction_asymmetry", &Sea::output_friction_asymmetry, "of output_friction", part},
       {"output_viscous", &Sea::output_viscous, "Nm/(rad/s)", level},
       {"breakaway", &Sea::breakaway, "of both dry frictions", level},
-      {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), Sea{}.stribeck_speed},
-      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level},
+      {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), false, Sea{}.stribeck_speed},
+      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level, true},
   };
   return list;
 }
-
-}  // namespace
 
 std::optional<double> Actuator::standard_error(const std::string& constant) const {
   const auto it = std::find(uncertain.begin(), uncertain.end(), constant);

@@ -28,6 +28,17 @@ void set_constants(SeaParameters<T>& sea, const Vector& u) {
   sea.k_p = u[0], sea.k_d = u[1], sea.k_sea = u[2], sea.c_sea = u[3], sea.i_motor = u[4];
 }
 
+/// A constant of [actuator] beside the five, which a file needs only where it is not as in no file.
+struct OptionalConstant {
+  const char* key;
+  double SeaParameters<double>::*at;
+  const char* unit;
+  Range range;
+  bool in_landing = false;  ///< whether the landing's dynamics know it
+  double absent = 0;        ///< its value in a file without it
+};
+const std::vector<OptionalConstant>& optional_constants();
+
 struct Actuator {
   std::string name;
   SeaParameters<double> sea;

@@ -83,9 +83,9 @@ double derivative_of(const ceres::Jet<double, P>& x, int slot) {
 }
 
 /// y += w x, without temporaries: the inner operation of every integrator.
-inline void add_scaled(double& y, double w, double x) { y += w * x; }
+UKEMI_INLINE void add_scaled(double& y, double w, double x) { y += w * x; }
 template <int P>
-void add_scaled(ceres::Jet<double, P>& y, double w, const ceres::Jet<double, P>& x) {
+UKEMI_INLINE void add_scaled(ceres::Jet<double, P>& y, double w, const ceres::Jet<double, P>& x) {
   y.a += w * x.a;
   for (int i = 0; i < P; ++i) y.v[i] += w * x.v[i];
 }

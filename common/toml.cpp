@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/files.hpp"
 
 namespace ukemi {
@@ -195,10 +196,6 @@ double TomlSection::number(const std::string& key, const Range& range) {
   const std::string near = nearest(key, there);
   throw InputError(
       where(), "[" + name_ + "] the key '" + key + "' is missing" + (near.empty() ? "" : " (there is '" + near + "')"));
-}
-
-namespace {
-constexpr double kDegree = std::numbers::pi / 180;
 }
 
 std::optional<double> TomlSection::angle_of(const std::string& key, bool required) {

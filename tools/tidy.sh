@@ -4,7 +4,7 @@
 source "$(dirname "$0")/setup.sh" clang-tidy
 [ $# -gt 0 ] || set -- $(git ls-files 'common/*.cpp' 'identify/logs/*.cpp' 'identify/rig/*.cpp' 'landing/model/*.cpp' |
                          grep -v common/drive_stability.cpp)  # Jets: 25 s
-cmake --preset release -DUKEMI_TESTS=ON ${UKEMI_WERROR:+-DUKEMI_WERROR=ON} >/dev/null  # for its compile commands
+cmake --preset release -B build/tidy -DUKEMI_TESTS=ON >/dev/null  # for its compile commands
 # -Wno-restrict is GCC's.
-printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build/release --quiet --extra-arg=-Wno-unknown-warning-option 2>/dev/null
+printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build/tidy --quiet --extra-arg=-Wno-unknown-warning-option 2>/dev/null
 echo "clang-tidy: clean"

@@ -1,10 +1,10 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
 
 #include "common/random.hpp"
+#include "common/symmetric.hpp"
 #include "identify/design/design.hpp"
 
 namespace ukemi::identify {
@@ -79,8 +79,8 @@ HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const De
   assert(covariance);
   const long n = covariance->rows();
   const double radius = std::sqrt(kChiSquare95[n - 1]);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(*covariance);
-  const MatrixXd axes = radius * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen eigen = symmetric_eigen(*covariance);
+  const MatrixXd axes = radius * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
 
   // Where the largest angle grows fastest: C g / sqrt(g' C g).
   thread_local std::vector<ConstantJet> dphi, dphi_m;

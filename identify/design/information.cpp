@@ -1,11 +1,11 @@
 #include "identify/design/information.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "common/error.hpp"
+#include "common/symmetric.hpp"
 #include "identify/estimate/least_squares.hpp"
 #include "identify/estimate/statistics.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kUndetermined = std::numeric_limits<double>::infinity();
 
 std::size_t slot(int constant) { return std::size_t(constant); }
 
@@ -93,17 +93,17 @@ std::optional<MatrixXd> covariance_of(const MatrixXd& information) {
   // Unit diagonal first: what counts as singular then does not depend on scales.
   if (!(information.diagonal().array() > 0).all()) return std::nullopt;
   const VectorXd d = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(d.asDiagonal() * information * d.asDiagonal());
+  const SymmetricEigen eigen = symmetric_eigen(d.asDiagonal() * information * d.asDiagonal());
   constexpr double kSingular = 1e-13;
-  const VectorXd& values = eigen.eigenvalues();
+  const VectorXd& values = eigen.values;
   if (!(values[0] > kSingular * values[values.size() - 1])) return std::nullopt;
-  return MatrixXd(d.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                  eigen.eigenvectors().transpose() * d.asDiagonal());
+  return MatrixXd(d.asDiagonal() * eigen.vectors * values.cwiseInverse().asDiagonal() * eigen.vectors.transpose() *
+                  d.asDiagonal());
 }
 
 VectorXd half_widths(const MatrixXd& information, long measurements) {
   const auto covariance = covariance_of(information);
-  if (!covariance) return VectorXd::Constant(information.rows(), kInfinite);
+  if (!covariance) return VectorXd::Constant(information.rows(), kUndetermined);
   constexpr long kMany = 1'000'000'000;
   return t_quantile_975(measurements > 0 ? std::max(measurements - information.rows(), 1l) : kMany) *
          covariance->diagonal().cwiseSqrt();
@@ -114,12 +114,9 @@ const char* name(Criterion criterion) {
 }
 double size_of(Criterion criterion, const MatrixXd& information) {
   const auto covariance = covariance_of(information);
-  if (!covariance) return kInfinite;
+  if (!covariance) return kUndetermined;
   if (criterion == Criterion::kWorst) return std::sqrt(covariance->diagonal().maxCoeff());
-  const VectorXd axes = Eigen::SelfAdjointEigenSolver<MatrixXd>(*covariance, Eigen::EigenvaluesOnly)
-                            .eigenvalues()
-                            .cwiseMax(0)
-                            .cwiseSqrt();
+  const VectorXd axes = symmetric_eigen(*covariance).values.cwiseMax(0).cwiseSqrt();
   if (criterion == Criterion::kE) return axes.maxCoeff();
   return std::exp(axes.array().log().mean());
 }

@@ -1,10 +1,11 @@
 #include "identify/estimate/covariance.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "common/symmetric.hpp"
 
 namespace ukemi::identify {
 
@@ -41,16 +42,16 @@ void add_covariances(const LeastSquaresProblem& problem, const std::vector<const
   const Eigen::VectorXd d = m.diagonal().cwiseMax(0).cwiseSqrt();
   for (long i = 0; i < F; ++i)
     for (long j = 0; j < F; ++j) m(i, j) = d[i] * d[j] > 0 ? m(i, j) / (d[i] * d[j]) : 0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
-  const double largest = eigen.eigenvalues()[F - 1];
-  out.eigenvalues = largest > 0 ? Eigen::VectorXd(eigen.eigenvalues() / largest) : Eigen::VectorXd::Zero(F);
+  const SymmetricEigen eigen = symmetric_eigen(m);
+  const double largest = eigen.values[F - 1];
+  out.eigenvalues = largest > 0 ? Eigen::VectorXd(eigen.values / largest) : Eigen::VectorXd::Zero(F);
   constexpr double kSingular = 1e-13;  // below the rounding of J'J nothing is determined
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(F, F);
   std::vector<bool> determined(free.size(), true);
   for (long e = 0; e < F; ++e) {
-    const auto v = eigen.eigenvectors().col(e);
+    const auto v = eigen.vectors.col(e);
     if (out.eigenvalues[e] > kSingular)
-      covariance += v * v.transpose() / eigen.eigenvalues()[e];
+      covariance += v * v.transpose() / eigen.values[e];
     else
       for (long i = 0; i < F; ++i) determined[std::size_t(i)] = determined[std::size_t(i)] && !(v[i] * v[i] > 1e-6);
   }

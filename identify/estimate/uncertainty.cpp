@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "common/symmetric.hpp"
 
 namespace ukemi::identify {
 
@@ -66,9 +67,9 @@ std::optional<Weakest> weakest_of(const LeastSquaresSolution& s, const LeastSqua
   }
   m = size.asDiagonal() * m * size.asDiagonal();
   if (!m.allFinite()) return {};
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
-  const double stiffness = std::max(eigen.eigenvalues()[0], 0.0);  // squares per squared relative change
-  const Eigen::VectorXd v = eigen.eigenvectors().col(0);
+  const SymmetricEigen eigen = symmetric_eigen(m);
+  const double stiffness = std::max(eigen.values[0], 0.0);  // squares per squared relative change
+  const Eigen::VectorXd v = eigen.vectors.col(0);
   // As far as the 95 % interval along it reaches, but no farther than half of a constant: beyond it nothing is linear.
   const double farthest = 0.5 / v.cwiseAbs().maxCoeff();
   const double step = std::min(half_width * std::sqrt(variance / std::max(stiffness, 1e-300)), farthest);

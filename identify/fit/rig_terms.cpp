@@ -62,12 +62,15 @@ RigTerm only_with(RigTerm t, std::vector<double Sea::*> constants) {
   t.only_with = std::move(constants);
   return t;
 }
+/// A constant of the actuator's file, under the term's own name.
+RigTerm stored(RigTerm t) {
+  t.key = t.name;
+  return t;
+}
 /// Of a Coulomb friction: both levels stay above 0.
 template <class F>
 RigTerm asymmetry(const char* name, const char* words, F field, double Sea::*friction) {
-  RigTerm t = bounded(nuisance(name, "1", words, Scope::kShared, 0.2, field), -0.95, 0.95, 0);
-  t.key = name;
-  return only_with(t, {friction});
+  return only_with(stored(bounded(nuisance(name, "1", words, Scope::kShared, 0.2, field), -0.95, 0.95, 0)), {friction});
 }
 /// Of Trial::force_smooth: what the log's own force lacks of the smooth curve, or has too much of it.
 RigTerm between_samples() {
@@ -76,18 +79,6 @@ RigTerm between_samples() {
   t.change = [](double value, Rig&, Sea&, Trial& log) { log.force_smooth += value; };
   return t;
 }
-/// Stribeck's, of whatever dry friction there is.
-std::vector<RigTerm> falling_friction() {
-  RigTerm breakaway =
-      nuisance("breakaway", "1", "of dry friction: what it breaks away with over what it slides with, less 1",
-               Scope::kShared, 0.3, [](auto& in) { return &in.sea.breakaway; });
-  breakaway.lower = 0, breakaway.key = breakaway.name;
-  RigTerm speed = bounded(nuisance("stribeck_speed", "rad/s", "by which breakaway falls to 1/e", Scope::kShared, 0.05,
-                                   [](auto& in) { return &in.sea.stribeck_speed; }),
-                          1e-4, 100, Sea{}.stribeck_speed);
-  speed.key = speed.name;
-  return {only_with(breakaway, {&Sea::friction, &Sea::output_friction}), only_with(speed, {&Sea::breakaway})};
-}
 RigTerm in_ladder(RigTerm t) {
   t.in_ladder = true;
   return t;
@@ -95,7 +86,7 @@ RigTerm in_ladder(RigTerm t) {
 
 std::vector<RigTerm> table() {
   constexpr auto kShared = Scope::kShared, kEach = Scope::kEach;
-  std::vector<RigTerm> out = {
+  return {
       constant(0, "proportional gain of the motor", 0, [](auto& in) { return &in.sea.k_p; }),
       constant(1, "derivative gain of the motor", 0, [](auto& in) { return &in.sea.k_d; }),
       constant(2, "stiffness of the spring", 0, [](auto& in) { return &in.sea.k_sea; }),
@@ -143,9 +134,17 @@ std::vector<RigTerm> table() {
                        [](auto& in) { return &in.nuisance.time_shift; }),
               -0.1, 0.1, 0),
       between_samples(),
+      // Stribeck's, of whatever dry friction there is.
+      only_with(stored(bounded(nuisance("breakaway", "1",
+                                        "of dry friction: what it breaks away with over what it slides with, less 1",
+                                        kShared, 0.3, [](auto& in) { return &in.sea.breakaway; }),
+                               0, Term::kInfinity, 0)),
+                {&Sea::friction, &Sea::output_friction}),
+      only_with(stored(bounded(nuisance("stribeck_speed", "rad/s", "by which breakaway falls to 1/e", kShared, 0.05,
+                                        [](auto& in) { return &in.sea.stribeck_speed; }),
+                               1e-4, 100, Sea{}.stribeck_speed)),
+                {&Sea::breakaway}),
   };
-  for (RigTerm& t : falling_friction()) out.push_back(std::move(t));
-  return out;
 }
 
 }  // namespace

@@ -55,10 +55,10 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   Suggestion s;
   double largest_deflection = 0, omega = 0, num_p = 0, den_p = 0, num_d = 0, den_d = 0;
   int with_frequency = 0;
-  struct Moments {
+  struct Balance {
     double torque = 0, torque_t = 0, phi = 0, phi_t = 0, moved = 0;
   };
-  std::vector<Moments> all;
+  std::vector<Balance> all;
   for (const Trial& trial : trials) {
     const std::vector<double> spring = deflection(trial);
     const bool known = trial.rig_or(rig).drive.kind != Drive::Kind::kGains;
@@ -68,7 +68,7 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
     largest_deflection = std::max(largest_deflection, largest_deviation(spring));
     s.rate = std::max(s.rate, dominant_frequency(trial, spring) * largest_deviation(trial.phi));
     if (trial.force.empty() || trial.phi.empty()) continue;
-    Moments m;
+    Balance m;
     const Gravity& gravity = trial.rig_or(rig).gravity;
     const double sag = gravity.moment == 0 ? 0 : trial.phi[0] - (trial.phi_ref.empty() ? 0 : trial.phi_ref[0]);
     const std::vector<double> force = force_at_samples(trial);
@@ -87,7 +87,7 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   }
   omega = with_frequency > 0 ? std::clamp(omega / with_frequency, 1.0, 1e3) : 20;
   const double k_p = den_p > 0 ? num_p / den_p : 0;
-  for (const Moments& m : all) num_d += (k_p * m.phi_t - m.torque_t) * m.moved;
+  for (const Balance& m : all) num_d += (k_p * m.phi_t - m.torque_t) * m.moved;
   const double k_d = den_d > 0 ? num_d / den_d : 0;
 
   const bool moments = k_p > 0 && std::isfinite(k_p);

@@ -1,9 +1,9 @@
 #include "identify/fit/weighting.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "common/symmetric.hpp"
 #include "identify/logs/hits.hpp"
 
 namespace ukemi::identify {
@@ -30,11 +30,11 @@ Weighting weigh_force_noise(const Rig& rig, const SeaParameters<double>& sea, co
   if (!(trial.force_noise > 0 && angle_noise > 0)) return out;
   const Eigen::VectorXd at = predicted(rig, sea, nuisance, trial, options);
   if (at.size() == 0) return out;
-  std::vector<Hit> all = hits(trial, trial.force_noise, trial.force_rest);
-  std::sort(all.begin(), all.end(), [](const Hit& a, const Hit& b) { return a.last - a.first > b.last - b.first; });
+  std::vector<LoggedHit> all = hits(trial, trial.force_noise, trial.force_rest);
+  std::sort(all.begin(), all.end(), [](const LoggedHit& a, const LoggedHit& b) { return a.last - a.first > b.last - b.first; });
   if (all.size() > kMostHits) all.resize(kMostHits);  // the longest carry the noise
   std::vector<Eigen::VectorXd> moved;
-  for (const Hit& h : all) {
+  for (const LoggedHit& h : all) {
     const std::size_t samples = h.last + 1 - h.first, parts = std::min(kParts, samples);
     for (std::size_t p = 0; p < parts; ++p) {
       const std::size_t from = h.first + samples * p / parts, to = h.first + samples * (p + 1) / parts;
@@ -48,13 +48,13 @@ Weighting weigh_force_noise(const Rig& rig, const SeaParameters<double>& sea, co
   if (moved.empty()) return out;
   Eigen::MatrixXd ways(at.size(), long(moved.size()));
   for (std::size_t k = 0; k < moved.size(); ++k) ways.col(long(k)) = moved[k];
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(ways.transpose() * ways);
+  const SymmetricEigen eigen = symmetric_eigen(ways.transpose() * ways);
   long first = 0;
-  while (first < eigen.eigenvalues().size() && eigen.eigenvalues()[first] < kNothing) ++first;
-  const long count = eigen.eigenvalues().size() - first;
+  while (first < eigen.values.size() && eigen.values[first] < kNothing) ++first;
+  const long count = eigen.values.size() - first;
   if (count == 0) return out;
-  const Eigen::ArrayXd squares = eigen.eigenvalues().tail(count);
-  out.u = ways * eigen.eigenvectors().rightCols(count) * squares.rsqrt().matrix().asDiagonal();
+  const Eigen::ArrayXd squares = eigen.values.tail(count);
+  out.u = ways * eigen.vectors.rightCols(count) * squares.rsqrt().matrix().asDiagonal();
   out.shrink = 1 - (1 + squares).rsqrt();
   return out;
 }

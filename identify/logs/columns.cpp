@@ -1,9 +1,10 @@
 #include "identify/logs/columns.hpp"
 
+#include "common/degrees.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 namespace ukemi::identify {
 
@@ -15,7 +16,7 @@ struct Unit {
 };
 
 const std::vector<Unit>& units_of(Quantity quantity) {
-  static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", std::numbers::pi / 180}, {"_mrad", 1e-3}},
+  static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", kDegree}, {"_mrad", 1e-3}},
                                  force = {{"_N", 1}, {"_kN", 1e3}};
   static const std::vector<Unit> none;
   if (quantity == Quantity::kCommand) return none;

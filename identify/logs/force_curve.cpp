@@ -83,18 +83,16 @@ void ForceCurve::add(std::size_t interval, double t, const Cubic& smooth) {
   const double s = trial_->force_smooth;
   Cubic c;
   for (std::size_t i = 0; i < c.size(); ++i) c[i] = straight[i] + s * (smooth[i] - straight[i]);
-  const Cubic still{trial_->force_rest, 0, 0, 0};
-  if (!blended_.empty() && blended_.back().c == still && c == still) return;
+  if (!blended_.empty() && blended_.back().c == rest() && c == rest()) return;
   blended_.push_back({t, c});
 }
 
 /// The interval before a pulse, or after it: where `end`, the pulse's curve with u from its sample there, meets rest
 /// the pulse begins or ends.
 void ForceCurve::add_onset(std::size_t interval, const Cubic& end, double meets, bool before) {
-  const Cubic still{trial_->force_rest, 0, 0, 0};
   const double t = times()[interval + (before ? 1 : 0)] + meets;
-  add(interval, times()[interval], before ? still : end);
-  add(interval, t, before ? moved(end, meets) : still);
+  add(interval, times()[interval], before ? rest() : end);
+  add(interval, t, before ? moved(end, meets) : rest());
 }
 
 /// Whether no interval between these samples is much shorter or longer than their median: a spline through others may
@@ -137,7 +135,7 @@ ForceCurve::ForceCurve(const Trial& trial) : trial_(&trial) {
   const auto off_rest = [&](std::size_t i) { return f[i] != trial.force_rest; };
   for (std::size_t i = 0; i < f.size();) {
     if (!off_rest(i)) {
-      if (i + 1 < f.size() && !off_rest(i + 1)) add(i, times()[i], {trial.force_rest, 0, 0, 0});
+      if (i + 1 < f.size() && !off_rest(i + 1)) add(i, times()[i], rest());
       ++i;
       continue;
     }

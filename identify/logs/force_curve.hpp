@@ -21,9 +21,8 @@ Cubic moved(const Cubic& c, double by);
 /// F_smooth is at rest, 0 or force_rest, between pulses. A pulse is a run of at least four samples off rest, and
 /// F_smooth the cubic spline through them. Where that is steep rather than bent at an end of the run, it is continued
 /// to where it meets rest within the next interval, so that a blow that begins between two samples keeps its impulse;
-/// else the spline reaches to the sample at rest, with slope 0 there. Shorter runs, and runs with intervals
-/// below 0.1 or above 2 times their median, stay linear. Ours: the paper does
-/// not say how its force is interpolated.
+/// else the spline reaches to the sample at rest, with slope 0 there. Shorter runs, and runs with intervals below 0.1
+/// or above 2 times their median, stay linear. Ours: the paper does not say how its force is interpolated.
 class ForceCurve {
  public:
   explicit ForceCurve(const Trial& trial);
@@ -41,6 +40,7 @@ class ForceCurve {
     Cubic c;
   };
   const std::vector<double>& times() const { return trial_->force_t.empty() ? trial_->t : trial_->force_t; }
+  Cubic rest() const { return {trial_->force_rest, 0, 0, 0}; }
   Cubic linear(std::size_t interval) const;
   Cubic hermite(std::size_t interval, double from, double to) const;
   std::vector<double> spline(std::size_t first, std::size_t last, bool hold_first, bool hold_last) const;

@@ -31,14 +31,14 @@ const std::vector<double>& force_times(const Trial& trial) { return trial.force_
 
 }  // namespace
 
-std::vector<Hit> hits(const Trial& trial, double noise, double rest) {
+std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest) {
   constexpr double kLoud = 5;  // noise alone is so 6e-7 of the time
   const std::vector<double>& f = trial.force;
-  std::vector<Hit> out;
+  std::vector<LoggedHit> out;
   for (std::size_t i = 0; i < f.size(); ++i) {
     if (!(std::abs(f[i] - rest) > kLoud * noise)) continue;
     const auto acts = [&](std::size_t k) { return std::abs(f[k] - rest) > noise && (f[k] > rest) == (f[i] > rest); };
-    Hit hit{i, i};
+    LoggedHit hit{i, i};
     const std::size_t floor = out.empty() ? 0 : out.back().last + 1;
     while (hit.first > floor && acts(hit.first - 1)) --hit.first;
     while (hit.last + 1 < f.size() && acts(hit.last + 1)) ++hit.last;
@@ -76,7 +76,7 @@ void rest_between_hits(Trial& trial, std::optional<double> noise) {
   std::vector<double> quiet;
   for (int pass = 0; pass < (noise ? 1 : 3); ++pass) {
     quiet.assign(trial.force.size(), rest);
-    for (const Hit& h : hits(trial, sigma, rest))
+    for (const LoggedHit& h : hits(trial, sigma, rest))
       std::copy(trial.force.begin() + long(h.first), trial.force.begin() + long(h.last) + 1,
                 quiet.begin() + long(h.first));
     double square = 0, count = 0;

@@ -14,13 +14,13 @@ namespace ukemi::identify {
 double largest_deviation(const std::vector<double>& x, double from = 0);
 
 /// Samples first .. last of a trial's force, between which it acts.
-struct Hit {
+struct LoggedHit {
   std::size_t first, last;
 };
 /// The hits of a log whose load cell adds `noise` [N, standard deviation] to `rest` [N]: from where the force leaves
 /// rest by more than 5 times the noise, back and on to where it is within it. Without noise: wherever it is not at
 /// rest.
-std::vector<Hit> hits(const Trial& trial, double noise, double rest = 0);
+std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest = 0);
 
 /// Standard deviation of the force before the first hit [N]; 0 where there are too few samples before it or where they
 /// are no noise: samples that follow each other smoothly are a force.

@@ -52,11 +52,11 @@ struct RigMode {
 
 /// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t) - friction - gravity, Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
 ///
-/// Coulomb friction sticks (ours). With T_s what moves side s (`torques`) and L(+-) its level in each direction
-/// (coulomb_level), a side slips with I_s a_s = T_s - slip L(slip), slip = +-1 the sign of its rate, until that rate is
-/// zero. It is then stuck, rate and acceleration exactly 0, as long as -L(-) <= T_s <= L(+). The mode is held between
-/// events; in a mode the field is smooth.
-/// Tests: test/unit/one_link.cpp against the closed-form linear response; test/unit/sticking.cpp.
+/// Coulomb friction sticks (ours). With T_s what moves side s (`torques`) and L(+-, v) its level in each direction at
+/// the speed v (`level`), a side slips with I_s a_s = T_s - slip L(slip, v), slip = +-1 the sign of its rate, until
+/// that rate is zero. It is then stuck, rate and acceleration exactly 0, as long as -L(-, 0) <= T_s <= L(+, 0). The
+/// mode is held between events; in a mode the field is smooth. Tests: test/unit/one_link.cpp against the closed-form
+/// linear response; test/unit/sticking.cpp.
 template <SeaTerms kTerms, Scalar T>
 class OneLinkSystem {
  public:
@@ -102,12 +102,9 @@ class OneLinkSystem {
   }
   /// L(direction) of a side at a speed >= 0 in that direction [Nm].
   T level(int side, int direction, const T& speed = T(0)) const {
-    const T sliding = coulomb_level_of(side, direction);
+    const T sliding = side == kMotorSide ? coulomb_level(sea.friction, sea.friction_asymmetry, direction)
+                                         : coulomb_level(sea.output_friction, sea.output_friction_asymmetry, direction);
     return stribeck ? T(sliding * ukemi::stribeck(sea.breakaway, sea.stribeck_speed, speed)) : sliding;
-  }
-  T coulomb_level_of(int side, int direction) const {
-    return side == kMotorSide ? coulomb_level(sea.friction, sea.friction_asymmetry, direction)
-                              : coulomb_level(sea.output_friction, sea.output_friction_asymmetry, direction);
   }
 
   /// Flattened: operations on Jets are worth no calls.

@@ -1,15 +1,10 @@
 #include "identify/rig/rig.hpp"
 
-#include <numbers>
-
 #include "common/actuator.hpp"
+#include "common/degrees.hpp"
 #include "common/toml.hpp"
 
 namespace ukemi::identify {
-
-namespace {
-constexpr double kDegrees = 180 / std::numbers::pi;
-}
 
 SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
   sea.tau_max = tau_max.value_or(sea.tau_max);

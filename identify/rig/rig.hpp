@@ -30,13 +30,13 @@ struct Gravity {
 };
 
 struct Rig {
-  double length;                     ///< l, from the joint to where the force acts [m], > 0
-  double inertia;                    ///< M, of the link about the joint [kg m^2], > 0
-  std::optional<double> tau_max;     ///< torque limit of the spring [Nm]
-  std::optional<double> gear_ratio;  ///< a log's phi_motor is divided by it
-  std::optional<Feedback> feedback;  ///< what Eq. 3 feeds back
-  Drive drive = {};                  ///< what drives the motor
-  Gravity gravity = {};
+  double length;                         ///< l, from the joint to where the force acts [m], > 0
+  double inertia;                        ///< M, of the link about the joint [kg m^2], > 0
+  std::optional<double> tau_max;         ///< torque limit of the spring [Nm]
+  std::optional<double> gear_ratio;      ///< a log's phi_motor is divided by it
+  std::optional<Feedback> feedback;      ///< what Eq. 3 feeds back
+  Drive drive = {};                      ///< what drives the motor
+  Gravity gravity = {};                  ///< of a link that hangs
   std::optional<double> speed_max = {};  ///< rated motor speed at the output [rad/s], for the actuator file
 
   /// An actuator as it is on this rig: limit and feedback are the rig's, where it names them.

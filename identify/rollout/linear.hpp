@@ -44,7 +44,7 @@ class LinearFlow {
     return z;
   }
   /// out = rest + angle i (0: phi_1, 1: phi_m) j + 1 intervals after z, for b = 0; j < kBlock.
-  void angle(T& out, const T& rest, int i, int j, const State& z) const {
+  UKEMI_INLINE void angle(T& out, const T& rest, int i, int j, const State& z) const {
     const State& row = rows_[i][j];
     if constexpr (kDerivatives < T >> 0) {  // in registers: the innermost loop of a fit
       auto v = rest.v;
@@ -103,7 +103,7 @@ class LinearFlow {
     for (int i = 0; i < kStates; ++i) add_product(sum, r[i], z[i]);
     return sum;
   }
-  static State product(const Matrix& m, const State& z) {
+  UKEMI_INLINE static State product(const Matrix& m, const State& z) {
     State out = State::Zero();
     for (int j = 0; j < kStates; ++j)
       for (int i = 0; i < kStates; ++i) add_product(out[i], m(i, j), z[j]);

@@ -1,15 +1,15 @@
 // One trial from stretch to stretch: exactly where the rig is linear, integrated where it is not; from event to event
 // where friction sticks or a limit is met, with exact derivatives through them. Included by the files
-// that compile kernels (rollout.cpp, rollout_methods.cpp), by no other.
+// that compile kernels (kernels.hpp, rollout_methods.cpp), by no other.
 // Private: not installed.
 #pragma once
 
-#include <Eigen/LU>
 #include <cmath>
 #include <memory>
 #include <optional>
 
 #include "common/integrate/saltation.hpp"
+#include "identify/rollout/hang.hpp"
 #include "identify/rollout/linear.hpp"
 #include "identify/rollout/rollout.hpp"
 
@@ -118,50 +118,11 @@ class Roll {
     return sea;
   }
   State start(const Gravity& gravity) const {
-    State y = State::Constant(T(trial_.phi_start));
-    y[System::kOmega] = y[System::kOmegaM] = T(0);
+    State y = State::Constant(T(trial_.phi_start) + nuisance_.angle);
+    y[System::kOmega] = nuisance_.rate, y[System::kOmegaM] = T(0);
     if constexpr (kTerms.extended)
-      if (gravity.moment != 0) sag(y);
-    const bool held = drive_.kind == Drive::Kind::kCommand && gravity.moment != 0;  // sag has put it there
-    for (const int angle : {System::kPhi, System::kPhiM})
-      if (!held) y[angle] += nuisance_.angle;
-    y[System::kOmega] = nuisance_.rate;
+      if (gravity.moment != 0) hang(system_, drive_, trial_.phi_start, nuisance_.angle, y);
     return y;
-  }
-  /// To where spring and motor carry the link at rest, friction apart; where only a command is known, to where the
-  /// spring carries it at the angle where it starts. Newton's method on the two torques.
-  void sag(State& y) const {
-    using Dual = ceres::Jet<double, 2>;
-    constexpr int kMost = 50;
-    const bool by_command = drive_.kind == Drive::Kind::kCommand;
-    const T held = T(trial_.phi_start) + nuisance_.angle;
-    const auto lacking = [&](auto system, const auto& x, const auto& angle) {
-      using U = std::decay_t<decltype(x[0])>;
-      system.input = {};
-      system.input.phi_ref = trial_.phi_start;
-      const std::array<U, kSides> torque = system.torques(0.0, x);
-      return Eigen::Matrix<U, 2, 1>(
-          torque[kOutputSide], by_command ? U(x[System::kPhi] - angle) : U(torque[kOutputSide] + torque[kMotorSide]));
-    };
-    Eigen::Vector2d x = Eigen::Vector2d::Constant(by_command ? value_of(held) : trial_.phi_start);
-    Eigen::Matrix2d inverse = Eigen::Matrix2d::Zero();
-    const auto duals = system_.template in_values<Dual>();
-    for (int i = 0; i < kMost; ++i) {
-      Eigen::Matrix<Dual, 4, 1> at(Dual(x[0], 0), Dual(x[1], 1), Dual(0), Dual(0));
-      const auto f = lacking(duals, at, Dual(value_of(held)));
-      Eigen::Matrix2d slopes;
-      for (int row = 0; row < 2; ++row) slopes.row(row) = f[row].v.transpose();
-      bool invertible;
-      slopes.computeInverseWithCheck(inverse, invertible);
-      if (!invertible) return;  // nothing carries it
-      const Eigen::Vector2d step = inverse * Eigen::Vector2d(f[0].a, f[1].a);
-      x -= step;
-      if (step.norm() < 1e-14 * (1 + x.norm())) break;
-    }
-    y[System::kPhi] = T(x[0]), y[System::kPhiM] = T(x[1]);
-    const Eigen::Matrix<T, 2, 1> rest = lacking(system_, y, held);  // 0 but for its derivatives
-    y[System::kPhi] -= T(inverse(0, 0)) * rest[0] + T(inverse(0, 1)) * rest[1];
-    y[System::kPhiM] -= T(inverse(1, 0)) * rest[0] + T(inverse(1, 1)) * rest[1];
   }
   /// The input as it drives the rig. The cuts stand where the shift's value puts them; the force is continuous there,
   /// so its derivative by the shift is all there is.
@@ -364,7 +325,7 @@ class Roll {
   }
 
   /// To the end of the stretch, or to where the torque limit is met.
-  UKEMI_FLATTEN RolloutStatus flow(double t_end) {
+  RolloutStatus flow(double t_end) {
     const Exact& exact = this->exact();
     const LinearFlow<T>& flow = exact.flow;
     double t = driver_.time();
@@ -412,7 +373,7 @@ class Roll {
 
   /// The same where friction holds or brakes: from interval to interval, and within one from event to event. A side
   /// that is stuck does not move at all: its rows of the flow are zero.
-  UKEMI_FLATTEN RolloutStatus slide(double t_end) {
+  RolloutStatus slide(double t_end) {
     const Exact& exact = this->exact();
     if (!(exact.flow.rate() * trial_.spacing < kStiff)) return RolloutStatus::kDiverged;
     double t = driver_.time();

@@ -5,7 +5,7 @@
 
 #include "common/median.hpp"
 #include "identify/logs/force_curve.hpp"
-#include "identify/rollout/roll.hpp"
+#include "identify/rollout/kernels.hpp"
 
 namespace ukemi::identify {
 
@@ -63,33 +63,7 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
   return out;
 }
 
-template <class T>
-RolloutStatus rollout(const Rig& common, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
-                      const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
-                      std::vector<T>& phi_m) {
-  const Rig& rig = trial.trial->rig_or(common);
-  const bool extended = rig.drive.kind != Drive::Kind::kGains || present(sea.friction) || present(sea.viscous) ||
-                        present(sea.output_friction) || present(sea.output_viscous) || present(sea.k_sea_cubic) ||
-                        rig.gravity.moment != 0 || sea.feedback == Feedback::kMotor;
-  if constexpr (kDerivatives<T> <= kSmallJet)
-    if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m);
-  // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening
-  // only hits are integrated, from sample to sample: no place for long steps.
-  if constexpr (kDerivatives<T> <= kSmallJet)
-    if (!extended)
-      return Roll<integrate::DormandPrince54, SeaTerms{true, false}, T>(rig, sea, nuisance, trial, options, phi, phi_m)
-          .run();
-  return Roll<integrate::DormandPrince853, SeaTerms{true, true}, T>(rig, sea, nuisance, trial, options, phi, phi_m)
-      .run();
-}
-
 template RolloutStatus rollout(const Rig&, const SeaParameters<double>&, const Nuisance<double>&, const PreparedTrial&,
                                const RolloutOptions&, std::vector<double>&, std::vector<double>&);
-using Small = ceres::Jet<double, kSmallJet>;
-using Large = ceres::Jet<double, kLargeJet>;
-template RolloutStatus rollout(const Rig&, const SeaParameters<Small>&, const Nuisance<Small>&, const PreparedTrial&,
-                               const RolloutOptions&, std::vector<Small>&, std::vector<Small>&);
-template RolloutStatus rollout(const Rig&, const SeaParameters<Large>&, const Nuisance<Large>&, const PreparedTrial&,
-                               const RolloutOptions&, std::vector<Large>&, std::vector<Large>&);
 
 }  // namespace ukemi::identify

@@ -33,6 +33,32 @@ struct Solver {
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
 };
 
+/// Of trial m, a row a residual: what each free parameter, each absent shared term and each absent term of the trial
+/// does to it, then the residual itself; freed from what the trial's own fitted terms do. Adds the residuals' square.
+/// None where the trial cannot be followed.
+std::optional<MatrixXd> columns_of(const LeastSquaresProblem& problem, int m, const std::vector<double>& global,
+                                   const std::vector<double>& local, int fitted_locals, const Score& s, double huber,
+                                   double& square) {
+  const int G = int(problem.globals.size()), L = int(problem.locals.size()), F = s.parameters(),
+            A = int(s.shared.size()), B = int(s.of_trial.size());
+  const ResidualBlock& block = problem.blocks[std::size_t(m)];
+  VectorXd r(block.size);
+  MatrixXd jacobian(block.size, G + L);
+  if (!block.evaluate(global.data(), local.data(), r.data(), jacobian.data())) return std::nullopt;
+  if (huber > 0) r = r.cwiseMax(-huber).cwiseMin(huber);
+  square += r.squaredNorm();
+  MatrixXd out(block.size, F + A + B + 1);
+  for (int f = 0; f < F; ++f) out.col(f) = jacobian.col(s.free[std::size_t(f)]);
+  out.middleCols(F, A) = jacobian.middleCols(G - A, A);
+  out.middleCols(F + A, B) = jacobian.rightCols(B);
+  out.rightCols(1) = r;
+  if (fitted_locals > 0) {
+    const MatrixXd own = jacobian.middleCols(G, fitted_locals);
+    out -= own * own.completeOrthogonalDecomposition().solve(out);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
@@ -59,9 +85,7 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
     global.push_back(e->value);
   }
   for (const Term& t : out.shared) global.push_back(t.absent);
-  const int G = int(problem.globals.size()), L = int(problem.locals.size()), F = out.parameters(),
-            A = int(out.shared.size()), B = int(out.of_trial.size()), columns = F + A + B + 1;
-  const int M = int(problem.blocks.size());
+  const int F = out.parameters(), M = int(problem.blocks.size());
   constexpr int kSpare = 3;  // parts beyond parameters: fewer tell little of the errors
   out.parts_of_trial = M >= F + kSpare ? 1 : (2 * F + kSpare) / M + 1;
   out.information = MatrixXd::Zero(F, F), out.slope = VectorXd::Zero(F);
@@ -72,25 +96,13 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
       if (e.trial == m) local.push_back(e.value);
     const int fitted_locals = int(local.size());
     for (const Term& t : out.of_trial) local.push_back(t.absent);
-    const ResidualBlock& block = problem.blocks[std::size_t(m)];
-    const int n = block.size;
-    VectorXd r(n);
-    MatrixXd jacobian(n, G + L);
-    if (!block.evaluate(global.data(), local.data(), r.data(), jacobian.data())) return std::nullopt;
-    if (options.huber > 0) r = r.cwiseMax(-options.huber).cwiseMin(options.huber);
-    square += r.squaredNorm(), count += n;
-    MatrixXd all(n, columns);
-    for (int f = 0; f < F; ++f) all.col(f) = jacobian.col(out.free[std::size_t(f)]);
-    all.middleCols(F, A) = jacobian.middleCols(G - A, A);
-    all.middleCols(F + A, B) = jacobian.rightCols(B);
-    all.col(columns - 1) = r;
-    if (fitted_locals > 0) {
-      const MatrixXd own = jacobian.middleCols(G, fitted_locals);
-      all -= own * own.completeOrthogonalDecomposition().solve(all);
-    }
+    const auto columns = columns_of(problem, m, global, local, fitted_locals, out, options.huber, square);
+    if (!columns) return std::nullopt;
+    const long n = columns->rows();
+    count += double(n);
     for (int p = 0; p < out.parts_of_trial; ++p) {
-      const int from = int(long(n) * p / out.parts_of_trial), to = int(long(n) * (p + 1) / out.parts_of_trial);
-      const auto rows = all.middleRows(from, to - from);
+      const int from = int(n * p / out.parts_of_trial), to = int(n * (p + 1) / out.parts_of_trial);
+      const auto rows = columns->middleRows(from, to - from);
       out.parts.push_back(rows.transpose() * rows);
       out.information += out.parts.back().topLeftCorner(F, F);
       out.slope += out.parts.back().topRightCorner(F, 1);
@@ -106,66 +118,74 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
   return out;
 }
 
-std::vector<ScoreTest> score_tests_of(const Score& s) {
-  constexpr double kAll = 1e-12;  // of a term's effect that the others leave: they can do all of it
-  const int F = s.parameters(), r = F + int(s.shared.size() + s.of_trial.size());
-  const Solver solve(s.information);
-  const VectorXd step = solve(s.slope);
-  const MatrixXd covariance = solve(MatrixXd::Identity(F, F));
-  const auto sum = [&](int i, int j, int rows, int columns) {
-    MatrixXd out = MatrixXd::Zero(rows, columns);
-    for (const MatrixXd& part : s.parts) out += part.block(i, j, rows, columns);
+namespace {
+
+/// Of term `a` of the shared ones. None where the others can do all that it does.
+std::optional<ScoreTest> test_of_shared(const Score& s, const Solver& solve, const VectorXd& step, std::size_t a) {
+  constexpr double kAll = 1e-12;  // of a term's effect that the others leave
+  const int F = s.parameters(), r = F + int(s.shared.size() + s.of_trial.size()), i = F + int(a);
+  const auto sum = [&](int row, int column, int rows) {
+    VectorXd out = VectorXd::Zero(rows);
+    for (const MatrixXd& part : s.parts) out += part.block(row, column, rows, 1);
     return out;
   };
+  const VectorXd cross = sum(0, i, F), moved = solve(cross);
+  const double own = sum(i, i, 1)[0], rest = own - cross.dot(moved), slope = sum(i, r, 1)[0] - cross.dot(step);
+  if (!(rest > kAll * own && s.variance > 0)) return std::nullopt;
+  const Term& term = s.shared[a];
+  ScoreTest test{.term = term.name, .z = -slope / std::sqrt(rest * s.variance), .size = -slope / rest};
+  const bool outside = term.one_sided() && test.z < 0;
+  test.statistic = outside ? 0 : test.z * test.z;
+  test.p = term.one_sided() ? 0.5 * std::erfc(test.z / std::sqrt(2.0)) : std::erfc(std::abs(test.z) / std::sqrt(2.0));
+  test.gain = test.statistic * s.variance;
+  const MatrixXd covariance = solve(MatrixXd::Identity(F, F));
+  for (int f = 0; f < F; ++f) test.bias = std::max(test.bias, std::abs(moved[f]) / std::sqrt(covariance(f, f) * rest));
+  return test;
+}
+
+/// Of term `b` of those that each trial has for itself. t_m is the step that the residuals of trial m ask for, the
+/// shared parameters following them all: R t = -slopes with R = D - C' H^-1 C, D diagonal. By Woodbury only
+/// H - C D^-1 C' is ever solved for.
+std::optional<ScoreTest> test_of_trials(const Score& s, const VectorXd& step, std::size_t b) {
+  const int F = s.parameters(), r = F + int(s.shared.size() + s.of_trial.size()), M = s.trials();
+  const int i = F + int(s.shared.size() + b);
+  MatrixXd c = MatrixXd::Zero(F, M);
+  VectorXd d = VectorXd::Zero(M), slope = VectorXd::Zero(M);
+  for (std::size_t p = 0; p < s.parts.size(); ++p) {
+    const long m = long(p) / s.parts_of_trial;
+    c.col(m) += s.parts[p].block(0, i, F, 1);
+    d[m] += s.parts[p](i, i), slope[m] += s.parts[p](i, r);
+  }
+  slope -= c.transpose() * step;
+  VectorXd inverse(M);
+  for (int m = 0; m < M; ++m) inverse[m] = d[m] > 0 ? 1 / d[m] : 0;
+  const Solver inner(s.information - c * inverse.asDiagonal() * c.transpose());
+  const VectorXd first = inverse.cwiseProduct(slope);
+  const VectorXd term = first + inverse.cwiseProduct(c.transpose() * inner(c * first).col(0));
+  const int degrees = int((d.array() > 0).count()) - (F - int(inner.decomposition.rank()));
+  if (degrees <= 0 || !(s.variance > 0)) return std::nullopt;
+  ScoreTest test{.term = s.of_trial[b].name,
+                 .scope = Scope::kEach,
+                 .statistic = std::max(slope.dot(term), 0.0) / s.variance,
+                 .degrees = degrees};
+  test.p = chi_squared_tail(test.statistic, degrees);
+  test.gain = test.statistic * s.variance;
+  Eigen::Index largest;
+  (void)term.cwiseAbs().maxCoeff(&largest);
+  test.size = -term[largest];
+  return test;
+}
+
+}  // namespace
+
+std::vector<ScoreTest> score_tests_of(const Score& s) {
+  const Solver solve(s.information);
+  const VectorXd step = solve(s.slope);
   std::vector<ScoreTest> out;
-  for (std::size_t a = 0; a < s.shared.size(); ++a) {
-    const int i = F + int(a);
-    const MatrixXd cross = sum(0, i, F, 1);
-    const double own = sum(i, i, 1, 1)(0, 0), rest = own - cross.col(0).dot(solve(cross).col(0)),
-                 slope = sum(i, r, 1, 1)(0, 0) - cross.col(0).dot(step);
-    if (!(rest > kAll * own && s.variance > 0)) continue;
-    const Term& term = s.shared[a];
-    ScoreTest test{.term = term.name, .z = -slope / std::sqrt(rest * s.variance), .size = -slope / rest};
-    const bool outside = term.one_sided() && test.z < 0;
-    test.statistic = outside ? 0 : test.z * test.z;
-    test.p = term.one_sided() ? 0.5 * std::erfc(test.z / std::sqrt(2.0)) : std::erfc(std::abs(test.z) / std::sqrt(2.0));
-    test.gain = test.statistic * s.variance;
-    const VectorXd moved = solve(cross);
-    for (int f = 0; f < F; ++f)
-      test.bias = std::max(test.bias, std::abs(moved[f]) / std::sqrt(covariance(f, f) * rest));
-    out.push_back(test);
-  }
-  for (std::size_t b = 0; b < s.of_trial.size(); ++b) {
-    // A trial's term t_m is the step that the residuals of trial m ask for, the shared parameters following them all:
-    // R t = -slopes with R = D - C' H^-1 C, D diagonal. By Woodbury only H - C D^-1 C' is ever solved for.
-    const int i = F + int(s.shared.size() + b);
-    const int M = s.trials();
-    MatrixXd c = MatrixXd::Zero(F, M);
-    VectorXd d = VectorXd::Zero(M), slope = VectorXd::Zero(M);
-    for (std::size_t p = 0; p < s.parts.size(); ++p) {
-      const long m = long(p) / s.parts_of_trial;
-      c.col(m) += s.parts[p].block(0, i, F, 1);
-      d[m] += s.parts[p](i, i), slope[m] += s.parts[p](i, r);
-    }
-    slope -= c.transpose() * step;
-    VectorXd inverse(M);
-    for (int m = 0; m < M; ++m) inverse[m] = d[m] > 0 ? 1 / d[m] : 0;
-    const Solver inner(s.information - c * inverse.asDiagonal() * c.transpose());
-    const VectorXd first = inverse.cwiseProduct(slope);
-    const VectorXd term = first + inverse.cwiseProduct(c.transpose() * inner(c * first).col(0));
-    const int degrees = int((d.array() > 0).count()) - (F - int(inner.decomposition.rank()));
-    if (degrees <= 0 || !(s.variance > 0)) continue;
-    ScoreTest test{.term = s.of_trial[b].name,
-                   .scope = Scope::kEach,
-                   .statistic = std::max(slope.dot(term), 0.0) / s.variance,
-                   .degrees = degrees};
-    test.p = chi_squared_tail(test.statistic, degrees);
-    test.gain = test.statistic * s.variance;
-    Eigen::Index largest;
-    (void)term.cwiseAbs().maxCoeff(&largest);
-    test.size = -term[largest];
-    out.push_back(test);
-  }
+  for (std::size_t a = 0; a < s.shared.size(); ++a)
+    if (auto test = test_of_shared(s, solve, step, a)) out.push_back(std::move(*test));
+  for (std::size_t b = 0; b < s.of_trial.size(); ++b)
+    if (auto test = test_of_trials(s, step, b)) out.push_back(std::move(*test));
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 
 namespace ukemi::landing {
 
@@ -18,7 +19,7 @@ struct Column {
   int output;  ///< DropOutput; -1: time
   double unit;
 };
-constexpr double kG = 9.80665, kDegree = std::numbers::pi / 180;
+constexpr double kG = 9.80665;
 constexpr std::array<Column, 14> kColumns = {{{"t", -1, 1},
                                               {"t_ms", -1, 1e-3},
                                               {"acc", kAcc, 1},

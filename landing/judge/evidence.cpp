@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/degrees.hpp"
 #include "landing/lanes/batch.hpp"
 
 namespace ukemi::landing {
 
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 /// Plays motions beside the one in question.
 class Beside {

@@ -4,11 +4,11 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <optional>
 #include <vector>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 
 namespace ukemi::landing {
@@ -16,7 +16,6 @@ namespace ukemi::landing {
 namespace {
 
 using Kind = ScatterTerm::Kind;
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string key_of(const ScatterTerm& t) { return std::string(t.name) + (t.kind == Kind::kAngle ? "_deg" : ""); }
 

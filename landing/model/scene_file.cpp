@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/toml.hpp"
 #include "landing/model/motion_csv.hpp"
 #include "landing/model/release.hpp"
@@ -16,8 +16,6 @@
 namespace ukemi::landing {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// A range [low, high] of at least one value.
 template <class Pair>
@@ -140,8 +138,6 @@ Motion read_motion(const std::string& path) {
 }
 
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string pair(double a, double b) { return "[" + shortest(a) + ", " + shortest(b) + "]"; }
 

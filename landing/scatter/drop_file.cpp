@@ -8,13 +8,12 @@
 #include <limits>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 
 namespace ukemi::landing {
 
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 using N = DropNumbers;
 constexpr std::array<DropColumn, 18> kColumns = {{

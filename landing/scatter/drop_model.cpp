@@ -1,6 +1,5 @@
 #include "landing/scatter/drop_model.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
+#include "common/symmetric.hpp"
 #include "landing/scatter/sobol.hpp"
 
 namespace ukemi::landing {
@@ -28,11 +28,11 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& c) {
   // Constants differ by powers of ten: what counts as negative is asked of the correlations.
   const Eigen::VectorXd std = c.diagonal().cwiseMax(0).cwiseSqrt();
   const Eigen::VectorXd inverse = std.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * c * inverse.asDiagonal());
-  if (!c.allFinite() || (c.diagonal().array() < 0).any() || eigen.eigenvalues().minCoeff() < -kRounding)
-    throw InputError("covariance: its smallest eigenvalue is " + shortest(eigen.eigenvalues().minCoeff()) +
+  const SymmetricEigen eigen = symmetric_eigen(inverse.asDiagonal() * c * inverse.asDiagonal());
+  if (!c.allFinite() || (c.diagonal().array() < 0).any() || eigen.values.minCoeff() < -kRounding)
+    throw InputError("covariance: its smallest eigenvalue is " + shortest(eigen.values.minCoeff()) +
                      " where its variances are 1: a positive semidefinite matrix is needed");
-  return std.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  return std.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 /// The reference stands at the joint's angle at release until the landing motion starts from there.

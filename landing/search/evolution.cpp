@@ -6,8 +6,6 @@
 namespace ukemi::landing {
 
 namespace {
-constexpr int kBatch = 32;
-
 std::vector<Candidate> random_population(Search& search, Random& r, int n) {
   std::vector<Candidate> population;
   for (int i = 0; i < n; ++i) population.push_back(random_point(r, search.dimension()));

@@ -8,6 +8,7 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/search/planner.hpp"
+#include "landing/search/population.hpp"
 #include "landing/search/solvers.hpp"
 
 namespace ukemi::landing {
@@ -42,7 +43,7 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
 
 /// The best of the starts, a place in the cube; under scatter by a few drops. Without one that can be followed nothing.
 std::optional<Coordinates> best_start(Search& search, const std::vector<Coordinates>& starts) {
-  constexpr std::size_t kDrops = 16, kBatch = 32;
+  constexpr std::size_t kDrops = 16;
   const MotionSpace& space = search.objective().space();
   const Goal goal = search.objective().options().goal;
   Candidate best = search.nothing();
@@ -59,6 +60,35 @@ std::optional<Coordinates> best_start(Search& search, const std::vector<Coordina
     best = std::min(best, *std::min_element(points.begin(), points.end()));
   }
   return best.value < kNoMotion ? std::optional(best.u) : std::nullopt;
+}
+
+/// What a search may take, `last` seconds before its deadline kept for what follows it.
+Budget budget_of(const OptimizeOptions& options, const Objective& objective, double last) {
+  Budget out;
+  if (options.deadline)
+    out.seconds = *options.deadline - objective.watch.seconds() - last -
+                  verification_time(*options.deadline, objective.landing_time());
+  if (options.evaluations || !options.deadline)
+    out.motions = options.evaluations.value_or(default_evaluations(options.goal, objective.space().dimension()));
+  out.work = work_allowed(objective.points(options.goal), out.motions);
+  out.tolerance = options.tolerance;
+  return out;
+}
+
+/// The landing of the answer and its execution box, at the accuracy of an answer; `value` is what the search found.
+void verify(const Scene& scene, const MotionSpace& space, const Play& play, double value,
+            const OptimizeOptions& options, const Objective& objective, Optimum& out) {
+  const SimulateOptions tight{.accuracy = options.accuracy, .over = objective.over()};
+  const bool peak = options.goal == Goal::kPeak;
+  out.landing = peak_acceleration(scene, play.sea, play.motion, tight);
+  out.verified = out.landing.end != End::kStopped;
+  if (!out.verified)
+    out.landing.peak = peak ? std::max(out.landing.peak, value) : std::numeric_limits<double>::quiet_NaN();
+  const int samples = std::isfinite(objective.deadline) ? 0 : options.tolerance_samples;
+  out.tolerant = tolerant_peak(scene, space, play, tight, samples, options.seed, options.threads);
+  if (!out.tolerant.complete)
+    out.tolerant.value = std::max(out.tolerant.value, options.goal == Goal::kTolerant ? value : out.landing.peak);
+  out.value = peak ? out.landing.peak : options.goal == Goal::kRobust ? value : out.tolerant.value;
 }
 
 }  // namespace
@@ -81,22 +111,14 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
                        .deadline = deadline,
                        .stop = options.monitor.stop,
                        .robust = options.robust});
-  Budget budget;
   double last = 0;  // what the landing and the execution box of the result take
-  if (options.deadline) {
+  if (options.deadline)
     last = std::min(0.2 * deadline, (1 + kExecutionPoints) * kTightLanding * objective.landing_time());
-    budget.seconds =
-        deadline - objective.watch.seconds() - last - verification_time(deadline, objective.landing_time());
-  }
-  if (options.evaluations || !options.deadline)
-    budget.motions = options.evaluations.value_or(default_evaluations(options.goal, space.dimension()));
-  budget.work = work_allowed(objective.points(options.goal), budget.motions);
-  budget.tolerance = options.tolerance;
   Optimum out;
   out.solver = options.solver;
   constexpr std::size_t kKept = 4096;
   out.progress.reserve(kKept);
-  Search search(objective, budget, options.seed, &out.progress);
+  Search search(objective, budget_of(options, objective, last), options.seed, &out.progress);
   search.tell = options.monitor.tell;
   search.hint = best_start(search, options.starts);
   run_solver(options.solver, search, options.settings);
@@ -123,17 +145,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   leave();
   objective.deadline = until;
   objective.grant(kUnbounded);
-  const SimulateOptions tight{.accuracy = options.accuracy, .over = objective.over()};
-  const bool peak = options.goal == Goal::kPeak;
-  out.landing = peak_acceleration(scene, play.sea, play.motion, tight);
-  out.verified = out.landing.end != End::kStopped;
-  if (!out.verified)
-    out.landing.peak = peak ? std::max(out.landing.peak, best.value) : std::numeric_limits<double>::quiet_NaN();
-  const int samples = std::isfinite(until) ? 0 : options.tolerance_samples;
-  out.tolerant = tolerant_peak(scene, space, play, tight, samples, options.seed, options.threads);
-  if (!out.tolerant.complete)
-    out.tolerant.value = std::max(out.tolerant.value, options.goal == Goal::kTolerant ? best.value : out.landing.peak);
-  out.value = peak ? out.landing.peak : options.goal == Goal::kRobust ? best.value : out.tolerant.value;
+  verify(scene, space, play, best.value, options, objective, out);
   return out;
 }
 

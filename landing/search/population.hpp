@@ -12,6 +12,9 @@
 
 namespace ukemi::landing {
 
+inline constexpr int kBatch = 32;           ///< candidates played at once: whole packs of lanes, however wide
+inline constexpr std::size_t kBasins = 24;  ///< of the best that lie apart, so many are remembered
+
 /// Anywhere in the cube of so many variables.
 inline Candidate random_point(Random& r, int dimension) {
   Candidate p{Coordinates(dimension)};

@@ -7,12 +7,8 @@
 
 namespace ukemi::landing {
 
-namespace {
-constexpr std::size_t kBatch = 32, kBasins = 24;
-}
-
 RobustSearch::RobustSearch(const AutoSettings& settings) : set_(settings) {
-  generation_.reserve(std::max(kBatch, std::size_t(set_.robust_points)));
+  generation_.reserve(std::size_t(std::max(kBatch, set_.robust_points)));
   starts_.reserve(std::size_t(set_.robust_starts) + kBatch);
   basins_.reserve(kBasins + 1), best_.reserve(kBasins);
 }

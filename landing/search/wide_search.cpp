@@ -8,9 +8,8 @@
 namespace ukemi::landing {
 
 namespace {
-constexpr std::size_t kStarts = 24, kBasins = 24;
+constexpr std::size_t kStarts = 24;
 constexpr double kStartsApart = 0.15, kBasinsApart = 0.02;  // in parts of the box
-constexpr int kBatch = 32;
 }  // namespace
 
 WideSearch::WideSearch(const AutoSettings& settings) : set_(settings) {

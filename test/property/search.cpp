@@ -6,6 +6,7 @@
 #include <new>
 
 #include "common/actuator.hpp"
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
 #include "landing/judge/evidence.hpp"
@@ -317,7 +318,6 @@ TEST_CASE("evidence: the pitch and the floor's damping are among what may not be
   const Scene scene = scene_of("paper");
   const SeaParameters<double> sea = table2();
   // The motion that a robot can hold, with the pitch off by 1 deg: no basin of the motion's own box tells of it.
-  constexpr double kDegree = 0.017453292519943295;
   const Motion held{-32.522982220702566 * kDegree, -21.587856884504102 * kDegree, 0.37464990016785615};
   const Evidence e = evidence(scene, sea, held, {});
   CHECK(e.complete);

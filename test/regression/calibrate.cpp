@@ -1,5 +1,6 @@
 // The calibration of tools/study/calibration.hpp on simulated drops: the shipped ones, whose truth their comments
 // state, and noise drawn here.
+#include "common/degrees.hpp"
 #include "tools/study/calibration.hpp"
 
 #include <catch2/catch.hpp>
@@ -18,7 +19,6 @@ using landing::kAcc, landing::kOutputs, landing::kThighAngle, landing::kThighX, 
 namespace {
 
 const std::string kFolder = UKEMI_DATASETS "/drops/";
-constexpr double kDegree = 0.017453292519943295;
 constexpr std::size_t kCalibrated = 4;
 constexpr std::array<double, kCalibrated> kTruth = {6000, 110, 40, -8 * kDegree};  // tools/data/make_drops.cpp
 

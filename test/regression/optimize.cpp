@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
+#include "common/degrees.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
 #include "landing/search/solvers.hpp"
@@ -64,7 +65,6 @@ TEST_CASE("every solver returns a motion of the range and its own best") {
 TEST_CASE("the check inside a wide execution box finds the crack that its fifteen points do not see") {
   Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
   const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
-  constexpr double kDegree = 0.017453292519943295;
   const Motion motion{-23.39208294612951 * kDegree, -89.85599420713379 * kDegree, 0.2631552963096708};
   scene.execution = {0.5 * kDegree, 0.005};
   for (const int threads : {1, 3}) {

@@ -3,9 +3,9 @@
 // comes within a factor of two of the 1e-6 that is promised, at 1e-9 every peak is within 1e-7.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
 #include "common/actuator.hpp"
+#include "common/degrees.hpp"
 #include "landing/derivatives/gradient.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/model/scene_file.hpp"
@@ -17,8 +17,6 @@ using namespace ukemi;
 using namespace ukemi::landing;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 using Case = ReferenceCase;
 std::vector<Case> cases() { return read_reference(UKEMI_DATASETS "/reference"); }

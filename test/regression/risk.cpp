@@ -1,6 +1,7 @@
 // Risk over drops: against the scalar path, and against an independent program.
 #include <catch2/catch.hpp>
 
+#include "common/degrees.hpp"
 #include "landing/judge/answer.hpp"
 #include "landing/judge/risk.hpp"
 #include "landing/model/scene_file.hpp"
@@ -10,8 +11,6 @@ using namespace ukemi;
 using namespace ukemi::landing;
 
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
 Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <set>
 
+#include "common/degrees.hpp"
 #include "landing/atlas/atlas_reader.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
@@ -15,8 +16,6 @@ using namespace ukemi::landing;
 using Catch::Matchers::Contains;
 
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
 Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }

@@ -13,6 +13,7 @@
 
 #include "common/actuator.hpp"
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/files.hpp"
 #include "common/toml.hpp"
 #include "identify/logs/trial.hpp"
@@ -26,8 +27,6 @@ using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Files and folders below a folder.
 std::set<std::string> names(const Folder& f) {

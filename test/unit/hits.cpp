@@ -39,7 +39,7 @@ TEST_CASE("hits: found among noise, the force at rest between them, the noise to
   rest_between_hits(t);
   CHECK(t.force_noise == Approx(0.3).epsilon(0.1));
   CHECK(t.force_rest == 0);
-  const std::vector<Hit> found = hits(t, t.force_noise);
+  const std::vector<LoggedHit> found = hits(t, t.force_noise);
   REQUIRE(found.size() == 2);
   CHECK(std::abs(double(found[0].first) - 51) <= 1);
   CHECK(std::abs(double(found[0].last) - 70) <= 1);

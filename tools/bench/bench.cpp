@@ -44,8 +44,10 @@ void add_bench(CLI::App& app, Action& chosen) {
     }
     if (kind.run == bench_batch)
       verb->add_option("--calls", args->calls, "calls of a planner [1000]")->check(CLI::Range(1, 1000000));
-    if (kind.run == bench_drawn)
+    if (kind.run == bench_drawn) {
       verb->add_option("--scenes", args->drawn, "scenes that are drawn [12]")->check(CLI::Range(1, 10000));
+      verb->add_option("--bumps", args->bumps, "shape terms of the motion [0]")->check(CLI::Range(0, 4));
+    }
     if (kind.run == bench_optimizers || kind.run == bench_drawn) {
       verb->add_option_function<std::vector<std::string>>(
           "--set",

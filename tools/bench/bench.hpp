@@ -31,6 +31,7 @@ struct BenchArguments {
   std::vector<std::string> with;     ///< optimizers: files of earlier runs, whose searches are not run again
   landing::AutoSettings settings;    ///< optimizers, drawn: of auto
   int drawn = 12;                    ///< drawn: scenes
+  int bumps = 0;                     ///< drawn: shape terms
   std::string only;                  ///< scenes: one side of one omission, for the instruction count
 };
 

@@ -39,12 +39,13 @@ struct DrawnSearch {
 };
 
 /// Drawn scenes where the robot falls onto the floor and the held reference can be followed.
-std::vector<StabilityCase> draw(int scenes, std::uint64_t seed) {
+std::vector<StabilityCase> draw(int scenes, std::uint64_t seed, int bumps) {
   const Scene paper = read_scene(dataset("scenes/paper.toml"));
   const SeaParameters<double> table2 = read_actuator(dataset("actuators/table2.toml")).sea;
   std::vector<StabilityCase> out;
   for (std::uint64_t i = 0; int(out.size()) < scenes; ++i) {
     StabilityCase c = random_landing(paper, table2, seed, i);
+    c.scene.freedom.bumps = bumps;
     const LandingPeak held = peak_acceleration(c.scene, c.sea, kHeld);
     if (c.scene.touches() && !no_landing(held.end)) out.push_back(std::move(c));
   }
@@ -63,7 +64,7 @@ int bench_drawn(const BenchArguments& a, const CommonOptions& common) {
   Run run("bench drawn", common);
   std::vector<double> times = a.times.empty() ? std::vector<double>{0.1, 1} : a.times;
   std::sort(times.begin(), times.end());
-  const std::vector<StabilityCase> scenes = draw(a.drawn, common.seed);
+  const std::vector<StabilityCase> scenes = draw(a.drawn, common.seed, a.bumps);
   std::vector<DrawnSearch> searches;
   for (std::size_t i = 0; i < scenes.size(); ++i)
     for (std::size_t g = 0; g < kGoalNames.size(); ++g) {

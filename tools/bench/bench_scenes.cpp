@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "common/actuator.hpp"
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/median.hpp"
 #include "common/stopwatch.hpp"
@@ -33,7 +34,6 @@ struct Omission {
 };
 
 constexpr int kLandings = 12;
-constexpr double kDegree = 1 / kDegrees;
 
 Motion motion(int i) { return {(-30 - i) * kDegree, (-80 + 2 * i) * kDegree, 0.15 + 0.01 * i}; }
 

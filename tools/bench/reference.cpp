@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <sstream>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 
 namespace ukemi::landing {
@@ -33,7 +33,6 @@ std::vector<double> numbers(const CsvTable& table, const char* name, std::size_t
 }  // namespace
 
 std::vector<ReferenceCase> read_reference(const std::string& folder) {
-  constexpr double kDegree = std::numbers::pi / 180;
   const auto read = [&](const char* name, const std::vector<std::string>& texts) {
     const auto is_number = [&](const std::string& column) {
       return std::find(texts.begin(), texts.end(), column) == texts.end();
@@ -71,7 +70,6 @@ std::vector<ReferenceCase> read_reference(const std::string& folder) {
 }
 
 std::vector<ReferenceCase> read_rich_reference(const std::string& folder) {
-  constexpr double kDegree = std::numbers::pi / 180;
   const CsvTable table = read_csv(
       folder + "/rich_cases.csv", [](const std::string&) { return true; }, NanCells::kAsEmpty);
   std::vector<ReferenceCase> out;

@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "common/degrees.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 #include "landing/judge/sensitivity.hpp"
@@ -19,8 +19,6 @@ const char* name(Verdict verdict) {
 }
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// A constant of the scene and the values it is set to.
 struct Factor {

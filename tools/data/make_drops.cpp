@@ -8,10 +8,10 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "common/actuator.hpp"
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/files.hpp"
 #include "common/random.hpp"
 #include "landing/model/scene_file.hpp"
@@ -22,7 +22,7 @@ namespace {
 using namespace ukemi;
 using namespace ukemi::landing;
 
-constexpr double kDegrees = 180 / std::numbers::pi, kRate = 1000, kDuration = 1;
+constexpr double kRate = 1000, kDuration = 1;
 constexpr double kNoiseAcc = 2, kNoisePlace = 5e-4, kNoiseAngle = 0.2;  // m/s^2, m, deg
 constexpr std::uint64_t kSeed = 20261122;
 constexpr Floor<double> kFloor{6000, 110, 40};  // the truth

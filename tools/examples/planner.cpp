@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "common/actuator.hpp"
+#include "common/degrees.hpp"
 #include "landing/model/release.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
@@ -22,8 +23,6 @@ namespace {
 
 using namespace ukemi;
 using namespace ukemi::landing;
-
-constexpr double kDegrees = 57.29577951308232;
 constexpr double kPeriod = 0.02;   // between two plans, and what each may take [s]
 constexpr double kRefuge = -0.87;  // held where nothing was found: a posture that lands softly by itself [rad]
 

@@ -20,11 +20,8 @@ Actuator actuator_of(const std::string& path, Run& run) {
 
 std::string left_out_of_landing(const SeaParameters<double>& sea) {
   std::string out;
-  for (const auto& [name, value] : {std::pair("output_friction", sea.output_friction),
-                                    {"output_viscous", sea.output_viscous},
-                                    {"friction_asymmetry", sea.friction_asymmetry},
-                                    {"breakaway", sea.breakaway}})
-    if (value != 0) out += (out.empty() ? "" : ", ") + std::string(name);
+  for (const OptionalConstant& c : optional_constants())
+    if (!c.in_landing && sea.*c.at != c.absent) out += (out.empty() ? "" : ", ") + std::string(c.key);
   return out;
 }
 

@@ -182,9 +182,8 @@ int Run::finish(Json summary, int exit_code) {
   if (options_.report == CommonOptions::Report::kSkip) files_.erase("report.html");
   add(kSummaryFile, "");
   for (const auto& [name, content] : files_) summary["files"].push_back(name);
-  summary_ = std::move(summary);
   // A file name may be no UTF-8: it is shown with replacement characters, never an error.
-  const std::string text = summary_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   add(kSummaryFile, text);
   folder_.replace(files_);
   info("wrote " + options_.folder + "/");

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/monitor.hpp"
 #include "common/result_folder.hpp"
 
@@ -31,8 +32,6 @@ struct CommonOptions {
   enum class Stdout { kText, kJson, kSilent } out = Stdout::kText;
   enum class Messages { kShow, kQuiet } messages = Messages::kShow;
 };
-
-inline constexpr double kDegrees = 57.29577951308232;  ///< in a radian
 
 /// The command line as a shell takes it, for provenance.
 void set_command_line(int argc, char** argv);
@@ -72,7 +71,6 @@ class Run {
   /// Adds provenance and the names of the files to the summary, exchanges the files, prints the JSON with --json.
   /// Returns the exit code: kInterrupted after Ctrl-C, and the summary says so.
   int finish(Json summary, int exit_code);
-  const Json& summary() const { return summary_; }
 
  private:
   void note(const ReadFile& file);
@@ -89,7 +87,6 @@ class Run {
   std::chrono::steady_clock::time_point start_;
   mutable std::mutex progress_mutex_;
   mutable double shown_ = 0;  ///< when progress was last shown [s]
-  Json summary_;
 };
 
 /// A file of the shipped datasets, from any working directory: $UKEMI_DATASETS, beside the program, the source tree, or

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/toml.hpp"
 #include "identify/estimate/estimates.hpp"
@@ -29,8 +30,6 @@ namespace py = pybind11;
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Bounds = std::map<std::string, double>;
 using Priors = std::map<std::string, std::pair<double, double>>;  ///< value, standard deviation
-
-inline constexpr double kDegrees = 57.29577951308232;  ///< in a radian
 
 /// A value that a file would be allowed to hold. Throws InputError "WHAT: value: rule".
 double checked(const std::string& what, double value, const Range& range);

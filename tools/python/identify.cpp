@@ -56,7 +56,7 @@ struct Identified {
   Identification found;
 };
 
-Figure figure(const Identified& i, std::size_t trial) {
+Figure trial_figure(const Identified& i, std::size_t trial) {
   if (trial >= i.question.trials.size())
     throw InputError(fmt::format("trial: {}: 0 to {} is needed", trial, i.question.trials.size() - 1));
   return {tools::lines_svg("t [s]", "phi_1 [rad]",
@@ -193,9 +193,10 @@ void bind_identify(py::module_& m) {
             return out;
           },
           "Each trial as predicted, a TrialFit.")
-      .def("figure", &figure, py::arg("trial") = 0, "Angles of a trial [rad] over time [s], measured and predicted.")
+      .def("figure", &trial_figure, py::arg("trial") = 0,
+           "Angles of a trial [rad] over time [s], measured and predicted.")
       .def(
-          "_repr_svg_", [](const Identified& i) { return figure(i, 0).svg; }, "What a notebook shows.")
+          "_repr_svg_", [](const Identified& i) { return trial_figure(i, 0).svg; }, "What a notebook shows.")
       .def("__repr__", [](const Identified& i) {
         return fmt::format("<ukemi.Identification of {} trials, rms {:.3g} rad{}>", i.question.trials.size(),
                            i.found.fit.rms, i.found.fit.trusted() ? ", trusted" : "");

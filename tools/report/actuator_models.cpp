@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <vector>
+#include <map>
 
 #include "common/csv.hpp"
 
@@ -17,69 +17,45 @@ std::string comment(std::string text) {
   return "<!--\n" + text + "-->\n";
 }
 
-/// A constant, and where in the model it stands; an empty place: nowhere.
-struct Place {
-  const char* name;
-  double value;
-  const char* unit;
-  std::string place;
-};
+/// Where in the model each constant of an actuator file stands; what is not named stands nowhere.
+using Places = std::map<std::string, std::string>;
 
-/// What each constant that the actuator has became.
-std::string sheet(const Actuator& a, const std::vector<Place>& places) {
+/// What became of each constant that the actuator has.
+std::string sheet(const Actuator& a, const Places& places) {
   std::string text;
-  for (const Place& p : places) {
-    if (p.value == 0 || !std::isfinite(p.value)) continue;
-    const auto error = a.standard_error(p.name);
-    text += fmt::format("  {} = {} {}{}: {}\n", p.name, shortest(p.value), p.unit,
+  const auto line = [&](const std::string& name, double value, const std::string& unit) {
+    const auto error = a.standard_error(name);
+    const auto place = places.find(name);
+    text += fmt::format("  {} = {} {}{}: {}\n", name, shortest(value), unit,
                         error ? fmt::format(", standard error {:.2g}", *error) : "",
-                        p.place.empty() ? "NOT IN THIS MODEL" : p.place);
-  }
+                        place == places.end() ? "NOT IN THIS MODEL" : place->second);
+  };
+  const auto five = constants(a.sea);
+  for (int i = by_command(a.sea) ? 2 : 0; i < kConstants; ++i) line(kConstantNames[i], five[i], kConstantUnits[i]);
+  for (const OptionalConstant& c : optional_constants())
+    if (a.sea.*c.at != c.absent) line(c.key, a.sea.*c.at, c.unit);
+  if (std::isfinite(a.sea.tau_max)) line("tau_max", a.sea.tau_max, "Nm, limit of the spring's torque");
   for (const auto& [name, verdict] : a.verdicts)
     if (verdict != "trusted" && verdict != "fixed") text += fmt::format("  Beware: {} is {}.\n", name, verdict);
   return text;
-}
-
-/// The constants with their places, in the order of the actuator's file.
-struct Places {
-  std::string k_p, k_d, k_t, k_sea, c_sea, i_motor, friction, viscous, output_friction, output_viscous, tau_max;
-};
-std::vector<Place> table(const Actuator& a, const Places& p) {
-  const SeaParameters<double>& s = a.sea;
-  return {{"k_p", s.k_p, "Nm/rad", p.k_p},
-          {"k_d", s.k_d, "Nm/(rad/s)", p.k_d},
-          {"k_t", s.k_t, "Nm for a unit of the command", p.k_t},
-          {"k_sea", s.k_sea, "Nm/rad", p.k_sea},
-          {"c_sea", s.c_sea, "Nm/(rad/s)", p.c_sea},
-          {"i_motor", s.i_motor, "kg m^2 at the gear's output", p.i_motor},
-          {"friction", s.friction, "Nm", p.friction},
-          {"friction_asymmetry", s.friction_asymmetry, "of friction", ""},
-          {"viscous_friction", s.viscous, "Nm/(rad/s)", p.viscous},
-          {"output_friction", s.output_friction, "Nm", p.output_friction},
-          {"output_friction_asymmetry", s.output_friction_asymmetry, "of output_friction", ""},
-          {"output_viscous", s.output_viscous, "Nm/(rad/s)", p.output_viscous},
-          {"breakaway", s.breakaway, "of both dry frictions", ""},
-          {"stribeck_speed", s.breakaway != 0 ? s.stribeck_speed : 0, "rad/s, by which breakaway falls", ""},
-          {"k_sea_cubic", s.k_sea_cubic, "Nm/rad^3", ""},
-          {"tau_max", s.tau_max, "Nm, limit of the spring's torque", p.tau_max}};
 }
 
 bool feeds_back_motor(const Actuator& a) { return a.sea.feedback == Feedback::kMotor; }
 
 std::string mjcf_words(const Actuator& a, const std::string& j) {
   const bool motor = feeds_back_motor(a), command = by_command(a.sea);
+  Places places = {{"k_p", motor ? "kp of the position actuator" : "your controller, see below"},
+                   {"k_d", motor ? "kv of the position actuator" : "your controller, see below"},
+                   {"k_sea", "stiffness of the tendon " + j + "_spring"},
+                   {"c_sea", "damping of the same tendon"},
+                   {"i_motor", "armature of " + j + "_motor, the rotor's at the gear's output"},
+                   {"friction", "frictionloss of " + j + "_motor"},
+                   {"viscous_friction", "damping of " + j + "_motor"},
+                   {"output_friction", "frictionloss of " + j},
+                   {"output_viscous", "damping of " + j}};
+  if (command) places["k_t"] = "gear of the motor actuator, of which ctrl is the command";
   const std::string text =
-      fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) +
-      sheet(a, table(a, {.k_p = motor ? "kp of the position actuator" : "your controller, see below",
-                         .k_d = motor ? "kv of the position actuator" : "your controller, see below",
-                         .k_t = command ? "gear of the motor actuator, of which ctrl is the command" : "",
-                         .k_sea = "stiffness of the tendon " + j + "_spring",
-                         .c_sea = "damping of the same tendon",
-                         .i_motor = "armature of " + j + "_motor",
-                         .friction = "frictionloss of " + j + "_motor",
-                         .viscous = "damping of " + j + "_motor",
-                         .output_friction = "frictionloss of " + j,
-                         .output_viscous = "damping of " + j})) +
+      fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) + sheet(a, places) +
       fmt::format(
           "{0} is phi_1, the angle of the link; {0}_motor is phi_m, the angle of the rotor at the gear's output.\n"
           "The tendon's length is phi_m - phi_1: K_SEA (phi_m - phi_1) + C_SEA (dphi_m - dphi_1) drives the link "
@@ -117,13 +93,13 @@ std::string controller_words(const Actuator& a) {
 bool rated(const Actuator& a) { return std::isfinite(a.sea.tau_max) && a.speed_max; }
 
 std::string urdf_words(const Actuator& a, const std::string& j) {
-  return fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) +
-         sheet(a, table(a, {.k_sea = "springStiffness of " + j + "_spring, which Gazebo alone reads",
-                            .c_sea = "damping of " + j + "_spring",
-                            .i_motor = "inertia of the link " + j + "_rotor",
-                            .friction = "friction of " + j + "_motor",
-                            .viscous = "damping of " + j + "_motor",
-                            .tau_max = rated(a) ? "effort of " + j + "_motor, a rating" : ""})) +
+  Places places = {{"k_sea", "springStiffness of " + j + "_spring, which Gazebo alone reads"},
+                   {"c_sea", "damping of " + j + "_spring"},
+                   {"i_motor", "inertia of the link " + j + "_rotor, the rotor's at the gear's output"},
+                   {"friction", "friction of " + j + "_motor"},
+                   {"viscous_friction", "damping of " + j + "_motor"}};
+  if (rated(a)) places["tau_max"] = "effort of " + j + "_motor, a rating";
+  return fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) + sheet(a, places) +
          fmt::format(
              "Two joints in a row: {0}_motor is phi_m, {0}_spring is phi_1 - phi_m, so that phi_1 is their sum.\n"
              "What URDF cannot hold: the spring (without Gazebo's line the joint is free); the controller, whose "

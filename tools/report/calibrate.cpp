@@ -80,7 +80,7 @@ std::optional<Uncertainty> uncertainty_of(const Calibration& c) {
 std::string scene_toml(const Run& run, const Calibration& c) {
   std::string comments = run.provenance_text();
   for (const auto& e : c.parameters)
-    comments += fmt::format("{}: {}: {}\n", e.name, words(e), identify::name(e.verdict));
+    comments += fmt::format("{}: {}: {}\n", e.name, value_words(e), identify::name(e.verdict));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
   Scene scene = c.scene;
   if (c.converged) scene.uncertainty = uncertainty_of(c);

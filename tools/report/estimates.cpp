@@ -8,7 +8,7 @@ namespace ukemi::tools {
 
 using identify::Estimate;
 
-std::string words(const Estimate& e) {
+std::string value_words(const Estimate& e) {
   const std::string note = !e.free ? " (fixed)" : e.at_bound ? " (at bound)" : " (not determined)";
   const bool error = e.std && e.free && !e.at_bound;
   std::string text = fmt::format("{:.6g}{} {}", e.value, error ? fmt::format(" ± {:.2g}", *e.std) : note, e.unit);
@@ -35,7 +35,7 @@ Quantities<Estimate> estimate_quantities() {
       {"", "unit", &Estimate::unit},
       {"", "at_bound", &Estimate::at_bound},
       {"", "free", &Estimate::free},
-      {"", "", "value ± standard error", {}, words},
+      {"", "", "value ± standard error", {}, value_words},
       {"", "", "95 % interval", {}, interval_words},
   };
 }

@@ -16,7 +16,7 @@ Quantities<identify::Estimate> estimate_quantities();
 /// And its verdict.
 Quantities<identify::Estimate> constant_quantities();
 /// Value, standard error and unit, or why there is no error; an angle in degrees too.
-std::string words(const identify::Estimate& estimate);
+std::string value_words(const identify::Estimate& estimate);
 /// "nuisance" of summary.json: a list for a term that each trial has.
 Json nuisance_json(const std::vector<identify::Estimate>& nuisance);
 /// Begins the report, the summary and the lines on the terminal.

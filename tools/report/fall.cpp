@@ -53,8 +53,7 @@ Json animation_of(const Fall& f, double length) {
   };
   Json out = {{"name", f.name}, {"length", length}, {"peaks", peaks_json(*f.landing)}};
   out.update(motion_of(*f.landing, frames, 1e-6));
-  for (const Landing& ghost : f.ghosts)
-    if (ghost.trajectory.size() > 1) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
+  for (const Landing& ghost : f.ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
   out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
     out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j].x(); }, 1e-2),
@@ -192,7 +191,9 @@ double link_energy(const Scene& scene, const Sample& s) {
 
 void show(const Falls& given, Report& report) {
   Falls f = given;
-  std::erase_if(f.falls, [](const Fall& fall) { return fall.landing->trajectory.size() < 2; });
+  const auto unseen = [](const Landing& l) { return l.trajectory.size() < 2; };
+  std::erase_if(f.falls, [&](const Fall& fall) { return unseen(*fall.landing); });
+  for (Fall& fall : f.falls) std::erase_if(fall.ghosts, unseen);
   if (f.falls.empty() || f.figures == Falls::Figures::kLeaveOut) return;
   const double length = f.scene.robot.link_length;
   report.heading("The fall");

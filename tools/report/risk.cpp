@@ -22,7 +22,6 @@ std::string spaced(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
 }
-std::string held_words() { return fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees); }
 
 /// Something that happens in some of the drops.
 struct Share {

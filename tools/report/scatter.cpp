@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "common/degrees.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "tools/report/landing.hpp"
 
@@ -43,6 +43,8 @@ std::string goal_words(const AnswerOptions& options) {
   const std::string plain = options.search.goal == Goal::kPeak ? "peak" : "tolerant peak";
   return options.robust.measure ? fmt::format("{} under scatter ({})", plain, options.robust.measure->name()) : plain;
 }
+
+std::string held_words() { return fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees); }
 
 std::string distribution_words(const Distribution& d) {
   return fmt::format("mean {}, worst tenth {}, 99 % below {}", short_peak_words(d.mean.value),
@@ -103,10 +105,12 @@ void show_scatter(const Answer& a, Report& report) {
   report.table(Table(named_quantities(),
                      {{robust, u.planned},
                       {nominal, *u.nominal},
-                      {"held at -45 deg", u.held},
+                      {held_words(), u.held},
                       {fmt::format("best posture to hold, {:.1f} deg", u.posture_phi * kDegrees), u.posture}}));
   Figure figure = histogram_figure(u.histogram, robust, u.planned, nominal, u.nominal->samples);
-  figure.caption += ".";
+  figure.caption += u.broken == 0 ? "."
+                                  : fmt::format(". In {} drops the motion breaks a limit: they stand at {:g} m/s².",
+                                                u.broken, a.options.robust.penalty);
   report.figure(figure);
 }
 
@@ -138,7 +142,7 @@ Json scatter_json(const Answer& a) {
       scatter["nominal"] = json_of(*u->nominal);
       scatter["nominal"]["motion"] = motion_json(a.nominal->motion);
     }
-    scatter["best_posture"]["phi_deg"] = u->posture_phi * 180 / std::numbers::pi;
+    scatter["best_posture"]["phi_deg"] = u->posture_phi * kDegrees;
   }
   return out;
 }
@@ -147,10 +151,10 @@ void tell_scatter(const Answer& a, Run& run) {
   if (a.options.robust.measure && !a.scattered) run.say("nothing scatters: this is the plan for the scene's own drop");
   if (!a.under_scatter) return;
   const UnderScatter& u = *a.under_scatter;
-  const double posture = u.posture_phi * 180 / std::numbers::pi;
-  run.say(fmt::format("under scatter ({}; {} {} drops): {}; held at -45 deg: {}; best posture to hold, {:.1f} deg: {}",
+  const double posture = u.posture_phi * kDegrees;
+  run.say(fmt::format("under scatter ({}; {} {} drops): {}; {}: {}; best posture to hold, {:.1f} deg: {}",
                       scatter_words(a.scatter, a.scatter_assumed), u.planned.samples, a.scatter ? "fresh" : "measured",
-                      distribution_words(u.planned), distribution_words(u.held), posture,
+                      distribution_words(u.planned), held_words(), distribution_words(u.held), posture,
                       distribution_words(u.posture)));
   if (a.scattered)
     run.say(fmt::format("promised {}{}, fresh {} ({:+.1f} %)", short_peak_words(a.best.value),
@@ -163,11 +167,11 @@ void tell_scatter(const Answer& a, Run& run) {
                          u.planned.samples, a.options.robust.penalty));
   const double worst = u.planned.cvar90.value;
   if (!(worst <= u.held.cvar90.value) || !(worst <= u.posture.cvar90.value))
-    run.warn(fmt::format(
-        "in the worst tenth of scattered drops the motion's peak is {} m/s^2; held at -45 deg it is {}, held at {:.1f} "
-        "deg {}: doing nothing is safer; --robust cvar plans for that",
-        short_peak_words(worst), short_peak_words(u.held.cvar90.value), posture,
-        short_peak_words(u.posture.cvar90.value)));
+    run.warn(
+        fmt::format("in the worst tenth of scattered drops the motion's peak is {} m/s^2; {} it is {}, held at {:.1f} "
+                    "deg {}: doing nothing is safer; --robust cvar plans for that",
+                    short_peak_words(worst), held_words(), short_peak_words(u.held.cvar90.value), posture,
+                    short_peak_words(u.posture.cvar90.value)));
 }
 
 }  // namespace ukemi::tools

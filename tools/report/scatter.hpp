@@ -21,6 +21,8 @@ Quantities<NamedDistribution> named_quantities();
 
 /// What is minimised: "peak", "tolerant peak", "mean peak under scatter".
 std::string goal_words(const landing::AnswerOptions& options);
+/// The reference that does nothing: "held at -45 deg".
+std::string held_words();
 /// "mean 135.0, worst tenth 175.3, 99 % below 204.7".
 std::string distribution_words(const landing::Distribution& d);
 /// The scatter as its option has it, and whether it is assumed.

@@ -58,9 +58,8 @@ void header(CsvWriter& csv, std::string Column::*name) {
 std::string trajectory_csv(const std::vector<Sample>& trajectory, const Run& run) {
   CsvWriter csv = run.csv();
   csv.comment(
-      "t = 0 at release. Two rows with one t: left and right limit of an event. Units: s, m, rad, N, Nm; acc = "
-      "|ddr_0|, "
-      "m/s^2.");
+      "t = 0 at release. Two rows with one t: left and right limit of an event. Units: s, m, rad, N, Nm; "
+      "acc = |ddr_0|, m/s^2.");
   header(csv, &Column::name);
   for (const Sample& s : trajectory) {
     for (const Column& c : columns()) csv.cell(c.value(s));

@@ -11,7 +11,7 @@
 #include "common/random.hpp"
 #include "identify/estimate/multi_start.hpp"
 #include "landing/model/release.hpp"
-#include "tools/study/drop_model.hpp"
+#include "tools/study/drop_residuals.hpp"
 
 namespace ukemi::tools {
 
@@ -32,7 +32,7 @@ constexpr double kPartStd = 0.3;
 struct Problem {
   const DropLayout layout;
   const CalibrationOptions& options;
-  std::vector<DropModel> models;
+  std::vector<DropResiduals> models;
 
   Problem(const Scene& scene, const SeaParameters<double>& sea, const std::vector<LoggedDrop>& drops, DropLayout l,
           const CalibrationOptions& o)

@@ -14,9 +14,9 @@ using DropLayout = identify::Layout<DropTerm>;
 using identify::Prior;
 
 /// What it is made from must outlive it.
-class DropModel {
+class DropResiduals {
  public:
-  DropModel(const landing::Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
+  DropResiduals(const landing::Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
             const DropLayout& layout, const CalibrationOptions& options);
 
   const LoggedDrop& drop() const { return drop_; }

@@ -1,4 +1,4 @@
-#include "tools/study/drop_model.hpp"
+#include "tools/study/drop_residuals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-DropModel::DropModel(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
+DropResiduals::DropResiduals(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
                      const DropLayout& layout, const CalibrationOptions& options)
     : scene_(scene),
       sea_(sea),
@@ -45,7 +45,7 @@ DropModel::DropModel(const Scene& scene, const SeaParameters<double>& sea, const
   }
 }
 
-ResidualBlock DropModel::block(const PerOutput& sigma, double seconds, const std::vector<Prior>& priors) const {
+ResidualBlock DropResiduals::block(const PerOutput& sigma, double seconds, const std::vector<Prior>& priors) const {
   const std::vector<double>& t = drop_.log.t;
   const auto end = std::size_t(std::upper_bound(t.begin(), t.end(), seconds) - t.begin());
   struct Row {
@@ -95,7 +95,7 @@ ResidualBlock DropModel::block(const PerOutput& sigma, double seconds, const std
       }};
 }
 
-DropResult DropModel::replay(const double* shared, const double* own) const {
+DropResult DropResiduals::replay(const double* shared, const double* own) const {
   DropResult out{.file = drop_.log.file};
   Rolled rolled;
   out.simulated = roll(shared, own, drop_.log.t.size(), options_, rolled);
@@ -135,7 +135,7 @@ DropResult DropModel::replay(const double* shared, const double* own) const {
   return out;
 }
 
-const DropModel::Rolled* DropModel::recall(Memory& m, const double* shared, const double* own, std::size_t end) const {
+const DropResiduals::Rolled* DropResiduals::recall(Memory& m, const double* shared, const double* own, std::size_t end) const {
   std::vector<double> point(shared, shared + layout_.shared.size());
   point.insert(point.end(), own, own + layout_.own.size());
   if (monitor_.stopped()) return nullptr;
@@ -148,7 +148,7 @@ const DropModel::Rolled* DropModel::recall(Memory& m, const double* shared, cons
   return m.complete ? &m.rolled : nullptr;
 }
 
-bool DropModel::roll(const double* shared, const double* own, std::size_t end, const SimulateOptions& options,
+bool DropResiduals::roll(const double* shared, const double* own, std::size_t end, const SimulateOptions& options,
                      Rolled& out) const {
   Scene& scene = out.scene = scene_;
   scene.drop = drop_.thrown;
@@ -165,7 +165,7 @@ bool DropModel::roll(const double* shared, const double* own, std::size_t end, c
   return out.rollout.complete;
 }
 
-bool DropModel::left_out(const Rolled& rolled, DropOutput o, std::size_t i) const {
+bool DropResiduals::left_out(const Rolled& rolled, DropOutput o, std::size_t i) const {
   if (!landing::jumps(o)) return false;
   const std::vector<double>& jumps = rolled.rollout.jumps;
   const double width = interval_[std::size_t(o)], t = drop_.log.t[i] + rolled.shift;
