@@ -317,7 +317,7 @@ std::optional<std::string> TomlSection::optional_choice(const std::string& key,
     if (c == *v) return v;
     all += (all.empty() ? "\"" : ", \"") + c + "\"";
   }
-  fail(key, quoted(*v) + ": one of " + all + " is needed");
+  fail(key, ukemi::quoted(*v) + ": one of " + all + " is needed");
 }
 
 std::string toml_text(const std::string& s) {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "common/random.hpp"
-#include "common/symmetric.hpp"
+#include "common/decompositions.hpp"
 #include "identify/design/design.hpp"
 
 namespace ukemi::identify {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "common/error.hpp"
-#include "common/symmetric.hpp"
+#include "common/decompositions.hpp"
 #include "identify/estimate/least_squares.hpp"
 #include "identify/estimate/statistics.hpp"
 

@@ -1,11 +1,10 @@
 #include "identify/estimate/covariance.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "common/symmetric.hpp"
+#include "common/decompositions.hpp"
 
 namespace ukemi::identify {
 
@@ -19,7 +18,7 @@ void add_covariances(const LeastSquaresProblem& problem, const std::vector<const
     information += square->topLeftCorner(G, G);
     if (L == 0) continue;
     cross.push_back(square->block(0, G, G, L));
-    inverse.push_back(square->block(G, G, L, L).completeOrthogonalDecomposition().pseudoInverse());
+    inverse.push_back(LeastNorm(square->block(G, G, L, L)).pseudo_inverse());
     information -= cross.back() * inverse.back() * cross.back().transpose();
   }
   for (const PriorResidual& p : problem.priors) {

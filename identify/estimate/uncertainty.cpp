@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "common/symmetric.hpp"
+#include "common/decompositions.hpp"
 
 namespace ukemi::identify {
 
@@ -63,7 +62,7 @@ std::optional<Weakest> weakest_of(const LeastSquaresSolution& s, const LeastSqua
   Eigen::MatrixXd m = s.information(constants, constants);
   if (!others.empty()) {
     const Eigen::MatrixXd cross = s.information(constants, others), own = s.information(others, others);
-    m -= cross * own.completeOrthogonalDecomposition().solve(cross.transpose());
+    m -= cross * LeastNorm(own).solve(cross.transpose());
   }
   m = size.asDiagonal() * m * size.asDiagonal();
   if (!m.allFinite()) return {};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/symmetric.hpp"
+#include "common/decompositions.hpp"
 #include "identify/logs/hits.hpp"
 
 namespace ukemi::identify {

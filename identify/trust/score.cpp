@@ -1,9 +1,9 @@
 #include "identify/trust/score.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "common/decompositions.hpp"
 #include "identify/estimate/statistics.hpp"
 #include "identify/fit/trial_problem.hpp"
 
@@ -22,15 +22,14 @@ bool absent(const RigTerm& t, const Fit& fit, const FitOptions& options) {
 
 /// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.
 struct Solver {
-  explicit Solver(const MatrixXd& a) : unit(a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()) {
-    decomposition.setThreshold(1e-12);
-    decomposition.compute(unit.asDiagonal() * a * unit.asDiagonal());
-  }
+  explicit Solver(const MatrixXd& a)
+      : unit(a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
+        decomposition(unit.asDiagonal() * a * unit.asDiagonal(), 1e-12) {}
   MatrixXd operator()(const MatrixXd& b) const {
     return unit.asDiagonal() * decomposition.solve(unit.asDiagonal() * b);
   }
   VectorXd unit;
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  LeastNorm decomposition;
 };
 
 /// Of trial m, a row a residual: what each free parameter, each absent shared term and each absent term of the trial
@@ -54,7 +53,7 @@ std::optional<MatrixXd> columns_of(const LeastSquaresProblem& problem, int m, co
   out.rightCols(1) = r;
   if (fitted_locals > 0) {
     const MatrixXd own = jacobian.middleCols(G, fitted_locals);
-    out -= own * own.completeOrthogonalDecomposition().solve(out);
+    out -= own * LeastNorm(own).solve(out);
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "common/csv.hpp"
+#include "common/decompositions.hpp"
 
 namespace ukemi::landing {
 
@@ -197,7 +198,7 @@ double RowReader::length_of_move(std::size_t last) const {
     powers.row(long(i) - 1) << x3, x3 * x, x3 * x * x;
     moved[long(i) - 1] = rows.phi[i] - rows.phi[0];
   }
-  const Eigen::Vector3d c = powers.colPivHouseholderQr().solve(moved);
+  const Eigen::Vector3d c = LeastNorm(powers).solve(moved);
   return -1.5 * c[0] / c[1] * span;
 }
 

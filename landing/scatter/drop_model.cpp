@@ -9,7 +9,7 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
-#include "common/symmetric.hpp"
+#include "common/decompositions.hpp"
 #include "landing/scatter/sobol.hpp"
 
 namespace ukemi::landing {
