@@ -36,14 +36,23 @@ struct Trust {
 /// InputError where a profile names no constant.
 [[nodiscard]] Trust examine(const Experiment& experiment, Fit& fit, const TrustOptions& options = {});
 
+/// An optional term that was to be fitted and is held at its absence, for in these trials others do all that it does.
+struct HeldTerm {
+  std::string term;
+  std::vector<std::string> others;  ///< that cannot be told from it
+};
+
 struct Identification {
   Fit fit;                     ///< errors and verdicts after the examination
+  std::vector<HeldTerm> held;  ///< told in Fit::warnings
   double force_smooth = 0;     ///< of the trials as they were fitted
   std::optional<Trust> trust;  ///< none where no start could be followed: Fit::fitted is empty
 };
 
-/// `fit`, then `examine`. Where the residuals of a fit with a linear force ask for more than half of the smooth curve,
-/// and a fit with it leaves less, that is the result (TrustOptions::force); Fit::minima are those of the first fit.
+/// `fit`, then `examine`. An optional term of the actuator that the trials cannot tell from others at all is held at 0,
+/// one after the other, and the fit goes on without it. Where the residuals of a fit with a linear force ask for more
+/// than half of the smooth curve, and a fit with it leaves less, that is the result (TrustOptions::force); Fit::minima
+/// are those of the first fit.
 [[nodiscard]] Identification identify(const Experiment& experiment, const std::optional<SeaParameters<double>>& start,
                                       const SeaParameters<double>& base, const TrustOptions& options = {});
 

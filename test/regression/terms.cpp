@@ -133,3 +133,33 @@ TEST_CASE("terms that are none, or are asked for twice, are refused by name") {
   refused([](auto& t) { t.priors = {{"friction", 0, 1}}; }, "prior of friction: it is not fitted");
   refused([](auto& t) { t.priors = {{"k_p", 50, 0}}; }, "above 0 is needed");
 }
+
+TEST_CASE("terms that no log of these can tell apart: the optional one is held at 0 and named, the fit goes on") {
+  // With feedback of the motor and a reference at rest, viscous friction on the motor is k_d by another name.
+  SeaParameters<double> sea = truth();
+  sea.feedback = Feedback::kMotor, sea.viscous = 0.25;
+  const std::vector<Trial> logs = noisy(simulated(shipped(), sea), 5);
+  SeaParameters<double> base = limited();
+  base.feedback = Feedback::kMotor;
+  FitOptions o;
+  o.restarts = 0;
+  o.terms.nuisance = {"viscous_friction", "output_friction"};
+  const Identification found = identify::identify({rig(), logs, o}, truth(), base);
+  REQUIRE(found.fit.converged);
+  REQUIRE(found.held.size() == 1);
+  CHECK(found.held[0].term == "viscous_friction");
+  CHECK(found.held[0].others == std::vector<std::string>{"k_d"});
+  CHECK_THAT(found.fit.warnings.front(),
+             Catch::Matchers::Contains("cannot tell viscous_friction from k_d: viscous_friction is held at 0"));
+  CHECK(found.fit.sea.viscous == 0);
+  CHECK(find(found.fit.nuisance, "viscous_friction") == nullptr);
+  CHECK(find(found.fit.nuisance, "output_friction") != nullptr);
+  const Estimate* k_d = find(found.fit.parameters, "k_d");
+  REQUIRE((k_d && k_d->std));
+  CHECK(std::abs(k_d->value - 1.25) < 4 * *k_d->std);
+  CHECK(found.fit.rms == Approx(kNoise).epsilon(0.03));
+  // With feedback of the output they are two.
+  const Identification apart =
+      identify::identify({rig(), noisy(simulated(shipped(), truth()), 5), o}, truth(), limited());
+  CHECK(apart.held.empty());
+}
