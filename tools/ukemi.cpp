@@ -21,14 +21,14 @@ int guarded(int argc, char** argv) {
     set_command_line(argc, argv);
     return action_of(argc, argv)();
   } catch (const InputError& e) {
-    tell(std::string("ukemi: ") + e.what());
+    tell(std::string("ukemi: ") + e.what(), Tone::kError);
     return kBadInput;
   } catch (const std::bad_alloc&) {
     tell_raw(kNoMemory);
   } catch (const std::length_error&) {  // more than a container can ever hold
     tell_raw(kNoMemory);
   } catch (const std::exception& e) {
-    tell(std::string("ukemi: ") + e.what());
+    tell(std::string("ukemi: ") + e.what(), Tone::kError);
   }
   return kNumbers;
 }
@@ -49,7 +49,7 @@ int guarded(int argc, char** argv) {
 int final_code(int code) {
   const auto failure = stdout_failure();
   if (!failure) return code;
-  tell("ukemi: stdout cannot be written: " + *failure);
+  tell("ukemi: stdout cannot be written: " + *failure, Tone::kError);
   return code == kDone ? kNumbers : code;
 }
 

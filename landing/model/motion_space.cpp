@@ -122,10 +122,11 @@ std::vector<ReferenceSpace::Number> ReferenceSpace::variables_of(const Scene& sc
                              {2, {"duration", "duration", "s", range.duration[0], range.duration[1]}}};
   const Freedom& free = scene.freedom;
   for (int k = 0; k < free.bumps; ++k)
-    out.push_back({kBumpSlot + k, {fmt::format("b{}", k), fmt::format("b_{}", k), "rad", free.bump[0], free.bump[1]}});
+    out.push_back(
+        {kBumpSlot + k, {fmt::format("b{}", k), fmt::format("b_{}", k), "rad", free.bump[0], free.bump[1], 0.0}});
   if (const auto& gains = free.gains) {
-    out.push_back({kGainSlot, {"gain_p", "factor of K_p", "1", (*gains)[0], (*gains)[1]}});
-    out.push_back({kGainSlot + 1, {"gain_d", "factor of K_d", "1", (*gains)[0], (*gains)[1]}});
+    out.push_back({kGainSlot, {"gain_p", "factor of K_p", "1", (*gains)[0], (*gains)[1], 1.0}});
+    out.push_back({kGainSlot + 1, {"gain_d", "factor of K_d", "1", (*gains)[0], (*gains)[1], 1.0}});
   }
   if (scene.release) {
     const auto to = ends_of_move(scene);

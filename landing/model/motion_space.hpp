@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct Variable {
   std::string words;    ///< for a reader: "phi_I"
   std::string unit;     ///< of its values, SI: "rad", "s", "1"
   double lower, upper;  ///< the range that is searched
+  /// Where it does nothing, if such a value is within its range: a search also looks at motions without it.
+  std::optional<double> neutral = {};
 };
 
 /// As many as a motion of Eq. 6 of [1] has: phi_I, phi_F, duration.

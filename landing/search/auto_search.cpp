@@ -79,7 +79,7 @@ void AutoSearch::scout() {
     for (Candidate& p : batch_) {
       const bool full = int(leads_.size()) == set_.leads;
       if (n < set_.first || leads_.empty() || random_.uniform() < anywhere) {
-        p = random_point(random_, search_->dimension());
+        p = point_of(random_, search_->objective().space(), set_.wide_plain);
         p.bound = full ? leads_.back().value : kNoMotion;
       } else {  // the better a lead, the more follow it
         const Candidate& l = leads_[low_index(random_, leads_.size())];

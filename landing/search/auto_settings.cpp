@@ -54,6 +54,8 @@ const std::vector<AutoSetting>& auto_settings() {
        "a motion is left where it is worse by this than the last generation's middle"},
       {"wide_behind", &S::wide_behind, 1, 100, "a run is given up where it is worse than the best by this, at first"},
       {"wide_patience", &S::wide_patience, 0.5, 1, "what of that is left after each generation"},
+      {"wide_plain", &S::wide_plain, 0, 1,
+       "share of the motions from anywhere that do without shape terms and with the drive's own gains"},
       {"wide_poor", &S::wide_poor, 1e-12, 1, "side at which a run has converged that is not the best"},
       {"robust_few", &S::robust_few, 1, 1024, "under scatter: drops that first runs are made over, for the mean"},
       {"robust_tail", &S::robust_tail, 1, 64, "times as many for another measure"},

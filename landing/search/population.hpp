@@ -21,6 +21,18 @@ inline Candidate random_point(Random& r, int dimension) {
   for (double& u : p.u) u = r.uniform();
   return p;
 }
+/// Anywhere in the space's cube; with the probability `plain` without the variables that can do nothing, where there
+/// are such: within ratings the motions that keep them are often the plain ones.
+inline Candidate point_of(Random& r, const MotionSpace& space, double plain) {
+  Candidate p = random_point(r, space.dimension());
+  const auto inside = [](const Variable& v) { return v.neutral && *v.neutral >= v.lower && *v.neutral <= v.upper; };
+  const std::vector<Variable>& variables = space.variables();
+  if (std::none_of(variables.begin(), variables.end(), inside) || r.uniform() >= plain) return p;
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    if (const Variable& v = variables[k]; inside(v) && v.upper > v.lower)
+      p.u[long(k)] = (*v.neutral - v.lower) / (v.upper - v.lower);
+  return p;
+}
 /// An index below n.
 inline int random_index(Random& r, int n) { return std::min(n - 1, int(r.uniform() * n)); }
 /// An index below n (0 where n is 0), the lower the likelier.

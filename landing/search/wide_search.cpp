@@ -48,7 +48,7 @@ void WideSearch::scout(int motions) {
   for (int n = 0; n < motions && !search_->over(); n += kBatch) {
     generation_.assign(std::size_t(std::min(kBatch, motions - n)), search_->nothing());
     for (Candidate& p : generation_) {
-      p = random_point(random_, search_->dimension());
+      p = point_of(random_, search_->objective().space(), set_.wide_plain);
       p.bound = starts_.size() < kStarts ? kNoMotion : starts_.back().value;
     }
     search_->evaluate(generation_, Goal::kPeak);

@@ -259,3 +259,28 @@ TEST_CASE("a kill at any moment leaves the folder of one run") {
   }
   WARN(alive << " of " << runs << " runs were killed before their end");
 }
+
+TEST_CASE("messages have colours on a terminal only, and none with NO_COLOR") {
+  if (std::system("command -v script >/dev/null 2>&1") != 0) {
+    WARN("no script(1) here: skipped");
+    return;
+  }
+  const Folder f;
+  const auto told = [&](const std::string& environment, const std::string& arguments, bool terminal) {
+    const std::string command = environment + " " UKEMI_PROGRAM " " + arguments;
+    const std::string log = f.at("log");
+    const std::string whole = terminal ? "script -qec '" + command + "' /dev/null </dev/null >" + log + " 2>&1"
+                                       : command + " >" + log + " 2>&1";
+    (void)std::system(whole.c_str());
+    return read(log);
+  };
+  const std::string refused = "simulate nowhere.toml";
+  CHECK_THAT(told("TERM=xterm", refused, true), Contains("\033[1;31mukemi"));
+  CHECK_THAT(told("TERM=xterm NO_COLOR=", refused, true), Contains("\033[1;31m"));  // empty: as if not set
+  for (const auto& [environment, terminal] :
+       {std::pair("TERM=xterm NO_COLOR=1", true), {"TERM=dumb", true}, {"TERM=xterm", false}}) {
+    const std::string text = told(environment, refused, terminal);
+    CHECK_THAT(text, Contains("ukemi"));
+    CHECK(text.find('\033') == std::string::npos);
+  }
+}

@@ -369,3 +369,15 @@ TEST_CASE("search: a setting of auto has a name, a range and a meaning") {
   CHECK(settings.lead_apart == 0.3);
   CHECK_THROWS_WITH(settings.set("led_apart", 0.3), Catch::Contains("lead_apart"));
 }
+
+TEST_CASE("search: more freedom is worth no less within ratings, where few motions keep them") {
+  Scene scene = read_scene(UKEMI_DATASETS "/scenes/high.toml");
+  const Actuator actuator = read_actuator(UKEMI_DATASETS "/actuators/table2.toml");
+  OptimizeOptions o{.evaluations = 12'000, .seed = 11, .tolerance_samples = 0};
+  o.limits.motor_speed = o.reference_rate = *actuator.speed_max, o.limits.motor_torque = actuator.sea.tau_max;
+  const Optimum quintic = optimize(scene, actuator.sea, o);
+  scene.freedom.bumps = 4;
+  const Optimum four = optimize(scene, actuator.sea, o);
+  REQUIRE((quintic.found && four.found));
+  CHECK(four.value < 1.05 * quintic.value);
+}

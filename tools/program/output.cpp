@@ -115,7 +115,7 @@ void Run::add(const std::string& name, std::string content) {
 }
 void Run::warn(const std::string& message) {
   warnings_.push_back(shown(message));
-  tell("ukemi " + verb_ + ": warning: " + message);
+  tell("ukemi " + verb_ + ": warning: " + message, Tone::kWarning);
 }
 void Run::info(const std::string& message) const {
   if (options_.messages == CommonOptions::Messages::kShow) tell(message);

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "common/text.hpp"
@@ -20,6 +21,11 @@ int stdout_error = 0;  ///< errno of the first failure
 
 void note_failure(bool failed) {
   if (failed && stdout_error == 0) stdout_error = errno;
+}
+
+bool knows_colours() {
+  const char *no_colour = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
+  return ::isatty(STDERR_FILENO) && !(no_colour && *no_colour) && terminal && std::strcmp(terminal, "dumb") != 0;
 }
 
 }  // namespace
@@ -55,6 +61,12 @@ bool open_for_reader(const std::string& file) {
 }
 
 void tell_raw(const char* text) { std::fputs(text, stderr); }
-void tell(const std::string& line) { tell_raw((shown(line) + "\n").c_str()); }
+
+void tell(const std::string& line, Tone tone) {
+  static const bool coloured = knows_colours();
+  const std::string text = shown(line);
+  if (tone == Tone::kPlain || !coloured) return tell_raw((text + "\n").c_str());
+  tell_raw(((tone == Tone::kError ? "\033[1;31m" : "\033[33m") + text + "\033[0m\n").c_str());
+}
 
 }  // namespace ukemi::tools
