@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/random.hpp"
 #include "common/decompositions.hpp"
+#include "common/random.hpp"
 #include "identify/design/design.hpp"
 
 namespace ukemi::identify {

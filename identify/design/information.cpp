@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "common/error.hpp"
 #include "common/decompositions.hpp"
+#include "common/error.hpp"
 #include "identify/estimate/least_squares.hpp"
 #include "identify/estimate/statistics.hpp"
 

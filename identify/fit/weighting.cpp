@@ -31,7 +31,8 @@ Weighting weigh_force_noise(const Rig& rig, const SeaParameters<double>& sea, co
   const Eigen::VectorXd at = predicted(rig, sea, nuisance, trial, options);
   if (at.size() == 0) return out;
   std::vector<LoggedHit> all = hits(trial, trial.force_noise, trial.force_rest);
-  std::sort(all.begin(), all.end(), [](const LoggedHit& a, const LoggedHit& b) { return a.last - a.first > b.last - b.first; });
+  std::sort(all.begin(), all.end(),
+            [](const LoggedHit& a, const LoggedHit& b) { return a.last - a.first > b.last - b.first; });
   if (all.size() > kMostHits) all.resize(kMostHits);  // the longest carry the noise
   std::vector<Eigen::VectorXd> moved;
   for (const LoggedHit& h : all) {

@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "common/csv.hpp"
+#include "common/decompositions.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
-#include "common/decompositions.hpp"
 #include "landing/scatter/sobol.hpp"
 
 namespace ukemi::landing {

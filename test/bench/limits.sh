@@ -26,7 +26,7 @@ plan() {  # SCENE OPTIONS...: the median of the seeds
 echo "| scene | held | least jump | first contact held | quintic | two terms | four | rated: quintic | two terms | four |"
 echo "|---|---|---|---|---|---|---|---|---|---|"
 for scene in paper paper_soft paper_rough_a paper_rough_b low high fast tilted straight hard; do
-  search $scene --evaluations 200  # without a deadline the limits are told
+  search $scene --evaluations 200  # the limits are told where there is no deadline
   row="| $scene | $(value hold/peak_acceleration) | $(value limit/jump) | $(value limit/first_contact)"
   for ratings in "" --respect-ratings; do
     row+=" | $(plan $scene --deadline 1 $ratings) | $(plan $scene --bumps 2 --deadline 3 $ratings) | $(plan $scene --bumps 4 --deadline 6 $ratings)"

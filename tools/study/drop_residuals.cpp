@@ -21,7 +21,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
 DropResiduals::DropResiduals(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
-                     const DropLayout& layout, const CalibrationOptions& options)
+                             const DropLayout& layout, const CalibrationOptions& options)
     : scene_(scene),
       sea_(sea),
       drop_(drop),
@@ -135,7 +135,8 @@ DropResult DropResiduals::replay(const double* shared, const double* own) const 
   return out;
 }
 
-const DropResiduals::Rolled* DropResiduals::recall(Memory& m, const double* shared, const double* own, std::size_t end) const {
+const DropResiduals::Rolled* DropResiduals::recall(Memory& m, const double* shared, const double* own,
+                                                   std::size_t end) const {
   std::vector<double> point(shared, shared + layout_.shared.size());
   point.insert(point.end(), own, own + layout_.own.size());
   if (monitor_.stopped()) return nullptr;
@@ -149,7 +150,7 @@ const DropResiduals::Rolled* DropResiduals::recall(Memory& m, const double* shar
 }
 
 bool DropResiduals::roll(const double* shared, const double* own, std::size_t end, const SimulateOptions& options,
-                     Rolled& out) const {
+                         Rolled& out) const {
   Scene& scene = out.scene = scene_;
   scene.drop = drop_.thrown;
   scene.drop.pitch = scene_.drop.pitch;

@@ -17,7 +17,7 @@ using identify::Prior;
 class DropResiduals {
  public:
   DropResiduals(const landing::Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
-            const DropLayout& layout, const CalibrationOptions& options);
+                const DropLayout& layout, const CalibrationOptions& options);
 
   const LoggedDrop& drop() const { return drop_; }
 
