@@ -23,15 +23,15 @@ const std::vector<OptionalConstant>& optional_constants() {
   const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"};
   static const std::vector<OptionalConstant> list = {
       {"k_t", &Sea::k_t, "Nm for a unit of the command", level},
-      {"friction", &Sea::friction, "Nm", level, true},
+      {"friction", &Sea::friction, "Nm", level},
       {"friction_asymmetry", &Sea::friction_asymmetry, "of friction", part},
-      {"viscous_friction", &Sea::viscous, "Nm/(rad/s)", level, true},
+      {"viscous_friction", &Sea::viscous, "Nm/(rad/s)", level},
       {"output_friction", &Sea::output_friction, "Nm", level},
       {"output_friction_asymmetry", &Sea::output_friction_asymmetry, "of output_friction", part},
       {"output_viscous", &Sea::output_viscous, "Nm/(rad/s)", level},
       {"breakaway", &Sea::breakaway, "of both dry frictions", level},
-      {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), false, Sea{}.stribeck_speed},
-      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level, true},
+      {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), Sea{}.stribeck_speed},
+      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level},
   };
   return list;
 }

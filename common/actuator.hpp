@@ -34,8 +34,7 @@ struct OptionalConstant {
   double SeaParameters<double>::*at;
   const char* unit;
   Range range;
-  bool in_landing = false;  ///< whether the landing's dynamics know it
-  double absent = 0;        ///< its value in a file without it
+  double absent = 0;  ///< its value in a file without it
 };
 const std::vector<OptionalConstant>& optional_constants();
 

@@ -159,6 +159,12 @@ UKEMI_INLINE Pack<W> sqrt(const Pack<W>& x) {
   for (int i = 0; i < W; ++i) out.v[i] = __builtin_sqrt(x.v[i]);
   return out;
 }
+template <int W>
+Pack<W> exp(const Pack<W>& x) {
+  Pack<W> out;
+  for (int i = 0; i < W; ++i) out.v[i] = __builtin_exp(x.v[i]);
+  return out;
+}
 /// True where x is neither infinite nor NaN.
 template <int W>
 UKEMI_INLINE Mask<W> finite(const Pack<W>& x) {

@@ -17,7 +17,7 @@ namespace ukemi {
 /// do.
 enum class Feedback { kOutput, kMotor };
 
-/// Below this motor speed dry friction is smoothed in a landing, v_s in `friction_torque` [rad/s]. Ours. On the rig it
+/// Below this speed dry friction is smoothed in a landing, v_f in `smoothed_friction` [rad/s]. Ours. On the rig it
 /// sticks: identify/rig/one_link.hpp.
 inline constexpr double kFrictionSpeed = 0.005;
 
@@ -69,7 +69,8 @@ struct SeaTerms {
 
 /// True where `p` needs the extended kernel.
 inline bool is_extended(const SeaParameters<double>& p) {
-  return p.friction != 0 || p.viscous != 0 || p.k_sea_cubic != 0 || p.feedback == Feedback::kMotor;
+  return p.friction != 0 || p.viscous != 0 || p.output_friction != 0 || p.output_viscous != 0 || p.k_sea_cubic != 0 ||
+         p.feedback == Feedback::kMotor;
 }
 
 /// Angles and rates on both sides of the spring.
@@ -149,14 +150,32 @@ T stribeck(const T& breakaway, const T& v_s, const T& speed) {
   return T(1) + breakaway * exp(-speed / v_s);
 }
 
-/// Friction against the motor's motion, smoothed dry and viscous: tau_c v / sqrt(v^2 + v_s^2) + viscous v [Nm]. Ours.
+/// Friction of one side against its motion at the rate v, as a landing has it: Coulomb's torque by `coulomb_level` and
+/// `stribeck` with v / s for the sign of v and s = sqrt(v^2 + v_f^2) for |v|, and viscous v [Nm]. Ours.
+template <Scalar T>
+T smoothed_friction(const SeaParameters<T>& p, const T& mean, const T& asymmetry, const T& viscous, const T& v) {
+  using std::sqrt;
+  const T s = sqrt(v * v + T(kFrictionSpeed * kFrictionSpeed)), direction = v / s;
+  T coulomb = mean * direction * (T(1) + direction * asymmetry);
+  if (any(value_of(p.breakaway) != value_of(T(0)))) coulomb *= stribeck(p.breakaway, p.stribeck_speed, s);
+  return coulomb + viscous * v;
+}
+
+/// On the motor, in Eq. 4.
 template <SeaTerms kTerms, Scalar T>
 T friction_torque(const SeaParameters<T>& p, const T& dphi_m) {
-  using std::sqrt;
   if constexpr (kTerms.extended)
-    return p.friction * dphi_m / sqrt(dphi_m * dphi_m + T(kFrictionSpeed * kFrictionSpeed)) + p.viscous * dphi_m;
+    return smoothed_friction(p, p.friction, p.friction_asymmetry, p.viscous, dphi_m);
   else
     return T(0);
+}
+/// tau_SEA less the friction on the output: what turns the joint [Nm].
+template <SeaTerms kTerms, Scalar T>
+T output_torque(const SeaParameters<T>& p, const T& dphi, const T& tau_sea) {
+  if constexpr (kTerms.extended)
+    return tau_sea - smoothed_friction(p, p.output_friction, p.output_friction_asymmetry, p.output_viscous, dphi);
+  else
+    return tau_sea;
 }
 
 /// ddphi_m = (tau_mot - tau_SEA - friction) / I_motor, Eq. 4 [rad/s^2].

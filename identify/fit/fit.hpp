@@ -49,10 +49,12 @@ struct Minimum {
 struct TrialResult {
   std::string file;
   std::size_t samples = 0;
-  double rms = 0;                  ///< over phi and, where measured, phi_motor [rad]; NaN where the rollout failed
-  double rms_rate = 0;             ///< of the same residuals' change from sample to sample [rad/s]
-  double noise = 0;                ///< the log's own noise [rad]
-  std::vector<double> phi, phi_m;  ///< predicted; empty where the rollout failed
+  /// Over phi, phi_motor and torque, where measured, a torque by angle_per_torque [rad]; NaN where the rollout failed.
+  double rms = 0;
+  double rms_rate = 0;                     ///< of the angles' residuals' change from sample to sample [rad/s]
+  double rms_torque = 0;                   ///< of the torque's residual [Nm]; 0 where none was logged
+  double noise = 0;                        ///< the log's own noise [rad]
+  std::vector<double> phi, phi_m, torque;  ///< predicted; empty where the rollout failed
   RolloutStatus status = RolloutStatus::kDone;
   Weighting weighting;  ///< of its residuals in the fit
 };

@@ -27,6 +27,13 @@ double measured(const std::vector<Trial>& trials) {
   return n;
 }
 
+/// Throws InputError where a fitted term has no say in any trial.
+void require_columns(const FitOptions& options, const std::vector<Trial>& trials) {
+  for (const std::string& name : options.terms.nuisance)
+    if (const RigTerm& t = options.terms[name]; !t.has_a_say(trials))
+      throw InputError(fmt::format("{}: no trial has the column '{}' that it is about", name, t.needs->name));
+}
+
 /// Each at least a factor away in some constant from those before it.
 std::vector<SeaParameters<double>> apart(const std::vector<SeaParameters<double>>& list, double factor) {
   std::vector<SeaParameters<double>> chosen;
@@ -64,7 +71,9 @@ FitSearch::FitSearch(const Rig& rig, const std::vector<Trial>& trials, const std
                .work = options.starts.fit_starts * work_of_start_,
                .most = options.explore > 0 ? options.explore + (start ? 1 : 0) : options.restarts + 1,
                .threads = options.threads,
-               .monitor = options.monitor}) {}
+               .monitor = options.monitor}) {
+  require_columns(options, trials);
+}
 
 void FitSearch::run() {
   if (start_) {

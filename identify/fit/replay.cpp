@@ -6,42 +6,59 @@
 
 namespace ukemi::identify {
 
+namespace {
+
+double root_mean_square(const Eigen::VectorXd& r) { return std::sqrt(r.squaredNorm() / double(r.size())); }
+
+/// phi, phi_motor, then torque by angle_per_torque; predicted minus measured [rad].
+Eigen::VectorXd raw_residuals(const Trial& log, const TrialResult& r) {
+  Eigen::VectorXd all(long(log.measurements()));
+  long row = 0;
+  const auto add = [&](const std::vector<double>& predicted, const std::vector<double>& measured, double unit) {
+    for (std::size_t i = 0; i < measured.size(); ++i) all[row++] = unit * (predicted[i] - measured[i]);
+  };
+  add(r.phi, log.phi, 1), add(r.phi_m, log.phi_motor, 1), add(r.torque, log.torque, angle_per_torque(log));
+  return all;
+}
+
+}  // namespace
+
 TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutInputs<double>& inputs,
                    const RolloutOptions& options) {
   const Trial& trial = *prepared.trial;
-  TrialResult out{.file = trial.file, .samples = trial.samples(), .phi = {}, .phi_m = {}, .weighting = {}};
+  TrialResult out{
+      .file = trial.file, .samples = trial.samples(), .phi = {}, .phi_m = {}, .torque = {}, .weighting = {}};
   out.noise = std::max(noise_level(trial.phi), noise_level(trial.phi_motor));
-  out.status = rollout(rig, inputs.sea, inputs.nuisance, prepared, options, out.phi, out.phi_m);
+  out.status = rollout(rig, inputs.sea, inputs.nuisance, prepared, options, out.phi, out.phi_m, &out.torque);
   if (out.status != RolloutStatus::kDone) {
-    out.phi.clear(), out.phi_m.clear();
+    out.phi.clear(), out.phi_m.clear(), out.torque.clear();
     out.rms = std::numeric_limits<double>::quiet_NaN();
     return out;
   }
-  double sum = 0, sum_of_rates = 0, rates = 0;
-  for (const auto& [measured, predicted] : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}}) {
-    const auto residual = [&](std::size_t i) { return (*predicted)[i] - (*measured)[i]; };
-    for (std::size_t i = 0; i < measured->size(); ++i) sum += std::pow(residual(i), 2);
-    for (std::size_t i = 1; i < measured->size(); ++i, ++rates)
+  if (trial.measurements() > 0) out.rms = root_mean_square(raw_residuals(trial, out));
+  double sum_of_rates = 0, rates = 0;
+  for (const auto& [measured, predicted] : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}})
+    for (std::size_t i = 1; i < measured->size(); ++i, ++rates) {
+      const auto residual = [&](std::size_t k) { return (*predicted)[k] - (*measured)[k]; };
       sum_of_rates += std::pow((residual(i) - residual(i - 1)) / (trial.t[i] - trial.t[i - 1]), 2);
-  }
-  if (trial.measurements() > 0) out.rms = std::sqrt(sum / double(trial.measurements()));
+    }
   if (rates > 0) out.rms_rate = std::sqrt(sum_of_rates / rates);
+  if (!trial.torque.empty())
+    out.rms_torque =
+        root_mean_square(Eigen::Map<const Eigen::VectorXd>(out.torque.data(), long(out.torque.size())) -
+                         Eigen::Map<const Eigen::VectorXd>(trial.torque.data(), long(trial.torque.size())));
   return out;
 }
 
 Eigen::VectorXd white_residuals(const Trial& log, const TrialResult& r) {
-  Eigen::VectorXd all(long(log.measurements()));
-  long i = 0;
-  for (std::size_t k = 0; k < log.phi.size(); ++k) all[i++] = r.phi[k] - log.phi[k];
-  for (std::size_t k = 0; k < log.phi_motor.size(); ++k) all[i++] = r.phi_m[k] - log.phi_motor[k];
+  Eigen::VectorXd all = raw_residuals(log, r);
   r.weighting.whiten(all);
   return all;
 }
 
 double white_rms(const Trial& log, const TrialResult& r) {
   if (r.weighting.u.size() == 0) return r.rms;
-  const Eigen::VectorXd all = white_residuals(log, r);
-  return std::sqrt(all.squaredNorm() / double(all.size()));
+  return root_mean_square(white_residuals(log, r));
 }
 
 }  // namespace ukemi::identify

@@ -11,7 +11,7 @@ namespace ukemi::identify {
 [[nodiscard]] TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutInputs<double>& inputs,
                                  const RolloutOptions& options);
 
-/// phi, then phi_motor, predicted minus measured, made white; without the weight.
+/// phi, phi_motor, then torque by angle_per_torque, predicted minus measured, made white; without the weight.
 Eigen::VectorXd white_residuals(const Trial& log, const TrialResult& result);
 
 /// Root mean square over all trials of what `rms(log, result)` says of each.

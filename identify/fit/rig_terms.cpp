@@ -6,6 +6,10 @@
 
 namespace ukemi::identify {
 
+bool RigTerm::has_a_say(const std::vector<Trial>& trials) const {
+  return !needs || std::any_of(trials.begin(), trials.end(), [&](const Trial& t) { return !(t.*needs->at).empty(); });
+}
+
 double RigTerm::value_in(const SeaParameters<double>& sea) const {
   RolloutInputs<double> in{sea};
   return field ? field.of(in) : absent;
@@ -79,6 +83,17 @@ RigTerm between_samples() {
   t.change = [](double value, Rig&, Sea&, Trial& log) { log.force_smooth += value; };
   return t;
 }
+RigTerm of_torque(RigTerm t) {
+  t.needs = {"torque", &Trial::torque};
+  return t;
+}
+/// Of Trial::command_delay.
+RigTerm control_delay() {
+  RigTerm t{{.name = "control_delay", .unit = "s", .words = "by which the motor follows its logged command later"}};
+  t.size = 1e-3, t.lower = 0, t.upper = 0.1, t.needs = {"command", &Trial::command};
+  t.change = [](double value, Rig&, Sea&, Trial& log) { log.command_delay += value; };
+  return t;
+}
 RigTerm in_ladder(RigTerm t) {
   t.in_ladder = true;
   return t;
@@ -134,6 +149,12 @@ std::vector<RigTerm> table() {
                        [](auto& in) { return &in.nuisance.time_shift; }),
               -0.1, 0.1, 0),
       between_samples(),
+      of_torque(bounded(nuisance("torque_gain", "1", "the logged torque over the spring's", kShared, 1,
+                                 [](auto& in) { return &in.nuisance.torque_gain; }),
+                        0.01, 100, 1)),
+      of_torque(nuisance("torque_bias", "Nm", "the logged torque minus the spring's", kShared, 0.1,
+                         [](auto& in) { return &in.nuisance.torque_bias; })),
+      control_delay(),
       // Stribeck's, of whatever dry friction there is.
       only_with(stored(bounded(nuisance("breakaway", "1",
                                         "of dry friction: what it breaks away with over what it slides with, less 1",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,8 +57,16 @@ struct RigTerm : Term {
   bool in_ladder = false;  ///< the model ladder tries the fit with and without it
   /// It is tested for only where one of these constants is there: without them, it says nothing. Empty: everywhere.
   std::vector<double SeaParameters<double>::*> only_with = {};
+  /// It has a say only in trials that log this column.
+  struct LogColumn {
+    const char* name;
+    std::vector<double> Trial::*at;
+  };
+  std::optional<LogColumn> needs = {};
   std::string key = {};  ///< its name in actuator.toml; empty: it is no constant of the actuator
 
+  /// Whether any of the trials logs what it needs.
+  bool has_a_say(const std::vector<Trial>& trials) const;
   /// Its value in an actuator; its absence where it is none of an actuator's.
   double value_in(const SeaParameters<double>& sea) const;
   void set_in(SeaParameters<double>& sea, double value) const;

@@ -16,6 +16,7 @@ struct TrialBlock {
   const Weighting& weighting;
   const RolloutOptions options;
   const std::vector<Parameter> columns;
+  const double per_torque = angle_per_torque(*trial.trial);
 
   std::size_t size() const { return std::size_t(trial.trial->measurements()); }
 
@@ -37,48 +38,55 @@ struct TrialBlock {
   }
 
  private:
-  /// The predicted angles with derivatives by the columns from `first` on, as many as T has slots.
   template <class T>
-  bool roll(const RigPoint& point, std::size_t first, std::vector<T>& phi, std::vector<T>& phi_m) const {
+  struct Outputs {
+    std::vector<T> phi, phi_m, torque;
+  };
+  /// The predictions with derivatives by the columns from `first` on, as many as T has slots.
+  template <class T>
+  bool roll(const RigPoint& point, std::size_t first, Outputs<T>& out) const {
     const auto lift = [&](double value, [[maybe_unused]] std::size_t column) {
       T x(value);
       if constexpr (kDerivatives < T >> 0)
         if (column - first < std::size_t(kDerivatives<T>)) x.v[long(column - first)] = columns[column].scale;
       return x;
     };
-    return point.with_changes(rig, base, trial,
-                              [&](const Rig& r, const SeaParameters<double>& sea, const PreparedTrial& t) {
-                                RolloutInputs<T> in{sea.cast<T>()};
-                                point.place(in, lift);
-                                return rollout(r, in.sea, in.nuisance, t, options, phi, phi_m) == RolloutStatus::kDone;
-                              });
+    return point.with_changes(
+        rig, base, trial, [&](const Rig& r, const SeaParameters<double>& sea, const PreparedTrial& t) {
+          RolloutInputs<T> in{sea.cast<T>()};
+          point.place(in, lift);
+          return rollout(r, in.sea, in.nuisance, t, options, out.phi, out.phi_m,
+                         trial.trial->torque.empty() ? nullptr : &out.torque) == RolloutStatus::kDone;
+        });
   }
-  /// f(measured, predicted, row) for each output.
+  /// f(measured, predicted, row, weight) for each output.
   template <class T, class F>
-  void compare(const std::vector<T>& phi, const std::vector<T>& phi_m, F&& f) const {
+  void compare(const Outputs<T>& out, F&& f) const {
     const Trial& log = *trial.trial;
-    f(log.phi, phi, std::size_t(0));
-    f(log.phi_motor, phi_m, log.phi.size());
+    f(log.phi, out.phi, std::size_t(0), weighting.weight);
+    f(log.phi_motor, out.phi_m, log.phi.size(), weighting.weight);
+    f(log.torque, out.torque, log.phi.size() + log.phi_motor.size(), weighting.weight * per_torque);
   }
 
   /// The residuals and, with a Jet, the Jacobian's columns from `first` on.
   template <class T>
   bool pass(const RigPoint& point, std::size_t first, double* residuals, [[maybe_unused]] double* jacobian) const {
-    thread_local std::vector<T> phi, phi_m;
-    if (!roll(point, first, phi, phi_m)) return false;
-    const double weight = weighting.weight;
-    compare(phi, phi_m, [&](const std::vector<double>& measured, const std::vector<T>& predicted, std::size_t row) {
-      for (std::size_t i = 0; i < measured.size(); ++i)
-        residuals[row + i] = weight * (value_of(predicted[i]) - measured[i]);
-      if constexpr (kDerivatives < T >> 0) {
-        const std::size_t last = std::min(columns.size(), first + std::size_t(kDerivatives<T>));
-        for (std::size_t k = first; k < last; ++k) {
-          const double factor = weight / columns[k].scale;
-          double* column = jacobian + k * size() + row;
-          for (std::size_t i = 0; i < measured.size(); ++i) column[i] = factor * predicted[i].v[long(k - first)];
-        }
-      }
-    });
+    thread_local Outputs<T> out;
+    if (!roll(point, first, out)) return false;
+    compare(out,
+            [&](const std::vector<double>& measured, const std::vector<T>& predicted, std::size_t row, double weight) {
+              for (std::size_t i = 0; i < measured.size(); ++i)
+                residuals[row + i] = weight * (value_of(predicted[i]) - measured[i]);
+              if constexpr (kDerivatives < T >> 0) {
+                const std::size_t last = std::min(columns.size(), first + std::size_t(kDerivatives<T>));
+                for (std::size_t k = first; k < last; ++k) {
+                  const double factor = weight / columns[k].scale;
+                  double* column = jacobian + k * size() + row;
+                  for (std::size_t i = 0; i < measured.size(); ++i)
+                    column[i] = factor * predicted[i].v[long(k - first)];
+                }
+              }
+            });
     return true;
   }
   template <class T>
@@ -98,22 +106,22 @@ struct TrialBlock {
       if (!term.change || !done) return;
       const Parameter& p = columns[k];
       const double from = std::max(value - kStep * p.scale, p.lower), to = std::min(value + kStep * p.scale, p.upper);
-      std::vector<double> phi[2], phi_m[2];
+      Outputs<double> out[2];
       for (const int side : {0, 1}) {
         at[k] = side ? to : from;
         const RigPoint point(layout, at.data(), at.data() + layout.shared.size());
-        done = done && roll(point, 0, phi[side], phi_m[side]);
+        done = done && roll(point, 0, out[side]);
       }
       at[k] = value;
       if (!done) return;
       for (const int side : {0, 1})
-        compare(phi[side], phi_m[side],
-                [&](const std::vector<double>& measured, const std::vector<double>& predicted, std::size_t row) {
-                  double* column = jacobian + k * size() + row;
-                  for (std::size_t i = 0; i < measured.size(); ++i)
-                    column[i] = (side ? column[i] + predicted[i] : -predicted[i]);
-                });
-      for (std::size_t i = 0; i < size(); ++i) jacobian[k * size() + i] *= weighting.weight / (to - from);
+        compare(out[side], [&](const std::vector<double>& measured, const std::vector<double>& predicted,
+                               std::size_t row, double weight) {
+          double* column = jacobian + k * size() + row;
+          const double factor = weight / (to - from);
+          for (std::size_t i = 0; i < measured.size(); ++i)
+            column[i] = side ? column[i] + factor * predicted[i] : -factor * predicted[i];
+        });
     });
     return done;
   }

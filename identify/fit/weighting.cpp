@@ -10,13 +10,16 @@ namespace ukemi::identify {
 
 namespace {
 
-/// phi, then phi_m where it was measured; empty where the rollout fails.
+/// phi, phi_m and torque by angle_per_torque, where they were measured; empty where the rollout fails.
 Eigen::VectorXd predicted(const Rig& rig, const SeaParameters<double>& sea, const Nuisance<double>& nuisance,
                           const Trial& trial, const RolloutOptions& options) {
-  std::vector<double> phi, phi_m;
-  if (rollout(rig, sea, nuisance, PreparedTrial(trial), options, phi, phi_m) != RolloutStatus::kDone) return {};
+  std::vector<double> phi, phi_m, torque;
+  if (rollout(rig, sea, nuisance, PreparedTrial(trial), options, phi, phi_m, &torque) != RolloutStatus::kDone)
+    return {};
   if (trial.phi.empty()) phi.clear();
   if (!trial.phi_motor.empty()) phi.insert(phi.end(), phi_m.begin(), phi_m.end());
+  if (const double unit = angle_per_torque(trial); unit > 0)
+    for (const double tau : torque) phi.push_back(unit * tau);
   return Eigen::Map<const Eigen::VectorXd>(phi.data(), long(phi.size()));
 }
 

@@ -17,9 +17,10 @@ struct Unit {
 
 const std::vector<Unit>& units_of(Quantity quantity) {
   static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", kDegree}, {"_mrad", 1e-3}},
-                                 force = {{"_N", 1}, {"_kN", 1e3}};
+                                 force = {{"_N", 1}, {"_kN", 1e3}}, torque = {{"_Nm", 1}, {"_mNm", 1e-3}};
   static const std::vector<Unit> none;
   if (quantity == Quantity::kCommand) return none;
+  if (quantity == Quantity::kTorque) return torque;
   return quantity == Quantity::kTime ? time : quantity == Quantity::kForce ? force : angle;
 }
 

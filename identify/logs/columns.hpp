@@ -11,8 +11,8 @@
 namespace ukemi::identify {
 
 /// What a column holds; its name's suffix says in which unit: time _ms; angle and rate _deg, _mrad; force _N, _kN;
-/// command as it is.
-enum class Quantity { kTime, kAngle, kRate, kForce, kCommand };
+/// torque _Nm, _mNm; command as it is.
+enum class Quantity { kTime, kAngle, kRate, kForce, kTorque, kCommand };
 
 struct Column {
   std::string name;

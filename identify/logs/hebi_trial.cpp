@@ -174,6 +174,12 @@ Trial hebi_trial(const HebiLog& log, const HebiTrialOptions& options) {
   for (const std::size_t i : order) trial.t.push_back(m.t[i]), trial.phi.push_back(m.position[i]);
   trial.phi_ref = hold_commands(m, order, trial.notes);
   trial.phi_motor = motor_angles(m, order, options.gear_ratio, trial.notes);
+  if (options.effort == HebiTrialOptions::Effort::kTorque)
+    for (const std::size_t i : order) {
+      if (i >= m.effort.size() || !std::isfinite(m.effort[i]))
+        throw InputError({log.file}, fmt::format("module {}: sample {}: no effort", label(m), i + 1));
+      trial.torque.push_back(m.effort[i]);
+    }
   if (options.angles == TrialOptions::Angles::kOneTurn)
     for (const auto* column : {&trial.phi, &trial.phi_ref, &trial.phi_motor})
       for (std::size_t k = 0; k < column->size(); ++k)

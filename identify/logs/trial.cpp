@@ -15,10 +15,11 @@ namespace ukemi::identify {
 
 namespace {
 
-const std::vector<Column> kColumns = {
-    {"t", Quantity::kTime},          {"phi", Quantity::kAngle},     {"force", Quantity::kForce},
-    {"phi_ref", Quantity::kAngle},   {"dphi_ref", Quantity::kRate}, {"phi_motor", Quantity::kAngle},
-    {"command", Quantity::kCommand}, {"dphi", Quantity::kRate},     {"dphi_motor", Quantity::kRate}};
+const std::vector<Column> kColumns = {{"t", Quantity::kTime},          {"phi", Quantity::kAngle},
+                                      {"force", Quantity::kForce},     {"phi_ref", Quantity::kAngle},
+                                      {"dphi_ref", Quantity::kRate},   {"phi_motor", Quantity::kAngle},
+                                      {"command", Quantity::kCommand}, {"torque", Quantity::kTorque},
+                                      {"dphi", Quantity::kRate},       {"dphi_motor", Quantity::kRate}};
 
 /// The angle that an encoder's rate is the change of from sample to sample, from 0 on. Exact but for the encoder's
 /// step, where the rate was formed so.
@@ -63,9 +64,9 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
     }
   };
   std::vector<double> dphi, dphi_motor;
-  std::vector<double>* const targets[] = {&trial.t,       &trial.phi,      &trial.force,
-                                          &trial.phi_ref, &trial.dphi_ref, &trial.phi_motor,
-                                          &trial.command, &dphi,           &dphi_motor};
+  std::vector<double>* const targets[] = {&trial.t,        &trial.phi,       &trial.force,   &trial.phi_ref,
+                                          &trial.dphi_ref, &trial.phi_motor, &trial.command, &trial.torque,
+                                          &dphi,           &dphi_motor};
   for (std::size_t k = 0; k < kColumns.size(); ++k) load(kColumns[k], *targets[k]);
 
   const auto missing = [&](const std::string& name) {
@@ -99,7 +100,7 @@ void require_excitation(const Trial& trial) {
 
 bool same_content(const Trial& a, const Trial& b) {
   return a.phi == b.phi && a.force == b.force && a.t == b.t && a.force_t == b.force_t && a.phi_ref == b.phi_ref &&
-         a.dphi_ref == b.dphi_ref && a.phi_motor == b.phi_motor && a.command == b.command;
+         a.dphi_ref == b.dphi_ref && a.phi_motor == b.phi_motor && a.command == b.command && a.torque == b.torque;
 }
 
 std::vector<double> force_at_samples(const Trial& trial) {
@@ -153,6 +154,16 @@ double noise_level(const std::vector<double>& x) {
       step = step == 0 ? change : std::min(step, change);
   }
   return 2 * still > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
+}
+
+double angle_per_torque(const Trial& trial) {
+  if (trial.torque.empty()) return 0;
+  constexpr double kExact = 1e-6;  // of a column's range: no log is better than that
+  const auto noise = [](const std::vector<double>& x) {
+    return x.empty() ? 0 : std::max(noise_level(x), kExact * largest_deviation(x, x.front()));
+  };
+  const double angle = std::max(noise(trial.phi), noise(trial.phi_motor)), torque = noise(trial.torque);
+  return torque > 0 ? angle / torque : 0;
 }
 
 long measurements(const std::vector<Trial>& trials) {

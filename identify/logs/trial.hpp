@@ -21,7 +21,9 @@ struct Trial {
   std::vector<double> dphi_ref;   ///< [rad/s]; linear between samples
   std::vector<double> phi_motor;  ///< measured motor angle at the gear's output side [rad]
   std::vector<double> command;    ///< what the motor was told [V, A or Nm]; held from sample to sample
+  std::vector<double> torque;     ///< measured torque of the spring, as it turns the output [Nm]
   std::optional<Rig> rig = {};    ///< a rig of its own, in place of the other trials'
+  double command_delay = 0;       ///< the motor follows its command so much later [s], >= 0
   double force_smooth = 0;  ///< between its samples the force is 0: linear, 1: a smooth curve; see force_curve.hpp
   double force_noise = 0;   ///< standard deviation of each sample of the force within hits [N]; see hits.hpp
   double force_rest = 0;    ///< what the load cell reads between hits, where that has been worked out [N]
@@ -30,9 +32,12 @@ struct Trial {
   std::size_t samples() const { return t.size(); }
   /// The rig that it was logged on: its own, else that of the others.
   const Rig& rig_or(const Rig& common) const { return rig ? *rig : common; }
-  /// Measured outputs that a fit compares: phi, then phi_motor.
-  std::size_t measurements() const { return phi.size() + phi_motor.size(); }
+  /// Measured outputs that a fit compares: phi, then phi_motor, then torque.
+  std::size_t measurements() const { return phi.size() + phi_motor.size() + torque.size(); }
 };
+/// How many rad count as much as 1 Nm of a logged torque: the angles' noise over the torque's, so that each residual
+/// weighs by its own noise [rad/Nm]; 0 where none is logged.
+double angle_per_torque(const Trial& trial);
 /// Those of all trials.
 long measurements(const std::vector<Trial>& trials);
 
@@ -45,11 +50,11 @@ struct TrialOptions {
   double gear_ratio = 1;                                                 ///< divides phi_motor
 };
 
-/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor, command, dphi, dphi_motor;
-/// unit suffixes convert (see Quantity). Where an angle was not logged but its rate was, the angle is the rate's
-/// running sum. Throws InputError with file:line:column on whatever read_csv refuses, on a missing column (nearest name
-/// given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2 pi unless
-/// multi-turn.
+/// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor, command, torque, dphi,
+/// dphi_motor; unit suffixes convert (see Quantity). Where an angle was not logged but its rate was, the angle is the
+/// rate's running sum. Throws InputError with file:line:column on whatever read_csv refuses, on a missing column
+/// (nearest name given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2
+/// pi unless multi-turn.
 Trial read_trial(const std::string& path, const TrialOptions& options = {});
 
 /// Throws InputError, naming the file and the rule, where nothing moves the rig: no force or all of it zero, and a

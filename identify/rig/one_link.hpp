@@ -79,6 +79,11 @@ class OneLinkSystem {
 
   static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
 
+  /// tau_SEA of Eq. 2 [Nm].
+  T spring_on_output(const State& y) const {
+    return limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, sea_state(y)), mode.saturation);
+  }
+
   /// What moves each side, Coulomb friction apart [Nm]: tau_SEA + l cos(phi_1) F_e - viscous friction on the output -
   /// gravity, tau_mot - tau_SEA - viscous friction on the motor. tau_mot is Eq. 3 within `command_limit`, and K_t times
   /// a logged command. `t` may be a double or, to differentiate by it, a T.
@@ -86,7 +91,7 @@ class OneLinkSystem {
   UKEMI_INLINE std::array<T, kSides> torques(const Time& t, const State& y) const {
     const Time u = t - input.t;
     const SeaState<T> s = sea_state(y);
-    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), mode.saturation);
+    const T tau = spring_on_output(y);
     T on_output = tau, on_motor = -tau;
     if (input.pushed) {
       using std::cos;

@@ -37,7 +37,7 @@ class Roll {
 
  public:
   Roll(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance, const PreparedTrial& trial,
-       const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m)
+       const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m, std::vector<T>* torque)
       : drive_(rig.drive),
         system_(driven_by(rig.drive, sea), rig),
         plain_(values(system_.sea), rig),
@@ -50,6 +50,7 @@ class Roll {
         motor_(kDerivatives<T> == 0 || !trial.trial->phi_motor.empty()),
         phi_(phi),
         phi_m_(phi_m),
+        torque_(kDerivatives<T> == 0 || !trial.trial->torque.empty() ? torque : nullptr),
         driver_(system_, t_[0], start(rig.gravity),
                 {.accuracy = options.accuracy,
                  .first_step = std::min(1e-3, options.max_step),
@@ -68,6 +69,7 @@ class Roll {
 
   RolloutStatus run() {
     phi_.resize(t_.size()), phi_m_.resize(motor_ ? t_.size() : 0);
+    if (torque_) torque_->resize(t_.size());
     record(0, driver_.state());
     pace_from_ = t_[0];
     RolloutStatus status = RolloutStatus::kDone;
@@ -143,6 +145,10 @@ class Roll {
   void record(std::size_t sample, const State& y) {
     phi_[sample] = y[System::kPhi] + nuisance_.encoder_offset;
     if (motor_) phi_m_[sample] = y[System::kPhiM];
+    record_torque(sample, y);
+  }
+  void record_torque(std::size_t sample, const State& y) {
+    if (torque_) (*torque_)[sample] = nuisance_.torque_gain * system_.spring_on_output(y) + nuisance_.torque_bias;
   }
   /// kDone while the link is within its bounds.
   RolloutStatus bounds(double angle) const {
@@ -217,6 +223,11 @@ class Roll {
           const double s = step.place_of(t_[sample_]);
           phi_[sample_] = step.component_at(System::kPhi, s) + nuisance_.encoder_offset;
           if (motor_) phi_m_[sample_] = step.component_at(System::kPhiM, s);
+          if (torque_) {
+            State y;
+            for (int i = 0; i < System::kStates; ++i) y[i] = step.component_at(i, s);
+            record_torque(sample_, y);
+          }
         }
       }
       const RolloutStatus status = bounds(value_of(driver_.state()[System::kPhi]));
@@ -346,6 +357,7 @@ class Roll {
         }
         t = t_[sample_ - 1];
         z = flow.after(n, z);
+        if (torque_) record_torque(sample_ - 1, z + rest);
         continue;
       }
       // A part of an interval, or one that meets the limit.
@@ -416,8 +428,9 @@ class Roll {
 
   /// How many of the next samples are one interval apart from `t` on; at most a block.
   int on_grid(double t, double t_end) const {
+    const int most = torque_ ? 1 : LinearFlow<T>::kBlock;  // a block knows the angles between, not the rates
     int n = 0;
-    while (n < LinearFlow<T>::kBlock && sample_ + std::size_t(n) < t_.size() && t_[sample_ + std::size_t(n)] <= t_end &&
+    while (n < most && sample_ + std::size_t(n) < t_.size() && t_[sample_ + std::size_t(n)] <= t_end &&
            std::abs(t_[sample_ + std::size_t(n)] - t - (n + 1) * trial_.spacing) <= kOffGrid * trial_.spacing)
       ++n;
     return n;
@@ -500,6 +513,7 @@ class Roll {
   const long most_steps_;
   const bool motor_;  ///< phi_m is asked for
   std::vector<T>&phi_, &phi_m_;
+  std::vector<T>* const torque_;  ///< null: not asked for
   integrate::Integrator<Method, System> driver_;
   bool exact_;  ///< the rig has linear modes, and they are wanted
   std::array<std::unique_ptr<const Exact>, kTerms.extended ? 8 : 1> exacts_;  ///< of each, once it was needed

@@ -28,25 +28,32 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
   const std::size_t begins = trial->force.empty() ? 0 : force.pieces() + 1;
   std::vector<Stretch> out;
   constexpr double kNow = 1e-12;  // times that differ by rounding are one [s]
-  double force_end = 0;
-  std::size_t j = 0;  // so many of the force's pieces have begun
+  double force_end = 0, command_before = c.empty() ? 0 : c.front();
+  std::size_t j = 0;     // so many of the force's pieces have begun
+  std::size_t told = 0;  // the sample whose command the motor follows
   for (std::size_t i = 0; i + 1 < t.size(); ++i) {
     for (double from = t[i]; from < t[i + 1];) {
       while (j < begins && force.begin(j) + shift <= from + kNow) ++j;
       double to = j < begins ? std::min(t[i + 1], force.begin(j) + shift) : t[i + 1];
+      if (!c.empty()) {
+        const auto begins_at = [&](std::size_t k) { return t[k] + trial->command_delay; };
+        while (told + 1 < c.size() && begins_at(told + 1) <= from + kNow) ++told;
+        if (told + 1 < c.size()) to = std::min(to, begins_at(told + 1));
+      }
       if (t[i + 1] - to < kNow) to = t[i + 1];
       Excitation<double> e{.t = from};
       if (j > 0 && j < begins) e.force = moved(force.piece(j - 1), from - shift - force.begin(j - 1));
       e.pushed = e.force != Cubic{}, e.curved = e.force[2] != 0 || e.force[3] != 0;
       if (!r.empty()) e.phi_ref = r[i];
-      if (!c.empty()) e.command = c[i];
+      if (!c.empty()) e.command = c[told];
       if (!d.empty()) {
         const double dt = t[i + 1] - t[i];
         e.dphi_ref_rate = (d[i + 1] - d[i]) / dt, e.dphi_ref = d[i] + e.dphi_ref_rate * (from - t[i]);
         e.phi_ref_rate = (r[i + 1] - r[i]) / dt, e.phi_ref += e.phi_ref_rate * (from - t[i]);
       }
       const bool reference_jumps = i > 0 && from == t[i] && !r.empty() && d.empty() && r[i] != r[i - 1];
-      const bool command_jumps = i > 0 && from == t[i] && !c.empty() && c[i] != c[i - 1];
+      const bool command_jumps = e.command != command_before;
+      command_before = e.command;
       const bool jumps =
           reference_jumps || command_jumps || std::abs(e.force[0] - force_end) > 1e-9 * (1 + std::abs(force_end));
       const auto still = [](const Excitation<double>& x) {
@@ -64,6 +71,6 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
 }
 
 template RolloutStatus rollout(const Rig&, const SeaParameters<double>&, const Nuisance<double>&, const PreparedTrial&,
-                               const RolloutOptions&, std::vector<double>&, std::vector<double>&);
+                               const RolloutOptions&, std::vector<double>&, std::vector<double>&, std::vector<double>*);
 
 }  // namespace ukemi::identify

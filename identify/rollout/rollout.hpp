@@ -45,6 +45,8 @@ struct Nuisance {
   T force_bias{0};      ///< [N]
   T time_shift{0};      ///< of the force's log, positive: the hit came later than logged [s]
   T encoder_offset{0};  ///< phi as measured minus phi_1 [rad]
+  T torque_gain{1};     ///< a logged torque = torque_gain tau_SEA + torque_bias
+  T torque_bias{0};     ///< [Nm]
 };
 
 /// Beyond this |phi_1| from the start the trial has escaped (turns past any useful angle) [rad].
@@ -75,19 +77,20 @@ struct RolloutOptions {
   Budget* budget = nullptr;  ///< what is spent is taken from it; once it is empty every rollout diverges
 };
 
-/// phi_1 and phi_m at every sample, with derivatives where T is a Jet (exact through every event: the torque limit is
-/// continuous, where a slip ends they jump); a Jet's phi_m stays empty where the trial did not log phi_motor. Exact
-/// where the rig is linear. A trial's own rig goes before `rig`. On kEscaped or kDiverged the outputs are not complete.
+/// phi_1, phi_m and, where `torque` is asked for, the spring's torque as a sensor logs it, at every sample, with
+/// derivatives where T is a Jet (exact through every event: the torque limit is continuous, where a slip ends they
+/// jump); a Jet's phi_m and torque stay empty where the trial did not log them. Exact where the rig is linear. A
+/// trial's own rig goes before `rig`. On kEscaped or kDiverged the outputs are not complete.
 template <class T>
 [[nodiscard]] RolloutStatus rollout(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                                     const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
-                                    std::vector<T>& phi_m);
+                                    std::vector<T>& phi_m, std::vector<T>* torque = nullptr);
 
 /// `rollout` with the method that the options name, on one kernel for every trial. double or a Jet of kSmallJet.
 template <class T>
 [[nodiscard]] RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                                              const PreparedTrial& trial, const RolloutOptions& options,
-                                             std::vector<T>& phi, std::vector<T>& phi_m);
+                                             std::vector<T>& phi, std::vector<T>& phi_m, std::vector<T>* torque);
 
 /// Derivative slots of the two Jets that are compiled: for the five constants, or with nuisance terms. Even: whole
 /// registers.

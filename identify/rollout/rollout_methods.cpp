@@ -8,18 +8,18 @@ namespace ukemi::identify {
 template <class T>
 RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
                                const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
-                               std::vector<T>& phi_m) {
+                               std::vector<T>& phi_m, std::vector<T>* torque) {
   using integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
   constexpr SeaTerms kAll{true, true};
   constexpr auto kIntegrated = RolloutOptions::Linear::kIntegrated;
   const auto with = [&]<class M>() {
-    return Roll<M, kAll, T, kIntegrated>(rig, sea, nuisance, trial, options, phi, phi_m).run();
+    return Roll<M, kAll, T, kIntegrated>(rig, sea, nuisance, trial, options, phi, phi_m, torque).run();
   };
   if constexpr (std::is_same_v<T, double>) {  // the implicit ones have no derivatives
     if (options.method == Method::kRodas5P) return with.template operator()<Rodas5P>();
     if (options.method == Method::kAuto)
       return Roll<integrate::Automatic<DormandPrince853, Rodas5P>, kAll, T>(rig, sea, nuisance, trial, options, phi,
-                                                                            phi_m)
+                                                                            phi_m, torque)
           .run();
   }
   if (options.method == Method::kSemiImplicitEuler) return with.template operator()<integrate::SemiImplicitEuler>();
@@ -30,10 +30,10 @@ RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, cons
 
 template RolloutStatus roll_with_method(const Rig&, const SeaParameters<double>&, const Nuisance<double>&,
                                         const PreparedTrial&, const RolloutOptions&, std::vector<double>&,
-                                        std::vector<double>&);
+                                        std::vector<double>&, std::vector<double>*);
 using Small = ceres::Jet<double, kSmallJet>;
 template RolloutStatus roll_with_method(const Rig&, const SeaParameters<Small>&, const Nuisance<Small>&,
                                         const PreparedTrial&, const RolloutOptions&, std::vector<Small>&,
-                                        std::vector<Small>&);
+                                        std::vector<Small>&, std::vector<Small>*);
 
 }  // namespace ukemi::identify

@@ -31,7 +31,7 @@ std::vector<Series> residuals(const Fit& fit, const std::vector<Trial>& trials) 
     if (r.phi.empty() && r.phi_m.empty()) continue;
     const Eigen::VectorXd all = white_residuals(log, r);
     const double* from = all.data();
-    for (const std::vector<double>* measured : {&log.phi, &log.phi_motor}) {
+    for (const std::vector<double>* measured : {&log.phi, &log.phi_motor, &log.torque}) {
       if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
       from += measured->size();
     }

@@ -14,10 +14,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool absent(const RigTerm& t, const Fit& fit, const FitOptions& options) {
+bool absent(const RigTerm& t, const Fit& fit, const Experiment& experiment) {
   const bool says_something = t.only_with.empty() || std::any_of(t.only_with.begin(), t.only_with.end(),
                                                                  [&](auto constant) { return fit.sea.*constant != 0; });
-  return !t.is_constant() && !options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent && says_something;
+  return !t.is_constant() && !experiment.options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent &&
+         says_something && t.has_a_say(experiment.trials);
 }
 
 /// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.
@@ -67,7 +68,7 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
   FitOptions options = experiment.options;
   // The absent ones come last among the globals and among the locals.
   for (const RigTerm& t : options.terms.table)
-    if (absent(t, fit, experiment.options)) {
+    if (absent(t, fit, experiment)) {
       (t.scope == Scope::kShared ? out.shared : out.of_trial).push_back(t);
       options.terms.nuisance.push_back(t.name);
     }

@@ -190,7 +190,7 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
     if (searched.deadline && a.evidence->tolerant.complete) best.tolerant = a.evidence->tolerant;
   }
   a.tolerant_known = best.tolerant.complete || options.search.goal == Goal::kTolerant;
-  if (a.played()) a.ratings = ratings(actuator, best.motion, a.landing);
+  if (a.played()) a.ratings = ratings(scene, actuator, best.motion, a.landing);
   a.instability = instability(scene, actuator.sea, best.motion);
   return a;
 }

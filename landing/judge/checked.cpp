@@ -4,10 +4,9 @@
 
 namespace ukemi::landing {
 
-Ratings ratings(const Actuator& actuator, const Motion& motion, const Landing& landing) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  const double start = landing.touches.empty() ? kNever : landing.touches[0].t_touchdown;
-  return {peak_reference_rate(motion, start), landing.demands, actuator.speed_max, actuator.sea.tau_max};
+Ratings ratings(const Scene& scene, const Actuator& actuator, const Motion& motion, const Landing& landing) {
+  return {peak_reference_rate(motion, landing.contacts.first() + scene.detection_delay), landing.demands,
+          actuator.speed_max, actuator.sea.tau_max};
 }
 
 std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
@@ -28,7 +27,7 @@ CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, con
           options.accuracy,
           l,
           sensitivity(scene, actuator.sea, motion, options, l.peak),
-          ratings(actuator, motion, l),
+          ratings(scene, actuator, motion, l),
           instability(scene, actuator.sea, motion)};
 }
 

@@ -18,7 +18,8 @@ struct Ratings {
   bool too_fast() const { return speed_max && (reference_rate > *speed_max || demands.motor_speed > *speed_max); }
   bool too_strong() const { return demands.motor_torque > tau_max; }
 };
-[[nodiscard]] Ratings ratings(const Actuator& actuator, const Motion& motion, const Landing& landing);
+[[nodiscard]] Ratings ratings(const Scene& scene, const Actuator& actuator, const Motion& motion,
+                              const Landing& landing);
 
 /// A drive that does not come to rest on the robot in flight, see growth_rate.
 struct Instability {

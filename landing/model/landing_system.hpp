@@ -134,12 +134,13 @@ class LandingSystem : public ModeOf<T>::type {
         }
     const SeaState<T> joint = sea_state(y);
     const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, joint), saturation);
-    const Accelerations<T> acc = solve(link, p, tau, load);
+    const T turning = output_torque<kTerms>(sea, joint.dphi, tau);
+    const Accelerations<T> acc = solve(link, p, turning, load);
     for (int i = 0; i < kVx; ++i) dy[i] = y[kVx + i];
     dy[kVx] = acc.x, dy[kVy] = acc.y, dy[kOmega0] = acc.theta0, dy[kOmega1] = acc.theta1;
     dy[kOmegaM] = motor_acceleration<kTerms>(sea, joint, reference(t), tau);
     if constexpr (kAccounts) {
-      dy[kWorkJoint] = tau * joint.dphi;
+      dy[kWorkJoint] = turning * joint.dphi;
       dy[kWorkFloor] = floor_power;
       dy[kWorkMotor] = sea.i_motor * dy[kOmegaM] * y[kOmegaM];
     }
@@ -173,7 +174,8 @@ class LandingSystem : public ModeOf<T>::type {
     const Reference<T> held = standing();
     const T torque = abs(T(motor_torque<kTerms>(sea, still, held) - spring_torque<kTerms>(sea, still)));
     if constexpr (!kTerms.extended) return torque;
-    return select(torque > sea.friction, T(torque - sea.friction), T(0));
+    const T held_back = sea.friction * (T(1) - abs(sea.friction_asymmetry));
+    return select(torque > held_back, T(torque - held_back), T(0));
   }
 
   T motor_torque_of(const SeaState<T>& s, const Reference<T>& r) const { return motor_torque<kTerms>(sea, s, r); }

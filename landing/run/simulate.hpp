@@ -88,10 +88,13 @@ class ContactOrder {
   int size() const { return size_; }
   Point operator[](int i) const { return Point(code_ >> (2 * i) & 3); }
   void touchdown(Point p, double t) {
+    first_ = std::min(first_, t);
     touched_[p] = true;
     if (size_ < kCapacity && !(t - lifted_[p] < kChatter)) code_ |= std::uint64_t(p) << (2 * size_++);
   }
   void liftoff(Point p, double t) { lifted_[p] = t; }
+  /// When the first point touched, from release; infinite if none did [s].
+  double first() const { return first_; }
   /// Whether a point touched at all, chatter and what no longer fits included.
   bool touched(Point p) const { return touched_[p]; }
 
@@ -99,6 +102,7 @@ class ContactOrder {
   static constexpr double kNever = -std::numeric_limits<double>::infinity();
   std::uint64_t code_ = 0;
   int size_ = 0;
+  double first_ = std::numeric_limits<double>::infinity();
   std::array<double, kPoints> lifted_{kNever, kNever, kNever};
   std::array<bool, kPoints> touched_{};
 };

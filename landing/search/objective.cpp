@@ -53,6 +53,13 @@ bool Objective::too_quick(const Play& play) const {
   return false;
 }
 
+/// The floor came within the move in the air, and the landing motion from there is quicker than it may be.
+bool Objective::too_quick(const Scene& scene, const Motion& motion, const LandingPeak& landing) const {
+  if (!std::isfinite(options_.reference_rate) || !motion.reposition) return false;
+  const double start = landing.contacts.first() + scene.detection_delay;
+  return start < motion.reposition->to && peak_reference_rate(motion, start) > options_.reference_rate;
+}
+
 /// Motions raced over their execution boxes: each lane takes a motion of its own and plays its box until the first
 /// landing above the bound; lanes without a motion of their own help with those that are left. Where the goal is the
 /// peak, the other points of the box only keep the limits.
@@ -88,7 +95,7 @@ class Objective::Race : public BatchSource {
     ++landings, ++ended_[i];
     flights += peak.end == End::kNoContact;
     work += work_of(peak.work);
-    if (no_landing(peak.end))
+    if (no_landing(peak.end) || o_.too_quick(o_.scene_, play_[std::size_t(lane)].motion, peak))
       fail(i, kNoMotion);
     else if (counts(corner_[lane], goal_) && peak.peak > points_[i].value) {
       points_[i].value = peak.peak, points_[i].worst = corner_[lane];
@@ -193,7 +200,7 @@ double Objective::verified(const Play& play, double accuracy, double bound) {
                                              .limits = options_.limits,
                                              .over = &over_});
     work_ += work_of(p.work);
-    if (no_landing(p.end)) return kNoMotion;
+    if (no_landing(p.end) || too_quick(scene_, at.motion, p)) return kNoMotion;
     if (counts(k, options_.goal)) worst = std::max(worst, p.peak);
     if (worst > bound) break;
   }

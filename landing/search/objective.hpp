@@ -118,6 +118,7 @@ class Objective {
   const MotionSpace& space_;
   Options options_;
   bool too_quick(const Play& play) const;
+  bool too_quick(const Scene& scene, const Motion& motion, const LandingPeak& landing) const;
   void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
   bool extended_;
   Feedback feedback_;

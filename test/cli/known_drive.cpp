@@ -32,17 +32,27 @@ TEST_CASE("known drives: what does not fit together is one line, and nothing is 
   refused({"--drive", "command"}, "no column 'command'");
 }
 
-TEST_CASE("known drives: a landing asks for a controller, and says which friction it leaves out") {
+TEST_CASE("known drives: a landing asks for a controller, and has friction on both sides") {
   const Folder f;
   const std::string spring = "[actuator]\nname = \"leg\"\nk_sea = 65\nc_sea = 1.6\ni_motor = 0.085\n";
   f.write("drive.toml", spring + "k_t = 1.5\n");
   for (const Arguments& verb : {Arguments{"simulate", kPaper, "--hold", "-45"}, Arguments{"optimize", kPaper},
                                 Arguments{"risk", kPaper, "--hold", "-45"}, Arguments{"map", kPaper}})
     check_refused(f, verb + Arguments{"--actuator", "drive.toml"} + kOut, {"drive.toml", "k_p", "k_t"});
-  f.write("rubs.toml", spring + "k_p = 50\nk_d = 1\noutput_friction = 0.2\n");
-  const Result r = run(Arguments{"simulate", kPaper, "--hold", "-45", "--actuator", "rubs.toml"} + kOut, f.at(""));
-  CHECK(r.code == 0);
-  CHECK_THAT(r.err, Catch::Matchers::Contains("left out: output_friction"));
+  // What rubs turns less: the joint's range shrinks with each.
+  double before = 1e9;
+  for (const char* friction :
+       {"", "output_friction = 2\n", "output_friction = 2\noutput_friction_asymmetry = 0.5\nbreakaway = 1\n",
+        "output_friction = 2\noutput_viscous = 3\noutput_friction_asymmetry = 0.5\nbreakaway = 1\n"}) {
+    f.write("rubs.toml", spring + "k_p = 50\nk_d = 1\n" + friction);
+    const Result r = run(Arguments{"simulate", kPaper, "--hold", "-45", "--actuator", "rubs.toml"} + kOut, f.at(""));
+    INFO(friction);
+    CHECK(r.code == 0);
+    const auto angles = summary(f)["ratings"]["phi_1_deg"];
+    const double range = angles[1].get<double>() - angles[0].get<double>();
+    CHECK(range < before);
+    before = range;
+  }
 }
 
 TEST_CASE("a measured drive with friction that sticks on both sides is explained, by two controllers at once") {

@@ -245,7 +245,10 @@ TEST_CASE("gradient: every kind of peak and every term") {
   SECTION("a constant motion, which a change makes move") { c.motion = {-0.9, -0.9, 0.25}; }
   SECTION("a torque limit that acts") { c.sea.tau_max = 6; }
   SECTION("no torque at all") { c.sea.tau_max = 0; }
-  SECTION("friction and a stiffening spring") { c.sea.friction = 0.3, c.sea.k_sea_cubic = 50; }
+  SECTION("friction and a stiffening spring") {
+    c.sea.friction = 0.3, c.sea.k_sea_cubic = 50;
+    c.sea.output_friction = 0.2, c.sea.friction_asymmetry = 0.3, c.sea.breakaway = 0.5;
+  }
   SECTION("motor-side feedback") { c.sea.feedback = Feedback::kMotor; }
   const auto g = c.gradient();
   REQUIRE(!g.peaks.empty());

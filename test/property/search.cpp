@@ -11,6 +11,7 @@
 #include "common/random.hpp"
 #include "landing/judge/evidence.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/run/simulate.hpp"
 #include "landing/search/optimize.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/population.hpp"
@@ -200,6 +201,68 @@ TEST_CASE("search: a planner answers for any drop, without allocating") {
       CHECK(plan.value == Approx(exact).epsilon(1e-7));
     }
     CHECK_THROWS_AS(planner.plan(scene.drop, 0), InputError);
+  }
+}
+
+TEST_CASE("search: a planner in the air answers as the search does, time after time, without allocating") {
+  const SeaParameters<double> sea = table2();
+  Scene scene = scene_of("paper");
+  const double phi = -45 * kDegree, g = scene.robot.gravity, height = scene.drop.height;
+  scene.release = Release{phi};
+  scene.freedom.bumps = 2;
+  Planner planner(scene, sea, {.goal = Goal::kPeak});
+  const auto falling = [&](double gone) {
+    return FallState{.height = height - 0.5 * g * gone * gone,
+                     .forward_speed = scene.drop.forward_speed,
+                     .pitch = scene.drop.pitch,
+                     .phi = phi,
+                     .gone = gone};
+  };
+  std::optional<Plan> last;
+  for (const double gone : {0.0, 0.05}) {
+    const double deadline = 0.1;
+    const long before = allocations;
+    const Plan plan = planner.plan(falling(gone), deadline);
+    CHECK(allocations == before);
+    REQUIRE(plan.found);
+    REQUIRE(plan.motion.reposition);
+    CHECK(plan.motion.reposition->phi == phi);
+    CHECK(plan.motion.reposition->from == deadline);
+    Scene now = scene;
+    now.drop.height = height - 0.5 * g * gone * gone, now.drop.vertical_speed = -g * gone;
+    now.release = Release{phi, 0, deadline};
+    CHECK(plan.value == Approx(peak_acceleration(now, sea, plan.motion, {.accuracy = 1e-10}).peak).epsilon(1e-7));
+    // What was found before is tried again, its end where it was, though its move begins later now.
+    if (last) {
+      Motion kept = last->motion;
+      kept.reposition->from = deadline, kept.reposition->to -= gone;
+      CHECK(plan.value <= peak_acceleration(now, sea, kept, {.accuracy = 1e-10}).peak * 1.001);
+    }
+    last = plan;
+  }
+  // A vertical speed that is measured counts in place of the time gone.
+  FallState measured = falling(0.05);
+  measured.vertical_speed = -g * 0.05, measured.gone = 0;
+  CHECK(planner.plan(measured, 0.05).found);
+  CHECK_THROWS_AS(planner.plan(falling(0.2), 0.1), InputError);  // the floor comes 85 ms later
+  CHECK_THROWS_AS(planner.plan(falling(0), 0), InputError);
+  Planner at_phi_i(scene_of("paper"), sea, {.goal = Goal::kPeak});
+  CHECK_THROWS_AS(at_phi_i.plan(falling(0), 0.1), InputError);
+}
+
+TEST_CASE("search: where the floor ends the move in the air, the landing motion from there keeps the rate") {
+  Scene scene = scene_of("paper");
+  const SeaParameters<double> sea = table2();
+  Motion cut{-80 * kDegree, -80 * kDegree, 0.15};
+  cut.reposition = Reposition{-45 * kDegree, 0, 0.1, 0.8};  // the floor comes at 0.29 s
+  scene.detection_delay = 0.01;
+  const Landing landing = simulate(scene, sea, cut);
+  REQUIRE(landing.touches.front().t_touchdown == landing.contacts.first());
+  const double rate = peak_reference_rate(cut, landing.contacts.first() + 0.01);
+  CHECK(rate > 2 * peak_reference_rate(cut));
+  for (const double limit : {0.99 * rate, 1.01 * rate}) {
+    Objective o(scene, sea, {.reference_rate = limit});
+    CHECK((o.verified({cut, sea}, 1e-9) < kNoMotion) == (limit > rate));
   }
 }
 

@@ -271,6 +271,8 @@ TEST_CASE("two_link: Jet derivatives of the field are its central differences") 
   scene.robot.mass = {0.7, 1.1}, scene.robot.inertia_com = {4e-3, 9e-3};
   SeaParameters<double> sea = table2();
   sea.friction = 0.4, sea.k_sea_cubic = 90;
+  sea.output_friction = 0.3, sea.output_viscous = 0.2, sea.friction_asymmetry = 0.3;
+  sea.output_friction_asymmetry = -0.2, sea.breakaway = 0.5, sea.stribeck_speed = 2;
   INFO("seed " << kSeed);
   for (std::uint64_t i = 0; i < 40; ++i) {
     INFO("draw " << i);
@@ -303,7 +305,7 @@ TEST_CASE("two_link: Jet derivatives of the field are its central differences") 
                c == Contact::kPressed ? normal_force(floor, height(link, pose, j), velocity_y(link, pose, j)) : Jet(0));
     }
     const Jet tau = limited_torque<kExtended>(p, spring_torque<kExtended>(p, s), system.saturation);
-    const Accelerations<Jet> acc = solve(link, pose, tau, load);
+    const Accelerations<Jet> acc = solve(link, pose, output_torque<kExtended>(p, s.dphi, tau), load);
     const Reference<double> ref = system.reference(t);
     JetState dx;
     dx << x[kVx], x[kVy], x[kOmega0], x[kOmega1], x[kOmegaM], acc.x, acc.y, acc.theta0, acc.theta1,

@@ -100,6 +100,24 @@ TEST_CASE("sea: dry friction is odd, smooth within its speed, and saturates") {
   CHECK(friction_torque<kPlain>(p, 1.0) == 0);
 }
 
+TEST_CASE("sea: friction on both sides, by direction, from its breakaway on") {
+  SeaParameters<double> p = table2();
+  p.friction = 0.7, p.friction_asymmetry = 0.2, p.viscous = 0.3;
+  p.output_friction = 0.4, p.output_friction_asymmetry = -0.5, p.output_viscous = 0.1;
+  const auto motor = [&](double v) { return friction_torque<kExtended>(p, v); };
+  const auto output = [&](double v) { return 8.0 - output_torque<kExtended>(p, v, 8.0); };
+  CHECK(output_torque<kPlain>(p, 1.0, 8.0) == 8);
+  CHECK(motor(2) == Approx(0.7 * 1.2 + 0.6).epsilon(1e-5));
+  CHECK(motor(-2) == Approx(-0.7 * 0.8 - 0.6).epsilon(1e-5));
+  CHECK(output(2) == Approx(0.4 * 0.5 + 0.2).epsilon(1e-5));
+  CHECK(output(-2) == Approx(-0.4 * 1.5 - 0.2).epsilon(1e-5));
+  CHECK(output(0) == 0);
+  p.breakaway = 0.5, p.stribeck_speed = 1;
+  CHECK(motor(2) == Approx(0.7 * 1.2 * (1 + 0.5 * std::exp(-2.0)) + 0.6).epsilon(1e-4));
+  CHECK(output(-0.2) == Approx(-0.4 * 1.5 * (1 + 0.5 * std::exp(-0.2)) - 0.02).epsilon(1e-3));
+  CHECK(output(-20) == Approx(-0.4 * 1.5 - 2).epsilon(1e-6));
+}
+
 TEST_CASE("sea: the motor's acceleration, Eq. 4") {
   const SeaState<double> s{.phi = 0.1, .phi_m = 0.3, .dphi = 2, .dphi_m = -1};
   const Reference<double> ref{-0.4, 0.5};

@@ -18,13 +18,6 @@ Actuator actuator_of(const std::string& path, Run& run) {
   return actuator;
 }
 
-std::string left_out_of_landing(const SeaParameters<double>& sea) {
-  std::string out;
-  for (const OptionalConstant& c : optional_constants())
-    if (!c.in_landing && sea.*c.at != c.absent) out += (out.empty() ? "" : ", ") + std::string(c.key);
-  return out;
-}
-
 void require_gains(const Actuator& actuator, const Location& where) {
   if (by_command(actuator.sea))
     throw InputError(where,
@@ -35,8 +28,6 @@ void require_gains(const Actuator& actuator, const Location& where) {
 Actuator landing_actuator_of(const std::string& path, Run& run) {
   Actuator actuator = actuator_of(path, run);
   require_gains(actuator, {path});
-  const std::string left_out = left_out_of_landing(actuator.sea);
-  if (!left_out.empty()) run.warn(fmt::format("{}: not part of a landing, left out: {}", path, left_out));
   return actuator;
 }
 

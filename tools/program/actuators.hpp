@@ -12,14 +12,11 @@ namespace ukemi::tools {
 /// Reads the file, lists it among the run's inputs, and warns of every constant that its fit did not trust.
 Actuator actuator_of(const std::string& path, Run& run);
 
-/// The same for a landing: see require_gains. Warns of friction that it leaves out.
+/// The same for a landing: see require_gains.
 Actuator landing_actuator_of(const std::string& path, Run& run);
 
 /// A landing's motor follows Eq. 3: throws InputError where the drive was identified by its command, without K_p and
 /// K_d.
 void require_gains(const Actuator& actuator, const Location& where);
-
-/// Friction that a landing leaves out, where the actuator has it: names at commas, else empty.
-std::string left_out_of_landing(const SeaParameters<double>& sea);
 
 }  // namespace ukemi::tools

@@ -55,8 +55,8 @@ identify::Trial read_any(const std::string& path, const TrialArguments& a, const
   const bool binary = identify::is_hebilog(path);
   if (!binary && (!a.columns.empty() || !identify::is_hebi_csv(path))) return identify::read_trial(path, csv);
   const identify::HebiLog log = binary ? identify::read_hebilog(path) : identify::read_hebi_csv(path);
-  identify::Trial trial =
-      identify::hebi_trial(log, {.module = a.module, .angles = a.angles, .gear_ratio = rig.gear_ratio});
+  identify::Trial trial = identify::hebi_trial(
+      log, {.module = a.module, .angles = a.angles, .gear_ratio = rig.gear_ratio, .effort = a.effort});
   modules.push_back(module_json(path, identify::choose_module(log, a.module)));
   return trial;
 }
@@ -66,6 +66,9 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
                   "t=Time,phi=-defl_deg,force=0.001*Fy,...: a CSV trial's columns by other names; a minus flips the "
                   "sign, a number scales; suffixes _ms, _deg, _mrad, _N, _kN convert");
   verb.add_option("--module", a.module, "module of the HEBI logs: name, FAMILY/NAME or number [the only one]");
+  verb.add_flag_callback(
+      "--hebi-effort", [&a] { a.effort = identify::HebiTrialOptions::Effort::kTorque; },
+      "a HEBI log's effort is the trial's torque; its scale, torque_gain, is fitted along");
   verb.add_flag_callback(
       "--multi-turn", [&a] { a.angles = identify::TrialOptions::Angles::kMultiTurn; }, "angles beyond 2 pi are meant");
   verb.add_option("--force-log", a.force_logs,

@@ -7,6 +7,7 @@
 
 #include "identify/fit/fit.hpp"
 #include "identify/logs/force_log.hpp"
+#include "identify/logs/hebi_trial.hpp"
 #include "tools/program/output.hpp"
 
 namespace ukemi::tools {
@@ -16,6 +17,7 @@ struct TrialArguments {
   std::string columns;  ///< of CSV trials
   std::string module;   ///< of HEBI logs
   identify::TrialOptions::Angles angles = identify::TrialOptions::Angles::kOneTurn;
+  identify::HebiTrialOptions::Effort effort = identify::HebiTrialOptions::Effort::kIgnored;
   std::vector<std::string> force_logs;  ///< none, one for all trials, or one each
   std::string force_columns;
   identify::ForceClock force_clock = identify::ForceClock::kOwn;
@@ -33,7 +35,8 @@ struct TrialInputs {
       Json::object();  ///< "force_logs", "force_noise", "modules", "gains", each where there is something to say
 };
 
-/// --columns, --module, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise, --force-curve,
+/// --columns, --module, --hebi-effort, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise,
+/// --force-curve,
 /// --gains, --trial-rig, --drive.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
 

@@ -20,7 +20,8 @@ using tools::IdentifyQuestion;
 
 Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::optional<Numbers>& force,
                const std::optional<Numbers>& phi_ref, const std::optional<Numbers>& dphi_ref,
-               const std::optional<Numbers>& phi_motor, bool multi_turn, const std::string& name) {
+               const std::optional<Numbers>& phi_motor, const std::optional<Numbers>& torque, bool multi_turn,
+               const std::string& name) {
   Trial out;
   out.file = name;
   out.t = column("t", t);
@@ -36,7 +37,7 @@ Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::o
   };
   load("phi", phi, out.phi, !multi_turn), load("force", force, out.force, false);
   load("phi_ref", phi_ref, out.phi_ref, !multi_turn), load("dphi_ref", dphi_ref, out.dphi_ref, false);
-  load("phi_motor", phi_motor, out.phi_motor, !multi_turn);
+  load("phi_motor", phi_motor, out.phi_motor, !multi_turn), load("torque", torque, out.torque, false);
   if (out.force.empty() && out.phi_ref.empty())
     throw InputError(name + ": no force and no phi_ref: at least one excitation is needed");
   if (!out.dphi_ref.empty() && out.phi_ref.empty()) throw InputError(name + ": dphi_ref without phi_ref");
@@ -123,16 +124,18 @@ void bind_inputs(py::module_& m) {
   c.def(
       py::init(&trial_of),
       "Times t [s]; measured angles phi and phi_motor [rad], force at the link's tip [N], reference phi_ref [rad] and "
-      "dphi_ref [rad/s]: arrays as long as t, or None. multi_turn: angles beyond 2 pi are meant.",
+      "dphi_ref [rad/s], measured torque of the spring [Nm]: arrays as long as t, or None. multi_turn: angles beyond 2 "
+      "pi are meant.",
       py::arg("t"), py::arg("phi") = py::none(), py::arg("force") = py::none(), py::arg("phi_ref") = py::none(),
-      py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("multi_turn") = false,
-      py::arg("name") = "trial");
+      py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("torque") = py::none(),
+      py::arg("multi_turn") = false, py::arg("name") = "trial");
   const std::pair<const char*, std::pair<std::vector<double> Trial::*, const char*>> kept[] = {
       {"t", {&Trial::t, "Times [s]."}},
       {"phi", {&Trial::phi, "Measured output angle [rad]."}},
       {"force", {&Trial::force, "Force at the link's tip [N]."}},
       {"phi_ref", {&Trial::phi_ref, "Reference [rad]."}},
-      {"phi_motor", {&Trial::phi_motor, "Measured angle of the motor at the output side [rad]."}}};
+      {"phi_motor", {&Trial::phi_motor, "Measured angle of the motor at the output side [rad]."}},
+      {"torque", {&Trial::torque, "Measured torque of the spring [Nm]."}}};
   for (const auto& [name, what] : kept)
     c.def_property_readonly(
         name, [member = what.first](const py::object& self) { return view(self.cast<const Trial&>().*member, self); },
@@ -169,7 +172,10 @@ void bind_identify(py::module_& m) {
           "Predicted output angle [rad].")
       .def_property_readonly(
           "phi_motor", [](const py::object& self) { return view(self.cast<const TrialResult&>().phi_m, self); },
-          "Predicted angle of the motor [rad].");
+          "Predicted angle of the motor [rad].")
+      .def_property_readonly(
+          "torque", [](const py::object& self) { return view(self.cast<const TrialResult&>().torque, self); },
+          "Predicted torque of the spring [Nm].");
   py::class_<Identified> c(m, "Identification", "A fit of the actuator's constants, and how far it can be trusted.");
   bind_estimates(
       c, +[](const Identified& i) -> const Estimates& { return i.found.fit; });

@@ -32,17 +32,19 @@ const Quantities<identify::TrialResult> kTrialQuantities = {
     {"", "samples", "samples", {}, &identify::TrialResult::samples},
     {"", "rms", "residual rms [rad]", "{:.4g}", &identify::TrialResult::rms},
     {"", "rms_rate", "of its rate [rad/s]", "{:.4g}", &identify::TrialResult::rms_rate},
+    {"", "rms_torque", "of its torque [Nm]", "{:.4g}", &identify::TrialResult::rms_torque},
     {"", "noise", "log's own noise [rad]", "{:.4g}", &identify::TrialResult::noise},
     {"", "", "rollout", {}, [](auto& t) { return name(t.status); }},
 };
 
 std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit& fit) {
   CsvWriter csv = run.csv();
-  bool motor = false;
-  for (const Trial& t : trials) motor = motor || !t.phi_motor.empty();
-  csv.comment("residual = phi_sim - phi; trial counts from 1. Units: s, rad.");
+  bool motor = false, torque = false;
+  for (const Trial& t : trials) motor = motor || !t.phi_motor.empty(), torque = torque || !t.torque.empty();
+  csv.comment("residual = phi_sim - phi; trial counts from 1. Units: s, rad, Nm.");
   std::vector<std::string> header = {"trial", "t", "phi", "phi_sim", "residual"};
   if (motor) header.insert(header.end(), {"phi_motor", "phi_motor_sim", "residual_motor"});
+  if (torque) header.insert(header.end(), {"torque", "torque_sim", "residual_torque"});
   csv.header(header);
   const auto at = [](const std::vector<double>& v, std::size_t i) { return v.empty() ? NAN : v[i]; };
   for (std::size_t m = 0; m < trials.size(); ++m) {
@@ -51,6 +53,7 @@ std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit&
     for (std::size_t i = 0; i < t.samples(); ++i) {
       csv.cell(long(m + 1)).cell(t.t[i]).cell(at(t.phi, i)).cell(at(r.phi, i)).cell(at(r.phi, i) - at(t.phi, i));
       if (motor) csv.cell(at(t.phi_motor, i)).cell(at(r.phi_m, i)).cell(at(r.phi_m, i) - at(t.phi_motor, i));
+      if (torque) csv.cell(at(t.torque, i)).cell(at(r.torque, i)).cell(at(r.torque, i) - at(t.torque, i));
       csv.end_row();
     }
   }
@@ -141,8 +144,6 @@ void tell(const LandingOfFit& l, const Fit& fit, Report& report, Json& summary, 
   report.paragraph(text + ".");
   if (l.failed > 0)
     run.warn(fmt::format("landing: {} of the drawn actuators gave none that could be followed", l.failed));
-  if (const std::string left_out = left_out_of_landing(fit.sea); !left_out.empty())
-    run.warn("landing: not part of it, left out: " + left_out);
 }
 
 void warn(const IdentifyQuestion& q, const identify::Identification& found, Run& run) {

@@ -105,6 +105,14 @@ void choose_drive(IdentifyQuestion& q) {
   q.options.validate();
 }
 
+/// HEBI's effort follows from its deflection: without its own scale it would give the module's spring constant back.
+void scale_effort(const TrialArguments& a, IdentifyQuestion& q) {
+  identify::Terms<identify::RigTerm>& terms = q.options.terms;
+  const bool effort = a.effort == identify::HebiTrialOptions::Effort::kTorque;
+  if (effort && q.verb == IdentifyQuestion::Verb::kIdentify && !terms.fits("torque_gain"))
+    terms.nuisance.push_back("torque_gain");
+}
+
 /// What the trials must hold. From rest, one without excitation says nothing; one let go from elsewhere does.
 TrialNeeds needs_of(const IdentifyQuestion& q) {
   TrialNeeds needs;
@@ -151,6 +159,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   q.trials = std::move(inputs.trials);
   q.base = base_of(q.rig, q.given);
   choose_drive(q);
+  scale_effort(a.reading, q);
   const std::optional<AskedLanding> asked = asked_landing(a, q, run);
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));
