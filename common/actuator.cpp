@@ -31,6 +31,7 @@ const std::vector<OptionalConstant>& optional_constants() {
       {"output_viscous", &Sea::output_viscous, "Nm/(rad/s)", level},
       {"breakaway", &Sea::breakaway, "of both dry frictions", level},
       {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), Sea{}.stribeck_speed},
+      {"spring_loss", &Sea::spring_loss, "of the spring's torque", level},
       {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level},
   };
   return list;

@@ -7,7 +7,7 @@ namespace ukemi {
 double growth_rate(const SeaParameters<double>& sea, double inertia) {
   constexpr SeaTerms kTerms{.torque_limit = false, .extended = true};
   SeaParameters<double> linear = sea;
-  linear.friction = linear.output_friction = linear.k_sea_cubic = 0;
+  linear.friction = linear.spring_loss = linear.output_friction = linear.k_sea_cubic = 0;
   Eigen::Matrix4d a;  // of [phi_1 phi_m dphi_1 dphi_m], column by column
   for (int j = 0; j < 4; ++j) {
     const Eigen::Vector4d y = Eigen::Vector4d::Unit(j);

@@ -41,6 +41,7 @@ struct SeaParameters {
   T output_friction_asymmetry = T(0);  ///< of `output_friction`; -1..1
   T breakaway = T(0);                  ///< of both Coulomb torques, see stribeck; >= 0; 0: none
   T stribeck_speed = T(0.05);          ///< v_s of the same [rad/s], > 0
+  T spring_loss = T(0);  ///< eta, dry friction on the motor that grows with the spring's torque, see loaded
 
   /// The same constants in another scalar.
   template <class U>
@@ -57,7 +58,7 @@ struct SeaParameters {
     f(a.tau_max, b.tau_max), f(a.friction, b.friction), f(a.k_sea_cubic, b.k_sea_cubic), f(a.viscous, b.viscous);
     f(a.k_t, b.k_t), f(a.output_friction, b.output_friction), f(a.output_viscous, b.output_viscous);
     f(a.friction_asymmetry, b.friction_asymmetry), f(a.output_friction_asymmetry, b.output_friction_asymmetry);
-    f(a.breakaway, b.breakaway), f(a.stribeck_speed, b.stribeck_speed);
+    f(a.breakaway, b.breakaway), f(a.stribeck_speed, b.stribeck_speed), f(a.spring_loss, b.spring_loss);
   }
 };
 
@@ -70,7 +71,7 @@ struct SeaTerms {
 /// True where `p` needs the extended kernel.
 inline bool is_extended(const SeaParameters<double>& p) {
   return p.friction != 0 || p.viscous != 0 || p.output_friction != 0 || p.output_viscous != 0 || p.k_sea_cubic != 0 ||
-         p.feedback == Feedback::kMotor;
+         p.spring_loss != 0 || p.feedback == Feedback::kMotor;
 }
 
 /// Angles and rates on both sides of the spring.
@@ -142,6 +143,15 @@ T coulomb_level(const T& mean, const T& asymmetry, int direction) {
   return mean * (T(1) + T(direction) * asymmetry);
 }
 
+/// tau_c + eta |tau_SEA|: a transmission rubs the more the more it carries. |tau| = sqrt(tau^2 + e^2) - e, e = 10 mNm
+/// [Nm]. Ours.
+template <class T>
+T loaded(const T& tau_c, const T& eta, const T& tau_sea) {
+  using std::sqrt;
+  constexpr double kSmall = 0.01;  // e
+  return tau_c + eta * (sqrt(tau_sea * tau_sea + T(kSmall * kSmall)) - T(kSmall));
+}
+
 /// Stribeck's factor of a Coulomb torque at a speed: 1 + breakaway exp(-speed / v_s), so that a side breaks away at
 /// 1 + breakaway times what it slides with. speed >= 0 [rad/s]. Ours.
 template <class T>
@@ -163,9 +173,9 @@ T smoothed_friction(const SeaParameters<T>& p, const T& mean, const T& asymmetry
 
 /// On the motor, in Eq. 4.
 template <SeaTerms kTerms, Scalar T>
-T friction_torque(const SeaParameters<T>& p, const T& dphi_m) {
+T friction_torque(const SeaParameters<T>& p, const T& dphi_m, const T& tau_sea) {
   if constexpr (kTerms.extended)
-    return smoothed_friction(p, p.friction, p.friction_asymmetry, p.viscous, dphi_m);
+    return smoothed_friction(p, loaded(p.friction, p.spring_loss, tau_sea), p.friction_asymmetry, p.viscous, dphi_m);
   else
     return T(0);
 }
@@ -182,7 +192,7 @@ T output_torque(const SeaParameters<T>& p, const T& dphi, const T& tau_sea) {
 template <SeaTerms kTerms, Scalar T>
 T motor_acceleration(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref, const T& tau_sea) {
   T torque = motor_torque<kTerms>(p, s, ref) - tau_sea;
-  if constexpr (kTerms.extended) torque -= friction_torque<kTerms>(p, s.dphi_m);
+  if constexpr (kTerms.extended) torque -= friction_torque<kTerms>(p, s.dphi_m, tau_sea);
   return torque / p.i_motor;
 }
 

@@ -16,6 +16,7 @@ struct Effects {
   double viscous = 0;     ///< friction of the motor [Nm/(rad/s)]
   double dry = 0;         ///< Coulomb friction of the motor, sticking [Nm]
   double breakaway = 0;   ///< of it, falling by exp(-speed / 0.05 rad/s)
+  double loss = 0;        ///< of the spring's torque, beside `dry`, with |tau| rounded within 10 mNm
   double force_gain = 1;  ///< logged force over true force
   double load_cell = 0;   ///< standard deviation of the logged force's noise [N]
   double angle_noise = 1e-3;
@@ -46,13 +47,15 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     return -kP * y.phi - kD * y.omega - effects.viscous * y.omega_m - spring(y);
   };
   int slip = 0;  // sign of the motor's motion; 0: it sticks, where there is friction
-  const auto rubbing = [&](double rate) {
-    return effects.dry * (1 + effects.breakaway * std::exp(-std::abs(rate) / 0.05));
+  const bool rubs = effects.dry > 0 || effects.loss > 0;
+  const auto rubbing = [&](const State& y) {
+    const double carried = std::hypot(spring(y), 0.01) - 0.01;
+    return (effects.dry + effects.loss * carried) * (1 + effects.breakaway * std::exp(-std::abs(y.omega_m) / 0.05));
   };
   const auto field = [&](const State& y, double f) {
-    const bool stuck = effects.dry > 0 && slip == 0;
+    const bool stuck = rubs && slip == 0;
     return State{y.omega, stuck ? 0 : y.omega_m, (spring(y) + kLength * std::cos(y.phi) * f) / kInertia,
-                 stuck ? 0 : (on_motor(y) - slip * rubbing(y.omega_m)) / iMotor};
+                 stuck ? 0 : (on_motor(y) - slip * rubbing(y)) / iMotor};
   };
   State y;
   std::vector<double> out{0};
@@ -61,7 +64,7 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     const double h = (t[i + 1] - t[i]) / steps;
     for (int k = 0; k < steps; ++k) {
       const auto f = [&](double part) { return force(t[i] + (k + part) * h); };
-      if (effects.dry > 0 && slip == 0 && std::abs(on_motor(y)) > rubbing(0)) slip = on_motor(y) > 0 ? 1 : -1;
+      if (rubs && slip == 0 && std::abs(on_motor(y)) > rubbing(y)) slip = on_motor(y) > 0 ? 1 : -1;
       const State a = field(y, f(0)), b = field(y.plus(h / 2, a), f(0.5)), c = field(y.plus(h / 2, b), f(0.5)),
                   d = field(y.plus(h, c), f(1));
       y = y.plus(h / 6, a).plus(h / 3, b).plus(h / 3, c).plus(h / 6, d);

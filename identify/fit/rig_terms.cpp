@@ -132,6 +132,11 @@ std::vector<RigTerm> table() {
                                   [](auto& in) { return &in.sea.k_t; }),
                          1, &Sea::k_t, "k_t"),
                 {&Sea::k_t}),
+      // Where something is carried something rubs: friction is asked for first.
+      only_with(stored(bounded(nuisance("spring_loss", "1", "dry friction on the motor over the spring's torque",
+                                        kShared, 0.05, [](auto& in) { return &in.sea.spring_loss; }),
+                               0, 1, 0)),
+                {&Sea::friction}),
       // As much torque as the linear part at a deflection of 1 rad.
       in_ladder(optional(nuisance("stiffening", "Nm/rad^3", "cubic stiffness of the spring", kShared, 10,
                                   [](auto& in) { return &in.sea.k_sea_cubic; }),

@@ -76,6 +76,7 @@ class OneLinkSystem {
   Excitation<T> input;
   RigMode mode;
   bool stribeck = false;  ///< friction falls with speed, or a derivative by it does
+  bool lossy = false;     ///< the same of `spring_loss`
 
   static SeaState<T> sea_state(const State& y) { return {y[kPhi], y[kPhiM], y[kOmega], y[kOmegaM]}; }
 
@@ -105,9 +106,11 @@ class OneLinkSystem {
     }
     return {on_output, on_motor + motor_torque<kTerms>(sea, s, reference(u))};
   }
-  /// L(direction) of a side at a speed >= 0 in that direction [Nm].
-  T level(int side, int direction, const T& speed = T(0)) const {
-    const T sliding = side == kMotorSide ? coulomb_level(sea.friction, sea.friction_asymmetry, direction)
+  /// L(direction) of a side in the angles of y, at a speed >= 0 in that direction [Nm].
+  T level(int side, int direction, const State& y, const T& speed = T(0)) const {
+    const T of_motor =
+        lossy && side == kMotorSide ? loaded(sea.friction, sea.spring_loss, spring_on_output(y)) : sea.friction;
+    const T sliding = side == kMotorSide ? coulomb_level(of_motor, sea.friction_asymmetry, direction)
                                          : coulomb_level(sea.output_friction, sea.output_friction_asymmetry, direction);
     return stribeck ? T(sliding * ukemi::stribeck(sea.breakaway, sea.stribeck_speed, speed)) : sliding;
   }
@@ -118,8 +121,7 @@ class OneLinkSystem {
     std::array<T, kSides> torque = torques(t, y);
     if constexpr (kTerms.extended)
       for (const int side : {kOutputSide, kMotorSide})
-        if (mode.rubs[side])
-          torque[side] = mode.slip[side] == 0 ? T(0) : T(torque[side] - friction_of(side, y[rate_of(side)]));
+        if (mode.rubs[side]) torque[side] = mode.slip[side] == 0 ? T(0) : T(torque[side] - friction_of(side, y));
     dy[kPhi] = y[kOmega];
     dy[kPhiM] = y[kOmegaM];
     dy[kOmega] = torque[kOutputSide] * T(inverse_inertia_);
@@ -137,7 +139,7 @@ class OneLinkSystem {
     std::array<U, 4> force;
     for (std::size_t i = 0; i < force.size(); ++i) force[i] = U(value_of(input.force[i]));
     out.input = input.with_force(input.pushed, force);
-    out.mode = mode, out.stribeck = stribeck;
+    out.mode = mode, out.stribeck = stribeck, out.lossy = lossy;
     return out;
   }
 
@@ -173,7 +175,7 @@ class OneLinkSystem {
         mode.slip[side] = guard == upward(side) ? 1 : -1;
       } else {  // it stays, or turns where what moves it is beyond the level of the other direction
         const int back = -mode.slip[side];
-        mode.slip[side] = back * value_of(torques(t, y)[std::size_t(side)]) > value_of(level(side, back)) ? back : 0;
+        mode.slip[side] = back * value_of(torques(t, y)[std::size_t(side)]) > value_of(level(side, back, y)) ? back : 0;
       }
     }
   }
@@ -197,9 +199,9 @@ class OneLinkSystem {
         const double rate = value_of(y[rate_of(side)]), moving = value_of(torque[std::size_t(side)]);
         if (rate != 0)
           mode.slip[side] = rate > 0 ? 1 : -1;
-        else if (moving > value_of(level(side, 1)))
+        else if (moving > value_of(level(side, 1, y)))
           mode.slip[side] = 1;
-        else if (-moving > value_of(level(side, -1)))
+        else if (-moving > value_of(level(side, -1, y)))
           mode.slip[side] = -1;
       }
     }
@@ -214,9 +216,9 @@ class OneLinkSystem {
   static constexpr int upward(int side) { return kRub + 2 * side; }
 
   /// Of a side that slips, along its rate [Nm].
-  T friction_of(int side, const T& rate) const {
+  T friction_of(int side, const State& y) const {
     const T direction(mode.slip[side]);
-    return direction * level(side, mode.slip[side], direction * rate);
+    return direction * level(side, mode.slip[side], y, T(direction * y[rate_of(side)]));
   }
 
   template <class Time>
@@ -259,8 +261,8 @@ class OneLinkSystem {
       if (const int slip = mode.slip[side]; slip != 0) {
         set(upward(side), Rate(slip) * x[rate_of(side)] + Rate(kRounding));
       } else {
-        set(upward(side), moving.level(side, 1) - torque[std::size_t(side)]);
-        set(upward(side) + 1, moving.level(side, -1) + torque[std::size_t(side)]);
+        set(upward(side), moving.level(side, 1, x) - torque[std::size_t(side)]);
+        set(upward(side) + 1, moving.level(side, -1, x) + torque[std::size_t(side)]);
       }
     }
   }

@@ -14,7 +14,7 @@ RolloutStatus rollout(const Rig& common, const SeaParameters<T>& sea, const Nuis
   const Rig& rig = trial.trial->rig_or(common);
   const bool extended = rig.drive.kind != Drive::Kind::kGains || present(sea.friction) || present(sea.viscous) ||
                         present(sea.output_friction) || present(sea.output_viscous) || present(sea.k_sea_cubic) ||
-                        rig.gravity.moment != 0 || sea.feedback == Feedback::kMotor;
+                        present(sea.spring_loss) || rig.gravity.moment != 0 || sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
     if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m, torque);
   // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening

@@ -60,11 +60,12 @@ class Roll {
       plain_.command_limit = value_of(system_.command_limit);
     }
     if constexpr (kTerms.extended)
-      system_.mode.rubs[kMotorSide] = present(sea.friction),
+      system_.lossy = present(sea.spring_loss), system_.mode.rubs[kMotorSide] = system_.lossy || present(sea.friction),
       system_.mode.rubs[kOutputSide] = present(sea.output_friction),
       system_.stribeck = system_.mode.rubbing() && present(sea.breakaway);
     exact_ = kExact && options.linear == RolloutOptions::Linear::kExact && t_.size() > 1 &&
-             !(kTerms.extended && (present(sea.k_sea_cubic) || system_.stribeck || rig.gravity.moment != 0));
+             !(kTerms.extended &&
+               (present(sea.k_sea_cubic) || system_.stribeck || system_.lossy || rig.gravity.moment != 0));
   }
 
   RolloutStatus run() {

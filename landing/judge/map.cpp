@@ -180,4 +180,21 @@ std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const Pe
   return out;
 }
 
+std::vector<double> peak_slice(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                               const MotionRange& x, const MotionRange& y, int cells, int threads) {
+  std::vector<BatchCase> cases;
+  for (int j = 0; j < cells; ++j)
+    for (int i = 0; i < cells; ++i) {
+      Motion m = motion;
+      m.*x.number = std::lerp(x.low, x.high, double(i) / (cells - 1));
+      m.*y.number = std::lerp(y.low, y.high, double(j) / (cells - 1));
+      cases.push_back({&scene, &sea, m});
+    }
+  std::vector<LandingPeak> peaks(cases.size());
+  batch_peaks(cases, peaks, {.feedback = sea.feedback}, threads);
+  std::vector<double> out;
+  for (const LandingPeak& p : peaks) out.push_back(no_landing(p.end) ? std::nan("") : p.peak);
+  return out;
+}
+
 }  // namespace ukemi::landing

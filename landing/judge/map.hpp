@@ -41,6 +41,16 @@ struct PeakMap {
   std::vector<std::size_t> neighbours(std::size_t index) const;
 };
 
+/// A number of a motion, from one value to another.
+struct MotionRange {
+  double Motion::*number;
+  double low, high;
+};
+/// The peaks of a motion where two of its numbers go over their ranges, `cells` values each (>= 2), the others as they
+/// are; row by row, the first row at y.low [m/s^2]. NaN where a landing could not be followed.
+[[nodiscard]] std::vector<double> peak_slice(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                                             const MotionRange& x, const MotionRange& y, int cells, int threads = 0);
+
 /// Every point of the grid, on all lanes and threads, until the monitor stops it.
 [[nodiscard]] PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options = {});
 

@@ -45,6 +45,7 @@ TEST_CASE("batch: the field in a lane is the field of a double, in every mode") 
   SeaParameters<double> sea = table2();
   sea.friction = 0.2, sea.k_sea_cubic = 30;
   sea.output_friction = 0.1, sea.output_friction_asymmetry = 0.3, sea.output_viscous = 0.05, sea.breakaway = 0.4;
+  sea.spring_loss = 0.05;
   Motion motion{-0.5, -1.2, 0.3};
   motion.bumps = {0.3, -0.2, 0.1, 0.4};
   Lanes lanes(scene, sea.cast<Pack<W>>(), {Pack<W>(-0.5), Pack<W>(-1.2), Pack<W>(0.3)});

@@ -49,8 +49,8 @@ void check_landing() {
     SeaParameters<double> sea{r.uniform(0, 100), r.uniform(0, 3),      r.uniform(1, 200),
                               r.uniform(0, 3),   r.uniform(0.01, 0.2), 20};
     if (kTerms.sea.extended)
-      sea.output_friction = 0.2, sea.breakaway = 0.5, sea.output_viscous = 0.1, sea.friction = 0.3,
-      sea.k_sea_cubic = 50, sea.feedback = i % 2 ? Feedback::kMotor : Feedback::kOutput;
+      sea.output_friction = 0.2, sea.breakaway = 0.5, sea.spring_loss = 0.05, sea.output_viscous = 0.1,
+      sea.friction = 0.3, sea.k_sea_cubic = 50, sea.feedback = i % 2 ? Feedback::kMotor : Feedback::kOutput;
     const Motion motion{r.uniform(-1.5, 0), r.uniform(-1.5, 0), 0.3};
     LandingSystem<kTerms, kAccounts> system(scene, sea, motion);
     for (Contact& c : system.contact) c = Contact(int(r.uniform(0, 3)));

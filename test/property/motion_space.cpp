@@ -137,6 +137,21 @@ TEST_CASE("motion space: a planner plans in it") {
   CHECK(plan.value == Approx(peak_acceleration(scene, plan.sea, plan.motion, {.accuracy = 1e-10}).peak).epsilon(1e-5));
 }
 
+TEST_CASE("map: a slice holds the peaks of its motions, the first row lowest") {
+  Scene scene = paper();
+  const Motion m{-0.7, -1.2, 0.3, {0.3, 0, 0, 0}};
+  const auto peaks = peak_slice(scene, table2(), m, {&Motion::phi_i, -0.9, -0.5}, {&Motion::duration, 0.2, 0.4}, 3, 1);
+  REQUIRE(peaks.size() == 9);
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      Motion at = m;
+      at.phi_i = -0.9 + 0.2 * i, at.duration = 0.2 + 0.1 * j;
+      CHECK(peaks[std::size_t(3 * j + i)] == Approx(peak_acceleration(scene, table2(), at).peak).epsilon(1e-3));
+    }
+  scene.contacts = {};  // never a landing
+  CHECK(std::isnan(peak_slice(scene, table2(), m, {&Motion::phi_i, -0.9, -0.5}, {&Motion::phi_f, -1, 0}, 2, 1)[0]));
+}
+
 TEST_CASE("motion space: ranges must be ranges") {
   class Bare : public MotionSpace {
    public:

@@ -272,7 +272,7 @@ TEST_CASE("two_link: Jet derivatives of the field are its central differences") 
   SeaParameters<double> sea = table2();
   sea.friction = 0.4, sea.k_sea_cubic = 90;
   sea.output_friction = 0.3, sea.output_viscous = 0.2, sea.friction_asymmetry = 0.3;
-  sea.output_friction_asymmetry = -0.2, sea.breakaway = 0.5, sea.stribeck_speed = 2;
+  sea.output_friction_asymmetry = -0.2, sea.breakaway = 0.5, sea.stribeck_speed = 2, sea.spring_loss = 0.1;
   INFO("seed " << kSeed);
   for (std::uint64_t i = 0; i < 40; ++i) {
     INFO("draw " << i);

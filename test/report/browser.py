@@ -173,6 +173,20 @@ def look_at_animation(browser, report, summary):
         check(f"contact {peak['contact']}: {peak['acceleration']:.1f} m/s²" in said, report, f"peak {peak['n']}: {said}")
 
 
+def look_at_map(browser, report):
+    """The pointer on a heat map reads off the value that the map holds there."""
+    said = browser.value("""(() => {
+      const svg = document.querySelector('svg.map'), data = JSON.parse(svg.querySelector('metadata').textContent);
+      const [left, top, width, height] = data.inside, box = svg.getBoundingClientRect(), scale = box.width / 640;
+      const i = data.x.length - 1, j = 0;
+      svg.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + (left + width * (i + .5) / data.x.length) * scale,
+        clientY: box.top + (top + height * (1 - (j + .5) / data.y.length)) * scale}));
+      return svg.parentNode.querySelector('.said').textContent + '|' + data.x[i] + '|' + data.y[j] + '|' + data.values[i];
+    })()""")
+    text, x, y, value = said.split('|')
+    check(f' {x},' in text and f' {y}: ' in text and text.endswith(value.replace('null', 'none')), report, 'a map reads ' + said)
+
+
 def look(browser, report, path, summary, pictures):
     animated = 'id="landings"' in open(path, encoding='utf-8').read()
     check(os.path.getsize(path) < 2e6, report, f'{os.path.getsize(path)} bytes')
@@ -188,6 +202,8 @@ def look(browser, report, path, summary, pictures):
                 browser.picture(f'{pictures}/{report}_{width}_{scheme}.png')
             if width == 1280 and scheme == 'light' and animated:
                 look_at_animation(browser, report, summary)
+            if width == 1280 and scheme == 'light' and 'class="map"' in open(path, encoding='utf-8').read():
+                look_at_map(browser, report)
             for fault in errors_and_requests(browser):
                 check(False, where, fault)
     browser.ask('Emulation.setScriptExecutionDisabled', value=True)
@@ -215,6 +231,12 @@ def made(program, data, folder):
         'compare': ['compare', '--nominal', data + '/actuators/x8-9_nominal.toml', '--identified',
                     data + '/actuators/table2.toml', '--scene', data + '/scenes/paper.toml'],
         'risk': ['risk', *scene, '--hold', '-45', '--samples', '500'],
+        'ladder': ['identify', *trials[1:4], *rig, '--diagnose', '--profile', 'k_sea'],
+        'calibrate': ['calibrate', *(f'{data}/drops/drop_{i}.csv' for i in (1, 2, 3)), '--scene', data + '/drops/first_guess.toml',
+                      '--actuator', data + '/actuators/table2.toml', '--motion', data + '/drops/hold.toml', '--motion-of',
+                      f'drop_3={data}/drops/bend.toml', '--height-of', 'drop_2=0.25'],
+        'map': ['map', *scene, '--grid', '12,12,6'],
+        'ratings': ['ratings', *scene, '--motor-speed', '3:9:3', '--evaluations', '300'],
         'design': ['design', *trials[:2], *rig, '--actuator', data + '/actuators/table2.toml', '--hits', '1', '--check', '0'],
     }
     for name, arguments in runs.items():

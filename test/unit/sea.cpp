@@ -84,7 +84,7 @@ TEST_CASE("sea: the motor's torque feeds back the output, Eq. 3, or the motor") 
 
 TEST_CASE("sea: dry friction is odd, smooth within its speed, and saturates") {
   const SeaParameters<double> p = extended();
-  const auto friction = [&](double v) { return friction_torque<kExtended>(p, v); };
+  const auto friction = [&](double v) { return friction_torque<kExtended>(p, v, 0.0); };
   CHECK(friction(0) == 0);
   CHECK(friction(kFrictionSpeed) == Approx(0.7 / std::sqrt(2.0)));
   CHECK(friction(1e-8) / 1e-8 == Approx(0.7 / kFrictionSpeed));  // its slope at rest
@@ -97,14 +97,14 @@ TEST_CASE("sea: dry friction is odd, smooth within its speed, and saturates") {
     CHECK(friction(v) > before);
     before = friction(v);
   }
-  CHECK(friction_torque<kPlain>(p, 1.0) == 0);
+  CHECK(friction_torque<kPlain>(p, 1.0, 0.0) == 0);
 }
 
 TEST_CASE("sea: friction on both sides, by direction, from its breakaway on") {
   SeaParameters<double> p = table2();
   p.friction = 0.7, p.friction_asymmetry = 0.2, p.viscous = 0.3;
   p.output_friction = 0.4, p.output_friction_asymmetry = -0.5, p.output_viscous = 0.1;
-  const auto motor = [&](double v) { return friction_torque<kExtended>(p, v); };
+  const auto motor = [&](double v) { return friction_torque<kExtended>(p, v, 0.0); };
   const auto output = [&](double v) { return 8.0 - output_torque<kExtended>(p, v, 8.0); };
   CHECK(output_torque<kPlain>(p, 1.0, 8.0) == 8);
   CHECK(motor(2) == Approx(0.7 * 1.2 + 0.6).epsilon(1e-5));
@@ -116,6 +116,11 @@ TEST_CASE("sea: friction on both sides, by direction, from its breakaway on") {
   CHECK(motor(2) == Approx(0.7 * 1.2 * (1 + 0.5 * std::exp(-2.0)) + 0.6).epsilon(1e-4));
   CHECK(output(-0.2) == Approx(-0.4 * 1.5 * (1 + 0.5 * std::exp(-0.2)) - 0.02).epsilon(1e-3));
   CHECK(output(-20) == Approx(-0.4 * 1.5 - 2).epsilon(1e-6));
+  // What the transmission carries rubs on the motor, whichever way it is carried.
+  p.breakaway = 0, p.spring_loss = 0.1;
+  for (const double tau : {-5.0, 5.0})
+    CHECK(friction_torque<kExtended>(p, 2.0, tau) == Approx((0.7 + 0.1 * 4.99) * 1.2 + 0.6).epsilon(1e-5));
+  CHECK(friction_torque<kExtended>(p, 2.0, 0.0) == motor(2));
 }
 
 TEST_CASE("sea: the motor's acceleration, Eq. 4") {

@@ -110,13 +110,29 @@ TEST_CASE("sticking: under less than breakaway torque nothing creeps for an hour
 TEST_CASE("sticking: the motor of an independent simulation sticks and slips alike") {
   using namespace test;
   SeaParameters<double> p{kTruth[0], kTruth[1], kTruth[2], kTruth[3], kTruth[4], 20};
-  p.friction = 0.6, p.viscous = 0.1, p.breakaway = GENERATE(0.0, 0.5);
+  p.friction = 0.6, p.viscous = 0.1, p.breakaway = GENERATE(0.0, 0.5), p.spring_loss = GENERATE(0.0, 0.08);
   Trial trial = driven("hit");
-  const std::vector<double> other =
-      joint_angle(trial.t, trial.force, {.viscous = p.viscous, .dry = p.friction, .breakaway = p.breakaway});
+  const std::vector<double> other = joint_angle(
+      trial.t, trial.force, {.viscous = p.viscous, .dry = p.friction, .breakaway = p.breakaway, .loss = p.spring_loss});
   const std::vector<double> phi = rolled(p, trial).phi;
   CHECK(*std::max_element(phi.begin(), phi.end()) > 0.05);
   CHECK(apart(phi, other) < 2e-6);  // that one ends its slips within 2e-5 s
+}
+
+TEST_CASE("sticking: a loss with the spring's torque is found beside dry friction, from an independent simulation") {
+  using namespace test;
+  FitOptions options;
+  options.terms.nuisance = {"friction", "spring_loss"};
+  const Fit f = fit(rig(), eight_hits({.dry = 0.2, .loss = 0.08, .angle_noise = 1e-4}, 31), {}, truth(), options);
+  REQUIRE(f.converged);
+  for (const auto& [name, value] : {std::pair("friction", 0.2), {"spring_loss", 0.08}})
+    for (const Estimate* e : f.globals())
+      if (e->name == name) {
+        INFO(name << " " << e->value);
+        REQUIRE(e->std);
+        CHECK(std::abs(e->value - value) < 3.5 * *e->std);
+        CHECK(*e->std < 0.1 * value);
+      }
 }
 
 TEST_CASE("sticking: the exact path is the integrated one") {
@@ -135,12 +151,13 @@ TEST_CASE("sticking: the exact path is the integrated one") {
 
 TEST_CASE("sticking: derivatives through slip, stick and a command's limit are the differences") {
   using Jet = ceres::Jet<double, kLargeJet>;
-  const std::string kind = GENERATE("hit", "sampled", "smooth", "controller", "command", "stiffening", "stribeck");
+  const std::string kind =
+      GENERATE("hit", "sampled", "smooth", "controller", "command", "stiffening", "stribeck", "loss");
   CAPTURE(kind);
   Rig rig = kRig;
-  Trial trial = driven(kind == "stiffening" || kind == "stribeck"  ? "hit"
-                       : kind == "controller" || kind == "command" ? "sampled"
-                                                                   : kind);
+  Trial trial = driven(kind == "stiffening" || kind == "stribeck" || kind == "loss" ? "hit"
+                       : kind == "controller" || kind == "command"                  ? "sampled"
+                                                                                    : kind);
   SeaParameters<double> p = rubbing();
   if (kind == "controller") {
     rig.drive = {.kind = Drive::Kind::kController, .gain = 20, .limit = 1.5, .feedback = Feedback::kMotor};
@@ -152,6 +169,7 @@ TEST_CASE("sticking: derivatives through slip, stick and a command's limit are t
   }
   if (kind == "stiffening") p.k_sea_cubic = 400;
   if (kind == "stribeck") p.breakaway = 0.4, p.stribeck_speed = 0.3;
+  if (kind == "loss") p.spring_loss = 0.08;
   using Sea = SeaParameters<double>;
   std::vector<std::pair<const char*, double Sea::*>> terms = {
       {"k_p", &Sea::k_p},
@@ -175,6 +193,7 @@ TEST_CASE("sticking: derivatives through slip, stick and a command's limit are t
     terms.insert(terms.end(), {{"breakaway", &Sea::breakaway}, {"stribeck_speed", &Sea::stribeck_speed}});
     jets.breakaway.v[12] = jets.stribeck_speed.v[13] = 1;
   }
+  if (kind == "loss") terms.emplace_back("spring_loss", &Sea::spring_loss), jets.spring_loss.v[12] = 1;
   std::vector<Jet> phi, phi_m;
   REQUIRE(rollout(rig, jets, {}, PreparedTrial(trial), kTight, phi, phi_m) == RolloutStatus::kDone);
   phi.insert(phi.end(), phi_m.begin(), phi_m.end());

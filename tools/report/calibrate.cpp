@@ -87,22 +87,42 @@ std::string scene_toml(const Run& run, const Calibration& c) {
   return to_toml(scene, comments);
 }
 
-/// "outputs" and "drops" of the summary, as tables and, drop by drop, as plots.
+/// A drop's outputs side by side, measured and simulated; lines where the simulation touches down and lifts off.
+Figure drop_figure(const LoggedDrop& drop, const DropResult& result, std::size_t number) {
+  Figure out;
+  out.name = fmt::format("drop_{}", number), out.width = Figure::Width::kWhole, out.panel_height = 200;
+  for (std::size_t o = 0; o < kOutputs; ++o) {
+    const std::vector<double>&measured = drop.log.output[o], &simulated = result.value[o];
+    if (simulated.empty()) continue;
+    Panel p;
+    p.title = kOutputNames[o], p.x_label = "t [s]", p.y_label = kOutputUnits[o];
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const std::vector<double>* values : {&measured, &simulated})
+      for (const double v : *values)
+        if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+    for (const double t : result.jumps)
+      p.series.push_back({"", {t, t}, {low, high}, Series::Look::kFaint, Series::kGrey});
+    p.series.push_back({"", drop.log.t, measured, Series::Look::kPoints, 0});
+    p.series.push_back({"", drop.log.t, simulated, Series::Look::kLine, 1});
+    out.panels.push_back(std::move(p));
+  }
+  out.columns = int(std::min<std::size_t>(4, out.panels.size()));
+  out.caption = fmt::format(
+      "Drop {}, {}: measured (points) and simulated (line); grey: where the simulation touches down and lifts off. All "
+      "samples: fit.csv.",
+      number, drop.log.file);
+  return out;
+}
+
+/// "outputs" and "drops" of the summary, as tables and, drop by drop, as figures.
 void tell_drops(const CalibratedDrops& c, Report& report, Json& summary, Run& run) {
   const Table outputs(output_quantities(c.result), measured(c.result));
   summary["outputs"] = outputs.keyed();
   (void)tell(outputs, report, run);
   summary["drops"] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
-  for (std::size_t m = 0; m < c.drops.size() && m < 12; ++m)
-    for (std::size_t o = 0; o < kOutputs; ++o) {
-      const DropLog& log = c.drops[m].log;
-      const std::vector<double>& simulated = c.result.drops[m].value[o];
-      if (simulated.empty()) continue;
-      report.paragraph(log.file + ": " + kOutputNames[o]);
-      report.plot(fmt::format("drop_{}_{}", m + 1, kOutputNames[o]), "t [s]",
-                  fmt::format("{} [{}]", kOutputNames[o], kOutputUnits[o]),
-                  {{"measured", log.t, log.output[o]}, {"simulated", log.t, simulated}});
-    }
+  constexpr std::size_t kMost = 12;
+  for (std::size_t m = 0; m < std::min(kMost, c.drops.size()); ++m)
+    report.figure(drop_figure(c.drops[m], c.result.drops[m], m + 1));
 }
 
 }  // namespace

@@ -73,13 +73,27 @@ std::string force_csv(const Run& run, const Trial& log) {
   return csv.text();
 }
 
+/// The proposal over the hits in hand.
 void plot_hits(Report& report, const DesignQuestion& question, const Design& d, const std::vector<Trial>& logs) {
   const Fit motion = predict(question.rig, logs, question.knowledge.sea);
   std::vector<Series> forces, angles;
+  const double until = logs.empty() || logs[0].t.empty() ? 0 : logs[0].t.back();
+  for (const Trial& t : question.trials) {
+    const bool first = &t == &question.trials.front();
+    const auto faint = [&](const std::vector<double>& y) {
+      Series s{first ? "in hand" : "", {}, {}, Series::Look::kFaint, Series::kGrey};
+      for (std::size_t i = 0; i < y.size() && t.t[i] - t.t[0] <= until; ++i)
+        s.x.push_back(t.t[i] - t.t[0]), s.y.push_back(y[i]);
+      return s;
+    };
+    if (t.force_t.empty()) forces.push_back(faint(t.force));
+    angles.push_back(faint(t.phi));
+  }
   for (std::size_t i = 0; i < logs.size(); ++i) {
     forces.push_back({words(d.hits[i].hit), logs[i].t, logs[i].force});
     angles.push_back({words(d.hits[i].hit), logs[i].t, motion.trials[i].phi});
   }
+  if (!question.trials.empty()) report.paragraph("The proposal, and in grey the hits in hand.");
   report.plot("force", "t [s]", "force [N]", forces);
   report.plot("angle", "t [s]", "phi_1, predicted [rad]", angles);
 }
@@ -135,7 +149,8 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   summary["criterion"] = {
       {"name", name(o.criterion)}, {"before", number(d.size_before)}, {"after", number(d.size_after)}};
   summary["constants"] = bars.keyed();
-  summary["in_hand"] = question.trials == 0 ? "the actuator's covariance" : fmt::format("{} trials", question.trials);
+  summary["in_hand"] =
+      question.trials.empty() ? "the actuator's covariance" : fmt::format("{} trials", question.trials.size());
   summary["noise"] = number(o.log.noise);
   summary["tau_max"] = number(k.sea.tau_max);
   summary["hits"] = hits.objects();

@@ -12,7 +12,7 @@ namespace ukemi::tools {
 struct DesignQuestion {
   identify::Rig rig;
   identify::Knowledge knowledge;
-  std::size_t trials = 0;  ///< that the knowledge comes from; 0: the actuator's covariance
+  std::vector<identify::Trial> trials;  ///< that the knowledge comes from; none: the actuator's covariance
   identify::DesignOptions options;
 };
 struct DesignAnswer {

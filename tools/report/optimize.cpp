@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/degrees.hpp"
 #include "landing/judge/answer.hpp"
+#include "landing/judge/map.hpp"
 #include "landing/model/motion_csv.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
@@ -175,6 +177,49 @@ Falls::Figures figures_of(const Answer& a) {
   return deadline && *deadline < kShort ? Falls::Figures::kLeaveOut : Falls::Figures::kDraw;
 }
 
+/// An axis of a slice: what is varied, and how it is shown.
+struct Along {
+  const char* label;
+  MotionRange range;
+  double box, unit;  ///< half the execution box; shown = number * unit
+};
+
+/// The peak over two numbers of the answer's motion, the others as they are.
+Heatmap slice(const Answer& a, const Along& x, const Along& y) {
+  constexpr int kCells = 31;
+  const Motion& m = a.best.motion;
+  Heatmap out{.x_label = x.label, .y_label = y.label};
+  for (auto& [axis, along] : {std::pair(&out.x, &x), {&out.y, &y}})
+    for (int i = 0; i < kCells; ++i)
+      axis->push_back(std::lerp(along->range.low, along->range.high, double(i) / (kCells - 1)) * along->unit);
+  out.values = peak_slice(a.scene, a.best.sea, m, x.range, y.range, kCells, a.options.search.threads);
+  out.mark = {m.*x.range.number * x.unit, m.*y.range.number * y.unit, x.box * x.unit, y.box * y.unit};
+  return out;
+}
+
+/// Where the answer stands among its neighbours: over the whole ranges, and close by with its execution box.
+void show_slices(const Answer& a, Report& report) {
+  const SearchRange& range = a.scene.search;
+  const ExecutionTolerance& box = a.scene.execution;
+  const Motion& m = a.best.motion;
+  const auto whole = [&](const char* label, double Motion::*number) {
+    return Along{label, {number, range.phi[0], range.phi[1]}, box.phi, kDegrees};
+  };
+  const auto near = [&](const char* label, double Motion::*number) {
+    constexpr double kBoxes = 10;
+    return Along{label, {number, m.*number - kBoxes * box.phi, m.*number + kBoxes * box.phi}, box.phi, kDegrees};
+  };
+  const Along duration{"duration [s]", {&Motion::duration, range.duration[0], range.duration[1]}, box.duration, 1};
+  report.heading("Among its neighbours");
+  report.paragraph(
+      "The peak of the planned drop [m/s²] over two numbers of the motion, the others as they are. The cross is the "
+      "answer, the box about it how inexactly a robot may play it.");
+  report.heatmap(slice(a, whole("phi_I [deg]", &Motion::phi_i), whole("phi_F [deg]", &Motion::phi_f)));
+  report.heatmap(slice(a, whole("phi_F [deg]", &Motion::phi_f), duration));
+  if (box.phi > 0)
+    report.heatmap(slice(a, near("phi_I [deg], close by", &Motion::phi_i), near("phi_F [deg]", &Motion::phi_f)));
+}
+
 Report page_of(const Answer& a, const Run& run) {
   Report report("Best landing: " + a.scene.name);
   report.table(Table::of(answer_quantities(a), a).turned());
@@ -190,6 +235,8 @@ Report page_of(const Answer& a, const Run& run) {
         figures_of(a)},
        report);
   if (figures_of(a) == Falls::Figures::kDraw) show_scatter(a, report);
+  const bool page = run.options().report == CommonOptions::Report::kWrite;
+  if (page && figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) show_slices(a, report);
   report.heading("The search");
   std::vector<Series> descents;
   for (const Optimum& o : a.tried) descents.push_back(descent(o));

@@ -177,58 +177,112 @@ std::string colour(double s) {
 }
 }  // namespace
 
-std::string Report::heatmap(const Heatmap& m) {
-  std::vector<double> sorted;
-  for (const double v : m.values)
-    if (std::isfinite(v)) sorted.push_back(v);
-  if (sorted.empty()) return {};
-  std::sort(sorted.begin(), sorted.end());
-  const double low = sorted.front(), high = std::max(sorted[sorted.size() * 9 / 10], low * (1 + 1e-9));
-  constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kBottom = 45, kTop = 25, kRight = 90;
-  const std::size_t nx = m.x.size(), ny = m.y.size();
-  const double w = (kWidth - kLeft - kRight) / double(nx), h = (kHeight - kBottom - kTop) / double(ny);
-  constexpr int kSteps = 48;  // equal neighbours are drawn as one
-  const auto shade = [&](std::size_t i, std::size_t j) {
-    const double v = m.values[j * nx + i];
-    return std::isfinite(v) ? int(std::clamp((v - low) / (high - low), 0.0, 1.0) * kSteps) : -1;
-  };
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"map\" viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" "
-      "aria-label=\"{} against {}\" "
-      "font-size=\"12\" "
-      "font-family=\"sans-serif\" fill=\"currentColor\" shape-rendering=\"crispEdges\">",
-      kWidth, kHeight, kWidth, escaped(m.y_label), escaped(m.x_label));
-  const auto box = [&](double x, double y, double width, double height, int step) {
-    svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>", x, y, width,
-                       height, colour(double(step) / kSteps));
-  };
-  for (std::size_t j = 0; j < ny; ++j)
-    for (std::size_t i = 0; i < nx;) {
-      const int step = shade(i, j);
-      const std::size_t begin = i;
-      while (i < nx && shade(i, j) == step) ++i;
-      if (step >= 0)
-        box(kLeft + w * double(begin), kHeight - kBottom - h * double(j + 1), w * double(i - begin), h + 0.3, step);
-    }
-  const auto text = [&](double x, double y, const char* anchor, const std::string& s) {
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, escaped(s));
-  };
-  for (int q = 0; q <= 4; ++q) {
-    const double s = q / 4.0;
-    text(kLeft + s * (kWidth - kLeft - kRight), kHeight - kBottom + 18, "middle",
-         fmt::format("{:.3g}", m.x.front() + s * (m.x.back() - m.x.front())));
-    text(kLeft - 6, kHeight - kBottom - s * (kHeight - kBottom - kTop) + 4, "end",
-         fmt::format("{:.3g}", m.y.front() + s * (m.y.back() - m.y.front())));
-    const double y = kHeight - kBottom - s * (kHeight - kBottom - kTop);
-    text(kWidth - kRight + 40, y + 4, "start", fmt::format("{:.4g}", low + s * (high - low)));
+namespace {
+
+/// A heat map as an SVG: where it stands in the picture, and its parts one after the other.
+class HeatmapPicture {
+ public:
+  explicit HeatmapPicture(const Heatmap& m) : map_(m), w_(kInner / double(m.x.size())), h_(kTall / double(m.y.size())) {
+    std::vector<double> sorted;
+    for (const double v : m.values)
+      if (std::isfinite(v)) sorted.push_back(v);
+    if (sorted.empty()) return;
+    std::sort(sorted.begin(), sorted.end());
+    low_ = sorted.front(), high_ = std::max(sorted[sorted.size() * 9 / 10], low_ * (1 + 1e-9));
+    svg_ = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"map\" viewBox=\"0 0 {} {}\" width=\"{}\" role=\"img\" "
+        "aria-label=\"{} against {}\" font-size=\"12\" font-family=\"sans-serif\" fill=\"currentColor\" "
+        "shape-rendering=\"crispEdges\">",
+        kWidth, kHeight, kWidth, escaped(m.y_label), escaped(m.x_label));
+    cells(), axes(), scale(), mark(), values();
+    svg_ += "</svg>";
   }
-  for (int q = 0; q < kSteps; ++q)
-    box(kWidth - kRight + 15, kTop + (kHeight - kBottom - kTop) * (1 - double(q + 1) / kSteps), 18,
-        (kHeight - kBottom - kTop) / kSteps + 0.3, q);
-  text((kLeft + kWidth - kRight) / 2, kHeight - 8, "middle", m.x_label);
-  text(5, 14, "start", m.y_label);
-  svg += "</svg>";
-  body() += svg + "\n";
+  const std::string& text() const { return svg_; }
+
+ private:
+  static constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kBottom = 45, kTop = 25, kRight = 90,
+                          kInner = kWidth - kLeft - kRight, kTall = kHeight - kBottom - kTop;
+  static constexpr int kSteps = 48;  // equal neighbours are drawn as one
+
+  void box(double x, double y, double width, double height, int step) {
+    svg_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>", x, y, width,
+                        height, colour(double(step) / kSteps));
+  }
+  void say(double x, double y, const char* anchor, const std::string& s) {
+    svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, escaped(s));
+  }
+  void cells() {
+    const std::size_t nx = map_.x.size();
+    const auto shade = [&](std::size_t i, std::size_t j) {
+      const double v = map_.values[j * nx + i];
+      return std::isfinite(v) ? int(std::clamp((v - low_) / (high_ - low_), 0.0, 1.0) * kSteps) : -1;
+    };
+    for (std::size_t j = 0; j < map_.y.size(); ++j)
+      for (std::size_t i = 0; i < nx;) {
+        const int step = shade(i, j);
+        const std::size_t begin = i;
+        while (i < nx && shade(i, j) == step) ++i;
+        if (step >= 0)
+          box(kLeft + w_ * double(begin), kTop + kTall - h_ * double(j + 1), w_ * double(i - begin), h_ + 0.3, step);
+      }
+  }
+  void axes() {
+    for (int q = 0; q <= 4; ++q) {
+      const double s = q / 4.0, x = at(map_.x, s), y = at(map_.y, s);
+      say(kLeft + place(map_.x, x, w_), kTop + kTall + 18, "middle", fmt::format("{:.3g}", x));
+      say(kLeft - 6, kTop + kTall - place(map_.y, y, h_) + 4, "end", fmt::format("{:.3g}", y));
+      say(kWidth - kRight + 40, kTop + kTall * (1 - s) + 4, "start", fmt::format("{:.4g}", low_ + s * (high_ - low_)));
+    }
+    say(kLeft + kInner / 2, kHeight - 8, "middle", map_.x_label);
+    say(5, 14, "start", map_.y_label);
+  }
+  static double at(const std::vector<double>& axis, double part) { return std::lerp(axis.front(), axis.back(), part); }
+  void scale() {
+    for (int q = 0; q < kSteps; ++q)
+      box(kWidth - kRight + 15, kTop + kTall * (1 - double(q + 1) / kSteps), 18, kTall / kSteps + 0.3, q);
+  }
+  /// Cells stand about their points: the first point is half a cell inside.
+  static double place(const std::vector<double>& axis, double v, double cell) {
+    const double step = axis.size() > 1 ? (axis.back() - axis.front()) / double(axis.size() - 1) : 1;
+    return cell * (0.5 + (v - axis.front()) / step);
+  }
+  void mark() {
+    if (!map_.mark) return;
+    const Heatmap::Mark& m = *map_.mark;
+    const double x = kLeft + place(map_.x, m.x, w_), y = kTop + kTall - place(map_.y, m.y, h_),
+                 dx = place(map_.x, m.x + m.dx, w_) - place(map_.x, m.x, w_),
+                 dy = place(map_.y, m.y + m.dy, h_) - place(map_.y, m.y, h_);
+    svg_ += fmt::format(
+        "<g fill=\"none\" stroke=\"#d62728\" stroke-width=\"1.5\"><path d=\"M{0:.1f} {1:.1f}h16M{2:.1f} "
+        "{3:.1f}v16\"/><rect x=\"{4:.1f}\" y=\"{5:.1f}\" width=\"{6:.1f}\" height=\"{7:.1f}\"/></g>",
+        x - 8, y, x, y - 8, x - dx, y - dy, 2 * dx, 2 * dy);
+  }
+  /// What the script reads: where the picture's inside is, and the numbers.
+  void values() {
+    const auto list = [](const std::vector<double>& v) {
+      std::string out = "[";
+      for (const double x : v)
+        out += (out.size() > 1 ? "," : "") + (std::isfinite(x) ? fmt::format("{:.5g}", x) : "null");
+      return out + "]";
+    };
+    const Json labels = {map_.x_label, map_.y_label};
+    svg_ +=
+        fmt::format("<metadata>{{\"inside\":[{},{},{},{}],\"labels\":{},\"x\":{},\"y\":{},\"values\":{}}}</metadata>",
+                    kLeft, kTop, kInner, kTall, escaped(labels.dump(-1, ' ', false, Json::error_handler_t::replace)),
+                    list(map_.x), list(map_.y), list(map_.values));
+  }
+
+  const Heatmap& map_;
+  const double w_, h_;
+  double low_ = 0, high_ = 1;
+  std::string svg_;
+};
+
+}  // namespace
+
+std::string Report::heatmap(const Heatmap& map) {
+  std::string svg = HeatmapPicture(map).text();
+  if (!svg.empty()) body() += "<div class=\"heat\">" + svg + "</div>\n";
   return svg;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,11 @@ namespace ukemi::tools {
 struct Heatmap {
   std::string x_label, y_label;
   std::vector<double> x, y, values;
+  /// A point to show, and half the sides of a box about it.
+  struct Mark {
+    double x, y, dx = 0, dy = 0;
+  };
+  std::optional<Mark> mark = {};
 };
 
 class Report {
@@ -35,8 +41,8 @@ class Report {
   /// A figure of lines, with `name` as its file.
   void plot(const std::string& name, const std::string& x_label, const std::string& y_label, std::vector<Series> series,
             Axes axes = Axes::kLinear);
-  /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it.
-  /// Returns it as an SVG.
+  /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it, and the
+  /// page's script reads off the value under the pointer. Returns it as an SVG.
   std::string heatmap(const Heatmap& map);
   /// The animation, for script.js: {"landings": [...]}, see landing.cpp.
   void player(const Json& landings);

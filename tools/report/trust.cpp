@@ -151,12 +151,32 @@ void tell_residuals(const identify::ResidualTests& tests, Report& report, Json& 
   report.table(missing);
 }
 
+/// The rungs as rows: what each leaves of its own trials, and of those that it did not see.
+Figure ladder_figure(const identify::Ladder& ladder) {
+  Figure out;
+  Panel p;
+  Series fitted{"residual of the fit", {}, {}, Series::Look::kPoints, 0},
+      held_out{"of trials held out", {}, {}, Series::Look::kPoints, 1};
+  const std::size_t n = ladder.rungs.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const identify::Rung& r = ladder.rungs[i];
+    p.rows.push_back(r.name + (i == ladder.preferred ? " (BIC)" : ""));
+    for (auto& [series, rms] : {std::pair(&fitted, r.fit.rms), {&held_out, r.held_out}})
+      if (std::isfinite(rms)) series->x.push_back(1e3 * rms), series->y.push_back(double(n - i));
+  }
+  p.x_label = "rms [mrad]", p.series = {fitted, held_out};
+  out.name = "ladder", out.panels = {p}, out.panel_height = 90 + 26.0 * double(n);
+  out.caption = "What each model leaves: a term that the trials ask for moves both to the left.";
+  return out;
+}
+
 void tell_ladder(const identify::Ladder& ladder, Report& report, Json& j, Run& run) {
   report.heading("Model ladder");
   j["ladder"] = {{"preferred", ladder.rungs[ladder.preferred].name},
                  {"plain_p", number(ladder.p_plain)},
                  {"plain_rejected", ladder.plain_rejected()},
                  {"rungs", tell(Table(rung_quantities(ladder), ladder.rungs), report, run)}};
+  report.figure(ladder_figure(ladder));
 }
 
 void tell_left_out(const std::vector<LeftOut>& left_out, Report& report, Json& j, Run& run) {

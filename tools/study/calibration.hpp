@@ -50,6 +50,7 @@ struct DropResult {
   std::array<std::vector<double>, landing::kOutputs> value;  ///< as DropLog::output, NaN where not measured
   std::array<std::vector<bool>, landing::kOutputs> used;     ///< false: not measured, or left out
   std::array<double, landing::kOutputs> rms{};               ///< of sim - meas, where used; NaN: not measured
+  std::vector<double> jumps;                     ///< touchdowns and lift-offs of the simulation, at the log's times [s]
   double peak_measured = 0, peak_simulated = 0;  ///< largest |ddr_0| at the log's samples [m/s^2]; NaN: not measured
   double peak_between = 0;                       ///< the simulated one over all times up to the log's end [m/s^2]
 };

@@ -118,6 +118,7 @@ DropResult DropResiduals::replay(const double* shared, const double* own) const 
     }
     if (n > 0) out.rms[k] = std::sqrt(sum / double(n));
   }
+  for (const double t : rolled.rollout.jumps) out.jumps.push_back(t - rolled.shift);
   SimulateOptions to_the_end = options_;
   to_the_end.rest = SimulateOptions::Rest::kIgnore;
   Scene scene = rolled.scene;

@@ -80,7 +80,7 @@ int run_design(const DesignArguments& a, const CommonOptions& common) {
     inputs = read_trials(a.trials, a.reading, question.rig, {.excitation = TrialNeeds::Excitation::kRequired}, run);
   const std::vector<identify::Trial>& trials = inputs.trials;
   const identify::DesignOptions& o = question.options = options_of(a, trials, common);
-  question.trials = trials.size();
+  question.trials = trials;
   question.knowledge = knowledge_of(a, question.rig, actuator, trials, o.log.noise);
   warn_of(question, trials, run);
 
