@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
@@ -41,6 +42,7 @@ void warn_of_zero_starts(const SeaParameters<double>& start, const FitOptions& o
 Fit nothing_found(const Rig& rig, const FitSearch& search, const SeaParameters<double>& sea, const FitOptions& options,
                   Fit out) {
   out.sea = sea;
+  out.rms = out.cost = std::numeric_limits<double>::quiet_NaN();
   const std::string& reason = search.best().message;
   out.message =
       "no start could be followed through the trials: " + (out.interrupted           ? "interrupted"

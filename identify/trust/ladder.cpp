@@ -24,7 +24,11 @@ double held_out_error(const Experiment& experiment, const Rung& rung) {
   return std::sqrt(sum / n);
 }
 
-bool better(const Fit& a, const Fit& b) { return a.converged != b.converged ? a.converged : a.cost < b.cost; }
+/// One that no start could be followed for has no cost.
+bool better(const Fit& a, const Fit& b) {
+  if (a.fitted.empty() || b.fitted.empty()) return b.fitted.empty() && !a.fitted.empty();
+  return a.converged != b.converged ? a.converged : a.cost < b.cost;
+}
 
 }  // namespace
 
