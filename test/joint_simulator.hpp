@@ -13,10 +13,15 @@ namespace test {
 
 /// What the truth and the log have beyond Table 2 and 1 mrad of angle noise.
 struct Effects {
-  double viscous = 0;     ///< friction of the motor [Nm/(rad/s)]
-  double dry = 0;         ///< Coulomb friction of the motor, sticking [Nm]
-  double breakaway = 0;   ///< of it, falling by exp(-speed / 0.05 rad/s)
-  double loss = 0;        ///< of the spring's torque, beside `dry`, with |tau| rounded within 10 mNm
+  double viscous = 0;      ///< friction of the motor [Nm/(rad/s)]
+  double dry = 0;          ///< Coulomb friction of the motor, sticking [Nm]
+  double breakaway = 0;    ///< of it, falling by exp(-speed / 0.05 rad/s)
+  double loss = 0;         ///< of the spring's torque, beside `dry`, with |tau| rounded within 10 mNm
+  double asymmetry = 0;    ///< of `dry`: half the difference of its levels over their mean
+  double out_viscous = 0;  ///< the same three of the output
+  double out_dry = 0;
+  double out_asymmetry = 0;
+  double cubic = 0;       ///< of the spring [Nm/rad^3]
   double force_gain = 1;  ///< logged force over true force
   double load_cell = 0;   ///< standard deviation of the logged force's noise [N]
   double angle_noise = 1e-3;
@@ -41,21 +46,29 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     }
   };
   const auto spring = [&](const State& y) {
-    return std::clamp(kSea * (y.phi_m - y.phi) + cSea * (y.omega_m - y.omega), -kTauMax, kTauMax);
+    const double d = y.phi_m - y.phi;
+    return std::clamp(kSea * d + effects.cubic * d * d * d + cSea * (y.omega_m - y.omega), -kTauMax, kTauMax);
   };
   const auto on_motor = [&](const State& y) {
     return -kP * y.phi - kD * y.omega - effects.viscous * y.omega_m - spring(y);
   };
-  int slip = 0;  // sign of the motor's motion; 0: it sticks, where there is friction
-  const bool rubs = effects.dry > 0 || effects.loss > 0;
-  const auto rubbing = [&](const State& y) {
-    const double carried = std::hypot(spring(y), 0.01) - 0.01;
-    return (effects.dry + effects.loss * carried) * (1 + effects.breakaway * std::exp(-std::abs(y.omega_m) / 0.05));
+  const auto on_output = [&](const State& y, double f) {
+    return spring(y) + kLength * std::cos(y.phi) * f - effects.out_viscous * y.omega;
   };
+  // Signs of the sides' motion; 0: it sticks, where there is friction.
+  int slip = 0, out_slip = 0;
+  const bool rubs = effects.dry > 0 || effects.loss > 0, out_rubs = effects.out_dry > 0;
+  const auto rubbing = [&](const State& y, int way) {
+    const double carried = std::hypot(spring(y), 0.01) - 0.01;
+    return (effects.dry + effects.loss * carried) * (1 + way * effects.asymmetry) *
+           (1 + effects.breakaway * std::exp(-std::abs(y.omega_m) / 0.05));
+  };
+  const auto out_rubbing = [&](int way) { return effects.out_dry * (1 + way * effects.out_asymmetry); };
   const auto field = [&](const State& y, double f) {
-    const bool stuck = rubs && slip == 0;
-    return State{y.omega, stuck ? 0 : y.omega_m, (spring(y) + kLength * std::cos(y.phi) * f) / kInertia,
-                 stuck ? 0 : (on_motor(y) - slip * rubbing(y)) / iMotor};
+    const bool stuck = rubs && slip == 0, out_stuck = out_rubs && out_slip == 0;
+    return State{out_stuck ? 0 : y.omega, stuck ? 0 : y.omega_m,
+                 out_stuck ? 0 : (on_output(y, f) - out_slip * out_rubbing(out_slip)) / kInertia,
+                 stuck ? 0 : (on_motor(y) - slip * rubbing(y, slip)) / iMotor};
   };
   State y;
   std::vector<double> out{0};
@@ -64,11 +77,16 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     const double h = (t[i + 1] - t[i]) / steps;
     for (int k = 0; k < steps; ++k) {
       const auto f = [&](double part) { return force(t[i] + (k + part) * h); };
-      if (rubs && slip == 0 && std::abs(on_motor(y)) > rubbing(y)) slip = on_motor(y) > 0 ? 1 : -1;
+      const auto leaves = [](double torque, auto&& level) {
+        return torque > level(1) ? 1 : -torque > level(-1) ? -1 : 0;
+      };
+      if (rubs && slip == 0) slip = leaves(on_motor(y), [&](int way) { return rubbing(y, way); });
+      if (out_rubs && out_slip == 0) out_slip = leaves(on_output(y, f(0)), out_rubbing);
       const State a = field(y, f(0)), b = field(y.plus(h / 2, a), f(0.5)), c = field(y.plus(h / 2, b), f(0.5)),
                   d = field(y.plus(h, c), f(1));
       y = y.plus(h / 6, a).plus(h / 3, b).plus(h / 3, c).plus(h / 6, d);
       if (slip != 0 && y.omega_m * slip < 0) y.omega_m = 0, slip = 0;
+      if (out_slip != 0 && y.omega * out_slip < 0) y.omega = 0, out_slip = 0;
     }
     out.push_back(y.phi);
   }
@@ -77,7 +95,8 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
 
 /// The same where the force is linear between the samples of a log.
 inline std::vector<double> joint_angle(const std::vector<double>& t, const std::vector<double>& force,
-                                       const Effects& effects) {
+                                       const Effects& effects,
+                                       const std::array<double, kConstants>& constants = kTruth) {
   std::size_t i = 0;
   return joint_angle(
       t,
@@ -86,11 +105,12 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
         while (i + 2 < t.size() && t[i + 1] <= at) ++i;
         return force[i] + (force[i + 1] - force[i]) * (at - t[i]) / (t[i + 1] - t[i]);
       },
-      effects);
+      effects, constants);
 }
 
 /// Logs of eight hits at 500 Hz for 1 s, simulated.
-inline std::vector<Trial> eight_hits(const Effects& effects, std::uint64_t seed) {
+inline std::vector<Trial> eight_hits(const Effects& effects, std::uint64_t seed,
+                                     const std::array<double, kConstants>& constants = kTruth) {
   std::vector<Trial> out;
   for (const HitOf& hit : kEightHits) {
     Trial log;
@@ -101,7 +121,7 @@ inline std::vector<Trial> eight_hits(const Effects& effects, std::uint64_t seed)
       const double s = (log.t.back() - 0.05) / hit.seconds;
       log.force.push_back(s > 0 && s < 1 ? hit.newton * std::sin(std::numbers::pi * s) : 0);
     }
-    log.phi = joint_angle(log.t, log.force, effects);
+    log.phi = joint_angle(log.t, log.force, effects, constants);
     for (double& x : log.phi) x += effects.angle_noise * random.normal();
     for (double& f : log.force) f = effects.force_gain * f + effects.load_cell * random.normal();
     out.push_back(log);

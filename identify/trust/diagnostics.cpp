@@ -100,7 +100,8 @@ namespace {
 /// Replaces the linear gains of the rejected terms that promise most by those of fits: a term that is far from its
 /// absence explains more, or less, than its slope there says. Of many trials eight stand for all.
 void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
-  constexpr std::size_t kMostTerms = 4, kMostTrials = 8;
+  constexpr int kMostShared = 5, kMostOfTrials = 3;
+  constexpr std::size_t kMostTrials = 8;
   constexpr double kFar = 4;  // times the linear size: dry friction has minima of its own near 0
   const auto worth = [&](std::size_t i) { return tests.worth(tests.score_tests[i]); };
   std::vector<std::size_t> candidates;
@@ -108,7 +109,11 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
     if (tests.score_tests[i].rejected) candidates.push_back(i);
   if (candidates.size() < 2) return;
   std::sort(candidates.begin(), candidates.end(), [&](std::size_t a, std::size_t b) { return worth(a) > worth(b); });
-  candidates.resize(std::min(candidates.size(), kMostTerms));
+  // Each kind by itself: what each trial has of its own promises much, in a line, of whatever is missing.
+  int shared = 0, of_trials = 0;
+  std::erase_if(candidates, [&](std::size_t i) {
+    return tests.score_tests[i].scope == Scope::kShared ? ++shared > kMostShared : ++of_trials > kMostOfTrials;
+  });
   const std::vector<Trial>& all = experiment.trials;
   std::vector<Trial> some;
   for (std::size_t k = 0; k < std::min(kMostTrials, all.size()); ++k)

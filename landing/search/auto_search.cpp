@@ -26,8 +26,20 @@ void AutoSearch::run(Search& search) {
   choose_region(0);
   refined_last_ = false;
   if (search.objective().options().goal == Goal::kRobust) return robust_->run(search);
+  const bool wide = search.dimension() > kPaperVariables;
+  if (wide && search.objective().options().goal == Goal::kTolerant) {
+    wide_->begin(search);
+    if (search.hint) {
+      Candidate hint{*search.hint};
+      search.evaluate({&hint, 1});
+      wide_->know(hint);
+    }
+    wide_->scout_first();
+    while (!search.over()) wide_->run_once();
+    return;
+  }
   scout();
-  if (search.dimension() > kPaperVariables) {
+  if (wide) {
     wide_->begin(search);
     for (const Candidate& p : population_) wide_->know(p);
     while (!search.over()) wide_->run_once();

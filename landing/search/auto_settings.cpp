@@ -56,6 +56,8 @@ const std::vector<AutoSetting>& auto_settings() {
       {"wide_patience", &S::wide_patience, 0.5, 1, "what of that is left after each generation"},
       {"wide_plain", &S::wide_plain, 0, 1,
        "share of the motions from anywhere that do without shape terms and with the drive's own gains"},
+      {"wide_screen", &S::wide_screen, 0, 1,
+       "for tolerant peaks: share of the budget that looks for basins of the peak"},
       {"wide_poor", &S::wide_poor, 1e-12, 1, "side at which a run has converged that is not the best"},
       {"robust_few", &S::robust_few, 1, 1024, "under scatter: drops that first runs are made over, for the mean"},
       {"robust_tail", &S::robust_tail, 1, 64, "times as many for another measure"},

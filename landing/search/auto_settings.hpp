@@ -23,7 +23,7 @@ struct AutoSettings {
   // More variables than three (wide_search.hpp).
   int wide_scouts = 3'000, wide_race = 200, wide_points = 16;
   double wide_size = 0.03, wide_near = 0.5, wide_bound = 1.2, wide_behind = 1.6, wide_patience = 0.985,
-         wide_poor = 1e-3, wide_plain = 0.1;
+         wide_poor = 1e-3, wide_plain = 0.1, wide_screen = 0.5;
   // Plans under scatter (robust_search.hpp).
   int robust_few = 4, robust_scouts = 1'536, robust_starts = 48, robust_points = 14, robust_basins = 4;
   double robust_size = 0.08, robust_near = 0.5, robust_late = 0.65, robust_behind = 0.5, robust_patience = 0.93,

@@ -14,11 +14,12 @@ constexpr double kStartsApart = 0.15, kBasinsApart = 0.02;  // in parts of the b
 
 WideSearch::WideSearch(const AutoSettings& settings) : set_(settings) {
   generation_.reserve(std::size_t(std::max(kBatch, set_.wide_points)));
-  starts_.reserve(kStarts + 1), basins_.reserve(kBasins + 1);
+  starts_.reserve(kStarts + 1), basins_.reserve(kBasins + 1), kept_.reserve(kBasins + 1);
 }
 
 void WideSearch::begin(Search& search) {
   search_ = &search;
+  goal_ = search.objective().options().goal;
   random_ = Random(search.seed, 1);
   starts_.clear(), basins_.clear();
 }
@@ -31,8 +32,34 @@ void WideSearch::scout_first() {
   Candidate middle = search_->nothing();
   search_->evaluate({&middle, 1});  // so that there is an answer where there is time for one motion
   know(middle);
+  if (goal_ == Goal::kTolerant) return screen();
   scout(set_.wide_scouts);
   if (!starts_.empty()) close_in(Candidate(starts_[0]), set_.wide_size);
+}
+
+void WideSearch::screen() {
+  constexpr std::size_t kRuns = 2;
+  constexpr double kNarrow = 0.01;
+  kept_ = basins_;
+  basins_.clear();
+  goal_ = Goal::kPeak;
+  scout(set_.wide_scouts);
+  if (!starts_.empty()) close_in(Candidate(starts_[0]), set_.wide_size);
+  while (!search_->over() && search_->share() < set_.wide_screen) run_once();
+  goal_ = Goal::kTolerant;
+  generation_ = basins_;
+  basins_ = kept_;
+  for (Candidate& p : generation_) p.bound = kNoMotion;
+  search_->evaluate(generation_);
+  for (const Candidate& p : generation_) know(p);
+  kept_ = basins_;
+  for (std::size_t i = 0; i < std::min(kRuns, kept_.size()) && !search_->over(); ++i) close_in(kept_[i], kNarrow);
+}
+
+/// The lowest value so far of what runs go by.
+double WideSearch::best_known() const {
+  if (goal_ == search_->objective().options().goal) return search_->best().value;
+  return basins_.empty() ? kNoMotion : basins_[0].value;
 }
 
 void WideSearch::run_once() {
@@ -85,8 +112,7 @@ void WideSearch::start_beside_a_basin() {
 bool WideSearch::behind(double value, int generation) const {
   constexpr int kFree = 8;  // generations that every run has
   return generation > kFree &&
-         value >
-             search_->best().value * (1 + (set_.wide_behind - 1) * std::pow(set_.wide_patience, generation - kFree));
+         value > best_known() * (1 + (set_.wide_behind - 1) * std::pow(set_.wide_patience, generation - kFree));
 }
 
 void WideSearch::close_in(const Candidate& start, double size) {
@@ -101,7 +127,7 @@ void WideSearch::close_in(const Candidate& start, double size) {
     generation_.assign(points, search_->nothing());
     distribution_.sample(random_, generation_);
     for (Candidate& p : generation_) p.bound = bound;
-    search_->evaluate(generation_);
+    search_->evaluate(generation_, goal_);
     std::sort(generation_.begin(), generation_.end());
     const double middle = generation_[points / 2].value;
     bound = middle < kNoMotion ? set_.wide_bound * middle : kNoMotion;
@@ -110,7 +136,7 @@ void WideSearch::close_in(const Candidate& start, double size) {
     const bool better = best.value < milestone * (1 - kBetter);
     if (better) milestone = best.value;
     stalled = better ? 0 : stalled + 1;
-    const double converged = best.value > kContender * search_->best().value ? set_.wide_poor : set_.finest;
+    const double converged = best.value > kContender * best_known() ? set_.wide_poor : set_.finest;
     if (stalled > most_stalled || distribution_.widest() < converged || behind(best.value, n)) break;
   }
   know(best);

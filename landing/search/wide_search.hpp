@@ -4,7 +4,8 @@
 //   2. from a start a narrow distribution (cma.hpp) finds its way down; a run that falls behind the best is given up;
 //   3. later runs start by turns beside the best basins, at any width, and from the best of a few motions from
 //   anywhere.
-// Tolerant peaks: the scouts are judged by the peak alone, a lower bound that costs one landing.
+// Tolerant peaks: half of the time goes into basins of the peak alone, a lower bound that costs one landing in place of
+// fifteen; the best of them are then judged, and searched, by the tolerant peak.
 // Private: not installed.
 #pragma once
 
@@ -25,12 +26,13 @@ class WideSearch {
   void begin(Search& search);
   /// A point that is known to be good: later runs start beside it.
   void know(const Candidate& p);
-  /// The best of motions from anywhere.
+  /// The best of motions from anywhere. For tolerant peaks the basins of the peak are looked for first.
   void scout_first();
   /// One run: beside what is known, or from anywhere.
   void run_once();
 
  private:
+  void screen();
   void scout(int motions);
   void keep(std::vector<Candidate>& best, std::size_t most, double apart, const Candidate& p);
   void start_anywhere();
@@ -38,11 +40,14 @@ class WideSearch {
   void close_in(const Candidate& start, double size);
   bool behind(double value, int generation) const;
 
+  double best_known() const;
+
   AutoSettings set_;
   Search* search_ = nullptr;
+  Goal goal_ = Goal::kPeak;  ///< that runs go by, at present
   Random random_{0};
   CovarianceAdaptation distribution_;
-  std::vector<Candidate> generation_, starts_, basins_;
+  std::vector<Candidate> generation_, starts_, basins_, kept_;
 };
 
 }  // namespace ukemi::landing

@@ -81,8 +81,10 @@ struct Interrupted : Result {
 /// The same, with Ctrl-C after so many seconds.
 inline Interrupted interrupted_after(double seconds, const Arguments& arguments, const std::string& directory) {
   const Folder capture;
-  std::string command = "cd " + shell_quoted(directory) + " && exec timeout --preserve-status -s INT -k 30 " +
-                        std::to_string(seconds) + " " + shell_quoted(UKEMI_PROGRAM);
+  // In the foreground: else timeout signals its whole group too, and the second signal of the two ends the program.
+  std::string command = "cd " + shell_quoted(directory) +
+                        " && exec timeout --foreground --preserve-status -s INT -k 30 " + std::to_string(seconds) +
+                        " " + shell_quoted(UKEMI_PROGRAM);
   for (const std::string& a : arguments) command += " " + shell_quoted(a);
   command += " >" + capture.at("out") + " 2>" + capture.at("err") + " </dev/null";
   const auto start = std::chrono::steady_clock::now();

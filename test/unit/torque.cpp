@@ -6,19 +6,15 @@
 #include "common/random.hpp"
 #include "identify/fit/fit.hpp"
 #include "identify/trust/identification.hpp"
+#include "test/joint_simulator.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
 
 namespace {
 
-const Rig kRig{
-    .length = 0.3, .inertia = 6.09e-3 + 0.806 * 0.15 * 0.15, .tau_max = {}, .gear_ratio = {}, .feedback = {}};
+const Rig kRig = test::rig();
 const RolloutOptions kTight{.accuracy = 1e-13};
-
-SeaParameters<double> table2() {
-  return {.k_p = 50, .k_d = 1, .k_sea = 65, .c_sea = 1.6, .i_motor = 0.085, .tau_max = 20};
-}
 
 /// At 1 kHz: a half sine of a force from 5 ms on for 12 ms.
 Trial hit(double duration, double peak) {
@@ -56,7 +52,7 @@ const Estimate& estimate(const Fit& f, const std::string& name) {
 }  // namespace
 
 TEST_CASE("torque: the rollout's is Eq. 2 of its own angles and rates, the limit included, exact as integrated") {
-  const SeaParameters<double> p = table2();
+  const SeaParameters<double> p = test::truth();
   const Trial trial = hit(0.3, GENERATE(60.0, 180.0));  // the second passes the limit
   std::vector<double> phi, phi_m, torque;
   REQUIRE(rollout(kRig, p, {}, PreparedTrial(trial), kTight, phi, phi_m, &torque) == RolloutStatus::kDone);
@@ -79,7 +75,7 @@ TEST_CASE("torque: the rollout's is Eq. 2 of its own angles and rates, the limit
 
 TEST_CASE("torque: its derivatives are the differences, through hits, the limit and friction that sticks") {
   using Jet = ceres::Jet<double, kLargeJet>;
-  SeaParameters<double> p = table2();
+  SeaParameters<double> p = test::truth();
   const bool rubs = GENERATE(false, true);
   if (rubs) p.friction = 0.4, p.output_friction = 0.2;
   Trial trial = hit(0.3, 150);
@@ -121,7 +117,7 @@ TEST_CASE("torque: its derivatives are the differences, through hits, the limit 
 
 TEST_CASE(
     "torque: a logged one weighs by its own noise, narrows what is known of the spring, and its sensor is found") {
-  const SeaParameters<double> truth = table2();
+  const SeaParameters<double> truth = test::truth();
   const auto trials = [&](const Sensors& with) {
     std::vector<Trial> out;
     for (std::uint64_t i = 1; i <= 3; ++i)
