@@ -66,7 +66,7 @@ Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const s
     const auto tells = information_of(rig, sea, constants, t, noise);
     if (!tells) throw InputError({t.file}, "the estimate cannot be followed through this trial: fit it first");
     k.information += *tells;
-    k.measurements += long(t.measurements());
+    k.measurements += long(t.phi.size() + t.phi_motor.size());
   }
   return k;
 }

@@ -46,6 +46,10 @@ double ljung_box(const std::vector<double>& x, int lags) {
   return double(n) * double(n + 2) * q;
 }
 
+double root_mean_square(std::span<const double> x) {
+  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / double(x.size()));
+}
+
 Moments moments(const std::vector<double>& x) {
   Moments out;
   const double n = double(x.size());

@@ -2,6 +2,7 @@
 // Private: not installed.
 #pragma once
 
+#include <span>
 #include <vector>
 
 namespace ukemi::identify {
@@ -21,6 +22,9 @@ double at_bound_tail(double ratio, int terms);
 /// Ljung and Box's Q over the lags 1 .. lags of one series of mean 0: chi-squared with as many degrees of freedom where
 /// the series is white. Not demeaned: an offset is no white noise. 0 for a series that is 0 or too short for the lags.
 double ljung_box(const std::vector<double>& series, int lags);
+
+/// NaN for an empty series.
+double root_mean_square(std::span<const double> x);
 
 struct Moments {
   double count = 0, skewness = 0, kurtosis = 0;  ///< kurtosis of the normal distribution: 0

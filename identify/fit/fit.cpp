@@ -164,4 +164,15 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
   return out;
 }
 
+std::vector<Trial> with_nearer_force(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
+                                     const FitOptions& options) {
+  std::vector<Trial> smooth = trials;
+  for (Trial& t : smooth) {
+    if (t.force_smooth != 0) return trials;
+    t.force_smooth = 1;
+  }
+  const Fit with = predict(rig, smooth, sea, options), without = predict(rig, trials, sea, options);
+  return with.converged && with.rms < without.rms ? smooth : trials;
+}
+
 }  // namespace ukemi::identify

@@ -83,4 +83,9 @@ struct Fit : Estimates {
 [[nodiscard]] Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
                           const FitOptions& options = {});
 
+/// The trials with the force between their samples linear or smooth (Trial::force_smooth), whichever these constants
+/// leave less of; as they are where none tells, or where one is smooth already.
+[[nodiscard]] std::vector<Trial> with_nearer_force(const Rig& rig, const std::vector<Trial>& trials,
+                                                   const SeaParameters<double>& sea, const FitOptions& options = {});
+
 }  // namespace ukemi::identify

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+
+#include "identify/estimate/statistics.hpp"
 
 namespace ukemi::identify {
 
 namespace {
 
-double root_mean_square(const Eigen::VectorXd& r) { return std::sqrt(r.squaredNorm() / double(r.size())); }
+std::span<const double> span_of(const Eigen::VectorXd& x) { return {x.data(), std::size_t(x.size())}; }
 
 /// phi, phi_motor, then torque by angle_per_torque; predicted minus measured [rad].
 Eigen::VectorXd raw_residuals(const Trial& log, const TrialResult& r) {
@@ -35,7 +38,12 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutI
     out.rms = std::numeric_limits<double>::quiet_NaN();
     return out;
   }
-  if (trial.measurements() > 0) out.rms = root_mean_square(raw_residuals(trial, out));
+  if (trial.measurements() > 0) out.rms = root_mean_square(span_of(raw_residuals(trial, out)));
+  if (!trial.torque.empty()) {
+    std::vector<double> off(trial.torque.size());
+    std::transform(out.torque.begin(), out.torque.end(), trial.torque.begin(), off.begin(), std::minus());
+    out.rms_torque = root_mean_square(off);
+  }
   double sum_of_rates = 0, rates = 0;
   for (const auto& [measured, predicted] : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}})
     for (std::size_t i = 1; i < measured->size(); ++i, ++rates) {
@@ -43,10 +51,6 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutI
       sum_of_rates += std::pow((residual(i) - residual(i - 1)) / (trial.t[i] - trial.t[i - 1]), 2);
     }
   if (rates > 0) out.rms_rate = std::sqrt(sum_of_rates / rates);
-  if (!trial.torque.empty())
-    out.rms_torque =
-        root_mean_square(Eigen::Map<const Eigen::VectorXd>(out.torque.data(), long(out.torque.size())) -
-                         Eigen::Map<const Eigen::VectorXd>(trial.torque.data(), long(trial.torque.size())));
   return out;
 }
 
@@ -58,7 +62,7 @@ Eigen::VectorXd white_residuals(const Trial& log, const TrialResult& r) {
 
 double white_rms(const Trial& log, const TrialResult& r) {
   if (r.weighting.u.size() == 0) return r.rms;
-  return root_mean_square(white_residuals(log, r));
+  return root_mean_square(span_of(white_residuals(log, r)));
 }
 
 }  // namespace ukemi::identify

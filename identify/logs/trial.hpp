@@ -1,6 +1,7 @@
 // One logged trial in SI units, with the checks that a log must pass.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,7 +33,9 @@ struct Trial {
   std::size_t samples() const { return t.size(); }
   /// The rig that it was logged on: its own, else that of the others.
   const Rig& rig_or(const Rig& common) const { return rig ? *rig : common; }
-  /// Measured outputs that a fit compares: phi, then phi_motor, then torque.
+  /// The outputs that a fit compares; those that were not logged are empty.
+  std::array<const std::vector<double>*, 3> measured() const { return {&phi, &phi_motor, &torque}; }
+  /// How many samples of them.
   std::size_t measurements() const { return phi.size() + phi_motor.size() + torque.size(); }
 };
 /// How many rad count as much as 1 Nm of a logged torque: the angles' noise over the torque's, so that each residual

@@ -12,6 +12,29 @@ SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
   return sea;
 }
 
+namespace {
+
+Drive read_drive(TomlSection& s, Feedback feedback) {
+  Drive out{.kind = Drive::Kind::kCommand};
+  if (const auto gain = s.optional_number("command_gain", Range::positive()))
+    out.kind = Drive::Kind::kController, out.gain = *gain;
+  if (const auto limit = s.optional_number("command_limit", Range::positive())) out.limit = *limit;
+  const auto side = read_feedback(s);
+  const auto angle = s.optional_choice("angle", {"predicted", "logged"});
+  for (const auto& [key, given] : {std::pair("feedback", side.has_value()), {"angle", angle.has_value()}})
+    if (given && out.kind == Drive::Kind::kCommand) s.fail(key, "without command_gain it has no say");
+  out.feedback = side.value_or(feedback);
+  if (angle == "logged") out.angle = Drive::Angle::kLogged;
+  if (const auto rate = s.optional_number("command_rate", Range::positive())) {
+    if (!out.by_command())
+      s.fail("command_rate", "a command that is known is needed: angle = \"logged\", or no command_gain");
+    out.rate = *rate;
+  }
+  return out;
+}
+
+}  // namespace
+
 Rig read_rig(const std::string& path) {
   TomlFile file(path);
   TomlSection s = file.require("rig");
@@ -33,12 +56,7 @@ Rig read_rig(const std::string& path) {
   const auto hanging = s.optional_number("hanging_deg", Range{-360, 360, false, "degrees from -360 to 360"});
   if (hanging && !moment) s.fail("hanging_deg", "without gravity_moment it has no say");
   rig.gravity = {moment.value_or(0), hanging.value_or(0) / kDegrees};
-  if (auto drive = file.optional("drive")) {
-    rig.drive.kind = Drive::Kind::kController;
-    rig.drive.gain = drive->number("command_gain", Range::positive());
-    if (const auto limit = drive->optional_number("command_limit", Range::positive())) rig.drive.limit = *limit;
-    rig.drive.feedback = read_feedback(*drive).value_or(rig.feedback.value_or(Feedback::kOutput));
-  }
+  if (auto drive = file.optional("drive")) rig.drive = read_drive(*drive, rig.feedback.value_or(Feedback::kOutput));
   file.finish();
   return rig;
 }

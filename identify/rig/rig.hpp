@@ -19,7 +19,14 @@ struct Drive {
   } kind = Kind::kGains;
   double gain = 0;                                         ///< of a controller [V or A per rad], > 0
   double limit = std::numeric_limits<double>::infinity();  ///< of its command [V or A], > 0
-  Feedback feedback = Feedback::kOutput;                   ///< the side that it feeds back
+  double rate =
+      std::numeric_limits<double>::infinity();  ///< of a command that is known: its largest change [V/s or A/s], > 0
+  Feedback feedback = Feedback::kOutput;        ///< the side that it feeds back
+  /// Which angle of that side: the one that the rollout predicts, or the logged one, as a drive sees its encoder. The
+  /// command of the latter is known before the rig's motion is, sampled, and may be delayed and limited in its rate.
+  enum class Angle { kPredicted, kLogged } angle = Angle::kPredicted;
+
+  bool by_command() const { return kind == Kind::kCommand || (kind == Kind::kController && angle == Angle::kLogged); }
 };
 
 /// Of a rig whose link does not turn in the horizontal plane: it pulls the link to where it hangs with
@@ -44,8 +51,8 @@ struct Rig {
 };
 
 /// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5);
-/// gravity_moment, hanging_deg; [drive], a controller that is known: command_gain, command_limit, feedback. Throws
-/// InputError.
+/// gravity_moment, hanging_deg; [drive], a controller that is known: command_gain, command_limit, command_rate,
+/// feedback, angle; without command_gain the logged command drives. Throws InputError.
 Rig read_rig(const std::string& path);
 
 }  // namespace ukemi::identify

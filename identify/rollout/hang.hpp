@@ -17,7 +17,7 @@ void hang(const System& rig, const Drive& drive, double phi, const T& offset, St
   using Dual = ceres::Jet<double, 2>;
   constexpr int kMost = 50;
   constexpr double kEnough = 1e-14;
-  const bool by_command = drive.kind == Drive::Kind::kCommand;
+  const bool by_command = drive.by_command();
   const T link = T(phi) + offset;
   const auto lacking = [&](auto system, const auto& x, const auto& angle) {
     using U = std::decay_t<decltype(x[0])>;

@@ -85,9 +85,39 @@ class LinearFlow {
     return z;
   }
 
+  /// A time `length` at once: exp(A length), and what drives of the two rates add, a constant one of 1 and one that
+  /// grows from 0 by 1/s. By the series over a short part, then by doubling it.
+  struct Leap {
+    double length;
+    Matrix step;
+    Eigen::Matrix<T, kStates, 2> constant, growing;
+
+    State after(const State& z, const State& b0, const State& b1) const {
+      return product(step, z) + constant * b0.template tail<2>() + growing * b1.template tail<2>();
+    }
+  };
+  Leap leap(double length) const {
+    const int doublings = doublings_to(length);
+    double d = std::ldexp(length, -doublings);
+    const State zero = State::Zero();
+    Leap out{length, exponential(d), {}, {}};
+    for (int j = 0; j < 2; ++j) {
+      out.constant.col(j) = advance(zero, State::Unit(2 + j), zero, d);
+      out.growing.col(j) = advance(zero, zero, State::Unit(2 + j), d);
+    }
+    for (int s = 0; s < doublings; ++s, d *= 2) {
+      for (int j = 0; j < 2; ++j) {
+        out.growing.col(j) += product(out.step, State(out.growing.col(j))) + State(out.constant.col(j) * T(d));
+        out.constant.col(j) += product(out.step, State(out.constant.col(j)));
+      }
+      out.step = product(out.step, out.step);
+    }
+    return out;
+  }
+
   /// exp(A h): scaling, Taylor series, squaring (Moler, Van Loan 2003, method 3).
   Matrix exponential(double h) const {
-    const int squarings = std::max(0, int(std::ceil(std::log2(std::max(rate_ * h, 1e-300)))));
+    const int squarings = doublings_to(h);
     const double d = std::ldexp(h, -squarings);
     Matrix sum;
     for (int j = 0; j < kStates; ++j) sum.col(j) = advance(State(State::Unit(j)), State::Zero(), State::Zero(), d);
@@ -96,6 +126,9 @@ class LinearFlow {
   }
 
  private:
+  /// Of a part within which the series is short.
+  int doublings_to(double h) const { return std::max(0, int(std::ceil(std::log2(std::max(rate_ * h, 1e-300))))); }
+
   // Written out: an expression of Jets makes a temporary of each.
   template <class Row>
   static T dot(const Row& r, const State& z) {

@@ -55,7 +55,7 @@ class Roll {
                 {.accuracy = options.accuracy,
                  .first_step = std::min(1e-3, options.max_step),
                  .max_step = options.max_step}) {
-    if (drive_.kind == Drive::Kind::kController && std::isfinite(drive_.limit)) {
+    if (!drive_.by_command() && std::isfinite(drive_.limit)) {
       system_.command_limit = sea.k_t * T(drive_.limit);
       plain_.command_limit = value_of(system_.command_limit);
     }
@@ -94,8 +94,6 @@ class Roll {
   RolloutStatus follow(double t_end) {
     if constexpr (kExact)
       if (is_linear()) {
-        if constexpr (kTerms.extended)
-          if (slides()) return slide(t_end);
         return flow(t_end);
       }
     return integrate(t_end);
@@ -109,13 +107,16 @@ class Roll {
   bool is_linear() const { return exact_ && system_.mode.saturation == 0 && !system_.input.pushed; }
   /// Whether friction or a command's limit changes the linear mode.
   static constexpr double kStiff = 300;  ///< rate x interval beyond which the looks between samples cost too much
-  bool slides() const { return system_.mode.rubbing() || std::isfinite(value_of(system_.command_limit)); }
+  bool slides() const {
+    if constexpr (!kTerms.extended) return false;
+    return system_.mode.rubbing() || std::isfinite(value_of(system_.command_limit));
+  }
   double shift() const { return value_of(nuisance_.time_shift); }
 
   /// Eq. 3 as the drive has it: with its own gain, or not at all.
   static SeaParameters<T> driven_by(const Drive& drive, SeaParameters<T> sea) {
     if (drive.kind == Drive::Kind::kGains) return sea;
-    const bool controller = drive.kind == Drive::Kind::kController;
+    const bool controller = !drive.by_command();
     sea.k_p = controller ? T(sea.k_t * T(drive.gain)) : T(0), sea.k_d = T(0);
     if (controller) sea.feedback = drive.feedback;
     return sea;
@@ -140,7 +141,7 @@ class Roll {
       pushed = pushed || present(force[i]);
     }
     Excitation<T> out = e.with_force(pushed, force);
-    if (drive_.kind != Drive::Kind::kCommand) out.command = 0;  // it is logged, but does not drive
+    if (!drive_.by_command()) out.command = 0;  // it is logged, but does not drive
     return out;
   }
   void record(std::size_t sample, const State& y) {
@@ -246,21 +247,20 @@ class Roll {
 
   // --- exact ---
 
-  /// The exact flow of a linear mode, and of its values; what a constant or growing drive of either rate adds in a
-  /// sampling interval.
+  /// The exact flow of a linear mode, and of its values.
   struct Exact {
     LinearFlow<T> flow;
-    LinearFlow<double> values;  ///< by the interval between looks at the guards
-    int looks;                  ///< so many in a sampling interval
-    Eigen::Matrix<T, 4, 2> constant, growing;
+    LinearFlow<double> values;                             ///< by the interval between looks at the guards
+    int looks;                                             ///< so many in a sampling interval
+    std::vector<typename LinearFlow<T>::Leap> leaps = {};  ///< over lengths that come again, where the rig is driven
   };
 
   /// That of the present mode. Its matrix does not depend on the direction of slips.
-  const Exact& exact() {
+  Exact& exact() {
     const RigMode& m = system_.mode;
-    std::unique_ptr<const Exact>& out =
+    std::unique_ptr<Exact>& out =
         exacts_[(m.stuck(kOutputSide) ? 1U : 0U) + (m.stuck(kMotorSide) ? 2U : 0U) + (m.command != 0 ? 4U : 0U)];
-    if (!out) out = std::make_unique<const Exact>(prepared());
+    if (!out) out = std::make_unique<Exact>(prepared());
     return *out;
   }
 
@@ -280,16 +280,8 @@ class Roll {
     constexpr double kTurn = 0.5;
     constexpr int kMostLooks = 8;
     const int looks = std::clamp(int(std::ceil(flow.rate() * trial_.spacing / kTurn)), 1, kMostLooks);
-    Exact out{flow, LinearFlow<double>(plain, trial_.spacing / looks), looks, {}, {}};
-    if constexpr (kTerms.extended)
-      if (slides() && flow.rate() * trial_.spacing < kStiff) {
-        const State zero = State::Zero();
-        for (int j = 0; j < 2; ++j) {
-          out.constant.col(j) = flow.advance(zero, State::Unit(2 + j), zero, flow.h());
-          out.growing.col(j) = flow.advance(zero, zero, State::Unit(2 + j), flow.h());
-        }
-        return out;
-      }
+    Exact out{flow, LinearFlow<double>(plain, trial_.spacing / looks), looks};
+    if (slides()) return out;
     if (kTerms.torque_limit) bound_torque(plain, out.values, looks);
     return out;
   }
@@ -315,7 +307,7 @@ class Roll {
   Frame frame(double t) const {
     const Excitation<T>& in = system_.input;
     Frame f{T(in.phi_ref), State::Zero(), State::Zero(),
-            in.phi_ref_rate == 0 && in.dphi_ref == 0 && in.dphi_ref_rate == 0 && in.command == 0};
+            !slides() && in.phi_ref_rate == 0 && in.dphi_ref == 0 && in.dphi_ref_rate == 0 && in.command == 0};
     if (f.held) return f;
     f.rest = T(0);
     State later;
@@ -336,10 +328,13 @@ class Roll {
     return p;
   }
 
-  /// To the end of the stretch, or to where the torque limit is met.
+  /// To the end of the stretch, or to where a limit is met: a block of intervals at once about a held reference, else
+  /// from interval to interval. A side that is stuck does not move at all: its rows of the flow are zero.
   RolloutStatus flow(double t_end) {
-    const Exact& exact = this->exact();
+    Exact& exact = this->exact();
     const LinearFlow<T>& flow = exact.flow;
+    const bool sliding = slides();
+    if (sliding && !(flow.rate() * trial_.spacing < kStiff)) return RolloutStatus::kDiverged;
     double t = driver_.time();
     const Frame f = frame(t);
     plain_.mode = system_.mode;
@@ -361,68 +356,27 @@ class Roll {
         if (torque_) record_torque(sample_ - 1, z + rest);
         continue;
       }
-      // A part of an interval, or one that meets the limit.
       const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
       const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
-      if (!afford(flow.work(d))) return RolloutStatus::kDiverged;
-      const Meeting met = f.held && below_limit(values(z)) ? Meeting{} : meeting(exact, values(z), t, d);
-      const double h = met.guard < 0 ? d : met.s * d;
-      z = f.held ? flow.advance(z, h) : flow.advance(z, f.b0 + f.b1 * T(t - from), f.b1, h);
-      t = h == left ? next : t + h;
-      if (met.guard >= 0) {
-        driver_.restart(t, z + rest);
-        ++met_;
-        return cross(met.guard) ? RolloutStatus::kDone : RolloutStatus::kDiverged;
-      }
-      if (h < left || !to_sample) continue;
-      record(sample_++, z + rest);
-      const RolloutStatus status = bounds(value_of(z[0] + f.rest));
-      if (status != RolloutStatus::kDone) return status;
-    }
-    driver_.restart(t, z + rest);
-    arrived_ = true;
-    return RolloutStatus::kDone;
-  }
-
-  /// The same where friction holds or brakes: from interval to interval, and within one from event to event. A side
-  /// that is stuck does not move at all: its rows of the flow are zero.
-  RolloutStatus slide(double t_end) {
-    const Exact& exact = this->exact();
-    if (!(exact.flow.rate() * trial_.spacing < kStiff)) return RolloutStatus::kDiverged;
-    double t = driver_.time();
-    State z = driver_.state(), b0, b1;
-    system_.derivative(t, State(State::Zero()), b0);
-    system_.derivative(t + 1, State(State::Zero()), b1);
-    b1 -= b0;
-    plain_.mode = system_.mode, plain_.input = system_.input.template with_force<double>(false);
-    const double from = t;
-    while (t < t_end) {
-      const bool to_sample = sample_ < t_.size() && t_[sample_] <= t_end;
-      const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
-      const bool interval = std::abs(d - trial_.spacing) <= kOffGrid * trial_.spacing;
-      if (!afford(1 + exact.flow.rate() * d)) return RolloutStatus::kDiverged;
-      const State drive = b0 + b1 * T(t - from);
-      const auto after = [&](double h) { return exact.flow.advance(z, drive, b1, h); };
-      State end;
-      if (interval)
-        end =
-            exact.flow.after(1, z) + exact.constant * drive.template tail<2>() + exact.growing * b1.template tail<2>();
-      else
-        end = after(d);
-      const Meeting met = meeting(exact, values(z), t, d, values(end));
-      if (met.guard >= 0) {
-        driver_.restart(t + met.s * d, after(met.s * d));
+      const auto* leap = f.held ? nullptr : leap_over(exact, d);
+      const bool clear = f.held ? below_limit(values(z)) : unlimited();
+      if (!(leap && clear) && !afford(sliding ? 1 + flow.rate() * d : flow.work(d))) return RolloutStatus::kDiverged;
+      const State drive = f.b0 + f.b1 * T(t - from);
+      const auto after = [&](double h) { return f.held ? flow.advance(z, h) : flow.advance(z, drive, f.b1, h); };
+      const State end = leap ? leap->after(z, drive, f.b1) : after(d);
+      if (const Meeting met = clear ? Meeting{} : meeting(exact, values(z), t, d, values(end)); met.guard >= 0) {
+        driver_.restart(t + met.s * d, after(met.s * d) + rest);
         ++met_;
         return cross(met.guard) ? RolloutStatus::kDone : RolloutStatus::kDiverged;
       }
       z = end;
       t = d == left ? next : t + d;
       if (d < left || !to_sample) continue;
-      record(sample_++, z);
-      const RolloutStatus status = bounds(value_of(z[0]));
+      record(sample_++, z + rest);
+      const RolloutStatus status = bounds(value_of(z[0] + f.rest));
       if (status != RolloutStatus::kDone) return status;
     }
-    driver_.restart(t, z);
+    driver_.restart(t, z + rest);
     arrived_ = true;
     return RolloutStatus::kDone;
   }
@@ -449,6 +403,19 @@ class Roll {
   }
   static integrate::Node node(double s, const Guards& g, int i, double h) { return {s, g.value[i], g.rate[i] * h}; }
 
+  /// The leap over a length that comes at every sample: the interval, or the parts into which a delayed command cuts
+  /// it.
+  const typename LinearFlow<T>::Leap* leap_over(Exact& exact, double length) const {
+    constexpr std::size_t kMost = 4;
+    const auto is = [&](double known) { return std::abs(length - known) <= kOffGrid * trial_.spacing; };
+    for (const auto& leap : exact.leaps)
+      if (is(leap.length)) return &leap;
+    const bool again = is(trial_.spacing) || trial_.trial->command_delay > 0;
+    if (!again || exact.leaps.size() == kMost) return nullptr;
+    return &exact.leaps.emplace_back(exact.flow.leap(length));
+  }
+  /// Whether no guard can be met.
+  bool unlimited() const { return !slides() && !std::isfinite(value_of(system_.sea.tau_max)); }
   /// Whether the torque limit is out of reach for a block from here on, about a held reference.
   bool below_limit(const Values& z) const { return torque_bound_.dot(z.cwiseAbs()) < value_of(system_.sea.tau_max); }
 
@@ -471,13 +438,12 @@ class Roll {
     return n;
   }
 
-  /// The first guard that falls to zero within d of z, and where; `end` is the state there, where that is known.
+  /// The first guard that falls to zero within d of z, and where; `end` is the state there.
   struct Meeting {
     int guard = -1;
     double s = integrate::kNoZero;  ///< in parts of d
   };
-  Meeting meeting(const Exact& exact, const Values& z, double t, double d,
-                  const std::optional<Values>& end = {}) const {
+  Meeting meeting(const Exact& exact, const Values& z, double t, double d, const Values& end) const {
     Meeting met;
     if (!kTerms.torque_limit) return met;
     Values b0, b1;
@@ -491,7 +457,7 @@ class Roll {
     Guards a = guards(t, z);
     for (int look = 0; look < exact.looks && met.guard < 0; ++look) {
       const double sa = double(look) / exact.looks, sb = (look + 1.0) / exact.looks;
-      const Guards b = guards(t + sb * d, end && look + 1 == exact.looks ? *end : at(sb));
+      const Guards b = guards(t + sb * d, look + 1 == exact.looks ? end : at(sb));
       for (int i = 0; i < System::kGuards; ++i) {
         const integrate::Node start = look == 0 ? integrate::start_node(a.value[i], a.rate[i] * d) : node(sa, a, i, d);
         const double s = integrate::zero_between(start, node(sb, b, i, d),
@@ -517,7 +483,7 @@ class Roll {
   std::vector<T>* const torque_;  ///< null: not asked for
   integrate::Integrator<Method, System> driver_;
   bool exact_;  ///< the rig has linear modes, and they are wanted
-  std::array<std::unique_ptr<const Exact>, kTerms.extended ? 8 : 1> exacts_;  ///< of each, once it was needed
+  std::array<std::unique_ptr<Exact>, kTerms.extended ? 8 : 1> exacts_;  ///< of each, once it was needed
   Values torque_bound_ = Values::Zero();  ///< of the spring's torque for a block from z on: torque_bound_ . |z|
   bool arrived_ = false;                  ///< at the end of the stretch
   std::size_t sample_ = 0;                ///< the next to be recorded

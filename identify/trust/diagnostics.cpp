@@ -31,7 +31,7 @@ std::vector<Series> residuals(const Fit& fit, const std::vector<Trial>& trials) 
     if (r.phi.empty() && r.phi_m.empty()) continue;
     const Eigen::VectorXd all = white_residuals(log, r);
     const double* from = all.data();
-    for (const std::vector<double>* measured : {&log.phi, &log.phi_motor, &log.torque}) {
+    for (const std::vector<double>* measured : log.measured()) {
       if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
       from += measured->size();
     }
@@ -45,10 +45,6 @@ double smallest_step(const std::vector<double>& x) {
   for (std::size_t i = 1; i < x.size(); ++i)
     if (const double change = std::abs(x[i] - x[i - 1]); change > 1e-12) step = std::min(step, change);
   return step;
-}
-
-double root_mean_square(const std::vector<double>& x) {
-  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / double(x.size()));
 }
 
 /// Widens e to a variance that is at least its own.

@@ -17,7 +17,7 @@ void respect_ratings(const Actuator& actuator, OptimizeOptions& o) {
                                  speed    ? "tau_max"
                                  : torque ? "speed_max"
                                           : "speed_max and no tau_max"));
-  o.limits.motor_speed = o.reference_rate = *actuator.speed_max;
+  o.limits.motor_speed = o.limits.reference_rate = *actuator.speed_max;
   o.limits.motor_torque = actuator.sea.tau_max;
 }
 

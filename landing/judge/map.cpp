@@ -191,7 +191,7 @@ std::vector<double> peak_slice(const Scene& scene, const SeaParameters<double>& 
       cases.push_back({&scene, &sea, m});
     }
   std::vector<LandingPeak> peaks(cases.size());
-  batch_peaks(cases, peaks, {.feedback = sea.feedback}, threads);
+  batch_peaks(cases, peaks, {}, threads);
   std::vector<double> out;
   for (const LandingPeak& p : peaks) out.push_back(no_landing(p.end) ? std::nan("") : p.peak);
   return out;

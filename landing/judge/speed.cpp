@@ -21,7 +21,7 @@ std::vector<RatedPlan> rated_plans(const Scene& scene, const Actuator& actuator,
   const auto search = [&](Goal goal, double speed, double torque) {
     OptimizeOptions o = options.search;
     o.goal = goal;
-    o.limits.motor_speed = o.reference_rate = speed, o.limits.motor_torque = torque;
+    o.limits.motor_speed = o.limits.reference_rate = speed, o.limits.motor_torque = torque;
     return optimize(scene, space, o);
   };
   const auto better = [](Optimum& mine, const Optimum& lesser) {

@@ -141,15 +141,15 @@ class BatchEngine {
     const Schedule::Crossing crossing = schedule_[i].cross(g, t, mode, options_.limits, out_[i].contacts);
     if (crossing.forbidden) return false;
     system_.set_lane(i, mode);
-    if (crossing.first) turn(i, crossing.turn);
     stale_.set(i, true);
-    return true;
+    return !crossing.first || turn(i, crossing.turn);
   }
 
-  /// The reference's turn, as LandingSystem::turn; the next deadline with it.
-  [[gnu::noinline]] void turn(int i, Turn to) {
+  /// The reference's turn, as LandingSystem::turn; the next deadline with it. False where it breaks a limit.
+  [[gnu::noinline]] bool turn(int i, Turn to) {
     stop_.set(i, schedule_[i].stop());
-    if (to == Turn::kNone || to == Turn::kHold) return;
+    if (to == Turn::kNone || to == Turn::kHold) return true;
+    if (to == Turn::kLand && options_.limits.broken_by(case_[i].motion, step_.t[i])) return false;
     ReferencePiece<double> piece;
     ReferencePiece<double>::for_each(piece, system_.piece, [i](double& x, const T& lanes) { x = lanes[i]; });
     piece = piece_behind(to, case_[i].motion, piece, step_.t[i]);
@@ -157,9 +157,10 @@ class BatchEngine {
     motion_part_.set(i, schedule_[i].motion_part());
     h_next_.set(i, std::min(h_next_[i], motion_part_[i]));
     stale_.set(i, true);
-    if (to != Turn::kLand) return;
+    if (to != Turn::kLand) return true;
     const SeaParameters<double> sea = with_landing_gains(*case_[i].sea, case_[i].motion);
     system_.sea.k_p.set(i, sea.k_p), system_.sea.k_d.set(i, sea.k_d);
+    return true;
   }
 
   /// The lane's step has ended at its deadline: the next one, or how the landing ended.
@@ -167,8 +168,7 @@ class BatchEngine {
     Mode mode = system_.lane(i);
     const Schedule::Deadline deadline = schedule_[i].reached(step_.t[i], mode);
     system_.set_lane(i, mode);
-    turn(i, deadline.turn);
-    return deadline.end;
+    return turn(i, deadline.turn) ? deadline.end : End::kBroken;
   }
 
   /// A zero of a guard inside a step.

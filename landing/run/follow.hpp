@@ -84,7 +84,7 @@ class Follower {
     if (outcome.status == integrate::Status::kReached) {
       const Schedule::Deadline deadline = schedule_.reached(t_, system_);
       if (deadline.end) return deadline.end;
-      turn(integrator, deadline.turn);
+      if (!turn(integrator, deadline.turn)) return End::kBroken;
     }
     const bool asked = options_.rest == SimulateOptions::Rest::kStop;
     if (asked && at_rest(system_, integrator.state(), peak_.square, impact_)) return End::kRest;
@@ -101,20 +101,24 @@ class Follower {
     return std::nullopt;
   }
 
-  /// The reference turns at a deadline. The field jumps with it where the landing motion begins.
-  void turn(Integrator& integrator, Turn to) {
-    if (to == Turn::kNone) return;
+  /// The reference turns at a deadline. The field jumps with it where the landing motion begins. False where that
+  /// breaks a limit.
+  bool turn(Integrator& integrator, Turn to) {
+    if (to == Turn::kNone) return true;
+    if (to == Turn::kLand && options_.limits.broken_by(motion_, t_)) return false;
     system_.turn(to, motion_, t_);
-    if (to == Turn::kHold) return;
+    if (to == Turn::kHold) return true;
     integrator.refresh();
     peak_.jump();
     if constexpr (kReport) recorder_.jump();
+    return true;
   }
 
   std::optional<End> cross(Integrator& integrator, int event) {
     if constexpr (kReport) recorder_.row(system_, t_, integrator.state());
     const Schedule::Crossing crossing = schedule_.cross(event, t_, system_, options_.limits, out_.contacts);
     if (crossing.forbidden) return End::kBroken;
+    if (crossing.turn == Turn::kLand && options_.limits.broken_by(motion_, t_)) return End::kBroken;
     if (crossing.touchdown && options_.touchdowns) options_.touchdowns->push_back(t_);
     system_.turn(crossing.turn, motion_, t_);
     integrator.refresh();

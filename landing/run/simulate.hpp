@@ -50,12 +50,20 @@ struct Limits {
   double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm]
   /// Of the joint angle phi_1 [rad].
   std::array<double, 2> joint{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  /// Of |dphi_ref| [rad/s]. A landing breaks it where the floor cuts the move in the air short and the motion from
+  /// there is quicker; what is planned is known without a landing, see peak_reference_rate.
+  double reference_rate = std::numeric_limits<double>::infinity();
   bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
   bool joint_stops() const { return std::isfinite(joint[0]) || std::isfinite(joint[1]); }
   bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
-  bool any() const { return any_forbidden() || within_steps(); }
+  bool any() const { return any_forbidden() || within_steps() || std::isfinite(reference_rate); }
   /// Whether steps must be looked at.
   bool within_steps() const { return rated() || joint_stops(); }
+  /// Whether a landing motion that starts so long after the release breaks them.
+  bool broken_by(const Motion& m, double start) const {
+    return m.reposition && start < m.reposition->to && std::isfinite(reference_rate) &&
+           peak_reference_rate(m, start) > reference_rate;
+  }
   /// Whether a state breaks them, the motor pulling with `torque` [Nm]; lane by lane for packs.
   template <class T>
   auto broken_by(const SeaState<T>& s, const T& torque) const {

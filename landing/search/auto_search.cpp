@@ -27,21 +27,17 @@ void AutoSearch::run(Search& search) {
   refined_last_ = false;
   if (search.objective().options().goal == Goal::kRobust) return robust_->run(search);
   const bool wide = search.dimension() > kPaperVariables;
-  if (wide && search.objective().options().goal == Goal::kTolerant) {
-    wide_->begin(search);
-    if (search.hint) {
-      Candidate hint{*search.hint};
-      search.evaluate({&hint, 1});
-      wide_->know(hint);
-    }
-    wide_->scout_first();
-    while (!search.over()) wide_->run_once();
-    return;
+  const bool screens = wide && search.objective().options().goal == Goal::kTolerant;  // by the peak, for itself
+  if (!screens) {
+    scout();
+  } else {
+    population_.clear();
+    if (search.hint) search.evaluate({&population_.emplace_back(Candidate{*search.hint}), 1});
   }
-  scout();
   if (wide) {
     wide_->begin(search);
     for (const Candidate& p : population_) wide_->know(p);
+    if (screens) wide_->scout_first();
     while (!search.over()) wide_->run_once();
     return;
   }

@@ -44,20 +44,13 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
 
 /// The reference is quicker than it may be, played exactly or in the shortest time of its execution box.
 bool Objective::too_quick(const Play& play) const {
-  if (!std::isfinite(options_.reference_rate)) return false;
+  const double most = options_.limits.reference_rate;
+  if (!std::isfinite(most)) return false;
   for (int k = 0; k < kExecutionPoints; ++k) {
     if (k > 0 && execution_deviation(k).duration >= 0) continue;
-    if (peak_reference_rate(space_.execution_point(play, scene_.execution, k).motion) > options_.reference_rate)
-      return true;
+    if (peak_reference_rate(space_.execution_point(play, scene_.execution, k).motion) > most) return true;
   }
   return false;
-}
-
-/// The floor came within the move in the air, and the landing motion from there is quicker than it may be.
-bool Objective::too_quick(const Scene& scene, const Motion& motion, const LandingPeak& landing) const {
-  if (!std::isfinite(options_.reference_rate) || !motion.reposition) return false;
-  const double start = landing.contacts.first() + scene.detection_delay;
-  return start < motion.reposition->to && peak_reference_rate(motion, start) > options_.reference_rate;
 }
 
 /// Motions raced over their execution boxes: each lane takes a motion of its own and plays its box until the first
@@ -95,7 +88,7 @@ class Objective::Race : public BatchSource {
     ++landings, ++ended_[i];
     flights += peak.end == End::kNoContact;
     work += work_of(peak.work);
-    if (no_landing(peak.end) || o_.too_quick(o_.scene_, play_[std::size_t(lane)].motion, peak))
+    if (no_landing(peak.end))
       fail(i, kNoMotion);
     else if (counts(corner_[lane], goal_) && peak.peak > points_[i].value) {
       points_[i].value = peak.peak, points_[i].worst = corner_[lane];
@@ -200,7 +193,7 @@ double Objective::verified(const Play& play, double accuracy, double bound) {
                                              .limits = options_.limits,
                                              .over = &over_});
     work_ += work_of(p.work);
-    if (no_landing(p.end) || too_quick(scene_, at.motion, p)) return kNoMotion;
+    if (no_landing(p.end)) return kNoMotion;
     if (counts(k, options_.goal)) worst = std::max(worst, p.peak);
     if (worst > bound) break;
   }

@@ -45,9 +45,9 @@ class Objective {
   struct Options {
     Goal goal = Goal::kPeak;
     double accuracy = 1e-6;  ///< see BatchOptions
-    Limits limits;  ///< what no landing may do, wherever in the execution box; the scene's joint stops are added
-    /// Of the reference, wherever in the execution box [rad/s]; no landing is spent above it.
-    double reference_rate = std::numeric_limits<double>::infinity();
+    /// What no landing may do, wherever in the execution box; the scene's joint stops are added. None is spent on a
+    /// motion whose reference is too quick.
+    Limits limits;
     int threads = 1;                                            ///< 0: all cores; without influence on the results
     Stopwatch::Time time = Stopwatch::Time::kWall;              ///< that deadlines are counted in
     double deadline = std::numeric_limits<double>::infinity();  ///< from the construction on, which plays a landing [s]
@@ -118,7 +118,6 @@ class Objective {
   const MotionSpace& space_;
   Options options_;
   bool too_quick(const Play& play) const;
-  bool too_quick(const Scene& scene, const Motion& motion, const LandingPeak& landing) const;
   void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
   bool extended_;
   Feedback feedback_;

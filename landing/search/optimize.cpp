@@ -35,7 +35,7 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
   if (objective.flights() > 0 && objective.flights() == objective.landings())
     return "no point of the robot touches the floor: there is no landing to plan";
   if (options.deadline) return fmt::format("no motion could be followed in the {:g} s given", *options.deadline);
-  const bool limited = objective.options().limits.any() || std::isfinite(options.reference_rate);
+  const bool limited = objective.options().limits.any();
   const std::string none = limited ? "no motion of the search range was found that keeps the limits"
                                    : "no motion of the search range could be followed";
   return exhausted ? none + "; " + bound : none;
@@ -105,7 +105,6 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
                       {.goal = options.goal,
                        .accuracy = options.search_accuracy,
                        .limits = options.limits,
-                       .reference_rate = options.reference_rate,
                        .threads = options.threads,
                        .time = options.time,
                        .deadline = deadline,

@@ -26,9 +26,8 @@ struct OptimizeOptions {
   Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that the deadline is counted in; kProcessor: on one thread
   double tolerance = 0;                           ///< see Budget::tolerance; 0: never
   Limits limits;                                  ///< what no landing may do
-  double reference_rate = std::numeric_limits<double>::infinity();  ///< largest |dphi_ref| of a motion [rad/s]
-  double search_accuracy = 1e-6;                                    ///< of the landings that are searched
-  double accuracy = 1e-9;                                           ///< of the result
+  double search_accuracy = 1e-6;                  ///< of the landings that are searched
+  double accuracy = 1e-9;                         ///< of the result
   std::uint64_t seed = 1;
   /// Motions that are tried before all others, as values of the space's variables: the search begins at the best.
   std::vector<Coordinates> starts;

@@ -33,11 +33,7 @@ Planner::Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, c
       options_(options),
       robust_(robust_of(scene, options)),
       objective_(scene_, *space_,
-                 {.goal = options.goal,
-                  .accuracy = options.accuracy,
-                  .limits = options.limits,
-                  .reference_rate = options.reference_rate,
-                  .robust = robust_}) {
+                 {.goal = options.goal, .accuracy = options.accuracy, .limits = options.limits, .robust = robust_}) {
   if (!robust_) return;
   for (const ScatteredDrop& d : robust_->drops)
     beside_.push_back({.height = d.scene.drop.height - scene.drop.height,

@@ -36,7 +36,6 @@ class Planner {
     double accuracy = 1e-6;  ///< of the search
     double verified = 1e-8;  ///< of the scalar path, which judges the answer as far as the time goes
     Limits limits;           ///< what no landing may do
-    double reference_rate = std::numeric_limits<double>::infinity();  ///< [rad/s]
     /// With Goal::kRobust: how the drop scatters about what is measured, and what is minimised over how many drops of
     /// it.
     struct UnderScatter {

@@ -60,8 +60,7 @@ void Objective::race_over(std::span<Candidate> points, std::span<const Scattered
         &space_);
     for (std::size_t m = 0; m < s.open.size(); ++m)
       for (std::size_t k = from; k < to; ++k) {
-        LandingPeak landing = landings[m * (to - from) + k - from];
-        if (too_quick(drops[k].scene, s.plays[m].motion, landing)) landing.end = End::kBroken;
+        const LandingPeak& landing = landings[m * (to - from) + k - from];
         s.peaks[s.open[m] * n + k] = counted(landing, robust.penalty);
         work_ += work_of(landing.work), flights_ += landing.end == End::kNoContact;
       }

@@ -1,7 +1,12 @@
 // Drives whose command is known: a rig of its own for a trial, a logged command; a measured one where UKEMI_LAB_DATA is
 // set.
-#include <catch2/catch.hpp>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/random.hpp"
 #include "test/cli/refused.hpp"
 
 using namespace cli;
@@ -71,4 +76,59 @@ TEST_CASE("a measured drive with friction that sticks on both sides is explained
   const Json s = summary(f);
   CHECK(s["rms"].get<double>() < 1.25e-3);                                             // of 50e-3
   CHECK(s["parameters"]["k_sea"]["value"].get<double>() == Approx(240).epsilon(0.1));  // a sister's antiresonance
+}
+
+TEST_CASE("known drives: a controller that is fed the logged angle answers late, within its limit and its rate") {
+  // Ours and simulated: 1 kHz, a proportional controller that reads the encoder, acts 5 ms later, and is limited.
+  const Folder f;
+  const double gain = 40, limit = 3, rate = 200, k_t = 1.5, k_sea = 60, c_sea = 1.2, i_motor = 0.08, inertia = 1;
+  const int late = 5, n = 3000, steps = 20;
+  std::vector<double> command;
+  double phi = 0, phi_m = 0, dphi = 0, dphi_m = 0;
+  std::string log = "t,phi,phi_motor,phi_ref\n";
+  ukemi::Random random(5);
+  const auto logged = [&](double angle) { return angle + 1e-5 * random.normal(); };
+  for (int i = 0; i < n; ++i) {
+    const double t = i * 1e-3, ref = t < 0.1 ? 0 : 0.3 * std::sin(3 * (t - 0.1)) + 0.1 * std::sin(17 * (t - 0.1));
+    const double encoder = logged(phi);
+    log += fmt::format("{},{},{},{}\n", t, encoder, logged(phi_m), ref);
+    double c = std::clamp(gain * (ref - encoder), -limit, limit);
+    if (i > 0) c = std::clamp(c, command.back() - rate * 1e-3, command.back() + rate * 1e-3);
+    command.push_back(c);
+    const double acts = i < late ? command.front() : command[std::size_t(i - late)], h = 1e-3 / steps;
+    for (int k = 0; k < steps; ++k) {  // the midpoint rule
+      const auto acceleration = [&](double p, double m, double v, double w) {
+        const double tau = k_sea * (m - p) + c_sea * (w - v);
+        return std::pair(tau / inertia, (k_t * acts - tau) / i_motor);
+      };
+      const auto [a, b] = acceleration(phi, phi_m, dphi, dphi_m);
+      const double v = dphi + h / 2 * a, w = dphi_m + h / 2 * b;
+      const auto [c1, d1] = acceleration(phi + h / 2 * dphi, phi_m + h / 2 * dphi_m, v, w);
+      phi += h * v, phi_m += h * w, dphi += h * c1, dphi_m += h * d1;
+    }
+  }
+  f.write("a.csv", log);
+  f.write("rig.toml", kHead + fmt::format("[drive]\ncommand_gain = {}\ncommand_limit = {}\ncommand_rate = {}\n"
+                                          "angle = \"logged\"\n",
+                                          gain, limit, rate));
+  const Result r =
+      run(Arguments{"identify", "a.csv", "--rig", "rig.toml", "--nuisance", "control_delay"} + kOut, f.at(""));
+  INFO(r.err);
+  const Json s = summary(f)["parameters"];
+  INFO(summary(f)["nuisance"].dump());
+  const Json delay = summary(f)["nuisance"]["control_delay"];
+  CHECK(delay["value"].get<double>() == Approx(5e-3).margin(2e-5));
+  CHECK(s["k_sea"]["value"].get<double>() == Approx(k_sea).epsilon(2e-3));
+  CHECK(s["c_sea"]["value"].get<double>() == Approx(c_sea).epsilon(5e-3));
+  CHECK(s["i_motor"]["value"].get<double>() == Approx(i_motor).epsilon(5e-3));
+  CHECK(summary(f)["nuisance"]["k_t"]["value"].get<double>() == Approx(k_t).epsilon(2e-3));
+  f.write("bad.toml", kHead + "[drive]\ncommand_gain = 40\ncommand_rate = 200\n");
+  check_refused(f, Arguments{"identify", "a.csv", "--rig", "bad.toml"} + kOut, {"bad.toml", "command_rate", "logged"});
+  f.write("bad.toml", kHead + "[drive]\nangle = \"logged\"\n");
+  check_refused(f, Arguments{"identify", "a.csv", "--rig", "bad.toml"} + kOut, {"bad.toml", "angle", "command_gain"});
+  f.write("bad.toml", kHead + "[drive]\ncommand_limit = 3\n");
+  check_refused(f, Arguments{"identify", "a.csv", "--rig", "bad.toml"} + kOut, {"a.csv", "no column 'command'"});
+  f.write("bad.toml", kHead + "[drive]\ncommand_gain = 40\nangle = \"logged\"\nfeedback = \"motor\"\n");
+  f.write("b.csv", "t,phi,phi_ref\n0,0,0\n0.1,0,0.1\n0.2,0.02,0.1\n0.3,0.03,0.1\n");
+  check_refused(f, Arguments{"identify", "b.csv", "--rig", "bad.toml"} + kOut, {"b.csv", "no column 'phi_motor'"});
 }

@@ -1,4 +1,6 @@
 // Reports: figures as files, without gnuplot, thinned so that no peak is lost, and names that are shown and never run.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -36,7 +38,18 @@ TEST_CASE("report: figures as files of their own, each named by the summary") {
       CHECK(read(f.at("out/" + figure + ending)).rfind(first, 0) == 0);
     }
   // A file that leaves the folder says where it comes from.
-  CHECK_THAT(read(f.at("out/joint.svg")), Contains(summary(f)["provenance"]["command"].get<std::string>()));
+  const std::string command = summary(f)["provenance"]["command"];
+  for (const char* ending : {".svg", ".png"})
+    CHECK_THAT(read(f.at(std::string("out/joint") + ending)), Contains(command));
+  std::string words;
+  for (const unsigned char c : command) words += fmt::format("{:02x}", c);
+  const std::string pdf = read(f.at("out/joint.pdf"));
+  CHECK_THAT(pdf, Contains(words));
+  const std::size_t table = std::stoul(pdf.substr(pdf.rfind("startxref\n") + 10));
+  CHECK(pdf.compare(table, 5, "xref\n") == 0);
+  std::size_t object = 0;
+  std::sscanf(pdf.c_str() + table, "xref\n%*d 1\n%zu", &object);
+  CHECK_THAT(pdf.substr(object, 12), Contains(" 0 obj"));
   done(f, kHold);
   CHECK_FALSE(fs::exists(f.at("out/joint.svg")));  // of the earlier run
   check_refused(f, kHold + Arguments{"--figures", "svg,bmp"}, {"--figures: 'bmp'", "svg, pdf or png"});

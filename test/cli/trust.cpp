@@ -63,7 +63,8 @@ TEST_CASE("identify --diagnose: the ladder and each trial left out") {
   const Folder f;
   const Arguments command =
       Arguments{"identify", dataset("impact/trial_4.csv"), dataset("impact/trial_8.csv"), "--rig", kRig, "--diagnose"};
-  const Result r = done(f, command + kOut);
+  const Result r = done(f, command + kOut + Arguments{"--figures", "svg"});
+  for (const char* figure : {"ladder.svg", "weakest.svg", "constants.svg"}) CHECK(fs::exists(f.at("out/") + figure));
   const Json d = summary(f)["diagnostics"];
   CHECK(d["ladder"]["preferred"] == "plain");
   CHECK(d["ladder"]["plain_rejected"] == false);

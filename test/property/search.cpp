@@ -261,8 +261,12 @@ TEST_CASE("search: where the floor ends the move in the air, the landing motion 
   const double rate = peak_reference_rate(cut, landing.contacts.first() + 0.01);
   CHECK(rate > 2 * peak_reference_rate(cut));
   for (const double limit : {0.99 * rate, 1.01 * rate}) {
-    Objective o(scene, sea, {.reference_rate = limit});
-    CHECK((o.verified({cut, sea}, 1e-9) < kNoMotion) == (limit > rate));
+    const Limits limits{.reference_rate = limit};
+    CHECK((peak_acceleration(scene, sea, cut, {.limits = limits}).end == End::kBroken) == (limit < rate));
+    const std::vector<BatchCase> cases(3, {&scene, &sea, cut});
+    std::vector<LandingPeak> peaks(cases.size());
+    batch_peaks(cases, peaks, {.limits = limits});
+    for (const LandingPeak& p : peaks) CHECK((p.end == End::kBroken) == (limit < rate));
   }
 }
 
@@ -271,14 +275,14 @@ TEST_CASE("search: limits hold for the answer, and what cannot be kept is said")
   const SeaParameters<double> sea = table2();
   OptimizeOptions o;
   o.evaluations = 3000, o.tolerance_samples = 0;
-  o.limits.motor_speed = o.reference_rate = 3.14, o.limits.motor_torque = 20;
+  o.limits.motor_speed = o.limits.reference_rate = 3.14, o.limits.motor_torque = 20;
   const Optimum rated = optimize(scene, sea, o);
   REQUIRE(rated.found);
   CHECK(peak_reference_rate(rated.motion) <= 3.14);
   const Landing landing = simulate(scene, sea, rated.motion, {.accuracy = 1e-9});
   CHECK(landing.demands.motor_speed <= 3.14 * 1.01);
   CHECK(landing.demands.motor_torque <= 20 * 1.01);
-  o.limits = {}, o.reference_rate = std::numeric_limits<double>::infinity();
+  o.limits = {};
   o.limits.forbidden = {true, true, true};
   const Optimum none = optimize(scene, sea, o);
   CHECK_FALSE(none.found);
@@ -437,7 +441,7 @@ TEST_CASE("search: more freedom is worth no less within ratings, where few motio
   Scene scene = read_scene(UKEMI_DATASETS "/scenes/high.toml");
   const Actuator actuator = read_actuator(UKEMI_DATASETS "/actuators/table2.toml");
   OptimizeOptions o{.evaluations = 12'000, .seed = 11, .tolerance_samples = 0};
-  o.limits.motor_speed = o.reference_rate = *actuator.speed_max, o.limits.motor_torque = actuator.sea.tau_max;
+  o.limits.motor_speed = o.limits.reference_rate = *actuator.speed_max, o.limits.motor_torque = actuator.sea.tau_max;
   const Optimum quintic = optimize(scene, actuator.sea, o);
   scene.freedom.bumps = 4;
   const Optimum four = optimize(scene, actuator.sea, o);

@@ -97,3 +97,16 @@ TEST_CASE("force between samples: taken as linear, true pulses cost several stan
   CHECK(t.rms_z() <= 1.5);
   CHECK(t.trusted <= 0.3 * draws(30));
 }
+
+TEST_CASE("force between samples: constants that are given choose it by what they leave") {
+  const auto constants = kTruth;
+  for (const Shape shape : {Shape::kHalfSine, Shape::kAsLogged}) {
+    Random random(18);
+    const std::vector<Trial> logs = drawn_hits(shape, 1e-4, constants, random);
+    const std::vector<Trial> nearer = with_nearer_force(rig(), logs, limited(constants));
+    const bool smooth = shape == Shape::kHalfSine;
+    for (const Trial& t : nearer) CHECK(t.force_smooth == (smooth ? 1 : 0));
+    CHECK(predict(rig(), nearer, limited(constants)).rms < 1.2e-4);
+    CHECK((predict(rig(), logs, limited(constants)).rms > 1.2e-4) == smooth);
+  }
+}

@@ -41,9 +41,7 @@ class Robot {
     motion_ = motion, since_ = now;
     course_ = simulate(scene_, sea_, motion, {}, 1000);
   }
-  double touchdown() const {
-    return course_.touches.empty() ? std::numeric_limits<double>::infinity() : since_ + course_.touches[0].t_touchdown;
-  }
+  double touchdown() const { return since_ + course_.contacts.first(); }
   FallState measured(double now) const {
     const auto after = [&](const Sample& s) { return since_ + s.t >= now - 1e-9; };
     const Sample& s = *std::find_if(course_.trajectory.begin(), course_.trajectory.end() - 1, after);

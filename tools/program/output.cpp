@@ -27,7 +27,8 @@ std::vector<std::string> figure_names(const std::string& verb) {
                                                  "torque",   "speed",        "energy"},
                                         kFit = {"constants", "trials", "autocorrelation", "residuals"};
   static const std::map<std::string, std::vector<std::string>> kMore = {
-      {"identify", {"profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
+      {"identify",
+       {"ladder", "weakest", "profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
       {"optimize", {"search", "histogram"}},
       {"compare", {"constants"}},
       {"calibrate",

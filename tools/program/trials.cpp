@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "common/error.hpp"
+#include "identify/logs/drive_command.hpp"
 #include "identify/logs/hebi_trial.hpp"
 #include "identify/logs/hits.hpp"
 #include "tools/program/command.hpp"
@@ -85,8 +86,8 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
   using Curve = TrialArguments::ForceCurve;
   add_choice(verb, "--force-curve", a.force_curve,
              {{"auto", Curve::kByResiduals}, {"linear", Curve::kLinear}, {"smooth", Curve::kSmooth}},
-             "the force between its samples: linear, a smooth curve through each pulse, or auto: a fit takes what its "
-             "residuals ask for [auto]");
+             "the force between its samples: linear, a smooth curve through each pulse, or auto: what the residuals of "
+             "the fit, or of the constants given, ask for [auto]");
   verb.add_option("--trial-rig", a.trial_rigs, "FILE=RIG: a rig of its own for a trial; once for each")
       ->allow_extra_args(false);
   using Kind = identify::Drive::Kind;
@@ -98,6 +99,12 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
 
 double escape_of(const TrialArguments& a) {
   return a.angles == identify::TrialOptions::Angles::kMultiTurn ? identify::Term::kInfinity : identify::kEscape;
+}
+
+std::vector<identify::Trial> with_force_curve(const std::vector<identify::Trial>& trials, const TrialArguments& a,
+                                              const identify::Rig& rig, const SeaParameters<double>& sea) {
+  if (a.force_curve != TrialArguments::ForceCurve::kByResiduals) return trials;
+  return identify::with_nearer_force(rig, trials, sea, {.escape = escape_of(a)});
 }
 
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& a, const identify::Rig& rig,
@@ -121,10 +128,9 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   }
   give_rigs(out.trials, a.trial_rigs, run);
   if (a.drive == identify::Drive::Kind::kCommand)
-    for (identify::Trial& t : out.trials) {
-      if (t.command.empty()) throw InputError({t.file}, "no column 'command': --drive command needs it");
-      if (t.rig) t.rig->drive = {.kind = a.drive};
-    }
+    for (identify::Trial& t : out.trials)
+      if (t.rig) t.rig->drive.kind = a.drive;
+  for (identify::Trial& t : out.trials) t.command = identify::drive_command(t, t.rig_or(rig).drive);
   if (!a.module.empty() && modules.empty())
     throw InputError("--module: " + quoted(a.module) + ": no trial is a HEBI log");
   for (std::size_t m = 0; m < out.trials.size() && !a.force_logs.empty(); ++m) {

@@ -25,7 +25,7 @@ struct TrialArguments {
   identify::Drive::Kind drive = identify::Drive::Kind::kGains;  ///< kCommand: the logged command drives every trial
   std::string gains;                                            ///< XML, for the record
   std::optional<double> force_noise;  ///< of the load cell [N]; else estimated before each first hit
-  /// The force between its samples; kByResiduals: a fit takes what its residuals ask for, others take it as linear.
+  /// The force between its samples; kByResiduals: what the residuals ask for, of the fit or of the constants given.
   enum class ForceCurve { kByResiduals, kLinear, kSmooth } force_curve = ForceCurve::kByResiduals;
 };
 
@@ -36,8 +36,7 @@ struct TrialInputs {
 };
 
 /// --columns, --module, --hebi-effort, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise,
-/// --force-curve,
-/// --gains, --trial-rig, --drive.
+/// --force-curve, --gains, --trial-rig, --drive.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
 
 /// Beyond which angle a rollout has escaped [rad]: infinite where many turns are meant.
@@ -53,6 +52,11 @@ struct TrialNeeds {
 /// while reading and of trials with the same content. Throws InputError.
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& arguments,
                         const identify::Rig& rig, const TrialNeeds& needs, Run& run);
+
+/// The trials with the force between their samples as these constants' residuals ask, unless it was asked for.
+std::vector<identify::Trial> with_force_curve(const std::vector<identify::Trial>& trials,
+                                              const TrialArguments& arguments, const identify::Rig& rig,
+                                              const SeaParameters<double>& sea);
 
 /// One trial of any kind, CSV or HEBI log; what a log says of its module is added to `modules`. Throws InputError.
 identify::Trial read_any(const std::string& path, const TrialArguments& arguments, const identify::TrialOptions& csv,

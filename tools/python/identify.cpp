@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/csv.hpp"
+#include "identify/logs/drive_command.hpp"
 #include "identify/logs/hits.hpp"
 #include "tools/program/trials.hpp"
 #include "tools/python/bind.hpp"
@@ -20,8 +21,8 @@ using tools::IdentifyQuestion;
 
 Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::optional<Numbers>& force,
                const std::optional<Numbers>& phi_ref, const std::optional<Numbers>& dphi_ref,
-               const std::optional<Numbers>& phi_motor, const std::optional<Numbers>& torque, bool multi_turn,
-               const std::string& name) {
+               const std::optional<Numbers>& phi_motor, const std::optional<Numbers>& torque,
+               const std::optional<Numbers>& command, bool multi_turn, const std::string& name) {
   Trial out;
   out.file = name;
   out.t = column("t", t);
@@ -38,16 +39,17 @@ Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::o
   load("phi", phi, out.phi, !multi_turn), load("force", force, out.force, false);
   load("phi_ref", phi_ref, out.phi_ref, !multi_turn), load("dphi_ref", dphi_ref, out.dphi_ref, false);
   load("phi_motor", phi_motor, out.phi_motor, !multi_turn), load("torque", torque, out.torque, false);
-  if (out.force.empty() && out.phi_ref.empty())
-    throw InputError(name + ": no force and no phi_ref: at least one excitation is needed");
+  load("command", command, out.command, false);
+  if (out.force.empty() && out.phi_ref.empty() && out.command.empty())
+    throw InputError(name + ": no force, no phi_ref and no command: at least one excitation is needed");
   if (!out.dphi_ref.empty() && out.phi_ref.empty()) throw InputError(name + ": dphi_ref without phi_ref");
   return out;
 }
 
-/// The trials as the verbs take them: the force at rest between hits.
-std::vector<Trial> prepared(std::vector<Trial> trials, std::optional<double> force_noise) {
+/// The trials as the verbs take them: the force at rest between hits, the command as the rig's drive gives it.
+std::vector<Trial> prepared(std::vector<Trial> trials, const Rig& rig, std::optional<double> force_noise) {
   checked("force_noise", force_noise, Range::non_negative());
-  for (Trial& t : trials) rest_between_hits(t, force_noise);
+  for (Trial& t : trials) rest_between_hits(t, force_noise), t.command = drive_command(t, rig.drive);
   return trials;
 }
 
@@ -66,7 +68,7 @@ Figure trial_figure(const Identified& i, std::size_t trial) {
 
 Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,
                            const FitOptions& options, const TrustOptions& trust, std::optional<double> force_noise) {
-  Identified out{{.rig = rig, .trials = prepared(trials, force_noise), .options = options, .given = start}, {}};
+  Identified out{{.rig = rig, .trials = prepared(trials, rig, force_noise), .options = options, .given = start}, {}};
   if (out.question.trials.empty()) throw InputError("trials: none: at least one is needed");
   out.question.base = tools::base_of(rig, start);
   options.validate();
@@ -74,6 +76,7 @@ Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, con
     for (const char* name : kConstantNames)
       if (!options.terms.fits(name))
         throw InputError(fmt::format("free: {} is not free and needs a value: give start", name));
+  tools::choose_drive(out.question);
   const auto from = start ? std::optional(start->sea) : std::nullopt;
   out.found = long_call([&](const std::function<bool()>& stop) {
     out.question.options.monitor.stop = stop;
@@ -88,13 +91,16 @@ Identified predict_trials(const std::vector<Trial>& trials, const Rig& rig, cons
                           std::optional<double> force_noise, bool multi_turn) {
   Identified out{{.verb = IdentifyQuestion::Verb::kPredict,
                   .rig = rig,
-                  .trials = prepared(trials, force_noise),
+                  .trials = prepared(trials, rig, force_noise),
                   .options = {.accuracy = accuracy, .escape = multi_turn ? Term::kInfinity : kEscape},
                   .given = actuator},
                  {}};
   out.question.base = tools::base_of(rig, actuator);
+  tools::choose_drive(out.question);
   out.question.options.validate();
   const py::gil_scoped_release release;
+  out.question.trials = identify::with_nearer_force(rig, out.question.trials, out.question.base, out.question.options);
+  if (!trials.empty()) out.found.force_smooth = out.question.trials.front().force_smooth;
   out.found.fit = identify::predict(rig, out.question.trials, out.question.base, out.question.options);
   return out;
 }
@@ -124,18 +130,20 @@ void bind_inputs(py::module_& m) {
   c.def(
       py::init(&trial_of),
       "Times t [s]; measured angles phi and phi_motor [rad], force at the link's tip [N], reference phi_ref [rad] and "
-      "dphi_ref [rad/s], measured torque of the spring [Nm]: arrays as long as t, or None. multi_turn: angles beyond 2 "
+      "dphi_ref [rad/s], measured torque of the spring [Nm], command [V, A or Nm]: arrays as long as t, or None. "
+      "multi_turn: angles beyond 2 "
       "pi are meant.",
       py::arg("t"), py::arg("phi") = py::none(), py::arg("force") = py::none(), py::arg("phi_ref") = py::none(),
       py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("torque") = py::none(),
-      py::arg("multi_turn") = false, py::arg("name") = "trial");
+      py::arg("command") = py::none(), py::arg("multi_turn") = false, py::arg("name") = "trial");
   const std::pair<const char*, std::pair<std::vector<double> Trial::*, const char*>> kept[] = {
       {"t", {&Trial::t, "Times [s]."}},
       {"phi", {&Trial::phi, "Measured output angle [rad]."}},
       {"force", {&Trial::force, "Force at the link's tip [N]."}},
       {"phi_ref", {&Trial::phi_ref, "Reference [rad]."}},
       {"phi_motor", {&Trial::phi_motor, "Measured angle of the motor at the output side [rad]."}},
-      {"torque", {&Trial::torque, "Measured torque of the spring [Nm]."}}};
+      {"torque", {&Trial::torque, "Measured torque of the spring [Nm]."}},
+      {"command", {&Trial::command, "What the motor was told [V, A or Nm]."}}};
   for (const auto& [name, what] : kept)
     c.def_property_readonly(
         name, [member = what.first](const py::object& self) { return view(self.cast<const Trial&>().*member, self); },

@@ -316,7 +316,7 @@ Planner::Options planner_options(const Scene& scene, const Actuator& actuator, c
   OptimizeOptions limits;
   limits.limits.forbidden = points_of(forbid);
   if (ratings) respect_ratings(actuator, limits);
-  Planner::Options out{.goal = goal_of(objective), .limits = limits.limits, .reference_rate = limits.reference_rate};
+  Planner::Options out{.goal = goal_of(objective), .limits = limits.limits};
   if (robust) {
     out.goal = Goal::kRobust;
     out.under_scatter.measure = Measure::parse("robust", *robust);

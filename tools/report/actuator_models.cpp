@@ -105,7 +105,9 @@ std::string urdf_words(const Actuator& a, const std::string& j) {
              "What URDF cannot hold: the spring (without Gazebo's line the joint is free); the controller, whose "
              "torque "
              "acts on {0}_motor ({1}); the limit of the spring's torque; friction between link and base.\n"
-             "The rotor is a body here: on a base that turns it carries i_motor along, which Eq. 4 does not.\n"
+             "The link world is the rig: put your robot's link in its place. The rotor is a body here, of 1 g, since "
+             "Gazebo leaves\n"
+             "out lighter ones: on a base that turns it carries i_motor along, which Eq. 4 does not.\n"
              "The same in SDF: <dynamics><damping>{2}</damping><friction>0</friction><spring_reference>0"
              "</spring_reference><spring_stiffness>{3}</spring_stiffness></dynamics>\n",
              j, controller_words(a), shortest(a.sea.c_sea), shortest(a.sea.k_sea));
@@ -161,10 +163,10 @@ std::string urdf(const Actuator& a, const RigLink& link, const std::string& j, c
   return "<?xml version=\"1.0\"?>\n" + comment(comments + urdf_words(a, j)) +
          fmt::format(
              R"(<robot name="ukemi_actuator">
-  <link name="{j}_base"/>
+  <link name="world"/>
   <link name="{j}_rotor">
     <inertial>
-      <mass value="1e-6"/>
+      <mass value="0.001"/>
       <inertia ixx="{i_motor}" ixy="0" ixz="0" iyy="{i_motor}" iyz="0" izz="{i_motor}"/>
     </inertial>
   </link>
@@ -175,7 +177,7 @@ std::string urdf(const Actuator& a, const RigLink& link, const std::string& j, c
     </inertial>
   </link>
   <joint name="{j}_motor" type="continuous">
-    <parent link="{j}_base"/>
+    <parent link="world"/>
     <child link="{j}_rotor"/>
     <axis xyz="0 0 1"/>{limit}
     <dynamics damping="{viscous}" friction="{friction}"/>

@@ -114,7 +114,8 @@ std::string assumptions(const IdentifyQuestion& q) {
   if (q.rig.drive.kind != Kind::kGains)
     return q.rig.drive.kind == Kind::kCommand
                ? "the motor's torque is k_t times the logged command: no k_p, no k_d"
-               : "the motor's torque is k_t times the rig's own controller: no k_p, no k_d";
+               : fmt::format("the motor's torque is k_t times the rig's own controller{}: no k_p, no k_d",
+                             q.rig.drive.by_command() ? ", which is fed the logged angle" : "");
   return fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
                      std::isfinite(q.base.tau_max)
                          ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
@@ -161,6 +162,21 @@ void warn(const IdentifyQuestion& q, const identify::Identification& found, Run&
 
 SeaParameters<double> base_of(const identify::Rig& rig, const std::optional<Actuator>& given) {
   return rig.mounted(given ? given->sea : SeaParameters<double>{});
+}
+
+void choose_drive(IdentifyQuestion& q) {
+  using Kind = identify::Drive::Kind;
+  std::size_t known = 0;
+  for (const identify::Trial& t : q.trials) known += t.rig_or(q.rig).drive.kind != Kind::kGains;
+  if (known == 0) return;
+  if (known != q.trials.size())
+    throw InputError("--trial-rig: some trials have a [drive] and others none: K_p, K_d and K_t cannot be told apart");
+  identify::Terms<identify::RigTerm>& terms = q.options.terms;
+  std::erase_if(terms.free, [](const std::string& name) { return name == "k_p" || name == "k_d"; });
+  q.base.k_p = q.base.k_d = 0;
+  if (q.verb == IdentifyQuestion::Verb::kIdentify && !terms.fits("k_t"))
+    terms.nuisance.insert(terms.nuisance.begin(), "k_t");
+  q.options.validate();
 }
 
 Actuator fitted_actuator(const IdentifyQuestion& q, const Fit& fit) {

@@ -27,6 +27,9 @@ struct IdentifyQuestion {
 /// What is not fitted: a given actuator's, else no limit and Eq. 3 as printed; the rig's limit and feedback count
 /// before both.
 SeaParameters<double> base_of(const identify::Rig& rig, const std::optional<Actuator>& given);
+/// Where the command is known for every trial, K_t is fitted in place of K_p and K_d. Throws InputError where some
+/// trials have a known command and others Eq. 3.
+void choose_drive(IdentifyQuestion& question);
 /// The actuator as its file holds it: constants, verdicts, covariance, ratings.
 Actuator fitted_actuator(const IdentifyQuestion& question, const identify::Fit& fit);
 /// The angles of a trial, measured and predicted.

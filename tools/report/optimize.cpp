@@ -58,9 +58,9 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
 /// When the landing motion is expected to start, from release [s]: the first touchdown, detected; infinite if it never
 /// does.
 double expected_start(const Answer& a) {
-  const double touchdown = a.landing.touches.empty() ? first_touchdown(a.scene, a.best.sea, a.best.motion)
-                                                     : a.landing.touches[0].t_touchdown;
-  return touchdown + a.scene.detection_delay;
+  const double touchdown = a.landing.contacts.first();  // none where nothing was followed
+  return (std::isfinite(touchdown) ? touchdown : first_touchdown(a.scene, a.best.sea, a.best.motion)) +
+         a.scene.detection_delay;
 }
 
 Table solvers(const Answer& a) {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
+#include "tools/report/page/origin.hpp"
 #include "tools/report/page/page.hpp"
 
 namespace ukemi::tools {
@@ -44,22 +44,6 @@ std::string element(const Figure& f, const Drawing& d) {
   std::string out = opening(f, d) + "<div class=\"drawing\">" + svg + "</div>";
   if (!f.caption.empty()) out += "<figcaption>" + escaped(f.caption) + "</figcaption>";
   return out + "</figure>\n";
-}
-
-/// Escaped line by line.
-std::string escaped_lines(const std::string& text) {
-  std::string out;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) out += escaped(line) + "\n";
-  return out;
-}
-
-/// An SVG that stands alone, with where it comes from.
-std::string alone(std::string svg, const std::string& provenance) {
-  const std::size_t root = svg.find("<svg");
-  if (root == std::string::npos) return svg;
-  svg.insert(svg.find('>', root) + 1, "\n<metadata>" + escaped_lines(provenance) + "</metadata>");
-  return svg.insert(root + 4, " style=\"color:black;background:white\"");
 }
 
 }  // namespace
@@ -151,8 +135,7 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
     text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[i]));
   }
   for (const Drawing& d : drawings)
-    for (const auto& [name, content] : d.files)
-      out[name] = name.ends_with(".svg") ? alone(content, run.provenance_text()) : content;
+    for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, run.provenance_text());
   if (!why.empty()) text += "<p>The figures are left out: " + escaped(why) + ".</p>\n";
   text += "<section class=\"provenance\"><h2>Provenance</h2>\n<ul>";
   for (const auto& [key, value] : run.provenance()) text += "<li>" + escaped(key + ": " + value) + "</li>";

@@ -81,8 +81,7 @@ int report(const CheckedLanding& c, const Actuator& actuator, const std::optiona
   run.add(
       "contacts.csv",
       contacts.csv(run, "t = 0 at release; t_liftoff: when the point rises through y = 0 again. Units: s, N, m/s^2."));
-  const double start =
-      l.touches.empty() ? std::numeric_limits<double>::infinity() : l.touches[0].t_touchdown + c.scene.detection_delay;
+  const double start = l.contacts.first() + c.scene.detection_delay;
   for (auto& [name, content] : exported(exports, c.motion, start, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
   tell(table.turned(), report, run);

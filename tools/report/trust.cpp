@@ -211,6 +211,24 @@ void tell_profiles(const std::vector<identify::Profile>& profiles, const Fit& fi
   run.add("profile.csv", csv.text());
 }
 
+/// By how much each constant may change, together with the others, so that the trials do not tell.
+Figure weakest_figure(const identify::Weakest& w) {
+  Panel p;
+  p.x_label = "change of the constant [%]";
+  Series bars{"", {}, {}, Series::Look::kBars, 5};
+  for (const auto& [name, relative] : w.change) {
+    p.rows.push_back(name);
+    bars.x.push_back(100 * relative), bars.y.push_back(double(w.change.size() - bars.y.size()));
+  }
+  p.series = {bars};
+  Figure out{.name = "weakest", .panels = {p}, .panel_height = 80 + 26.0 * double(p.rows.size())};
+  out.caption = fmt::format(
+      "The weakest direction: what the trials know least. All of these changes together move the angles by {:.2g} rad "
+      "(rms) where the noise is {:.2g} rad.",
+      w.rms, w.noise);
+  return out;
+}
+
 }  // namespace
 
 void warn(const Trust& trust, const Fit& fit, Run& run) {
@@ -232,6 +250,7 @@ void tell(const Trust& t, const Fit& fit, Report& report, Json& summary, Run& ru
   if (fit.weakest) {
     run.say(weakest_words(fit));
     report.paragraph("Weakest direction: " + weakest_words(fit) + ".");
+    report.figure(weakest_figure(*fit.weakest));
     summary["weakest"] = {
         {"text", weakest_words(fit)}, {"rms", number(fit.weakest->rms)}, {"noise", number(fit.weakest->noise)}};
     for (const auto& [name, relative] : fit.weakest->change)

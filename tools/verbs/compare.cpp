@@ -22,7 +22,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
     const identify::Rig rig = identify::read_rig(a.rig);
     run.input(a.rig);
     TrialInputs inputs = read_trials(a.trials, a.reading, rig, {}, run);
-    measured = {rig, std::move(inputs.trials)};
+    measured = {rig, with_force_curve(inputs.trials, a.reading, rig, rig.mounted(sets[1].sea))};
     summary = std::move(inputs.summary);
   }
   ComparisonOptions o;

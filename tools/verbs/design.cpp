@@ -78,6 +78,7 @@ int run_design(const DesignArguments& a, const CommonOptions& common) {
   TrialInputs inputs;
   if (!a.trials.empty())
     inputs = read_trials(a.trials, a.reading, question.rig, {.excitation = TrialNeeds::Excitation::kRequired}, run);
+  inputs.trials = with_force_curve(inputs.trials, a.reading, question.rig, question.rig.mounted(actuator.sea));
   const std::vector<identify::Trial>& trials = inputs.trials;
   const identify::DesignOptions& o = question.options = options_of(a, trials, common);
   question.trials = trials;

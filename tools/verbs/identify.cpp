@@ -88,23 +88,6 @@ void check(const IdentifyArguments& a, const IdentifyQuestion& q) {
         throw InputError("--free: " + name + " is not free and needs a value: give --start");
 }
 
-/// Where the command is known for every trial, K_t is fitted in place of K_p and K_d. Throws InputError where some
-/// trials have a known command and others Eq. 3.
-void choose_drive(IdentifyQuestion& q) {
-  using Kind = identify::Drive::Kind;
-  std::size_t known = 0;
-  for (const identify::Trial& t : q.trials) known += t.rig_or(q.rig).drive.kind != Kind::kGains;
-  if (known == 0) return;
-  if (known != q.trials.size())
-    throw InputError("--trial-rig: some trials have a [drive] and others none: K_p, K_d and K_t cannot be told apart");
-  identify::Terms<identify::RigTerm>& terms = q.options.terms;
-  std::erase_if(terms.free, [](const std::string& name) { return name == "k_p" || name == "k_d"; });
-  q.base.k_p = q.base.k_d = 0;
-  if (q.verb == IdentifyQuestion::Verb::kIdentify && !terms.fits("k_t"))
-    terms.nuisance.insert(terms.nuisance.begin(), "k_t");
-  q.options.validate();
-}
-
 /// HEBI's effort follows from its deflection: without its own scale it would give the module's spring constant back.
 void scale_effort(const TrialArguments& a, IdentifyQuestion& q) {
   identify::Terms<identify::RigTerm>& terms = q.options.terms;
@@ -149,7 +132,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
                      .rig = identify::read_rig(a.rig),
                      .exports = a.exports};
   run.input(a.rig);
-  if (a.reading.drive == identify::Drive::Kind::kCommand) q.rig.drive = {.kind = identify::Drive::Kind::kCommand};
+  if (a.reading.drive == identify::Drive::Kind::kCommand) q.rig.drive.kind = identify::Drive::Kind::kCommand;
   if (predict) q.given = actuator_of(a.actuator, run);
   if (!a.start.empty()) q.given = read_actuator(a.start), run.input(a.start);
   q.options = fit_options(a, common);
@@ -160,6 +143,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   q.base = base_of(q.rig, q.given);
   choose_drive(q);
   scale_effort(a.reading, q);
+  if (predict) q.trials = with_force_curve(q.trials, a.reading, q.rig, q.base);
   const std::optional<AskedLanding> asked = asked_landing(a, q, run);
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));
