@@ -46,13 +46,16 @@ std::string show(const toml::node& n) {
 
 constexpr std::size_t kLargestToml = 16 << 20;
 
-/// toml++ makes and destroys tables by recursion: what nests too deep for the stack is refused before it is parsed.
-/// Looks at the text as TOML's lexical rules divide it: strings, comments, brackets, the dots between a key's parts.
-class NestingCheck {
+/// What toml++ must not be given. It makes and destroys tables by recursion: no text may nest too deep for the stack.
+/// Its table of Unicode's spaces has a hole (3.3; U+FE66 to U+FEFE end in undefined behaviour), and TOML 1.0 knows
+/// ASCII alone but in strings and comments. Looks at the text as TOML's lexical rules divide it: strings, comments,
+/// brackets, the dots between a key's parts.
+class LexicalCheck {
  public:
-  NestingCheck(const std::string& path, std::string_view text) : path_(path), text_(text) {}
+  LexicalCheck(const std::string& path, std::string_view text) : path_(path), text_(text) {}
 
   void run() {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // a byte order mark
     while (at_ < text_.size()) {
       const char c = text_[at_];
       if (c == '#') {
@@ -60,6 +63,8 @@ class NestingCheck {
       } else if (c == '"' || c == '\'') {
         skip_string(c);
       } else {
+        if ((static_cast<unsigned char>(c) & 0x80) != 0)
+          refuse("a character beyond ASCII outside of strings and comments");
         if (c == '[' || c == '{') count(++brackets_, "brackets within brackets");
         if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
         if (c == '.') count(++dots_, "dots in a key");
@@ -73,11 +78,13 @@ class NestingCheck {
   static constexpr int kDeepest = 32;
 
   void count(int depth, const char* of_what) const {
-    if (depth <= kDeepest) return;
+    if (depth > kDeepest) refuse(fmt::format("more than {} {}", kDeepest, of_what));
+  }
+  [[noreturn]] void refuse(const std::string& what) const {
     const auto before = text_.substr(0, at_);
     const auto line_start = before.rfind('\n') + 1;  // 0 where there is none
     throw InputError({path_, 1 + long(std::count(before.begin(), before.end(), '\n')), 1 + long(at_ - line_start)},
-                     fmt::format("more than {} {}", kDeepest, of_what));
+                     what);
   }
   void skip_string(char quote) {
     const std::string three(3, quote);
@@ -104,7 +111,7 @@ TomlFile::TomlFile(const std::string& path) : data_(std::make_unique<Data>()) {
   const std::string text = read_text_file(path, 1 << 20, kLargestToml + 1);
   if (text.size() > kLargestToml)
     throw InputError({path}, fmt::format("a TOML file of at most {} bytes is read", kLargestToml));
-  NestingCheck(path, text).run();
+  LexicalCheck(path, text).run();
   try {
     data_->root = toml::parse(text, path);
   } catch (const toml::parse_error& e) {

@@ -45,9 +45,9 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutI
     out.rms_torque = root_mean_square(off);
   }
   double sum_of_rates = 0, rates = 0;
-  for (const auto& [measured, predicted] : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}})
-    for (std::size_t i = 1; i < measured->size(); ++i, ++rates) {
-      const auto residual = [&](std::size_t k) { return (*predicted)[k] - (*measured)[k]; };
+  for (const auto& pair : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}})
+    for (std::size_t i = 1; i < pair.first->size(); ++i, ++rates) {
+      const auto residual = [&](std::size_t k) { return (*pair.second)[k] - (*pair.first)[k]; };
       sum_of_rates += std::pow((residual(i) - residual(i - 1)) / (trial.t[i] - trial.t[i - 1]), 2);
     }
   if (rates > 0) out.rms_rate = std::sqrt(sum_of_rates / rates);

@@ -50,7 +50,7 @@ Smallest smallest(double low, double high, int threads, F&& f) {
 
 TouchdownLimit touchdown_limit(const Scene& scene, const SeaParameters<double>& sea, int threads) {
   if (!scene.touches()) return {};
-  auto [low, high] = scene.search.phi;
+  double low = scene.search.phi[0], high = scene.search.phi[1];
   if (scene.joint) low = std::max(low, (*scene.joint)[0]), high = std::min(high, (*scene.joint)[1]);
   const auto over_postures = [&](double after) {
     return smallest(low, high, threads, [&](double phi) { return held_peak(scene, sea, phi, after); });

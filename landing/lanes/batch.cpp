@@ -10,7 +10,7 @@
 namespace ukemi::landing {
 
 InstructionSet widest_instruction_set() {
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(__clang__)  // see batch_kernel.cpp
   static const InstructionSet set = [] {
     __builtin_cpu_init();
     const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");

@@ -86,16 +86,15 @@ int report(const Survey& s, Run& run) {
                  "width: how far a variable may move down and up before the peak rises by 5 %; then the worst peaks "
                  "within the execution tolerance, with the angles off by 1 deg, the duration by 10 ms, the height "
                  "by 1 cm, the pitch by 1 deg, the floor's damping by 10 %; empty: not played."));
-  const std::string said = fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, s.basins.size());
-  run.say(said);
+  run.say(fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, s.basins.size()));
   for (const JudgedBasin& b : s.basins)
     run.say(fmt::format("  {}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion),
                         b.basin.peak, b.evidence.tolerant.value));
 
   Report report("The box of motions: " + s.scene.name);
   floor_source(report, s.scene);
-  report.paragraph(said + fmt::format(". The best found: {:.4f} m/s² at {}.", s.basins.front().basin.peak,
-                                      motion_words(s.basins.front().basin.play.motion)));
+  report.paragraph(fmt::format("{} landings; {} basins. The best found: {:.4f} m/s² at {}.", points, s.basins.size(),
+                               s.basins.front().basin.peak, motion_words(s.basins.front().basin.play.motion)));
   report.heading("Smallest peak over the other variables [m/s²]");
   for (int x = 0; x < int(s.map.cells.size()); ++x)
     for (int y = x + 1; y < int(s.map.cells.size()); ++y)

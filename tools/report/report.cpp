@@ -16,6 +16,9 @@ namespace {
 /// Where a figure will stand: a character that no text shown has.
 std::string placeholder(std::size_t figure) { return fmt::format("\x01{}\x02", figure); }
 
+/// What a page shows of a long table; the rest is for programs.
+constexpr std::size_t kMostRows = 300;
+
 constexpr const char* kEnd = "</div>\n";
 
 /// Places of the panels for the cursor that follows the animation.
@@ -73,12 +76,14 @@ void Report::table(const std::vector<std::string>& header, const std::vector<std
   body() += "<div class=\"table\"><table><thead><tr>";
   for (const std::string& h : header) html_ += "<th scope=\"col\">" + escaped(h) + "</th>";
   html_ += "</tr></thead>\n";
-  for (const auto& row : rows) {
+  const std::size_t shown = std::min(rows.size(), kMostRows);
+  for (std::size_t i = 0; i < shown; ++i) {
     html_ += "<tr>";
-    for (const std::string& cell : row) html_ += "<td>" + escaped(cell) + "</td>";
+    for (const std::string& cell : rows[i]) html_ += "<td>" + escaped(cell) + "</td>";
     html_ += "</tr>\n";
   }
   html_ += "</table></div>\n";
+  if (shown < rows.size()) paragraph(fmt::format("{} more rows: summary.json.", rows.size() - shown));
 }
 void Report::matrix(const std::vector<std::string>& names, const std::vector<std::vector<double>>& rows) {
   body() += "<div class=\"table\"><table class=\"colours\"><thead><tr><th></th>";
@@ -102,9 +107,12 @@ void Report::matrix(const std::vector<std::string>& names, const std::vector<std
 
 void Report::figure(Figure f) {
   if (f.empty()) return;
+  constexpr std::size_t kMost = 6000, kFewest = 100, kEnough = 700;  // of parts, of a figure and of a line
+  std::size_t lines = 0;
+  for (const Panel& p : f.panels) lines += p.series.size();
   for (Panel& p : f.panels)
     for (Series& s : p.series)
-      if (s.low.empty()) s = thinned(s);
+      if (s.low.empty()) s = thinned(s, std::clamp(kMost / lines, kFewest, kEnough));
   if (!in_figures_) html_ += "<div class=\"figures\">\n";
   in_figures_ = true;
   html_ += placeholder(figures_.size());
@@ -138,7 +146,11 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
     for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, run.provenance_text());
   if (!why.empty()) text += "<p>The figures are left out: " + escaped(why) + ".</p>\n";
   text += "<section class=\"provenance\"><h2>Provenance</h2>\n<ul>";
-  for (const auto& [key, value] : run.provenance()) text += "<li>" + escaped(key + ": " + value) + "</li>";
+  const auto provenance = run.provenance();
+  for (std::size_t i = 0; i < std::min(provenance.size(), kMostRows); ++i)
+    text += "<li>" + escaped(provenance[i].first + ": " + provenance[i].second) + "</li>";
+  if (provenance.size() > kMostRows)
+    text += fmt::format("<li>{} more: summary.json</li>", provenance.size() - kMostRows);
   text += "</ul></section>\n";
   if (page_wanted) out["report.html"] = page(title_, text);
   return out;
