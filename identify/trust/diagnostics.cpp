@@ -98,6 +98,7 @@ namespace {
 void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
   constexpr int kMostShared = 5, kMostOfTrials = 3;
   constexpr std::size_t kMostTrials = 8;
+  constexpr int kMostIterations = 12;  // the last digits of a gain do not tell
   constexpr double kFar = 4;  // times the linear size: dry friction has minima of its own near 0
   const auto worth = [&](std::size_t i) { return tests.worth(tests.score_tests[i]); };
   std::vector<std::size_t> candidates;
@@ -120,6 +121,7 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
   std::vector<double> gain(candidates.size(), 0.0);
   parallel_for(int(candidates.size()), experiment.options.threads, [&](int i) {
     FitOptions with = experiment.options;
+    with.max_iterations = std::min(with.max_iterations, kMostIterations);
     with.terms.nuisance.push_back(tests.score_tests[candidates[std::size_t(i)]].term);
     const ScoreTest& test = tests.score_tests[candidates[std::size_t(i)]];
     const RigTerm& term = with.terms[test.term];

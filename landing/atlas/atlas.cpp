@@ -61,7 +61,7 @@ AtlasCell plan_drop(Scene scene, const Actuator& actuator, const AtlasOptions& o
 }  // namespace
 
 std::string atlas_identity(const Scene& scene, const Actuator& actuator, const AtlasOptions& options) {
-  std::string text = to_toml(scene, "") + to_toml(actuator);
+  std::string text = UKEMI_VERSION + to_toml(scene, "") + to_toml(actuator);  // another version may plan otherwise
   const auto add = [&](double x) { text += shortest(x) + "\n"; };
   for (const AtlasAxis& a : options.grid.axes) add(a.lower), add(a.upper), add(double(a.count));
   add(double(options.search.goal)), add(double(options.effort()));

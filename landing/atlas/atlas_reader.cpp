@@ -73,7 +73,12 @@ AtlasEntry AtlasReader::best_of(std::span<const std::size_t> drops) {
     points[best].value = bound;
   }
   const Play play = objective_.play(points[best]);
-  return {play.motion, play.sea, space_->values(points[best].u), points[best].value, order[best], true, true};
+  AtlasEntry out{.motion = play.motion, .sea = play.sea, .values = space_->values(points[best].u)};
+  out.value = points[best].value, out.drop = order[best], out.inside = out.found = true;
+  out.around[out.count++] = out.values;
+  for (std::size_t k = 0; k < n; ++k)
+    if (by[k] != best) out.around[out.count++] = space_->values(points[by[k]].u);
+  return out;
 }
 
 AtlasEntry AtlasReader::at(const Drop& drop) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "landing/atlas/atlas_file.hpp"
-#include "landing/search/objective.hpp"
+#include "landing/search/planner.hpp"
 
 namespace ukemi::landing {
 
@@ -13,8 +13,12 @@ namespace ukemi::landing {
 struct AtlasEntry {
   Motion motion{};
   SeaParameters<double> sea;  ///< the drive that plays it
-  Coordinates values;         ///< of the space's variables: where Planner may start
-  double value = kNoMotion;   ///< AtlasReader::Options::goal at this very drop; kNoMotion: no time was left to play it
+  Coordinates values;         ///< of the space's variables
+  /// The values of the motions around, the best first: where Planner may start.
+  std::span<const Coordinates> starts() const { return {around.data(), count}; }
+  std::array<Coordinates, Planner::kStarts> around;
+  std::size_t count = 0;
+  double value = kNoMotion;  ///< AtlasReader::Options::goal at this very drop; kNoMotion: no time was left to play it
   std::uint64_t drop = SafestMotion::kNoDrop;  ///< of the grid, for which the motion was planned
   bool inside = false;  ///< false: the grid does not reach so far, or has no motion here, and this is the safest one
   bool found = false;   ///< false: nor has the atlas any motion that lands all its drops
@@ -45,7 +49,7 @@ class AtlasReader {
   const AtlasHeader& header() const { return file_.header(); }
 
  private:
-  static constexpr std::size_t kCorners = 8;
+  static constexpr std::size_t kCorners = Planner::kStarts;
   bool around(const Drop& drop, std::array<std::size_t, kCorners>& corners) const;
   AtlasEntry best_of(std::span<const std::size_t> drops);
 

@@ -32,7 +32,7 @@ void AutoSearch::run(Search& search) {
     scout();
   } else {
     population_.clear();
-    if (search.hint) search.evaluate({&population_.emplace_back(Candidate{*search.hint}), 1});
+    for (const Coordinates& u : search.hints) search.evaluate({&population_.emplace_back(Candidate{u}), 1});
   }
   if (wide) {
     wide_->begin(search);
@@ -58,14 +58,31 @@ void AutoSearch::run(Search& search) {
   }
 }
 
+/// A few generations about each place that was given, the best of which leads. What was planned for a drop nearby may
+/// be in the right basin though its own value has gone over a cliff.
+void AutoSearch::follow_hints() {
+  constexpr int kGenerations = 8;
+  constexpr std::size_t kSize = 10;
+  constexpr double kNear = 0.03;  // of the box
+  const std::span<const Coordinates> hints = search_->hints;
+  for (const Coordinates& u : hints) {
+    population_.assign(hints.size() == 1 ? 1 : kSize, Candidate{u});
+    for (std::size_t i = 1; i < population_.size(); ++i) population_[i] = beside(population_[0], kNear, random_);
+    search_->evaluate(population_);
+    trials_.resize(population_.size());
+    for (int g = 0; g < kGenerations && population_.size() > 1 && !search_->over(); ++g)
+      evolve([this](std::span<Candidate> p) { search_->evaluate(p); }, random_, population_, trials_, {});
+    if (const Candidate& best = *std::min_element(population_.begin(), population_.end()); best.value < kNoMotion)
+      lead(best);
+  }
+}
+
 /// The quickest way down from nothing, and all there is time for in a hundredth of a second: motions from anywhere and
 /// from near the leads, each followed only while it may better one. Leaves the best of them as a population.
 void AutoSearch::scout() {
   leads_.clear();
-  std::optional<Candidate> hint;
-  if (search_->hint) search_->evaluate({&hint.emplace(Candidate{*search_->hint}), 1});
-  if (hint && !(hint->value < kNoMotion)) hint.reset();
-  if (hint) lead(*hint);
+  follow_hints();
+  const std::optional<Candidate> hint = leads_.empty() ? std::nullopt : std::optional(leads_[0]);
   int n = 0;
   if (search_->objective().options().goal == Goal::kTolerant) {
     size_ = set_.leads;

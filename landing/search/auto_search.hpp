@@ -41,6 +41,7 @@ class AutoSearch {
   void choose_region(int n);
   Candidate fresh();
   bool ending() const;
+  void follow_hints();
   void scout();
   void lead(const Candidate& p);
   void take(std::vector<Candidate>& best, int most, double apart, const Candidate& p);

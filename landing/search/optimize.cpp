@@ -119,7 +119,8 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   out.progress.reserve(kKept);
   Search search(objective, budget_of(options, objective, last), options.seed, &out.progress);
   search.tell = options.monitor.tell;
-  search.hint = best_start(search, options.starts);
+  const std::optional<Coordinates> start = best_start(search, options.starts);
+  if (start) search.hints = {&*start, 1};
   run_solver(options.solver, search, options.settings);
   out.evaluations = search.motions();
   out.work = objective.work();

@@ -1,6 +1,7 @@
 #include "landing/search/planner.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
@@ -56,20 +57,24 @@ void Planner::scatter() {
 Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   check_deadline(deadline);
   scene_.drop = drop;
-  std::optional<Coordinates> hint;
-  if (start_) hint = space_->unit(*start_);
-  start_.reset();
-  const Plan out = search(deadline, seed, hint);
+  const Plan out = search(deadline, seed);
   if (out.found && in_air_ && scene_.release) last_ = in_air_->values_of(out.motion);
   return out;
 }
 
-Plan Planner::search(double deadline, std::uint64_t seed, const std::optional<Coordinates>& hint) {
+void Planner::start(std::span<const Coordinates> values) {
+  given_ = std::min(values.size(), kStarts);
+  std::copy_n(values.begin(), given_, starts_.begin());
+}
+
+Plan Planner::search(double deadline, std::uint64_t seed) {
+  std::array<Coordinates, kStarts> places;
+  for (std::size_t i = 0; i < given_; ++i) places[i] = space_->unit(starts_[i]);
   objective_.watch.restart();
   scatter();
   const long before = objective_.motions();
   Search search(objective_, {.seconds = deadline - verification_time(deadline, objective_.landing_time())}, seed);
-  search.hint = hint;
+  search.hints = std::span(places).first(std::exchange(given_, 0));
   search_.run(search);
   const long searched = objective_.motions() - before;
   const Candidate best = search.judge(options_.verified, deadline);
@@ -89,16 +94,10 @@ Plan Planner::plan(const FallState& s, double deadline, std::uint64_t seed) {
                      shortest(deadline) + " s");
   in_air_->release(scene_);
   // The last plan goes on where it was: its move ends when it would have.
-  std::optional<Coordinates> hint;
   const int to = in_air_->dimension() - 1;
-  if (start_) last_ = start_;
-  start_.reset();
-  if (last_) {
-    Coordinates now = *last_;
-    now[to] -= s.gone;
-    hint = in_air_->unit(now);
-  }
-  const Plan out = search(deadline, seed, hint);
+  if (given_ == 0 && last_) start(*last_);
+  for (std::size_t i = 0; i < given_; ++i) starts_[i][to] -= s.gone;
+  const Plan out = search(deadline, seed);
   if (out.found) last_ = in_air_->values_of(out.motion), (*last_)[to] += s.gone;
   return out;
 }

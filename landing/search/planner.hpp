@@ -1,8 +1,10 @@
 // The search as a part of a robot's control program: an answer by a deadline, again and again.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "landing/search/auto_search.hpp"
 
@@ -63,9 +65,11 @@ class Planner {
   /// on. Throws InputError where the scene has no [release], or the floor comes before the deadline. The release stays
   /// for later calls.
   [[nodiscard]] Plan plan(const FallState& state, double deadline, std::uint64_t seed = 1);
-  /// The next plan tries this motion before all others: values of the space's variables, as an atlas has them (the end
-  /// of a move in the air from release).
-  void start(const Coordinates& values) { start_ = values; }
+  /// The next plan tries these motions before all others, the best first, at most kStarts: values of the space's
+  /// variables, as an atlas has them (the end of a move in the air from release).
+  static constexpr std::size_t kStarts = 8;
+  void start(std::span<const Coordinates> values);
+  void start(const Coordinates& values) { start(std::span(&values, 1)); }
 
  private:
   Planner(const Scene& scene, std::shared_ptr<ReferenceSpace> space, const Options& options)
@@ -74,7 +78,8 @@ class Planner {
   }
 
   void scatter();
-  Plan search(double deadline, std::uint64_t seed, const std::optional<Coordinates>& hint);
+  /// From the places of starts_, which are then spent.
+  Plan search(double deadline, std::uint64_t seed);
 
   Scene scene_;
   std::shared_ptr<const MotionSpace> space_;
@@ -84,8 +89,9 @@ class Planner {
   std::vector<Drop> beside_;        ///< each drop, less the planned one
   Objective objective_;
   AutoSearch search_;
-  std::optional<Coordinates> last_;   ///< the last plan in the air, its move's end counted from release
-  std::optional<Coordinates> start_;  ///< see `start`
+  std::optional<Coordinates> last_;          ///< the last plan in the air, its move's end counted from release
+  std::array<Coordinates, kStarts> starts_;  ///< see `start`
+  std::size_t given_ = 0;                    ///< of them
 };
 
 /// A landing at the accuracy that judges takes up to so many times as long as one of the search.

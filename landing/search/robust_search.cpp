@@ -31,7 +31,7 @@ void RobustSearch::look_for_basins() {
   constexpr double kNarrowest = -2, kWidest = -0.7;  // powers of ten, in parts of the cube
   const std::size_t few = few_drops();
   const double until = set_.robust_late + 0.1;
-  if (search_->hint) close_in({*search_->hint}, set_.robust_hint, few, until);
+  if (!search_->hints.empty()) close_in({search_->hints[0]}, set_.robust_hint, few, until);
   judge_best();
   while (!search_->over() && search_->share() < set_.robust_late) {
     if (basins_.size() > 1 && random_.uniform() < set_.robust_near) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "landing/search/objective.hpp"
 
@@ -64,7 +65,8 @@ class Search {
   Candidate judge(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
-  std::optional<Coordinates> hint;                  ///< a place in the unit cube that is tried before all others
+  /// Places in the unit cube that are tried before all others, the best first; they must outlive the search.
+  std::span<const Coordinates> hints;
   std::function<void(long done, long total)> tell;  ///< told of the motions spent, else of the milliseconds, if set
   const Objective& objective() const { return objective_; }
   /// Landings that a solver played by itself.

@@ -25,29 +25,29 @@ int main(int count, char** given) {
   const AtlasGrid& grid = reader.header().grid;
   Planner planner(scene, actuator.sea, {.goal = Goal::kPeak});
   Random random(std::uint64_t(number(6, 1)));
-  std::vector<double> gaps[3];
-  const char* names[] = {"atlas", "atlas and 0.1 s", "0.1 s"};
+  std::vector<double> gaps[4];
+  const char* names[] = {"atlas", "0.1 s from all", "0.1 s from the best", "0.1 s"};
   for (int k = 0; k < int(number(4, 20)); ++k) {
     const auto between = [&](const AtlasAxis& a) { return a.lower + random.uniform() * (a.upper - a.lower); };
     const Drop drop{
         .height = between(grid.axes[0]), .forward_speed = between(grid.axes[1]), .pitch = between(grid.axes[2])};
     const AtlasEntry entry = reader.at(drop);
-    const auto planned = [&](double seconds, bool from_entry) {
-      if (from_entry) planner.start(entry.values);
+    const auto planned = [&](double seconds, std::size_t starts) {
+      planner.start(entry.starts().first(std::min(starts, entry.count)));
       return planner.plan(drop, seconds).value;
     };
-    const double values[] = {entry.value, planned(0.1, true), planned(0.1, false)};
-    const double best = std::min(*std::min_element(std::begin(values), std::end(values)), planned(number(5, 15), true));
+    const double values[] = {entry.value, planned(0.1, 8), planned(0.1, 1), planned(0.1, 0)};
+    const double best = std::min(*std::min_element(std::begin(values), std::end(values)), planned(number(5, 15), 1));
     fmt::print("height {:.3f} m, speed {:5.2f} m/s, pitch {:5.1f} deg: best {:.2f} m/s^2", drop.height,
                drop.forward_speed, drop.pitch * kDegrees, best);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 4; ++i) {
       gaps[i].push_back(100 * (values[i] / best - 1));
       fmt::print("; {} +{:.2f} %", names[i], gaps[i].back());
     }
     fmt::print("\n");
     std::fflush(stdout);
   }
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 4; ++i) {
     std::sort(gaps[i].begin(), gaps[i].end());
     const auto within = std::count_if(gaps[i].begin(), gaps[i].end(), [](double g) { return g <= 3; });
     fmt::print("{}: median {:.2f} %, worst {:.2f} %, within 3 %: {} of {}\n", names[i], gaps[i][gaps[i].size() / 2],

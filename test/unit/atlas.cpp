@@ -238,7 +238,7 @@ TEST_CASE("atlas: a reader takes the best of the motions around, says what is ou
   CHECK(peak_acceleration(scene, entry.sea, entry.motion).peak == Approx(best).epsilon(1e-3));
 
   Planner planner(paper(), table2().sea, {.goal = Goal::kPeak});
-  planner.start(entry.values);
+  planner.start(entry.starts());
   const Plan plan = planner.plan(scene.drop, 0.05);
   REQUIRE(plan.found);
   CHECK(plan.value <= best * (1 + 1e-3));
