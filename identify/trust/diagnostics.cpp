@@ -99,7 +99,7 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
   constexpr int kMostShared = 5, kMostOfTrials = 3;
   constexpr std::size_t kMostTrials = 8;
   constexpr int kMostIterations = 12;  // the last digits of a gain do not tell
-  constexpr double kFar = 4;  // times the linear size: dry friction has minima of its own near 0
+  constexpr double kFar = 4;           // times the linear size: dry friction has minima of its own near 0
   const auto worth = [&](std::size_t i) { return tests.worth(tests.score_tests[i]); };
   std::vector<std::size_t> candidates;
   for (std::size_t i = 0; i < tests.score_tests.size(); ++i)
