@@ -158,15 +158,19 @@ Json summary_of(const Answer& a, Run& run) {
   return s;
 }
 
-/// The best peak after so many motions, a step each time that it fell.
-Series descent(const Optimum& o) {
+/// How far the best was above the answer after so much of what bounded the search, a step each time that it fell: after
+/// so many motions, for a page is the same whatever the machine; with a deadline after so much time.
+Series descent(const Optimum& o, double answer, bool timed) {
+  constexpr double kLeast = 1e-3;  // [%], of logarithmic axes
   Series out{o.solver, {}, {}};
+  const auto gap = [&](const Progress& p) { return std::max(100 * (p.best.value / answer - 1), kLeast); };
+  const auto after = [&](double motions, double seconds) { out.x.push_back(timed ? seconds : motions); };
   for (const Progress& p : o.progress) {
-    if (!std::isfinite(p.best.value)) continue;
-    if (!out.x.empty()) out.x.push_back(double(p.motions)), out.y.push_back(out.y.back());
-    out.x.push_back(double(p.motions)), out.y.push_back(p.best.value);
+    if (!(p.best.value < kNoMotion) || (!out.y.empty() && gap(p) > out.y.back())) continue;  // the last are judged anew
+    if (!out.x.empty()) after(double(p.motions), p.seconds), out.y.push_back(out.y.back());
+    after(double(p.motions), p.seconds), out.y.push_back(gap(p));
   }
-  if (!out.x.empty()) out.x.push_back(double(o.evaluations)), out.y.push_back(out.y.back());
+  if (!out.x.empty()) after(double(o.evaluations), o.seconds), out.y.push_back(out.y.back());
   return out;
 }
 
@@ -239,13 +243,15 @@ Report page_of(const Answer& a, const Run& run) {
   if (page && figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) show_slices(a, report);
   report.heading("The search");
   std::vector<Series> descents;
-  for (const Optimum& o : a.tried) descents.push_back(descent(o));
+  const bool timed = a.options.search.deadline.has_value();
+  for (const Optimum& o : a.tried) descents.push_back(descent(o, a.best.value, timed));
   if (figures_of(a) == Falls::Figures::kLeaveOut)
     report.paragraph(
         "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
         "does.");
   else
-    report.plot("search", "motions evaluated", "best value so far [m/s²]", descents);
+    report.plot("search", timed ? "time [s]" : "motions evaluated", "gap to the answer [%]", descents,
+                Axes::kLogarithmic);
   report.paragraph("Its numbers, and the time that they took: progress.csv.");
   constants_table(report, a.scene, a.actuator);
   floor_source(report, a.scene);
