@@ -13,6 +13,7 @@
 #include <numbers>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
@@ -38,9 +39,26 @@ struct TomlFile::Data {
 namespace {
 const toml::node* as_node(const void* p) { return static_cast<const toml::node*>(p); }
 const toml::table& as_table(const void* p) { return *static_cast<const toml::table*>(p); }
+/// Tables and arrays by hand: toml++'s own (3.3) overflows where it works out the length of a small number.
+void write(std::ostream& out, const toml::node& n) {
+  const char* between = "";
+  if (const toml::array* array = n.as_array()) {
+    out << "[ ";
+    for (const toml::node& item : *array) out << std::exchange(between, ", "), write(out, item);
+    out << " ]";
+  } else if (const toml::table* table = n.as_table()) {
+    out << "{ ";
+    for (const auto& [key, item] : *table) out << std::exchange(between, ", ") << key.str() << " = ", write(out, item);
+    out << " }";
+  } else {
+    n.visit([&](const auto& x) {
+      if constexpr (toml::is_value<decltype(x)>) out << x;
+    });
+  }
+}
 std::string show(const toml::node& n) {
   std::ostringstream s;
-  n.visit([&](const auto& x) { s << x; });
+  write(s, n);
   return quoted(s.str());
 }
 
