@@ -166,13 +166,14 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
 
 std::vector<Trial> with_nearer_force(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
                                      const FitOptions& options) {
+  if (std::all_of(trials.begin(), trials.end(), [](const Trial& t) { return t.force.empty(); })) return trials;
   std::vector<Trial> smooth = trials;
   for (Trial& t : smooth) {
     if (t.force_smooth != 0) return trials;
     t.force_smooth = 1;
   }
   const Fit with = predict(rig, smooth, sea, options), without = predict(rig, trials, sea, options);
-  return with.converged && with.rms < without.rms ? smooth : trials;
+  return with.converged && (!without.converged || with.rms < without.rms) ? smooth : trials;
 }
 
 }  // namespace ukemi::identify

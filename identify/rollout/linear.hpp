@@ -1,10 +1,10 @@
-// The rig where it is linear: no hit, the torque limit not reached, no dry friction, no stiffening spring. There
+// The rig where it is linear: no hit, no limit reached, no side that turns to or from rest, no stiffening spring. There
 //
 //     dz/dt = A z + b(t),   z = [phi_1, phi_m, dphi_1, dphi_m],   b linear in time,
 //
 // is followed exactly, and so are its derivatives where T is a Jet: exp(A h) by scaling and squaring, once for a
-// trial's sampling interval, and its action on a state by the Taylor series where samples are uneven or the reference
-// moves. Tests: test/unit/one_link.cpp against the integrated path and closed forms.
+// trial's sampling interval and for what else comes again at every sample, and its action on a state by the Taylor
+// series where samples are uneven. Tests: test/unit/one_link.cpp against the integrated path and closed forms.
 // Private: not installed.
 #pragma once
 

@@ -105,8 +105,8 @@ class Roll {
     return options_.budget->left > -options_.budget->overdraft;
   }
   bool is_linear() const { return exact_ && system_.mode.saturation == 0 && !system_.input.pushed; }
-  /// Whether friction or a command's limit changes the linear mode.
   static constexpr double kStiff = 300;  ///< rate x interval beyond which the looks between samples cost too much
+  /// Whether friction or a command's limit changes the linear mode.
   bool slides() const {
     if constexpr (!kTerms.extended) return false;
     return system_.mode.rubbing() || std::isfinite(value_of(system_.command_limit));
@@ -360,7 +360,7 @@ class Roll {
       const double next = to_sample ? t_[sample_] : t_end, left = next - t, d = std::min(left, trial_.spacing);
       const auto* leap = f.held ? nullptr : leap_over(exact, d);
       const bool clear = f.held ? below_limit(values(z)) : unlimited();
-      if (!(leap && clear) && !afford(sliding ? 1 + flow.rate() * d : flow.work(d))) return RolloutStatus::kDiverged;
+      if (!(leap && clear) && !afford(f.held ? flow.work(d) : 1 + flow.rate() * d)) return RolloutStatus::kDiverged;
       const State drive = f.b0 + f.b1 * T(t - from);
       const auto after = [&](double h) { return f.held ? flow.advance(z, h) : flow.advance(z, drive, f.b1, h); };
       const State end = leap ? leap->after(z, drive, f.b1) : after(d);
@@ -410,7 +410,7 @@ class Roll {
     const auto is = [&](double known) { return std::abs(length - known) <= kOffGrid * trial_.spacing; };
     for (const auto& leap : exact.leaps)
       if (is(leap.length)) return &leap;
-    const bool again = is(trial_.spacing) || trial_.trial->command_delay > 0;
+    const bool again = is(trial_.spacing) || (trial_.trial->command_delay > 0 && exact.leaps.size() + 1 < kMost);
     if (!again || exact.leaps.size() == kMost) return nullptr;
     return &exact.leaps.emplace_back(exact.flow.leap(length));
   }

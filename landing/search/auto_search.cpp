@@ -64,13 +64,19 @@ void AutoSearch::follow_hints() {
   constexpr int kGenerations = 8;
   constexpr std::size_t kSize = 10;
   constexpr double kNear = 0.03;  // of the box
+  constexpr double kShare = 0.4;  // of the search
   const std::span<const Coordinates> hints = search_->hints;
-  for (const Coordinates& u : hints) {
-    population_.assign(hints.size() == 1 ? 1 : kSize, Candidate{u});
-    for (std::size_t i = 1; i < population_.size(); ++i) population_[i] = beside(population_[0], kNear, random_);
+  population_.clear();
+  for (const Coordinates& u : hints) population_.push_back({u});
+  search_->evaluate(population_);
+  for (const Candidate& p : population_)
+    if (p.value < kNoMotion) lead(p);
+  for (std::size_t k = 0; hints.size() > 1 && k < hints.size() && search_->share() < kShare; ++k) {
+    population_.assign(kSize, Candidate{hints[k]});
+    for (std::size_t i = 1; i < kSize; ++i) population_[i] = beside(population_[0], kNear, random_);
     search_->evaluate(population_);
-    trials_.resize(population_.size());
-    for (int g = 0; g < kGenerations && population_.size() > 1 && !search_->over(); ++g)
+    trials_.resize(kSize);
+    for (int g = 0; g < kGenerations && !search_->over(); ++g)
       evolve([this](std::span<Candidate> p) { search_->evaluate(p); }, random_, population_, trials_, {});
     if (const Candidate& best = *std::min_element(population_.begin(), population_.end()); best.value < kNoMotion)
       lead(best);
@@ -82,7 +88,7 @@ void AutoSearch::follow_hints() {
 void AutoSearch::scout() {
   leads_.clear();
   follow_hints();
-  const std::optional<Candidate> hint = leads_.empty() ? std::nullopt : std::optional(leads_[0]);
+  const std::optional<Candidate> led = leads_.empty() ? std::nullopt : std::optional(leads_[0]);
   int n = 0;
   if (search_->objective().options().goal == Goal::kTolerant) {
     size_ = set_.leads;
@@ -91,7 +97,7 @@ void AutoSearch::scout() {
     n = set_.first;
   }
   population_.clear();
-  if (hint) population_.push_back(*hint);
+  if (led) population_.push_back(*led);
   const long most = search_->dimension() > kPaperVariables ? set_.wide_scouts : set_.many;
   const auto enough = [&] {
     const long done = search_->motions();

@@ -26,6 +26,8 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
   const Play middle = space.play(space.values(space.centre()));
   extended_ = is_extended(middle.sea), feedback_ = middle.sea.feedback;
   if (scene.joint) options_.limits.joint = *scene.joint;
+  const Limits& limits = options_.limits;
+  limited_ = limits.any_forbidden() || limits.within_steps() || (limits.any() && middle.motion.reposition);
   std::iota(order_.begin(), order_.end(), 0);
   // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
   // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.

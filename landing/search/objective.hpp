@@ -86,7 +86,7 @@ class Objective {
   /// that is only screened by its peak keeps them at the exact motion alone.
   int points(Goal goal) const {
     if (goal == Goal::kRobust) return int(options_.robust->drops.size());
-    return goal == Goal::kTolerant || (goal == options_.goal && options_.limits.any()) ? kExecutionPoints : 1;
+    return goal == Goal::kTolerant || (goal == options_.goal && limited_) ? kExecutionPoints : 1;
   }
   /// Whether landing k of its box is part of a motion's value.
   static bool counts(int k, Goal goal) { return k == 0 || goal == Goal::kTolerant; }
@@ -119,6 +119,7 @@ class Objective {
   Options options_;
   bool too_quick(const Play& play) const;
   void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
+  bool limited_;  ///< a landing may break a limit
   bool extended_;
   Feedback feedback_;
   bool patient_ = false;  ///< landings may be as long as they like

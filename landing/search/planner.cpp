@@ -95,7 +95,10 @@ Plan Planner::plan(const FallState& s, double deadline, std::uint64_t seed) {
   in_air_->release(scene_);
   // The last plan goes on where it was: its move ends when it would have.
   const int to = in_air_->dimension() - 1;
-  if (given_ == 0 && last_) start(*last_);
+  if (given_ > 0)
+    last_ = starts_[0];  // where nothing is found, the next plan begins there
+  else if (last_)
+    start(*last_);
   for (std::size_t i = 0; i < given_; ++i) starts_[i][to] -= s.gone;
   const Plan out = search(deadline, seed);
   if (out.found) last_ = in_air_->values_of(out.motion), (*last_)[to] += s.gone;

@@ -66,7 +66,8 @@ class Planner {
   /// for later calls.
   [[nodiscard]] Plan plan(const FallState& state, double deadline, std::uint64_t seed = 1);
   /// The next plan tries these motions before all others, the best first, at most kStarts: values of the space's
-  /// variables, as an atlas has them (the end of a move in the air from release).
+  /// variables, as an atlas has them (the end of a move in the air from release). Each is followed for a few
+  /// generations; under scatter the first alone is.
   static constexpr std::size_t kStarts = 8;
   void start(std::span<const Coordinates> values);
   void start(const Coordinates& values) { start(std::span(&values, 1)); }

@@ -132,3 +132,16 @@ TEST_CASE("known drives: a controller that is fed the logged angle answers late,
   f.write("b.csv", "t,phi,phi_ref\n0,0,0\n0.1,0,0.1\n0.2,0.02,0.1\n0.3,0.03,0.1\n");
   check_refused(f, Arguments{"identify", "b.csv", "--rig", "bad.toml"} + kOut, {"b.csv", "no column 'phi_motor'"});
 }
+
+TEST_CASE("known drives: design plans no hits for a drive whose command is a log's, and compare heeds --drive") {
+  const Folder f;
+  f.write("rig.toml", kHead + "[drive]\ncommand_gain = 40\nangle = \"logged\"\n");
+  const Arguments design = {"design", "--actuator", kTable2, "--noise", "1e-3", "--rig"};
+  check_refused(f, design + Arguments{"rig.toml"} + kOut, {"rig.toml", "a command that is logged", "predicted"});
+  check_refused(f, design + Arguments{kRig, "--drive", "command"} + kOut, {"a command that is logged"});
+  check_refused(f,
+                Arguments{"compare", "--nominal", kTable2, "--identified", kTable2, "--trials", kTrial1, "--rig", kRig,
+                          "--drive", "command"} +
+                    kOut,
+                {"no column 'command'"});
+}

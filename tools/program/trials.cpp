@@ -97,6 +97,12 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
   verb.add_option("--gains", a.gains, "HEBI gains (XML), listed in summary.json for the record");
 }
 
+identify::Rig rig_of(const std::string& path, const TrialArguments& a) {
+  identify::Rig rig = identify::read_rig(path);
+  if (a.drive == identify::Drive::Kind::kCommand) rig.drive.kind = a.drive;
+  return rig;
+}
+
 double escape_of(const TrialArguments& a) {
   return a.angles == identify::TrialOptions::Angles::kMultiTurn ? identify::Term::kInfinity : identify::kEscape;
 }

@@ -39,6 +39,9 @@ struct TrialInputs {
 /// --force-curve, --gains, --trial-rig, --drive.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
 
+/// The rig, driven as --drive says. Throws InputError.
+identify::Rig rig_of(const std::string& path, const TrialArguments& arguments);
+
 /// Beyond which angle a rollout has escaped [rad]: infinite where many turns are meant.
 double escape_of(const TrialArguments& arguments);
 

@@ -158,11 +158,12 @@ Json summary_of(const Answer& a, Run& run) {
   return s;
 }
 
-/// How far the best was above the answer after so much of what bounded the search, a step each time that it fell: after
-/// so many motions, for a page is the same whatever the machine; with a deadline after so much time.
+/// How far the best was above the lowest value after so much of what bounded the search, a step each time that it fell:
+/// after so many motions, for a page is the same whatever the machine; with a deadline after so much time.
 Series descent(const Optimum& o, double answer, bool timed) {
   constexpr double kLeast = 1e-3;  // [%], of logarithmic axes
   Series out{o.solver, {}, {}};
+  for (const Progress& p : o.progress) answer = std::min(answer, p.best.value);  // before it stepped back from a cliff
   const auto gap = [&](const Progress& p) { return std::max(100 * (p.best.value / answer - 1), kLeast); };
   const auto after = [&](double motions, double seconds) { out.x.push_back(timed ? seconds : motions); };
   for (const Progress& p : o.progress) {
@@ -250,7 +251,7 @@ Report page_of(const Answer& a, const Run& run) {
         "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
         "does.");
   else
-    report.plot("search", timed ? "time [s]" : "motions evaluated", "gap to the answer [%]", descents,
+    report.plot("search", timed ? "time [s]" : "motions evaluated", "gap to the lowest value [%]", descents,
                 Axes::kLogarithmic);
   report.paragraph("Its numbers, and the time that they took: progress.csv.");
   constants_table(report, a.scene, a.actuator);

@@ -136,6 +136,14 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
   if (!page_wanted && formats.empty()) return {};
   std::string why;
   const std::vector<Drawing> drawings = draw(figures_, formats, why);
+  const auto provenance = run.provenance();
+  std::string told, list;
+  for (std::size_t i = 0; i < std::min(provenance.size(), kMostRows); ++i) {
+    const std::string line = provenance[i].first + ": " + provenance[i].second;
+    told += line + "\n", list += "<li>" + escaped(line) + "</li>";
+  }
+  if (provenance.size() > kMostRows)
+    list += fmt::format("<li>{} more: summary.json</li>", provenance.size() - kMostRows);
   std::map<std::string, std::string> out;
   std::string text = html_ + (in_figures_ ? kEnd : "");
   for (std::size_t i = 0; i < figures_.size(); ++i) {
@@ -143,14 +151,9 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
     text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[i]));
   }
   for (const Drawing& d : drawings)
-    for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, run.provenance_text());
+    for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, told);
   if (!why.empty()) text += "<p>The figures are left out: " + escaped(why) + ".</p>\n";
-  text += "<section class=\"provenance\"><h2>Provenance</h2>\n<ul>";
-  const auto provenance = run.provenance();
-  for (std::size_t i = 0; i < std::min(provenance.size(), kMostRows); ++i)
-    text += "<li>" + escaped(provenance[i].first + ": " + provenance[i].second) + "</li>";
-  if (provenance.size() > kMostRows)
-    text += fmt::format("<li>{} more: summary.json</li>", provenance.size() - kMostRows);
+  text += "<section class=\"provenance\"><h2>Provenance</h2>\n<ul>" + list;
   text += "</ul></section>\n";
   if (page_wanted) out["report.html"] = page(title_, text);
   return out;

@@ -19,7 +19,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   if (!a.scene.empty()) scene = landing::read_scene(a.scene), run.input(a.scene);
   Json summary;
   if (!a.trials.empty()) {
-    const identify::Rig rig = identify::read_rig(a.rig);
+    const identify::Rig rig = rig_of(a.rig, a.reading);
     run.input(a.rig);
     TrialInputs inputs = read_trials(a.trials, a.reading, rig, {}, run);
     measured = {rig, with_force_curve(inputs.trials, a.reading, rig, rig.mounted(sets[1].sea))};

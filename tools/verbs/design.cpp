@@ -72,8 +72,12 @@ void warn_of(const DesignQuestion& question, const std::vector<identify::Trial>&
 
 int run_design(const DesignArguments& a, const CommonOptions& common) {
   Run run("design", common);
-  DesignQuestion question{.rig = identify::read_rig(a.rig)};
+  DesignQuestion question{.rig = rig_of(a.rig, a.reading)};
   run.input(a.rig);
+  if (question.rig.drive.by_command())
+    throw InputError({a.rig},
+                     "the drive follows a command that is logged: of a hit to come none is known; "
+                     "a controller in the loop is needed ([drive] command_gain, angle = \"predicted\")");
   const Actuator actuator = actuator_of(a.actuator, run);
   TrialInputs inputs;
   if (!a.trials.empty())

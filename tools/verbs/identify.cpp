@@ -129,10 +129,9 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   const bool predict = !a.actuator.empty();
   Run run(predict ? "predict" : "identify", common);
   IdentifyQuestion q{.verb = predict ? IdentifyQuestion::Verb::kPredict : IdentifyQuestion::Verb::kIdentify,
-                     .rig = identify::read_rig(a.rig),
+                     .rig = rig_of(a.rig, a.reading),
                      .exports = a.exports};
   run.input(a.rig);
-  if (a.reading.drive == identify::Drive::Kind::kCommand) q.rig.drive.kind = identify::Drive::Kind::kCommand;
   if (predict) q.given = actuator_of(a.actuator, run);
   if (!a.start.empty()) q.given = read_actuator(a.start), run.input(a.start);
   q.options = fit_options(a, common);

@@ -52,9 +52,13 @@ std::string last_value(const std::string& pdf, const std::string& key) {
 std::string pdf_with(std::string pdf, const std::string& text) {
   const std::string size = last_value(pdf, "/Size "), root = last_value(pdf, "/Root "),
                     info = last_value(pdf, "/Info "), before = last_value(pdf, "startxref\n");
-  if (size.empty() || root.empty() || info.empty() || before.empty()) return pdf;
+  const bool plain = !before.empty() && before.find_first_not_of("0123456789") == std::string::npos &&
+                     pdf.compare(std::min(pdf.size(), std::size_t(std::stoul(before))), 4, "xref") == 0;
+  if (size.empty() || root.empty() || info.empty() || !plain) return pdf;
+  // A reader takes what is not UTF-16 for an encoding of its own: any other character stands as "?".
   std::string words;
-  for (const unsigned char c : text) words += fmt::format("{:02x}", c);
+  for (const unsigned char c : text)
+    if (c < 0x80 || c >= 0xc0) words += fmt::format("{:02x}", c < 0x80 ? c : '?');
   const std::string number = info.substr(0, info.find(' '));
   const std::size_t object = pdf.size();
   pdf += fmt::format("{} 0 obj\n<< /Producer (gnuplot, cairo) /Keywords <{}> >>\nendobj\n", number, words);
