@@ -65,9 +65,9 @@ std::string show(const toml::node& n) {
 constexpr std::size_t kLargestToml = 16 << 20;
 
 /// What toml++ must not be given. It makes and destroys tables by recursion: no text may nest too deep for the stack.
-/// Its table of Unicode's spaces has a hole (3.3; U+FE66 to U+FEFE end in undefined behaviour), and TOML 1.0 knows
-/// ASCII alone but in strings and comments. Looks at the text as TOML's lexical rules divide it: strings, comments,
-/// brackets, the dots between a key's parts.
+/// Its table of Unicode's spaces has holes (3.3: é and others end in undefined behaviour where a space may stand), and
+/// TOML 1.0 knows ASCII alone but in strings and comments. Looks at the text as TOML's lexical rules divide it:
+/// strings, comments, brackets, the dots between a key's parts.
 class LexicalCheck {
  public:
   LexicalCheck(const std::string& path, std::string_view text) : path_(path), text_(text) {}
@@ -81,8 +81,7 @@ class LexicalCheck {
       } else if (c == '"' || c == '\'') {
         skip_string(c);
       } else {
-        if ((static_cast<unsigned char>(c) & 0x80) != 0)
-          refuse("a character beyond ASCII outside of strings and comments");
+        if (beyond_ascii(c)) refuse("a character beyond ASCII outside of strings and comments");
         if (c == '[' || c == '{') count(++brackets_, "brackets within brackets");
         if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
         if (c == '.') count(++dots_, "dots in a key");
@@ -94,6 +93,7 @@ class LexicalCheck {
 
  private:
   static constexpr int kDeepest = 32;
+  static bool beyond_ascii(char c) { return (static_cast<unsigned char>(c) & 0x80) != 0; }
 
   void count(int depth, const char* of_what) const {
     if (depth > kDeepest) refuse(fmt::format("more than {} {}", kDeepest, of_what));
@@ -110,7 +110,11 @@ class LexicalCheck {
     const std::string_view end = long_one ? std::string_view(three) : text_.substr(at_, 1);
     for (at_ += end.size(); at_ < text_.size() && text_.substr(at_, end.size()) != end; ++at_) {
       if (!long_one && text_[at_] == '\n') return;  // the parser refuses it
-      if (quote == '"' && text_[at_] == '\\') ++at_;
+      if (quote != '"' || text_[at_] != '\\') continue;
+      const std::size_t next = text_.find_first_not_of(" \t\r\n", at_ + 1);
+      if (long_one && next < text_.size() && beyond_ascii(text_[next]))
+        refuse("a character beyond ASCII behind a backslash");
+      ++at_;
     }
     at_ = std::min(at_ + end.size(), text_.size());
     for (int i = 0; long_one && i < 2 && text_.substr(at_, 1) == three.substr(0, 1); ++i)
