@@ -78,14 +78,17 @@ class LexicalCheck {
       const char c = text_[at_];
       if (c == '#') {
         at_ = std::min(text_.find('\n', at_), text_.size());
-      } else if (c == '"' || c == '\'') {
+      } else if ((c == '"' || c == '\'') && begins_) {
         skip_string(c);
+        begins_ = false;
       } else {
         if (beyond_ascii(c)) refuse("a character beyond ASCII outside of strings and comments");
         if (c == '[' || c == '{') count(++brackets_, "brackets within brackets");
         if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
         if (c == '.') count(++dots_, "dots in a key");
         if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) dots_ = 0;
+        if (std::string_view(" \t\r").find(c) == std::string_view::npos)
+          begins_ = std::string_view("=,.[{\n").find(c) != std::string_view::npos;
         ++at_;
       }
     }
@@ -125,6 +128,7 @@ class LexicalCheck {
   std::string_view text_;
   std::size_t at_ = 0;
   int brackets_ = 0, dots_ = 0;
+  bool begins_ = true;  ///< a string may begin here; a quote elsewhere is a mistake, and what follows it no string
 };
 }  // namespace
 
