@@ -100,27 +100,6 @@ TEST_CASE("devices, pipes and files beyond every measure are no input, and no ti
 }
 
 TEST_CASE(
-    "a gains file with a node twice is refused where the second stands, many nodes take no longer than they must") {
-  const Folder f;
-  const auto gains = [&](const std::string& xml, const std::vector<std::string>& texts) {
-    f.write("gains.xml", xml);
-    check_refused(f, Arguments{"identify", kTrial1, "--rig", kRig, "--gains", "gains.xml"} + kOut, texts);
-  };
-  gains("<group_gains>\n<position>1 2</position>\n<position><kp>1</kp></position>\n</group_gains>\n",
-        {"gains.xml:3:2: <position>: given twice: once is needed"});
-  gains("<group_gains>\n<position>\n <kp>1</kp>\n <kp>2</kp></position>\n</group_gains>\n",
-        {"gains.xml:4:3: <kp>: given twice"});
-  std::string many = "<group_gains>\n";
-  for (int i = 0; i < 100'000; ++i) many += "<g" + std::to_string(i) + ">1</g" + std::to_string(i) + ">\n";
-  f.write("gains.xml", many + "</group_gains>\n");
-  const double seconds = seconds_of([&] {
-    done(f, {"predict", kTrial1, "--rig", kRig, "--actuator", kTable2, "--gains", "gains.xml", "-o", "out"});
-  });
-  CHECK(summary(f)["gains"].size() == 100'001);
-  CHECK(seconds < 10);
-}
-
-TEST_CASE(
     "a seed of more than 64 bits, below 0 or no whole number is refused, one of 64 bits is kept to its last digit") {
   const Folder f;
   for (const char* seed : {"18446744073709551616", "99999999999999999999", "-1", "1.5", "1e3", "0x10", " 1"}) {

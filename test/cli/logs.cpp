@@ -1,4 +1,4 @@
-// Logs as laboratories have them, through the program: HEBI's binary and CSV, forces on clocks of their own, gains.
+// Logs as laboratories have them, through the program: HEBI's binary and CSV, forces on clocks of their own.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <sstream>
@@ -219,34 +219,6 @@ TEST_CASE("a force log that does not fit its trial is refused") {
   check_refused(
       f, Arguments{"identify", kTrial1, "--rig", kRig, "--force-log", "zero.csv", "--force-clock", "shared"} + kOut,
       {"trial_1.csv: a force in the trial beside the force log zero.csv"});
-}
-
-TEST_CASE("HEBI gains are listed, with a warning that kp is not K_p") {
-  const Folder f;
-  const std::string trial = dataset("impact_validation/trial_9.csv");
-  const Arguments predict = {"predict", trial,     "--rig",     kRig, "--actuator",
-                             kTable2,   "--gains", "gains.xml", "-o", "out"};
-  f.write("gains.xml",
-          "<?xml version=\"1.0\"?>\n<!-- made up -->\n<group_gains>\n  <control_strategy>3 4</control_strategy>\n"
-          "  <position>\n    <kp>30 15</kp>\n    <max_target>inf inf</max_target>\n  </position>\n"
-          "  <effort><kd>0.001 0</kd></effort>\n</group_gains>\n");
-  done(f, predict);
-  const Json s = summary(f);
-  CHECK(s["gains"] == Json{{"file", "gains.xml"},
-                           {"control_strategy", {3, 4}},
-                           {"position", {{"kp", {30, 15}}, {"max_target", {"inf", "inf"}}}},
-                           {"effort", {{"kd", {0.001, 0}}}}});
-  CHECK(warned(s, "gains.xml: HEBI's kp is in the vendor's own units, not K_p in Nm/rad"));
-  CHECK(s["provenance"].contains("checksum gains.xml"));
-
-  const Folder bad;
-  const auto refused = [&](const std::string& xml, const std::vector<std::string>& texts) {
-    bad.write("gains.xml", xml);
-    check_refused(bad, predict, texts);
-  };
-  refused("<group_gains>\n <position>\n</group_gains>\n", {"gains.xml:3:", "no XML: "});
-  refused("", {"gains.xml", "no XML: "});
-  refused("\n  <robot/>\n", {"gains.xml:2:", "<robot>: HEBI gains are headed <group_gains>"});
 }
 
 TEST_CASE("a trial without excitation is refused by identify, two with the same content are warned of") {

@@ -109,17 +109,11 @@ void toml(const std::string& bytes) {
       file.path(), landing::read_motion, +[](const landing::Motion& m) { return landing::to_toml(m, ""); });
 }
 
-void gains(const std::string& bytes) {
-  const File file(bytes);
-  accepts([&] { (void)tools::read_gains(file.path()); });
-}
-
 }  // namespace
 
 const std::map<std::string, Target>& readers() {
   static const std::map<std::string, Target> all = {{"trial", trial}, {"hebi", hebi},     {"drop", drop},
-                                                    {"drops", drops}, {"motion", motion}, {"toml", toml},
-                                                    {"gains", gains}};
+                                                    {"drops", drops}, {"motion", motion}, {"toml", toml}};
   return all;
 }
 

@@ -11,7 +11,7 @@ namespace fuzz {
 /// Called with the bytes; what it throws is a fault, as is a crash, a hang or a leak.
 using Target = void (*)(const std::string& bytes);
 
-/// Those that read files, by the name of their folder of the corpus: trial, hebi, drop, drops, toml, gains.
+/// Those that read files, by the name of their folder of the corpus: trial, hebi, drop, drops, toml.
 const std::map<std::string, Target>& readers();
 /// The words of a command line, a line each; parsed, not run.
 void command_line(const std::string& bytes);

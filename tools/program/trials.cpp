@@ -94,7 +94,6 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
   add_choice(verb, "--drive", a.drive, {{"gains", Kind::kGains}, {"command", Kind::kCommand}},
              "gains: Eq. 3, or the rig's [drive]; command: the motor's torque is k_t times the logged column command "
              "[gains]");
-  verb.add_option("--gains", a.gains, "HEBI gains (XML), listed in summary.json for the record");
 }
 
 identify::Rig rig_of(const std::string& path, const TrialArguments& a) {
@@ -163,10 +162,6 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
     for (const identify::Trial& t : out.trials) identify::require_excitation(t);
   if (!modules.empty()) out.summary["modules"] = modules;
   if (!forces.empty()) out.summary["force_logs"] = forces;
-  if (!a.gains.empty()) {
-    run.input(a.gains);
-    out.summary["gains"] = read_gains(a.gains);
-  }
 
   // Warnings last: a refusal is one line.
   if (noisiest > 0)
@@ -184,8 +179,6 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
     if (f["clock"] == "own")
       run.say(fmt::format("{}: moved by {:.6g} s onto the clock of {}", f["file"].get<std::string>(),
                           f["shift"].get<double>(), f["trial"].get<std::string>()));
-  if (!a.gains.empty())
-    run.warn(a.gains + ": HEBI's kp is in the vendor's own units, not K_p in Nm/rad: listed for the record, not used");
   for (std::size_t i = 0; i < out.trials.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (identify::same_content(out.trials[j], out.trials[i])) {

@@ -1,4 +1,4 @@
-// Trials for the verbs: CSV, HEBI logs, force logs of their own, and the gains file that goes with them.
+// Trials for the verbs: CSV, HEBI logs, and force logs of their own.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -23,7 +23,6 @@ struct TrialArguments {
   identify::ForceClock force_clock = identify::ForceClock::kOwn;
   std::vector<std::string> trial_rigs;                          ///< FILE=RIG: a rig of its own for a trial
   identify::Drive::Kind drive = identify::Drive::Kind::kGains;  ///< kCommand: the logged command drives every trial
-  std::string gains;                                            ///< XML, for the record
   std::optional<double> force_noise;  ///< of the load cell [N]; else estimated before each first hit
   /// The force between its samples; kByResiduals: what the residuals ask for, of the fit or of the constants given.
   enum class ForceCurve { kByResiduals, kLinear, kSmooth } force_curve = ForceCurve::kByResiduals;
@@ -31,12 +30,11 @@ struct TrialArguments {
 
 struct TrialInputs {
   std::vector<identify::Trial> trials;
-  Json summary =
-      Json::object();  ///< "force_logs", "force_noise", "modules", "gains", each where there is something to say
+  Json summary = Json::object();  ///< "force_logs", "force_noise", "modules", each where there is something to say
 };
 
 /// --columns, --module, --hebi-effort, --multi-turn, --force-log, --force-columns, --force-clock, --force-noise,
-/// --force-curve, --gains, --trial-rig, --drive.
+/// --force-curve, --trial-rig, --drive.
 void add_trial_options(CLI::App& verb, TrialArguments& arguments);
 
 /// The rig, driven as --drive says. Throws InputError.
@@ -64,9 +62,5 @@ std::vector<identify::Trial> with_force_curve(const std::vector<identify::Trial>
 /// One trial of any kind, CSV or HEBI log; what a log says of its module is added to `modules`. Throws InputError.
 identify::Trial read_any(const std::string& path, const TrialArguments& arguments, const identify::TrialOptions& csv,
                          const identify::Rig& rig, Json& modules);
-
-/// HEBI's gains file: every value of every controller, numbers where they are numbers. Throws InputError with
-/// file:line:column where it is no XML or not headed <group_gains>.
-Json read_gains(const std::string& path);
 
 }  // namespace ukemi::tools
