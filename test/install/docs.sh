@@ -36,7 +36,7 @@ for peak in 466 186; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s"
 
 verbs="identify predict design simulate optimize map ratings risk atlas compare calibrate demo"
 for v in $verbs; do ukemi "$v" --help; done > help.txt
-for b in integrators identify optimizers drawn batch stability scenes; do ukemi bench $b --help; done >> help.txt
+for b in integrators identify optimizers stability scenes; do ukemi bench $b --help; done >> help.txt
 options() { grep -o -e '--[a-z][a-z-]*' "$1" | sort -u; }
 diff <(sed '/^Example/d' help.txt | grep -o '^ *\(-., *\)\?\(-.,\)\?--[a-z][a-z-]*' | grep -o -e '--[a-z-]*' | grep -v -e '--help' | sort -u) \
      <(options "$source_dir/tools/docs/verbs.md" | grep -v -e '--help' -e '--version')

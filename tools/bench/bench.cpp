@@ -3,8 +3,6 @@
 
 #include <memory>
 
-#include "common/error.hpp"
-#include "tools/program/arguments.hpp"
 
 namespace ukemi::tools {
 
@@ -16,16 +14,12 @@ void add_bench(CLI::App& app, Action& chosen) {
     int (*run)(const BenchArguments&, const CommonOptions&);
   };
   static constexpr Kind kKinds[] = {
-      {"batch", "landings a second in SIMD lanes against the scalar path, and how late a planner answers",
-       "ukemi bench batch -o out", bench_batch},
       {"integrators", "landings and the rig: error against run time of every integrator",
        "ukemi bench integrators -o out", bench_integrators},
       {"identify", "the fit: error of constants and derivatives against run time",
        "ukemi bench identify --draws 20 -o out", bench_identify},
       {"optimizers", "every solver on ten scenes and both goals: gap to the best known against time",
        "ukemi bench optimizers --seeds 5 --times 0.03,0.1,0.3,1,10 -o out", bench_optimizers},
-      {"drawn", "the search on scenes drawn from a seed: gap to the best known",
-       "ukemi bench drawn --scenes 12 --seeds 5 --times 0.1,1 --seed 7 -o out", bench_drawn},
       {"stability", "stiff and extreme landings and fits: a map of pass, sensitive, refused",
        "ukemi bench stability --random 400 -o out", bench_stability},
       {"scenes", "what a scene does not need: instructions and time with and without each term",
@@ -42,31 +36,12 @@ void add_bench(CLI::App& app, Action& chosen) {
       verb->add_option("--scenes", args->scenes, "random scenes, followed three ways [1000]")
           ->check(CLI::Range(0, 10000000));
     }
-    if (kind.run == bench_batch)
-      verb->add_option("--calls", args->calls, "calls of a planner [1000]")->check(CLI::Range(1, 1000000));
-    if (kind.run == bench_drawn) {
-      verb->add_option("--scenes", args->drawn, "scenes that are drawn [12]")->check(CLI::Range(1, 10000));
-      verb->add_option("--bumps", args->bumps, "shape terms of the motion [0]")->check(CLI::Range(0, 4));
-    }
-    if (kind.run == bench_optimizers || kind.run == bench_drawn) {
-      verb->add_option_function<std::vector<std::string>>(
-          "--set",
-          [args](const std::vector<std::string>& items) {
-            for (const std::string& item : items) {
-              const Assignment a = assignment("--set", item);
-              args->settings.set(a.name, to_number("--set", a.value));
-            }
-          },
-          "settings of auto other than its own, as lead_apart=0.2");
+    if (kind.run == bench_optimizers) {
       verb->add_option("--seeds", args->seeds, "searches of each kind [1]")->check(CLI::Range(1, 1000));
       verb->add_option("--times", args->times,
-                       kind.run == bench_drawn
-                           ? "budgets of one core [s] [0.1,1]"
-                           : "budgets of one core [s] [0.03,0.1,0.3,1: some four minutes on two cores]")
+                       "budgets of one core [s] [0.03,0.1,0.3,1: some four minutes on two cores]")
           ->delimiter(',')
           ->check(CLI::Range(0.001, 1e4));
-    }
-    if (kind.run == bench_optimizers) {
       verb->add_option("--solvers", args->solvers, "only these [all but cma]")->delimiter(',');
       verb->add_option("--with", args->with, "optimizers.csv of earlier runs: what they searched is not run again");
     }

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "landing/search/auto_settings.hpp"
 #include "tools/program/command.hpp"
 
 namespace ukemi::tools {
@@ -24,24 +23,18 @@ struct BenchArguments {
   int random = 400;                  ///< stability: seeded combinations
   int motions = 200, scenes = 1000;  ///< stability: followed three ways: motions of each shipped scene, random scenes
   int draws = 20;                    ///< identify: noise draws
-  int calls = 1000;                  ///< batch: of a planner
   int seeds = 1;                     ///< optimizers: of each search
   std::vector<double> times;         ///< optimizers: budgets of one core [s]; empty: the quick mode's
   std::vector<std::string> solvers;  ///< optimizers: empty: all
   std::vector<std::string> with;     ///< optimizers: files of earlier runs, whose searches are not run again
-  landing::AutoSettings settings;    ///< optimizers, drawn: of auto
-  int drawn = 12;                    ///< drawn: scenes
-  int bumps = 0;                     ///< drawn: shape terms
   std::string only;                  ///< scenes: one side of one omission, for the instruction count
 };
 
 void add_bench(CLI::App& app, Action& chosen);
 int bench_integrators(const BenchArguments& arguments, const CommonOptions& common);
-int bench_batch(const BenchArguments& arguments, const CommonOptions& common);
 int bench_identify(const BenchArguments& arguments, const CommonOptions& common);
 int bench_stability(const BenchArguments& arguments, const CommonOptions& common);
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common);
-int bench_drawn(const BenchArguments& arguments, const CommonOptions& common);
 int bench_scenes(const BenchArguments& arguments, const CommonOptions& common);
 
 /// Fits of stiff and extreme data, a part of `stability`: "cases" and "wrong" of the summary; stability_identify.csv.

@@ -166,7 +166,7 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
 
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
   Run run("bench optimizers", common);
-  Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds, arguments.settings};
+  Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds};
   if (cases.solvers.empty()) {
     cases.solvers = landing::solver_names();
     std::erase(cases.solvers, "cma");  // it is for more variables than these scenes have

@@ -20,19 +20,14 @@ namespace ukemi::tools {
 
 using namespace landing;
 
-Optimum search_on_a_core(const Scene& scene, const SeaParameters<double>& sea, const std::string& solver, Goal goal,
-                         double budget, std::uint64_t seed, const AutoSettings& settings) {
-  OptimizeOptions o;
-  o.settings = settings, o.solver = solver, o.goal = goal, o.deadline = budget, o.seed = seed;
-  o.threads = 1, o.time = Stopwatch::Time::kProcessor, o.tolerance_samples = 0;
-  return optimize(scene, sea, o);
-}
-
 namespace {
 
-std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaParameters<double>& sea,
-                                  const AutoSettings& settings) {
-  const Optimum r = search_on_a_core(scene, sea, t.solver, Goal(int(t.goal)), t.budget, t.seed, settings);
+/// What one core finds within the budget, of its own time.
+std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaParameters<double>& sea) {
+  OptimizeOptions o;
+  o.solver = t.solver, o.goal = Goal(int(t.goal)), o.deadline = t.budget, o.seed = t.seed;
+  o.threads = 1, o.time = Stopwatch::Time::kProcessor, o.tolerance_samples = 0;
+  const Optimum r = optimize(scene, sea, o);
   std::array<double, kFound> found;
   found.fill(std::numeric_limits<double>::quiet_NaN());
   found[kTime] = r.seconds, found[kEvaluations] = double(r.evaluations), found[kLandings] = double(r.landings);
@@ -128,7 +123,7 @@ std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, cons
   long done = 0;
   parallel_for(int(open.size()), run.options().threads, [&](int i) {
     Trial& t = trials[open[std::size_t(i)]];
-    t.found = search(t, scenes[t.scene], actuator.sea, cases.settings);
+    t.found = search(t, scenes[t.scene], actuator.sea);
     const std::lock_guard lock(mutex);
     run.progress("searches", ++done, long(open.size()));
   });

@@ -43,13 +43,8 @@ struct Cases {
   std::vector<double> times;  ///< [s], increasing
   std::uint64_t first_seed;
   int seeds;
-  landing::AutoSettings settings = {};  ///< of auto
 };
 
-/// What one core finds in `budget` seconds of its own time.
-landing::Optimum search_on_a_core(const landing::Scene& scene, const SeaParameters<double>& sea,
-                                  const std::string& solver, landing::Goal goal, double budget, std::uint64_t seed,
-                                  const landing::AutoSettings& settings);
 /// The searches that an earlier run's optimizers.csv holds.
 std::vector<Trial> read_trials(const std::string& path);
 /// Every search of the cases; those of `earlier` runs are taken from there.

@@ -63,8 +63,6 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"map", {"map.csv", "basins.csv"}},
       {"ratings", {"ratings.csv"}},
       {"risk", {"histogram.csv", "risk.csv", "sobol.csv"}},
-      {"bench batch", {"batch.csv", "planner.csv"}},
-      {"bench drawn", {"drawn.csv"}},
       {"bench identify", {"identify.csv"}},
       {"bench integrators", {"integrators.csv"}},
       {"bench optimizers", {"optimizers.csv", "gaps.csv", "best_known.csv"}},
@@ -77,7 +75,7 @@ std::vector<std::string> result_names(const std::string& verb) {
   return names;
 }
 
-/// Where a verb writes; for `ukemi bench batch`, ukemi-out/bench-batch.
+/// Where a verb writes; for `ukemi bench scenes`, ukemi-out/bench-scenes.
 std::string folder_of(const std::string& verb, const CommonOptions& options) {
   if (!options.folder.empty()) return options.folder;
   std::string name = verb;
