@@ -41,6 +41,21 @@ struct TomlFile::Data {
   std::set<std::string> all;                           // sections that take every key
 
   Location at(const toml::node& n) const { return {path, long(n.source().begin.line), long(n.source().begin.column)}; }
+  /// Throws on the first key of a table, or of tables in [[ ]], that was not asked for; those within them likewise.
+  void check(const std::string& name, const toml::node& node) const {
+    if (const toml::array* list = node.as_array())
+      for (const toml::node& item : *list) check(name, item);
+    const auto known = asked.find(name);
+    if (!node.is_table() || known == asked.end() || all.count(name)) return;
+    for (const auto& [key, value] : *node.as_table()) {
+      const std::string k(key.str());
+      if (!known->second.count(k))
+        throw InputError({path, long(key.source().begin.line), long(key.source().begin.column)},
+                         "unknown key " + quoted(k) + " in [" + name + "]" +
+                             hint(k, std::vector<std::string>(known->second.begin(), known->second.end())));
+      check(name + "." + k, value);
+    }
+  }
 };
 
 namespace {
@@ -172,13 +187,7 @@ void TomlFile::finish() const {
       throw InputError(where, "unknown " + std::string(node.is_table() ? "table" : "key") + " " + quoted(name) +
                                   (in.empty() ? hint(name, sections) : in));
     }
-    if (data_->all.count(name) || !node.is_table()) continue;
-    const std::vector<std::string> known(it->second.begin(), it->second.end());
-    for (const auto& [k, v] : *node.as_table())
-      if (!it->second.count(std::string(k.str())))
-        throw InputError(
-            {data_->path, long(k.source().begin.line), long(k.source().begin.column)},
-            "unknown key " + quoted(std::string(k.str())) + " in [" + name + "]" + hint(std::string(k.str()), known));
+    data_->check(name, node);
   }
 }
 
@@ -188,6 +197,31 @@ TomlSection::TomlSection(TomlFile::Data* data, const void* table, std::string na
 const void* TomlSection::node(const std::string& key) {
   data_->asked[name_].insert(key);
   return as_table(table_).get(key);
+}
+std::optional<TomlSection> TomlSection::optional_section(const std::string& key) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  if (!as_node(n)->is_table()) fail(key, show(*as_node(n)) + ": a table is needed");
+  data_->asked[name_ + "." + key];
+  return TomlSection(data_, as_node(n)->as_table(), name_ + "." + key);
+}
+std::vector<TomlSection> TomlSection::sections(const std::string& key) {
+  const void* n = node(key);
+  std::vector<TomlSection> out;
+  if (!n) return out;
+  const toml::array* list = as_node(n)->as_array();
+  if (!list) fail(key, "tables [[" + name_ + "." + key + "]] are needed");
+  data_->asked[name_ + "." + key];
+  for (const toml::node& item : *list) {
+    if (!item.is_table()) fail(key, show(item) + ": a table is needed");
+    out.push_back(TomlSection(data_, item.as_table(), name_ + "." + key));
+  }
+  return out;
+}
+std::vector<std::string> TomlSection::keys() const {
+  std::vector<std::string> out;
+  for (const auto& [key, value] : as_table(table_)) out.emplace_back(key.str());
+  return out;
 }
 bool TomlSection::has(const std::string& key) const { return as_table(table_).contains(key); }
 void TomlSection::accept_all() { data_->all.insert(name_); }

@@ -69,6 +69,12 @@ class TomlSection {
   std::optional<std::vector<std::string>> optional_texts(const std::string& key);
   /// One of `choices`.
   std::optional<std::string> optional_choice(const std::string& key, const std::vector<std::string>& choices);
+  /// A table within this one; none where the key is omitted.
+  std::optional<TomlSection> optional_section(const std::string& key);
+  /// Tables in [[ ]], in their order; empty where the key is omitted.
+  std::vector<TomlSection> sections(const std::string& key);
+  /// The keys that stand in it.
+  std::vector<std::string> keys() const;
   /// A key that is known and not read.
   void accept(const std::string& key) { node(key); }
   /// Accepts whatever else the table holds (provenance).

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <limits>
 
@@ -223,7 +224,7 @@ class Integrator {
   /// the dense output only if it is among the first; one that comes near zero or leaves it is searched throughout.
   Crossing first_crossing() {
     Crossing first;
-    unsigned near = 0, plain = 0;
+    std::bitset<kGuards> near, plain;
     std::array<double, kGuards> guess{};
     double earliest = 2;
     for (int i = 0; i < kGuards; ++i) {
@@ -231,20 +232,20 @@ class Integrator {
       const double margin = 0.02 * (std::abs(a.d) + std::abs(b.d));
       if (bernstein_minimum(a, b) > (a.g > 0 ? margin : 0)) continue;
       if (a.g > margin && b.g < 0 && a.d < 0 && b.d < 0) {
-        plain |= 1u << i;
+        plain.set(std::size_t(i));
         guess[i] = root(a.s, a.g, b.s, b.g, [&](double x) { return cubic(a, b, x); });
         earliest = std::min(earliest, guess[i]);
       } else {
-        near |= 1u << i;
+        near.set(std::size_t(i));
       }
     }
     constexpr double kApart = 0.05;  // cubics do not err by more, in parts of a step
     for (int i = 0; i < kGuards; ++i)
-      if (plain >> i & 1u && guess[i] <= earliest + kApart) {
+      if (plain[std::size_t(i)] && guess[i] <= earliest + kApart) {
         const double s = refined(i, guess[i]);
         if (s < first.s) first = {i, s};
       }
-    if (near != 0) search_inside(near, first);
+    if (near.any()) search_inside(near, first);
     return first;
   }
 
@@ -265,7 +266,7 @@ class Integrator {
   }
 
   /// The same on the dense output, in four parts, for guards that come near zero or leave it.
-  void search_inside(unsigned near, Crossing& first) {
+  void search_inside(const std::bitset<kGuards>& near, Crossing& first) {
     constexpr int kParts = 4;
     Guards<kGuards> left = start_, right;
     for (int q = 1; q <= kParts; ++q) {
@@ -281,7 +282,7 @@ class Integrator {
         system_.guards(t, y, dy, right);
       }
       for (int i = 0; i < kGuards; ++i)
-        if (near >> i & 1u) {
+        if (near[std::size_t(i)]) {
           const Node a = q == 1 ? start_of(i) : Node{sa, left.value[i], left.rate[i] * step_.h},
                      b{sb, right.value[i], right.rate[i] * step_.h};
           const double s = zero_between(a, b, [&](double x) { return guard_at(i, x); });

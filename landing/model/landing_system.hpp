@@ -178,6 +178,11 @@ class LandingSystem : public ModeOf<T>::type {
     return select(torque > held_back, T(torque - held_back), T(0));
   }
 
+  /// |ddr_0|^2 [m^2/s^4].
+  UKEMI_INLINE T peak_square(const State& y, const State& dy) const {
+    return thigh_acceleration(link, pose(y), {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]}).squaredNorm();
+  }
+
   T motor_torque_of(const SeaState<T>& s, const Reference<T>& r) const { return motor_torque<kTerms>(sea, s, r); }
 
   /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y. The driver asks for their

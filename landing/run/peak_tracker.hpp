@@ -22,19 +22,13 @@ class PeakTracker {
   /// The field has jumped: the next step's start is not the last one's end.
   void jump() { known_ = false; }
 
-  template <class System>
-  static double at_state(const System& system, const typename System::State& y, const typename System::State& dy) {
-    const auto p = system.pose(y);
-    return thigh_acceleration(system.link, p, {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]}).squaredNorm();
-  }
-
   /// Both ends of the step (their limits from inside it) and its interior where that could hold a larger value. False
   /// where the interior holds what the ends rule out: forces do not rise and fall so within a step that resolves them.
   template <class System, class Integrator>
   [[nodiscard]] bool step(const System& system, Integrator& integrator) {
     const auto& step = integrator.step();
-    const double q1 = at_state(system, step.y_end, step.slope_end),
-                 q0 = known_ ? last_ : at_state(system, step.y, step.slope);
+    const double q1 = system.peak_square(step.y_end, step.slope_end),
+                 q0 = known_ ? last_ : system.peak_square(step.y, step.slope);
     known_ = true, last_ = q1;
     const double before = square;
     consider(q0, step.t);
@@ -43,7 +37,7 @@ class PeakTracker {
     const auto f = [&](double s) {
       const auto y = integrator.dense().at(s);
       const double time = step.t + s * step.h;
-      const double q = at_state(system, y, system.derivative(time, y));
+      const double q = system.peak_square(y, system.derivative(time, y));
       consider(q, time);
       return q;
     };

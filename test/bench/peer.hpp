@@ -101,7 +101,7 @@ class Course {
 
   /// |ddr_0|^2 at (t, y) and at another state with its field.
   double square() const { return square(y, dy); }
-  double square(const State& at, const State& slope) const { return peak.at_state(system, at, slope); }
+  double square(const State& at, const State& slope) const { return system.peak_square(at, slope); }
 
   Result finish(bool failed) {
     result.peak = std::sqrt(peak.square);

@@ -1,0 +1,283 @@
+// The equations of motion of a planar tree of bodies: links that turn together are one body.
+//
+// A point is base + sum_j (A_j u(theta_j) + B_j n(theta_j)) over the bodies j, A and B constants of the robot. With
+// X_j = A_j sin theta_j + B_j cos theta_j and Y_j = A_j cos theta_j - B_j sin theta_j
+//
+//     p = base + sum (X_j, -Y_j),   v = dbase + sum omega_j (Y_j, X_j),   a = ddbase + sum alpha_j (Y_j, X_j)
+//                                                                                  + omega_j^2 (-X_j, Y_j)
+//
+// and a force F at it turns body j with Y_j F_x + X_j F_y. The angles obey
+//
+//     sum_k M_jk alpha_k + sum_k omega_k^2 (P_jk sin - Q_jk cos)(theta_j - theta_k) = torques_j + forces_j + weight_j
+//     M_jk = N_jk + P_jk cos(theta_j - theta_k) + Q_jk sin(theta_j - theta_k)
+//     P_jk = sum_i m_i (A_ij A_ik + B_ij B_ik),   Q_jk = sum_i m_i (A_ij B_ik - B_ij A_ik)    over the links i
+//
+// N: inertias about the centres of mass, and armatures. Free base: A and B count from the total centre of mass R, which
+// separates, R'' = sum F / m + g, and has no weight term. Rail: the base is R0 + s e, one more unknown s with
+// M_ss = m, M_sj = sum_i m_i e.(Y_ij, X_ij), and the first body's angle stays. Pinned: the base is fixed.
+// Ours; test/legs/laws.cpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+
+#include "common/trigonometry.hpp"
+#include "test/legs/robot.hpp"
+
+namespace ukemi::landing {
+
+/// How many of each a kernel is compiled for.
+struct Capacity {
+  int bodies, joints, contacts;
+};
+
+/// Lever arms of a point by body.
+template <class T, int kBodies>
+struct Arms {
+  std::array<T, kBodies> a{}, b{};  ///< A, B [m]
+};
+
+/// A joint as the equations see it.
+struct JointPlace {
+  int parent = -1, child = 0;  ///< bodies; parent -1: the ground
+  double offset = 0;           ///< phi = theta_child - theta_parent + offset [rad]
+  int joint = 0;               ///< of Robot::joints
+};
+
+template <class T, Capacity kSize>
+struct Body {
+  static constexpr int kBodies = kSize.bodies;
+  int bodies = 0, joints = 0, contacts = 0;
+  Base base = Base::kFree;
+  bool first_stays = false;  ///< the first body's angle: on a rail, or where its pin is locked
+  std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
+  std::array<Arms<T, kBodies>, kSize.contacts> contact{};
+  Arms<T, kBodies> peak{}, first{};  ///< `first`: the origin of the first link
+  Arms<T, kBodies> moment{};         ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
+  T mass{0};
+  Eigen::Vector2d rail{0, 1};  ///< e
+  std::array<JointPlace, kSize.joints> joint{};
+  std::array<double, kMostLinks> offset{};  ///< theta of a link minus theta of its body [rad]
+  std::array<int, kMostLinks> body_of{};    ///< of a link
+};
+
+/// Sines, cosines and rates of a state; the base is R, or the first link's origin.
+template <class T, int kBodies>
+struct TreePose {
+  T x, y, vx, vy;
+  std::array<T, kBodies> sin, cos, omega;
+};
+
+/// What the equations give.
+template <class T, int kBodies>
+struct TreeAccelerations {
+  T x{0}, y{0};  ///< of the base
+  std::array<T, kBodies> alpha{};
+};
+
+template <class T, int kBodies>
+T x_of(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int j) {
+  return r.a[j] * p.sin[j] + r.b[j] * p.cos[j];
+}
+template <class T, int kBodies>
+T y_of(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int j) {
+  return r.a[j] * p.cos[j] - r.b[j] * p.sin[j];
+}
+template <class T, int kBodies>
+Eigen::Matrix<T, 2, 1> position(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int bodies) {
+  Eigen::Matrix<T, 2, 1> out(p.x, p.y);
+  for (int j = 0; j < bodies; ++j) out[0] += x_of(r, p, j), out[1] -= y_of(r, p, j);
+  return out;
+}
+template <class T, int kBodies>
+Eigen::Matrix<T, 2, 1> velocity(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int bodies) {
+  Eigen::Matrix<T, 2, 1> out(p.vx, p.vy);
+  for (int j = 0; j < bodies; ++j) out[0] += p.omega[j] * y_of(r, p, j), out[1] += p.omega[j] * x_of(r, p, j);
+  return out;
+}
+template <class T, int kBodies>
+Eigen::Matrix<T, 2, 1> acceleration(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p,
+                                    const TreeAccelerations<T, kBodies>& acc, int bodies) {
+  Eigen::Matrix<T, 2, 1> out(acc.x, acc.y);
+  for (int j = 0; j < bodies; ++j) {
+    const T x = x_of(r, p, j), y = y_of(r, p, j), w = p.omega[j] * p.omega[j];
+    out[0] += acc.alpha[j] * y - w * x, out[1] += acc.alpha[j] * x + w * y;
+  }
+  return out;
+}
+
+/// Sums of forces and torques as the equations see them.
+template <class T, int kBodies>
+struct TreeLoads {
+  T x{0}, y{0};
+  std::array<T, kBodies> turn{};
+
+  void add(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int bodies, const T& fx, const T& fy) {
+    x += fx, y += fy;
+    for (int j = 0; j < bodies; ++j) turn[j] += y_of(r, p, j) * fx + x_of(r, p, j) * fy;
+  }
+};
+
+/// M of the angles, and of the rail's s behind them; a body that stays has the row of 1. In a lower triangle.
+template <class T, Capacity kSize>
+struct MassMatrix {
+  static constexpr int kMost = kSize.bodies + 1;
+  std::array<std::array<T, kMost>, kMost> m{};
+
+  MassMatrix(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMost>& right) {
+    const int n = b.bodies;
+    for (int j = 0; j < n; ++j) {
+      m[j][j] = b.n[j][j] + b.p[j][j];
+      for (int k = 0; k < j; ++k) {
+        const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
+        m[j][k] = b.n[j][k] + b.p[j][k] * c + b.q[j][k] * s;
+        const T h = b.p[j][k] * s - b.q[j][k] * c;  // of omega_k^2 on j; on k it is the negative
+        right[j] -= p.omega[k] * p.omega[k] * h, right[k] += p.omega[j] * p.omega[j] * h;
+      }
+    }
+    if (b.base == Base::kRail) add_rail(b, p, right);
+    if (!b.first_stays) return;
+    for (int j = 1; j < kMost; ++j) m[j][0] = T(0);
+    m[0][0] = T(1), right[0] = T(0);
+  }
+  /// The row of s.
+  void add_rail(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMost>& right) {
+    const int n = b.bodies;
+    const T ex(b.rail.x()), ey(b.rail.y());
+    m[n][n] = b.mass;
+    for (int j = 0; j < n; ++j) {
+      const T x = x_of(b.moment, p, j), y = y_of(b.moment, p, j), w = p.omega[j] * p.omega[j];
+      m[n][j] = ex * y + ey * x;
+      right[n] -= w * (ey * y - ex * x);
+    }
+  }
+  /// M = L D L', in place.
+  void factor(int n) {
+    for (int j = 0; j < n; ++j) {
+      std::array<T, kMost> scaled;
+      for (int k = 0; k < j; ++k) scaled[k] = m[j][k] * m[k][k], m[j][j] -= m[j][k] * scaled[k];
+      const T inverse = T(1) / m[j][j];
+      for (int i = j + 1; i < n; ++i) {
+        for (int k = 0; k < j; ++k) m[i][j] -= m[i][k] * scaled[k];
+        m[i][j] *= inverse;
+      }
+    }
+  }
+  void solve(int n, std::array<T, kMost>& x) const {
+    for (int i = 0; i < n; ++i)
+      for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
+    for (int i = n; i-- > 0;) {
+      x[i] /= m[i][i];
+      for (int k = i + 1; k < n; ++k) x[i] -= m[k][i] * x[k];
+    }
+  }
+};
+
+/// Eq. 1 for a tree: the accelerations under loads (torques of joints within) and gravity (gx, gy).
+template <class T, Capacity kSize>
+TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p,
+                                         const TreeLoads<T, kSize.bodies>& load, const Eigen::Vector2d& gravity,
+                                         const T& along_rail) {
+  const T gx(gravity.x()), gy(gravity.y());
+  std::array<T, MassMatrix<T, kSize>::kMost> right{};
+  const int bodies = b.bodies, unknowns = bodies + (b.base == Base::kRail);
+  for (int j = 0; j < bodies; ++j) {
+    right[j] = load.turn[j];
+    if (b.base != Base::kFree) right[j] += y_of(b.moment, p, j) * gx + x_of(b.moment, p, j) * gy;
+  }
+  const T fx = load.x + b.mass * gx, fy = load.y + b.mass * gy;
+  if (b.base == Base::kRail) right[bodies] = T(b.rail.x()) * fx + T(b.rail.y()) * fy + along_rail;
+  MassMatrix<T, kSize> mass(b, p, right);
+  mass.factor(unknowns);
+  mass.solve(unknowns, right);
+  TreeAccelerations<T, kSize.bodies> out;
+  for (int j = 0; j < bodies; ++j) out.alpha[j] = right[j];
+  if (b.base == Base::kFree)
+    out.x = fx / b.mass, out.y = fy / b.mass;
+  else if (b.base == Base::kRail)
+    out.x = right[bodies] * T(b.rail.x()), out.y = right[bodies] * T(b.rail.y());
+  return out;
+}
+
+/// Kinetic energy [J].
+template <class T, Capacity kSize>
+T kinetic_energy(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p) {
+  T twice = b.mass * (p.vx * p.vx + p.vy * p.vy);
+  for (int j = 0; j < b.bodies; ++j) {
+    twice += (b.n[j][j] + b.p[j][j]) * p.omega[j] * p.omega[j];
+    for (int k = 0; k < j; ++k) {
+      const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
+      twice += T(2) * (b.n[j][k] + b.p[j][k] * c + b.q[j][k] * s) * p.omega[j] * p.omega[k];
+    }
+    if (b.base != Base::kFree) twice += T(2) * p.omega[j] * (p.vx * y_of(b.moment, p, j) + p.vy * x_of(b.moment, p, j));
+  }
+  return T(0.5) * twice;
+}
+
+/// The equations' constants of a robot. Throws InputError where it has more of anything than the kernel.
+template <Capacity kSize>
+Body<double, kSize> body_of(const Robot& robot) {
+  using Arm = Arms<double, kSize.bodies>;
+  Body<double, kSize> out;
+  out.base = robot.base;
+  std::vector<Arm> origin(robot.links.size()), com = origin;
+  const auto shifted = [&](Arm from, int link, const Place& at) {
+    const std::size_t body = std::size_t(out.body_of[link]);
+    const double c = std::cos(out.offset[link]), s = std::sin(out.offset[link]);
+    from.a[body] += at.along * c - at.across * s, from.b[body] += at.along * s + at.across * c;
+    return from;
+  };
+  for (int i = 0; i < int(robot.links.size()); ++i) {
+    const Link& link = robot.links[i];
+    const Joint* joint = robot.joint_of(i);
+    const bool locked = joint && joint->kind == DriveKind::kLocked;
+    if (i == 0) {
+      out.bodies = 1, out.first_stays = robot.base == Base::kRail || locked;
+    } else {
+      origin[i] = shifted(origin[link.parent], link.parent, link.at);
+      out.offset[i] = locked ? out.offset[link.parent] + joint->phi : 0;
+      out.body_of[i] = locked ? out.body_of[link.parent] : out.bodies++;
+    }
+    com[i] = shifted(origin[i], i, link.com);
+    out.mass += link.mass;
+  }
+  const int bodies = out.bodies;
+  Arm centre;
+  for (std::size_t i = 0; i < com.size(); ++i)
+    for (int j = 0; j < bodies; ++j)
+      centre.a[j] += robot.links[i].mass * com[i].a[j], centre.b[j] += robot.links[i].mass * com[i].b[j];
+  if (robot.base != Base::kFree) out.moment = centre;
+  const auto from_base = [&](Arm arm) {  // a free base is the centre of mass
+    for (int j = 0; j < bodies && robot.base == Base::kFree; ++j)
+      arm.a[j] -= centre.a[j] / out.mass, arm.b[j] -= centre.b[j] / out.mass;
+    return arm;
+  };
+  for (std::size_t i = 0; i < com.size(); ++i) {
+    const Arm r = from_base(com[i]);
+    const double m = robot.links[i].mass;
+    out.n[out.body_of[i]][out.body_of[i]] += robot.links[i].inertia_com;
+    for (int j = 0; j < bodies; ++j)
+      for (int k = 0; k < bodies; ++k)
+        out.p[j][k] += m * (r.a[j] * r.a[k] + r.b[j] * r.b[k]), out.q[j][k] += m * (r.a[j] * r.b[k] - r.b[j] * r.a[k]);
+  }
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& joint = robot.joints[i];
+    if (joint.kind == DriveKind::kLocked) continue;
+    const int parent = robot.links[joint.child].parent, child = out.body_of[joint.child];
+    JointPlace& place = out.joint[out.joints++];
+    place = {parent < 0 ? -1 : out.body_of[parent], child, parent < 0 ? 0 : -out.offset[parent], int(i)};
+    if (joint.kind != DriveKind::kGeared) continue;
+    out.n[child][child] += joint.sea.i_motor;
+    if (place.parent < 0) continue;
+    out.n[place.parent][place.parent] += joint.sea.i_motor;
+    out.n[child][place.parent] -= joint.sea.i_motor, out.n[place.parent][child] -= joint.sea.i_motor;
+  }
+  for (const ContactPoint& c : robot.contacts)
+    out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
+  out.peak = from_base(shifted(origin[robot.peak_link], robot.peak_link, robot.peak));
+  out.first = from_base(origin[0]);
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,90 @@
+// The floor under a point at the height y over it. Ours, but for the first line of the normal force and the viscous
+// part of the tangential one, which are Sec. 2.4 of [1].
+//
+//     normal      F_n = max(0, -K y - C dy)                     below y = 0
+//                   or max(0, K delta^p (1 + c ddelta)), delta = -y               (Hunt, Crossley, J. Appl. Mech. 1975)
+//                 + max(0, K_p (d - y) - C_p dy)                below y = d, of a pad of thickness d
+//     tangential  F_t = -clamp(K_t z + C_t v, +- mu F_n),   dz = (-F_t - K_t z) / C_t:
+//                 a spring and a damper in series with Coulomb's slider; sticking, dz = v
+//
+// The inequalities are the mode of a point, held between events. Friction sticks where |K_t z + C_t v| < mu F_n and
+// slides in the direction s where s (K_t z + C_t v) > mu F_n: a function of the state, whatever came before.
+#pragma once
+
+#include <cmath>
+
+#include "common/scalar.hpp"
+#include "test/legs/robot.hpp"
+
+namespace ukemi::landing {
+
+/// What holds of a point between events.
+struct PointMode {
+  bool touching = false;   ///< below its surface: the pad's, else y = 0
+  bool pad = false;        ///< the pad pushes
+  bool below = false;      ///< below y = 0
+  bool floor = false;      ///< the floor pushes
+  signed char slides = 0;  ///< direction in which it slides; 0: it sticks
+};
+
+/// Constants of a point's contact.
+template <class T>
+struct ContactConstants {
+  T k, c, k_t, c_t, mu, p, dissipation;  ///< see ContactLaw
+  T thickness, k_pad, c_pad;             ///< see Pad; 0: none
+  bool hunt_crossley = false, padded = false, rubs = false;
+
+  ContactConstants() = default;
+  explicit ContactConstants(const ContactPoint& x)
+      : k(x.law.stiffness),
+        c(x.law.damping_normal),
+        k_t(x.law.stiffness_tangential),
+        c_t(x.law.damping_tangential),
+        mu(std::isfinite(x.law.friction) ? x.law.friction : 0),
+        p(x.law.exponent),
+        dissipation(x.law.dissipation),
+        thickness(x.pad ? x.pad->thickness : 0),
+        k_pad(x.pad ? x.pad->stiffness : 0),
+        c_pad(x.pad ? x.pad->damping : 0),
+        hunt_crossley(x.law.hunt_crossley),
+        padded(x.pad.has_value()),
+        rubs(std::isfinite(x.law.friction)) {}
+};
+
+/// A value and its rate along the motion.
+template <class T>
+struct WithRate {
+  T value{0}, rate{0};
+};
+
+/// What the floor pushes with, were it to push, at height y, velocity v and acceleration a [N], [N/s].
+template <class T>
+WithRate<T> floor_force(const ContactConstants<T>& x, const T& y, const T& v, const T& a) {
+  if (!x.hunt_crossley) return {-x.k * y - x.c * v, -x.k * v - x.c * a};
+  using std::pow;
+  const T depth = select(y < T(0), T(-y), T(0));
+  if (!any(depth > T(0))) return {T(0), T(0)};
+  const T power = x.k * pow(depth, x.p), damped = T(1) - x.dissipation * v;
+  return {power * damped, -x.p * power / depth * v * damped - power * x.dissipation * a};
+}
+/// The same of the pad.
+template <class T>
+WithRate<T> pad_force(const ContactConstants<T>& x, const T& y, const T& v, const T& a) {
+  return {x.k_pad * (x.thickness - y) - x.c_pad * v, -x.k_pad * v - x.c_pad * a};
+}
+/// F_n in a mode.
+template <class T>
+WithRate<T> normal_force(const ContactConstants<T>& x, const PointMode& m, const T& y, const T& v, const T& a) {
+  WithRate<T> out;
+  const auto add = [&](const WithRate<T>& f) { out.value += f.value, out.rate += f.rate; };
+  if (m.floor) add(floor_force(x, y, v, a));
+  if (m.pad) add(pad_force(x, y, v, a));
+  return out;
+}
+/// -F_t and dz in a mode, of f = K_t z + C_t v.
+template <class T>
+T tangential_force(const ContactConstants<T>& x, const PointMode& m, const T& f, const T& normal) {
+  return x.rubs && m.slides != 0 ? T(double(m.slides)) * x.mu * normal : f;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,230 @@
+// Robots of any joints: what does not depend on how the equations were derived, and closed forms of the contact laws.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/degrees.hpp"
+#include "common/integrate/tableaus.hpp"
+#include "common/random.hpp"
+#include "landing/model/landing_system.hpp"
+#include "test/legs/leg_run.hpp"
+#include "test/legs/leg_system.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+constexpr Capacity kAny{kMostLinks, kMostJoints, kMostContacts};
+using System = LegSystem<kAny>;
+using State = System::State;
+constexpr std::uint64_t kSeed = 20261124;
+
+/// A tree of up to `most` links, each joint passive without any torque.
+Robot random_tree(Random& r, int most, Base base) {
+  Robot out;
+  out.base = base;
+  const int links = 2 + int(r.uniform() * (most - 1));
+  for (int i = 0; i < links; ++i) {
+    const int parent = i == 0 ? -1 : int(r.uniform() * i);
+    const auto place = [&] { return Place{r.uniform(-0.1, 0.3), r.uniform(-0.05, 0.05)}; };
+    out.links.push_back({"link", parent, place(), r.uniform(0.2, 2), r.uniform(1e-3, 2e-2), place()});
+    if (i > 0) out.joints.push_back({.name = "joint", .child = i, .kind = DriveKind::kPassive});
+  }
+  out.peak = out.links[0].com;
+  return out;
+}
+State random_state(Random& r, const Robot& robot) {
+  State y = State::Zero();
+  const bool rail = robot.base == Base::kRail;
+  for (int i = 0; i < int(robot.links.size()); ++i) {
+    y[System::kTheta + i] = r.uniform(-3, 3);
+    y[System::kOmega + i] = rail && i == 0 ? 0 : r.uniform(-5, 5);
+  }
+  if (robot.base != Base::kPinned) y[System::kVx] = r.uniform(-2, 2);
+  if (robot.base == Base::kFree) y[System::kVy] = r.uniform(-2, 2);
+  return y;
+}
+double energy(const System& s, const State& y) {
+  const auto p = s.pose(y);
+  double out = kinetic_energy(s.body, p) - s.body.mass * (s.gravity.x() * p.x + s.gravity.y() * p.y);
+  for (int j = 0; j < s.body.bodies; ++j)
+    out -= x_of(s.body.moment, p, j) * s.gravity.x() - y_of(s.body.moment, p, j) * s.gravity.y();
+  return out;
+}
+State after(const System& s, State y, double seconds) {
+  integrate::Integrator<integrate::DormandPrince853, System> driver(s, 0, y, {.accuracy = 1e-12});
+  for (integrate::Outcome o{integrate::Status::kStepped}; o.status == integrate::Status::kStepped;)
+    o = driver.step(seconds);
+  REQUIRE(driver.time() == seconds);
+  return driver.state();
+}
+
+/// A block that cannot turn: one link on a rail along x, or free with a contact below its centre of mass.
+LegScene block(const ContactLaw& law, double slope = 0) {
+  LegScene out;
+  out.robot.links.push_back({"block", -1, {}, 2.0, 1e3, {}});  // too heavy to turn
+  out.robot.contacts.push_back({"foot", 0, {}, law, {}});
+  out.slope = slope, out.floor = true;
+  return out;
+}
+constexpr double kGravity = 9.81;
+
+}  // namespace
+
+TEST_CASE("legs: the paper's two links are an instance: accelerations within 1e-12, in the air and on the floor") {
+  Scene scene;
+  scene.robot = {{0.806, 0.7}, {6.09e-3, 5e-3}, 0.3, kGravity};
+  scene.contacts = {true, true, true};
+  scene.floor = Floor<double>{6880, 123, 0.19};
+  const SeaParameters<double> sea{50, 1, 65, 1.6, 0.085, 20};
+  Robot robot;
+  robot.links = {{"thigh", -1, {}, 0.806, 6.09e-3, {0.15, 0}}, {"shank", 0, {0.3, 0}, 0.7, 5e-3, {0.15, 0}}};
+  robot.joints = {{.name = "knee", .child = 1, .sea = sea}};
+  const ContactLaw law{.stiffness = 6880, .damping_normal = 123, .damping_tangential = 0.19};
+  robot.contacts = {{"hip", 0, {}, law, {}}, {"knee", 0, {0.3, 0}, law, {}}, {"foot", 1, {0.3, 0}, law, {}}};
+  robot.peak = {0.15, 0};
+  System leg(robot, 0);
+  leg.piece[0] = standing_at(-0.8);
+  LandingSystem<LandingTerms(SeaTerms{true, true}), false> two(scene, sea, {-0.8, -0.8, 0.3});
+  Random r(kSeed, 1);
+  for (int n = 0; n < 1000; ++n) {
+    Eigen::Matrix<double, kMechanical, 1> y;
+    for (int i = 0; i < kMechanical; ++i) y[i] = r.uniform(-1, 1) * (i == kPhiM ? 0.1 : 1);
+    State x = State::Zero();
+    x[System::kX] = y[kX], x[System::kY] = y[kY], x[System::kVx] = y[kVx], x[System::kVy] = y[kVy];
+    for (int j = 0; j < 2; ++j) x[System::kTheta + j] = y[kTheta0 + j], x[System::kOmega + j] = y[kOmega0 + j];
+    x[System::kPhiM] = y[kPhiM], x[System::kOmegaM] = y[kOmegaM];
+    for (int j = 0; j < kPoints; ++j) {
+      const bool touching = r.uniform() < 0.5;
+      two.contact[std::size_t(j)] = touching ? Contact::kPressed : Contact::kClear;
+      leg.contact[std::size_t(j)] = {.touching = touching, .below = touching, .floor = touching};
+    }
+    const auto dy = two.derivative(0, y);
+    const State dx = leg.derivative(0, x);
+    const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * (1 + std::abs(a)); };
+    CHECK(near(dy[kVx], dx[System::kVx]));
+    CHECK(near(dy[kVy], dx[System::kVy]));
+    CHECK(near(dy[kOmega0], dx[System::kOmega]));
+    CHECK(near(dy[kOmega1], dx[System::kOmega + 1]));
+    CHECK(near(dy[kOmegaM], dx[System::kOmegaM]));
+    CHECK(near(two.peak_square(y, dy), leg.peak_square(x, dx)));
+  }
+}
+
+TEST_CASE("legs: random trees keep their energy; a free one its momentum, and falls as a stone does") {
+  for (const Base base : {Base::kFree, Base::kRail, Base::kPinned})
+    for (int n = 0; n < 20; ++n) {
+      Random r(kSeed, std::uint64_t(100 * int(base) + n));
+      const Robot robot = random_tree(r, kMostLinks, base);
+      const System s(robot, base == Base::kFree ? 0.1 : 0);
+      const State y = random_state(r, robot), end = after(s, y, 0.5);
+      INFO("base " << int(base) << ", tree " << n << " of " << robot.links.size() << " links");
+      CHECK(std::abs(energy(s, end) - energy(s, y)) < 1e-8 * (1 + kinetic_energy(s.body, s.pose(y))));
+      if (base != Base::kFree) continue;
+      CHECK(std::abs(end[System::kVy] - y[System::kVy] - 0.5 * s.gravity.y()) < 1e-11);
+      const auto spin = [&](const State& at) {
+        const auto p = s.pose(at);
+        std::array<double, MassMatrix<double, kAny>::kMost> ignored{};
+        const MassMatrix<double, kAny> m(s.body, p, ignored);
+        double out = 0;
+        for (int j = 0; j < s.body.bodies; ++j)
+          for (int k = 0; k < s.body.bodies; ++k) out += (k <= j ? m.m[j][k] : m.m[k][j]) * p.omega[k];
+        return out;
+      };
+      CHECK(std::abs(spin(end) - spin(y)) < 1e-9 * (1 + std::abs(spin(y))));
+    }
+}
+
+TEST_CASE("legs: a locked joint makes one link of two") {
+  Random r(kSeed, 7);
+  for (int n = 0; n < 50; ++n) {
+    Robot two = random_tree(r, 2, Base::kFree);
+    two.joints[0].kind = DriveKind::kLocked, two.joints[0].phi = r.uniform(-2, 2);
+    // By hand: both centres of mass in the frame of the first link.
+    const Link &a = two.links[0], &b = two.links[1];
+    const double c = std::cos(two.joints[0].phi), s = std::sin(two.joints[0].phi);
+    const Place of_b{b.at.along + b.com.along * c - b.com.across * s, b.at.across + b.com.along * s + b.com.across * c};
+    const double mass = a.mass + b.mass;
+    const Place com{(a.mass * a.com.along + b.mass * of_b.along) / mass,
+                    (a.mass * a.com.across + b.mass * of_b.across) / mass};
+    const double apart = std::pow(a.com.along - of_b.along, 2) + std::pow(a.com.across - of_b.across, 2);
+    const double inertia = a.inertia_com + b.inertia_com + a.mass * b.mass / mass * apart;
+    const Body<double, kAny> body = body_of<kAny>(two);
+    CHECK(body.bodies == 1);
+    CHECK(body.n[0][0] + body.p[0][0] == Approx(inertia).epsilon(1e-12));
+    CHECK(body.first.a[0] == Approx(-com.along).margin(1e-14));
+    CHECK(body.first.b[0] == Approx(-com.across).margin(1e-14));
+  }
+}
+
+TEST_CASE("legs: a block on a slope stays where friction holds it, and slides by its law where it does not") {
+  const double slope = 20 * kDegree;
+  for (const double mu : {0.5, 0.3}) {  // tan 20 deg = 0.364
+    LegScene scene = block({.stiffness = 2e4,
+                            .damping_normal = 200,
+                            .damping_tangential = 100,
+                            .stiffness_tangential = 2e4,
+                            .friction = mu},
+                           slope);
+    const auto place = [&](double t) {
+      scene.t_end = t;
+      return land(scene, {}, 1e-11).base_x;
+    };
+    const double early = place(4), late = place(14);
+    if (mu > std::tan(slope)) {
+      CHECK(std::abs(late - early) < 1e-9);
+    } else {
+      const double down = -kGravity * (std::sin(slope) - mu * std::cos(slope));
+      const double middle = place(9);
+      CHECK(late - 2 * middle + early == Approx(25 * down).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("legs: a sliding block stops after v^2 / (2 mu g)") {
+  LegScene scene = block({.stiffness = 1e5,
+                          .damping_normal = 1e3,
+                          .damping_tangential = 200,
+                          .stiffness_tangential = 1e5,
+                          .friction = 0.4});
+  const double weight = 2 * kGravity, v = 1.5;
+  scene.robot.contacts[0].at = {weight / 1e5, 0};  // it hangs so deep that the floor carries it
+  scene.drop.forward_speed = v, scene.t_end = 2;
+  scene.drop.height = 0;
+  const LegLanding l = land(scene, {}, 1e-11);
+  // Released on the surface it sinks first: the work of friction is mu times the impulse's path, to a part in 1e3.
+  CHECK(l.base_x == Approx(v * v / (2 * 0.4 * kGravity)).epsilon(2e-3));
+}
+
+TEST_CASE("legs: a ball under Hunt and Crossley's law bounces with its restitution") {
+  // e = v_out / v_in solves  c (v_in + v_out) = log((1 + c v_in) / (1 - c v_out)),  whatever K, p and the mass.
+  const double c = 0.3, height = 0.5, v_in = std::sqrt(2 * kGravity * height);
+  LegScene scene = block({.stiffness = 1e9, .hunt_crossley = true, .exponent = 1.5, .dissipation = c});
+  scene.drop.height = height, scene.t_end = std::sqrt(2 * height / kGravity) + 0.02;
+  const LegLanding l = land(scene, {}, 1e-12);
+  double low = 0, high = v_in;
+  for (int i = 0; i < 200; ++i) {
+    const double m = 0.5 * (low + high);
+    (c * (v_in + m) < std::log((1 + c * v_in) / (1 - c * m)) ? high : low) = m;
+  }
+  const double flown = *scene.t_end - l.last_liftoff;
+  CHECK(l.base_vy + kGravity * flown == Approx(low).epsilon(1e-4));  // but for gravity while it touches
+}
+
+TEST_CASE("legs: a stuck foot rings at the frequency of its spring") {
+  LegScene scene = block({.stiffness = 1e5,
+                          .damping_normal = 1e3,
+                          .damping_tangential = 0.1,
+                          .stiffness_tangential = 800,
+                          .friction = 10});
+  scene.drop.forward_speed = 1e-3, scene.t_end = 3;
+  const auto at = [&](double t) {
+    scene.t_end = t;
+    return land(scene, {}, 1e-11).base_x;
+  };
+  // x'' + w^2 (x - x0) = 0 but for the damper, 2 zeta w = 0.05 1/s: three places a quarter of a period apart.
+  const double w = std::sqrt(800 / 2.0), quarter = std::numbers::pi / (2 * w);
+  const double a = at(2), b = at(2 + quarter), d = at(2 + 2 * quarter), e = at(2 + 4 * quarter);
+  CHECK(a - e == Approx(0).margin(0.02 * (std::abs(a) + std::abs(b) + std::abs(d))));
+  CHECK(a + d == Approx(b + at(2 + 3 * quarter)).margin(1e-6));
+}

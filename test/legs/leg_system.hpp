@@ -1,0 +1,306 @@
+// A robot on the floor as a hybrid system, one smooth mode at a time. State: base, angles, motor angles, their rates,
+// then the slip z of each contact. Heights are distances from the floor along its normal; on a slope the frame is the
+// floor's, and gravity is turned.
+#pragma once
+
+#include "common/integrate/guards.hpp"
+#include "landing/model/motion.hpp"
+#include "test/legs/body.hpp"
+#include "test/legs/contact.hpp"
+
+namespace ukemi::landing {
+
+/// The drive of a joint in its scalar.
+template <class T>
+struct JointConstants {
+  DriveKind kind = DriveKind::kElastic;
+  SeaParameters<T> sea{T(0), T(0), T(0), T(0), T(1)};
+  T stiffness{0}, damping{0}, rest{0};  ///< passive
+  T parallel_stiffness{0}, parallel_rest{0};
+};
+
+struct JointMode {
+  int saturation = 0;  ///< of the spring's torque, or of the geared motor's
+  Phase phase = Phase::kBefore;
+};
+
+template <Capacity kSize>
+struct LegMode {
+  std::array<PointMode, kSize.contacts> contact{};
+  std::array<JointMode, kSize.joints> joint{};
+};
+
+template <Capacity kSize, Scalar T = double>
+class LegSystem : public LegMode<kSize> {
+ public:
+  static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
+  /// The state; kPositions of them are positions, as many rates follow, then the slips.
+  enum { kX, kY, kTheta, kPhiM = kTheta + kB, kPositions = kPhiM + kJ };
+  enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kStates = kSlip + kC };
+  /// Guards: of each contact, then of each joint.
+  enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kOfContact };
+  enum { kUpper, kLower, kOfJoint };
+  static constexpr int kJointGuards = kOfContact * kC, kGuards = kJointGuards + kOfJoint * kJ, kControlled = kStates;
+  using State = Eigen::Matrix<T, kStates, 1>;
+  using Pose = TreePose<T, kB>;
+  using Accelerations = TreeAccelerations<T, kB>;
+  using LegMode<kSize>::contact, LegMode<kSize>::joint;
+  static constexpr SeaTerms kSea{true, true};
+
+  LegSystem(const Robot& robot, double slope) : body(body_of<kSize>(robot)) {
+    gravity = robot.gravity * Eigen::Vector2d(-std::sin(slope), -std::cos(slope));
+    const double direction = robot.rail_direction - slope;
+    body.rail = {std::cos(direction), std::sin(direction)};
+    rail_viscous = robot.rail_viscous;
+    for (int i = 0; i < body.contacts; ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
+    for (int i = 0; i < body.joints; ++i) {
+      const Joint& j = robot.joints[body.joint[i].joint];
+      drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),    T(j.damping),
+                  T(j.rest), T(j.parallel_stiffness), T(j.parallel_rest)};
+    }
+  }
+
+  Body<T, kSize> body;
+  Eigen::Vector2d gravity;  ///< in the floor's frame
+  T rail_viscous{0};
+  Eigen::Matrix<T, 2, 1> base{T(0), T(0)};  ///< of a rail, where s = 0; of a pin
+  std::array<ContactConstants<T>, kC> point{};
+  std::array<JointConstants<T>, kJ> drive{};
+  std::array<ReferencePiece<T>, kJ> piece{};
+
+  Pose pose(const State& y) const {
+    Pose p;
+    if (body.base == Base::kFree) {
+      p.x = y[kX], p.y = y[kY], p.vx = y[kVx], p.vy = y[kVy];
+    } else {  // s is the first component
+      const T ex(body.rail.x()), ey(body.rail.y());
+      p.x = base[0] + y[kX] * ex, p.y = base[1] + y[kX] * ey, p.vx = y[kVx] * ex, p.vy = y[kVx] * ey;
+    }
+    for (int j = 0; j < body.bodies; j += 2) {
+      const int k = j + 1 < body.bodies ? j + 1 : j;
+      const auto turn = sin_cos(y[kTheta + j], y[kTheta + k]);
+      p.sin[j] = turn[0].sin, p.cos[j] = turn[0].cos, p.sin[k] = turn[1].sin, p.cos[k] = turn[1].cos;
+    }
+    for (int j = 0; j < body.bodies; ++j) p.omega[j] = y[kOmega + j];
+    return p;
+  }
+
+  /// Joint angle and rate, and those of the motor.
+  SeaState<T> joint_state(int i, const State& y) const {
+    const JointPlace& at = body.joint[i];
+    const T phi = y[kTheta + at.child] + T(at.offset), rate = y[kOmega + at.child];
+    if (at.parent < 0) return {phi, y[kPhiM + i], rate, y[kOmegaM + i]};
+    return {phi - y[kTheta + at.parent], y[kPhiM + i], rate - y[kOmega + at.parent], y[kOmegaM + i]};
+  }
+
+  template <class Time>
+  Reference<T> reference(int i, const Time& t) const {
+    const ReferencePiece<T>& r = piece[i];
+    if (joint[i].phase == Phase::kMoving) return r.at(T(t), true);
+    return {joint[i].phase == Phase::kAfter ? r.b : r.a, T(0)};
+  }
+
+  /// Of joint i on its child [Nm]; of a motor behind a spring, its acceleration in `motor`.
+  template <class Time>
+  T torque(int i, const Time& t, const State& y, T* motor = nullptr) const {
+    const JointConstants<T>& d = drive[i];
+    const SeaState<T> s = joint_state(i, y);
+    T out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
+    if (d.kind == DriveKind::kElastic) {
+      const T tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
+      out += output_torque<kSea>(d.sea, s.dphi, tau);
+      if (motor) *motor = motor_acceleration<kSea>(d.sea, s, reference(i, t), tau);
+    } else if (d.kind == DriveKind::kGeared) {
+      out += limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation) - d.sea.viscous * s.dphi;
+    } else {
+      out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
+    }
+    return out;
+  }
+  template <class Time>
+  T geared_torque(int i, const Time& t, const SeaState<T>& s) const {
+    const Reference<T> r = reference(i, t);
+    return drive[i].sea.k_p * (r.phi - s.phi) + drive[i].sea.k_d * (r.dphi - s.dphi);
+  }
+
+  /// Height, speed and acceleration of a contact over and along the floor; accelerations where `acc` is given.
+  struct Point {
+    T y, v, a, v_t, a_t;
+  };
+  Point point_at(int i, const Pose& p, const Accelerations* acc = nullptr) const {
+    const auto at = position(body.contact[i], p, body.bodies), rate = velocity(body.contact[i], p, body.bodies);
+    Point out{at[1], rate[1], T(0), rate[0], T(0)};
+    if (!acc) return out;
+    const auto second = acceleration(body.contact[i], p, *acc, body.bodies);
+    out.a = second[1], out.a_t = second[0];
+    return out;
+  }
+  /// K_t z + C_t v.
+  T held(int i, const State& y, const Point& at) const { return point[i].k_t * y[kSlip + i] + point[i].c_t * at.v_t; }
+
+  template <class Time>
+  void derivative(const Time& t, const State& y, State& dy) const {
+    const Pose p = pose(y);
+    TreeLoads<T, kB> load;
+    for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
+    for (int i = 0; i < body.contacts; ++i) {
+      const PointMode& m = contact[i];
+      if (!m.touching) continue;
+      const Point at = point_at(i, p);
+      const T normal = normal_force(point[i], m, at.y, at.v, T(0)).value;
+      const T along = tangential_force(point[i], m, held(i, y, at), normal);
+      load.add(body.contact[i], p, body.bodies, -along, normal);
+      if (point[i].rubs || any(point[i].k_t != T(0)))
+        dy[kSlip + i] = m.slides == 0 ? at.v_t : T((along - point[i].k_t * y[kSlip + i]) / point[i].c_t);
+    }
+    for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
+    for (int i = 0; i < body.joints; ++i) {
+      T motor(0);
+      const T tau = torque(i, t, y, &motor);
+      load.turn[body.joint[i].child] += tau;
+      if (body.joint[i].parent >= 0) load.turn[body.joint[i].parent] -= tau;
+      dy[kOmegaM + i] = motor;
+    }
+    const Accelerations acc = accelerations(p, load, y);
+    dy[kX] = y[kVx], dy[kY] = y[kVy];
+    if (body.base == Base::kFree)
+      dy[kVx] = acc.x, dy[kVy] = acc.y;
+    else
+      dy[kVx] = acc.x * T(body.rail.x()) + acc.y * T(body.rail.y()), dy[kVy] = T(0);
+    for (int j = 0; j < kB; ++j) {
+      dy[kTheta + j] = y[kOmega + j];
+      dy[kOmega + j] = j < body.bodies ? acc.alpha[j] : T(0);
+    }
+  }
+  State derivative(double t, const State& y) const {
+    State dy;
+    derivative(t, y, dy);
+    return dy;
+  }
+  Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y) const {
+    return solve(body, p, load, gravity, T(-rail_viscous * y[kVx]));
+  }
+  Accelerations accelerations_of(const State& dy) const {
+    Accelerations out;
+    for (int j = 0; j < body.bodies; ++j) out.alpha[j] = dy[kOmega + j];
+    if (body.base == Base::kFree)
+      out.x = dy[kVx], out.y = dy[kVy];
+    else
+      out.x = dy[kVx] * T(body.rail.x()), out.y = dy[kVx] * T(body.rail.y());
+    return out;
+  }
+  /// |acceleration|^2 of the point that counts.
+  T peak_square(const State& y, const State& dy) const {
+    return acceleration(body.peak, pose(y), accelerations_of(dy), body.bodies).squaredNorm();
+  }
+
+  void guards(double t, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+    out = {};
+    const Pose p = pose(y);
+    const Accelerations acc = accelerations_of(dy);
+    for (int i = 0; i < body.contacts; ++i) contact_guards(i, p, acc, y, dy, out);
+    for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
+  }
+  void contact_guards(int i, const Pose& p, const Accelerations& acc, const State& y, const State& dy,
+                      integrate::Guards<kGuards>& out) const {
+    const ContactConstants<T>& x = point[i];
+    const PointMode& m = contact[i];
+    const Point at = point_at(i, p, &acc);
+    const int first = kOfContact * i;
+    const auto set = [&](int guard, bool positive, const T& value, const T& rate) {
+      const double sign = positive ? 1 : -1;
+      out.set(first + guard, sign * value_of(value), sign * value_of(rate));
+    };
+    set(kSurface, !m.touching, T(at.y - x.thickness), at.v);
+    if (!m.touching) return;
+    const WithRate<T> pad = pad_force(x, at.y, at.v, at.a), floor = floor_force(x, at.y, at.v, at.a);
+    if (x.padded) set(kPadForce, m.pad, pad.value, pad.rate), set(kBottom, !m.below, at.y, at.v);
+    if (m.below && !(x.hunt_crossley && !any(x.dissipation != T(0))))
+      set(kFloorForce, m.floor, floor.value, floor.rate);
+    if (!x.rubs) return;
+    const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
+    const T f = held(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;
+    if (m.slides == 0) {
+      set(kSlideUp, true, T(x.mu * normal.value - f), T(x.mu * normal.rate - df));
+      set(kSlideDown, true, T(x.mu * normal.value + f), T(x.mu * normal.rate + df));
+    } else {
+      const T s(double(m.slides));
+      set(kSlideUp, true, T(s * f - x.mu * normal.value), T(s * df - x.mu * normal.rate));
+    }
+  }
+  void joint_guards(int i, double t, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+    const JointConstants<T>& d = drive[i];
+    const double limit = value_of(d.sea.tau_max);
+    if (d.kind == DriveKind::kPassive || !(limit > 0 && limit < std::numeric_limits<double>::infinity())) return;
+    const SeaState<T> s = joint_state(i, y);
+    const JointPlace& at = body.joint[i];
+    const T ddphi = dy[kOmega + at.child] - (at.parent < 0 ? T(0) : T(dy[kOmega + at.parent]));
+    double tau, rate;
+    if (d.kind == DriveKind::kElastic) {
+      tau = value_of(spring_torque<kSea>(d.sea, s));
+      rate = value_of(spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i])));
+    } else {
+      constexpr double kStep = 1e-7;  // the reference's own acceleration, by a difference [s]
+      const Reference<T> r = reference(i, t), later = reference(i, t + kStep);
+      tau = value_of(geared_torque(i, t, s));
+      rate = value_of(d.sea.k_p) * value_of(r.dphi - s.dphi) +
+             value_of(d.sea.k_d) * ((value_of(later.dphi) - value_of(r.dphi)) / kStep - value_of(ddphi));
+    }
+    const int first = kJointGuards + kOfJoint * i, saturation = joint[i].saturation;
+    if (saturation >= 0) out.set(first + kUpper, saturation ? tau - limit : limit - tau, saturation ? rate : -rate);
+    if (saturation <= 0) out.set(first + kLower, saturation ? -limit - tau : limit + tau, saturation ? -rate : rate);
+  }
+
+  /// Into the mode beyond the zero of a guard. Returns the contact that touches down there, or -1.
+  int cross(int guard, State& y) {
+    if (guard >= kJointGuards) {
+      int& saturation = joint[(guard - kJointGuards) / kOfJoint].saturation;
+      saturation = saturation ? 0 : (guard - kJointGuards) % kOfJoint == kUpper ? 1 : -1;
+      return -1;
+    }
+    const int i = guard / kOfContact;
+    PointMode& m = contact[i];
+    switch (guard % kOfContact) {
+      case kSurface:
+        m = m.touching
+                ? PointMode{}
+                : PointMode{
+                      .touching = true, .pad = point[i].padded, .below = !point[i].padded, .floor = !point[i].padded};
+        y[kSlip + i] = T(0);
+        break;
+      case kBottom:
+        m.below = m.floor = !m.below;
+        break;
+      case kPadForce:
+        m.pad = !m.pad;
+        break;
+      case kFloorForce:
+        m.floor = !m.floor;
+        break;
+      default:
+        m.slides = m.slides != 0 ? 0 : guard % kOfContact == kSlideUp ? 1 : -1;
+        return -1;
+    }
+    settle_friction(i, y);
+    return guard % kOfContact == kSurface && m.touching ? i : -1;
+  }
+  /// The mode of friction where the normal force may have jumped.
+  void settle_friction(int i, const State& y) {
+    PointMode& m = contact[i];
+    m.slides = 0;
+    if (!m.touching || !point[i].rubs) return;
+    const Point at = point_at(i, pose(y));
+    const double f = value_of(held(i, y, at)),
+                 most = value_of(point[i].mu) * value_of(normal_force(point[i], m, at.y, at.v, T(0)).value);
+    m.slides = f > most ? 1 : f < -most ? -1 : 0;
+  }
+
+  double tolerance_unit(int i) const {
+    constexpr double kRate = 10, kLength = 0.3;
+    if (i >= kSlip) return 0.01;
+    const bool base_place = i == kX || i == kY || i == kVx || i == kVy;
+    return (base_place ? kLength : 1.0) * (i >= kVx ? kRate : 1.0);
+  }
+};
+
+}  // namespace ukemi::landing

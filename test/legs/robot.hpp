@@ -1,0 +1,110 @@
+// A robot in the vertical plane: links in a tree, joints with their drives, points that may touch the floor. The
+// paper's two links are one instance. Ours.
+//
+// Frames: link i has an absolute angle theta_i and an origin, its joint with its parent. u(theta) = (sin, -cos) points
+// along the link, n(theta) = (cos, sin) across it; theta = 0 hangs straight down, across points forward (+x). A joint's
+// angle is phi = theta_child - theta_parent.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/sea.hpp"
+
+namespace ukemi::landing {
+
+inline constexpr int kMostLinks = 8, kMostJoints = 8, kMostContacts = 12;
+
+/// A point of a link: origin + along u + across n [m].
+struct Place {
+  double along = 0, across = 0;
+};
+
+struct Link {
+  std::string name;
+  int parent = -1;     ///< index; -1: the base, which the first link is
+  Place at;            ///< of its joint, in the parent
+  double mass;         ///< [kg], > 0
+  double inertia_com;  ///< about the centre of mass [kg m^2], > 0
+  Place com;           ///< centre of mass
+};
+
+/// What turns a joint.
+enum class DriveKind {
+  kElastic,  ///< Eq. 2-4, a motor behind a spring
+  kGeared,   ///< a motor that turns with the joint: tau = clamp(Eq. 3, +- tau_max) - friction - i_motor ddphi
+  kPassive,  ///< tau = -stiffness (phi - rest) - damping dphi
+  kLocked,   ///< stays at its angle of release
+};
+
+/// The joint between a link and its parent; of the first link of a pinned robot, with the ground.
+struct Joint {
+  std::string name;
+  int child = 0;  ///< link
+  DriveKind kind = DriveKind::kElastic;
+  SeaParameters<double> sea{0, 0, 0, 0, 1};  ///< elastic; geared: k_p, k_d, i_motor, tau_max, friction terms
+  double stiffness = 0, damping = 0;         ///< passive [Nm/rad], [Nm/(rad/s)]
+  double rest = 0;                           ///< of the passive spring [rad]
+  double parallel_stiffness = 0;             ///< of a spring beside any drive [Nm/rad]
+  double parallel_rest = 0;                  ///< [rad]
+  double phi = 0;                            ///< at release, passive and locked [rad]
+
+  bool driven() const { return kind == DriveKind::kElastic || kind == DriveKind::kGeared; }
+};
+
+/// A cover of a contact point, which bottoms out on the floor.
+struct Pad {
+  double thickness;  ///< d [m], > 0
+  double stiffness;  ///< K_p [N/m], > 0
+  double damping;    ///< C_p [N/(m/s)], >= 0
+};
+
+/// What the floor does to a point below it (contact.hpp). The paper's law is what is left by default.
+struct ContactLaw {
+  double stiffness = 0;                                       ///< K [N/m], of Hunt and Crossley [N/m^p], > 0
+  double damping_normal = 0;                                  ///< C [N/(m/s)], >= 0
+  double damping_tangential = 0;                              ///< C_t [N/(m/s)], >= 0; with friction > 0
+  double stiffness_tangential = 0;                            ///< K_t [N/m], >= 0
+  double friction = std::numeric_limits<double>::infinity();  ///< mu, >= 0; infinite: no limit
+  bool hunt_crossley = false;
+  double exponent = 1.5;   ///< p, of Hunt and Crossley, >= 1
+  double dissipation = 0;  ///< c, of the same [s/m], >= 0
+};
+
+struct ContactPoint {
+  std::string name;
+  int link = 0;
+  Place at;
+  ContactLaw law;
+  std::optional<Pad> pad;
+};
+
+enum class Base {
+  kFree,
+  kRail,    ///< the first link's origin slides along a line; its angle stays
+  kPinned,  ///< the first link's origin is fixed
+};
+
+struct Robot {
+  double gravity = 9.81;  ///< [m/s^2], >= 0
+  Base base = Base::kFree;
+  double rail_direction = 1.5707963267948966;  ///< from +x, counter-clockwise, against the true level [rad]
+  double rail_viscous = 0;                     ///< [N/(m/s)], >= 0
+  double pin_height = 0;                       ///< of a pinned origin above the floor [m]
+  int peak_link = 0;
+  Place peak;  ///< the point whose acceleration counts
+  std::vector<Link> links;
+  std::vector<Joint> joints;
+  std::vector<ContactPoint> contacts;
+
+  /// The joint above a link; null: none.
+  const Joint* joint_of(int link) const {
+    for (const Joint& j : joints)
+      if (j.child == link) return &j;
+    return nullptr;
+  }
+};
+
+}  // namespace ukemi::landing
