@@ -15,15 +15,6 @@
 
 namespace ukemi::identify {
 
-/// Whether a term is there; a constant at 0 that is being fitted is.
-template <class T>
-bool present(const T& x) {
-  if constexpr (kDerivatives < T >> 0)
-    return x.a != 0 || !x.v.isZero(0);
-  else
-    return x != 0;
-}
-
 /// One trial with `Method` and the kernel of `kTerms`, see `rollout`. With kIntegrated nothing else is compiled.
 template <class Method, SeaTerms kTerms, class T, RolloutOptions::Linear kLinear = RolloutOptions::Linear::kExact>
 class Roll {
