@@ -69,6 +69,7 @@ Actuator read_actuator(const std::string& path) {
   a.speed_max = s.optional_number("speed_max", Range::positive());
   if (auto u = file.optional("uncertainty")) {
     std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
+    known.emplace_back("tau_max");
     for (const OptionalConstant& c : optional_constants()) known.emplace_back(c.key);
     Uncertainty read = read_uncertainty(*u, known, "the actuator");
     a.uncertain = std::move(read.order), a.covariance = std::move(read.covariance);
@@ -109,7 +110,7 @@ std::string to_toml(const Actuator& a, double half_width) {
         if (a.uncertain[i] == kConstantNames[k]) return u[k];
       for (const OptionalConstant& c : optional_constants())
         if (a.uncertain[i] == c.key) return a.sea.*c.at;
-      return 0.0;
+      return a.sea.tau_max;
     };
     const auto error = [&](std::size_t i) { return std::sqrt(a.covariance(long(i), long(i))); };
     t += "\n[uncertainty]\n";

@@ -195,9 +195,22 @@ class DriveLag {
   /// Of a drive that has seen the same rate and asked for the same torque for ever.
   State steady(const T& u, const SeaState<T>& s) const { return {T(0), T(0), u, fed_back(s)}; }
 
+  /// The same in another scalar, by values.
+  template <class U>
+  explicit DriveLag(const DriveLag<U>& o)
+      : motor_(o.motor_),
+        delayed_(o.delayed_),
+        per_delay_(value_of(o.per_delay_)),
+        per_filter_(value_of(o.per_filter_)),
+        direct_(value_of(o.direct_)),
+        second_(value_of(o.second_)),
+        first_(value_of(o.first_)) {}
+
   static constexpr double kShortest = 5e-4, kShortestFilter = 1e-4;  ///< [s]
 
  private:
+  template <Scalar U>
+  friend class DriveLag;
   static constexpr double kD1 = 3.0 / 5, kD2 = 3.0 / 20, kD3 = 1.0 / 60;  // of D
   static constexpr double kIdle = 1e-2;  // of what is not there, whose state has no say [s]
 
@@ -209,6 +222,13 @@ class DriveLag {
   bool motor_;
   typename MaskOf<T>::type delayed_;
   T per_delay_, per_filter_, direct_, second_, first_;
+};
+/// In a kernel whose drive is not late.
+template <Scalar T>
+struct NoLag {
+  enum { kStates };
+  template <class Constants>
+  explicit NoLag(const Constants&) {}
 };
 
 /// Coulomb torque against motion in a direction, +1 or -1: tau_c (1 + direction asymmetry) [Nm]. The asymmetry is half
