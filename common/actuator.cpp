@@ -18,9 +18,11 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
   return *v == "motor" ? Feedback::kMotor : Feedback::kOutput;
 }
 
+Range lateness() { return {0, kMostLate, false, fmt::format("from 0 to {} s", kMostLate)}; }
+
 const std::vector<OptionalConstant>& optional_constants() {
   using Sea = SeaParameters<double>;
-  const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"};
+  const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = lateness();
   static const std::vector<OptionalConstant> list = {
       {"k_t", &Sea::k_t, "Nm for a unit of the command", level},
       {"friction", &Sea::friction, "Nm", level},
@@ -32,7 +34,9 @@ const std::vector<OptionalConstant>& optional_constants() {
       {"breakaway", &Sea::breakaway, "of both dry frictions", level},
       {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), Sea{}.stribeck_speed},
       {"spring_loss", &Sea::spring_loss, "of the spring's torque", level},
-      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", level},
+      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", Range::any()},
+      {"control_delay", &Sea::control_delay, "s", late},
+      {"velocity_filter", &Sea::velocity_filter, "s", late},
   };
   return list;
 }
@@ -65,6 +69,7 @@ Actuator read_actuator(const std::string& path) {
   a.speed_max = s.optional_number("speed_max", Range::positive());
   if (auto u = file.optional("uncertainty")) {
     std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
+    known.emplace_back("tau_max");
     for (const OptionalConstant& c : optional_constants()) known.emplace_back(c.key);
     Uncertainty read = read_uncertainty(*u, known, "the actuator");
     a.uncertain = std::move(read.order), a.covariance = std::move(read.covariance);
@@ -105,7 +110,7 @@ std::string to_toml(const Actuator& a, double half_width) {
         if (a.uncertain[i] == kConstantNames[k]) return u[k];
       for (const OptionalConstant& c : optional_constants())
         if (a.uncertain[i] == c.key) return a.sea.*c.at;
-      return 0.0;
+      return a.sea.tau_max;
     };
     const auto error = [&](std::size_t i) { return std::sqrt(a.covariance(long(i), long(i))); };
     t += "\n[uncertainty]\n";

@@ -28,6 +28,10 @@ void set_constants(SeaParameters<T>& sea, const Vector& u) {
   sea.k_p = u[0], sea.k_d = u[1], sea.k_sea = u[2], sea.c_sea = u[3], sea.i_motor = u[4];
 }
 
+/// Of control_delay and velocity_filter [s].
+inline constexpr double kMostLate = 0.1;
+Range lateness();
+
 /// A constant of [actuator] beside the five, which a file needs only where it is not as in no file.
 struct OptionalConstant {
   const char* key;

@@ -82,6 +82,16 @@ double derivative_of(const ceres::Jet<double, P>& x, int slot) {
   return x.v[slot];
 }
 
+/// Whether a term is there; a constant at 0 that is differentiated by is.
+template <class T>
+auto present(const T& x) {
+  return x != T(0);
+}
+template <int P>
+bool present(const ceres::Jet<double, P>& x) {
+  return x.a != 0 || !x.v.isZero(0);
+}
+
 /// y += w x, without temporaries: the inner operation of every integrator.
 UKEMI_INLINE void add_scaled(double& y, double w, double x) { y += w * x; }
 template <int P>

@@ -2,11 +2,12 @@
 //
 // [1] Altangerel, Tsujita, Sekine, Abiko, "Generation of Shock Absorbing Motion of a One-Legged Robot with a Flexible
 //     Joint", Sec. 2.3. The optional terms (stiffening spring, dry and viscous friction on either side,
-//     motor-side feedback, a controller whose command is known) are ours.
+//     motor-side feedback, a controller whose command is known, a drive that is late) are ours.
 // SI units: rad, rad/s, Nm. The motor's angle is taken at the gear's output side; i_motor is the reflected inertia.
 // Tests: test/unit/sea.cpp.
 #pragma once
 
+#include <Eigen/Core>
 #include <limits>
 
 #include "common/scalar.hpp"
@@ -31,7 +32,7 @@ struct SeaParameters {
   T i_motor;                                               ///< I_motor, reflected motor inertia [kg m^2], > 0
   T tau_max = T(std::numeric_limits<double>::infinity());  ///< limit of the spring torque [Nm], >= 0; infinite: none
   T friction = T(0);                                       ///< tau_c, Coulomb torque on the motor [Nm], >= 0; 0: none
-  T k_sea_cubic = T(0);                                    ///< K_3, cubic stiffness [Nm/rad^3], >= 0; 0: linear spring
+  T k_sea_cubic = T(0);                                    ///< K_3, cubic stiffness [Nm/rad^3]; < 0: a softening spring
   Feedback feedback = Feedback::kOutput;                   ///< what Eq. 3 feeds back
   T viscous = T(0);                    ///< viscous friction on the motor [Nm/(rad/s)], >= 0; 0: none
   T output_friction = T(0);            ///< Coulomb torque on the output [Nm], >= 0; 0: none
@@ -41,7 +42,9 @@ struct SeaParameters {
   T output_friction_asymmetry = T(0);  ///< of `output_friction`; -1..1
   T breakaway = T(0);                  ///< of both Coulomb torques, see stribeck; >= 0; 0: none
   T stribeck_speed = T(0.05);          ///< v_s of the same [rad/s], > 0
-  T spring_loss = T(0);  ///< eta, dry friction on the motor that grows with the spring's torque, see loaded
+  T spring_loss = T(0);      ///< eta, dry friction on the motor that grows with the spring's torque, see loaded
+  T control_delay = T(0);    ///< T_d, from what a drive measures to its torque [s], >= 0; see DriveLag
+  T velocity_filter = T(0);  ///< T_v, time constant of the low-pass of the rate that K_d sees [s], >= 0; the same
 
   /// The same constants in another scalar.
   template <class U>
@@ -59,6 +62,7 @@ struct SeaParameters {
     f(a.k_t, b.k_t), f(a.output_friction, b.output_friction), f(a.output_viscous, b.output_viscous);
     f(a.friction_asymmetry, b.friction_asymmetry), f(a.output_friction_asymmetry, b.output_friction_asymmetry);
     f(a.breakaway, b.breakaway), f(a.stribeck_speed, b.stribeck_speed), f(a.spring_loss, b.spring_loss);
+    f(a.control_delay, b.control_delay), f(a.velocity_filter, b.velocity_filter);
   }
 };
 
@@ -66,12 +70,18 @@ struct SeaParameters {
 struct SeaTerms {
   bool torque_limit = true;  ///< the clamp of Eq. 2
   bool extended = false;     ///< stiffening, friction and motor-side feedback
+  bool late = false;         ///< a drive that is late, whose states then stand behind the others: DriveLag
 };
 
+/// True where the drive of `p` is late, or a derivative by how late it is is asked for.
+template <class T>
+auto is_late(const SeaParameters<T>& p) {
+  return present(p.control_delay) | present(p.velocity_filter);
+}
 /// True where `p` needs the extended kernel.
 inline bool is_extended(const SeaParameters<double>& p) {
   return p.friction != 0 || p.viscous != 0 || p.output_friction != 0 || p.output_viscous != 0 || p.k_sea_cubic != 0 ||
-         p.spring_loss != 0 || p.feedback == Feedback::kMotor;
+         p.spring_loss != 0 || p.feedback == Feedback::kMotor || is_late(p);
 }
 
 /// Angles and rates on both sides of the spring.
@@ -136,6 +146,91 @@ T motor_torque(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<
   }
 }
 
+/// A drive that is late. With u the torque of Eq. 3, or of a controller that is known, worked out of what is measured,
+///
+///     tau_mot(t) = u(t - T_d),     u = K_p (phi_ref - phi) + K_d (dphi_ref - v),     v' = (dphi - v) / T_v
+///
+/// so that the reference is as late as the angle: both are read in one cycle. As a linear system the delay is Pade's
+/// approximant of exp(-x), x = s T_d, of the orders 2 and 3, N(x) / D(x) with D = 1 + 3/5 x + 3/20 x^2 + 1/60 x^3; it
+/// errs by |x|^6 / 7200: 2e-6 of u at 100 rad/s and 5 ms. N is exp(-x) D up to its square, and that also where T_d is
+/// below `kShortest`, whose poles then stand in place of its own: no delay, however short, is stiff, and the torque and
+/// its derivative by T_d are right at T_d = 0 too, to (100 rad/s 0.5 ms)^3 / 60 = 2e-6. T_v likewise: exact from
+/// kShortestFilter on and at 0, else right to first order in frequency. Ours.
+/// Sources: Pade (1892); Ehle (1969): of these orders it is L-stable. Tests: test/unit/drive_lag.cpp.
+template <Scalar T>
+class DriveLag {
+ public:
+  enum { kFirst, kSecond, kThird, kRate, kStates };  ///< the delay's three [Nm], the first driven by u; v [rad/s]
+  using State = Eigen::Matrix<T, kStates, 1>;
+
+  explicit DriveLag(const SeaParameters<T>& p)
+      : motor_(p.feedback == Feedback::kMotor),
+        delayed_(present(p.control_delay)),
+        per_delay_(T(1) / pole(p.control_delay, kShortest)),
+        per_filter_(T(1) / pole(p.velocity_filter, kShortestFilter)),
+        direct_(T(1) - p.velocity_filter * per_filter_) {
+    const T part = p.control_delay * per_delay_;  // of exp(-part x) D(x)
+    second_ = T(kD1) - part;
+    first_ = T(kD2) - part * (T(kD1) - T(0.5) * part);
+  }
+
+  /// The actuator as the drive sees it: the rate that is fed back is filtered.
+  template <class X>
+  SeaState<T> seen(SeaState<T> s, const X& x) const {
+    T& rate = motor_ ? s.dphi_m : s.dphi;
+    rate = x[kRate] + direct_ * (rate - x[kRate]);
+    return s;
+  }
+  /// tau_mot where u is what the drive asks for now [Nm].
+  template <class X>
+  T torque(const T& u, const X& x) const {
+    return select(delayed_, T(x[kThird] + second_ * x[kSecond] + first_ * x[kFirst]), u);
+  }
+  /// dx/dt; s as it is, not as it is seen.
+  template <class X>
+  State derivative(const T& u, const SeaState<T>& s, const X& x) const {
+    const T over = (u - x[kThird] - T(kD1) * x[kSecond] - T(kD2) * x[kFirst]) * T(1 / kD3);
+    return {over * per_delay_, x[kFirst] * per_delay_, x[kSecond] * per_delay_, (fed_back(s) - x[kRate]) * per_filter_};
+  }
+  /// Of a drive that has seen the same rate and asked for the same torque for ever.
+  State steady(const T& u, const SeaState<T>& s) const { return {T(0), T(0), u, fed_back(s)}; }
+
+  /// The same in another scalar, by values.
+  template <class U>
+  explicit DriveLag(const DriveLag<U>& o)
+      : motor_(o.motor_),
+        delayed_(o.delayed_),
+        per_delay_(value_of(o.per_delay_)),
+        per_filter_(value_of(o.per_filter_)),
+        direct_(value_of(o.direct_)),
+        second_(value_of(o.second_)),
+        first_(value_of(o.first_)) {}
+
+  static constexpr double kShortest = 5e-4, kShortestFilter = 1e-4;  ///< [s]
+
+ private:
+  template <Scalar U>
+  friend class DriveLag;
+  static constexpr double kD1 = 3.0 / 5, kD2 = 3.0 / 20, kD3 = 1.0 / 60;  // of D
+  static constexpr double kIdle = 1e-2;  // of what is not there, whose state has no say [s]
+
+  const T& fed_back(const SeaState<T>& s) const { return motor_ ? s.dphi_m : s.dphi; }
+  static T pole(const T& time, double shortest) {
+    return select(present(time), select(time > T(shortest), time, T(shortest)), T(kIdle));
+  }
+
+  bool motor_;
+  typename MaskOf<T>::type delayed_;
+  T per_delay_, per_filter_, direct_, second_, first_;
+};
+/// In a kernel whose drive is not late.
+template <Scalar T>
+struct NoLag {
+  enum { kStates };
+  template <class Constants>
+  explicit NoLag(const Constants&) {}
+};
+
 /// Coulomb torque against motion in a direction, +1 or -1: tau_c (1 + direction asymmetry) [Nm]. The asymmetry is half
 /// the difference of both levels over their mean. Ours.
 template <class T>
@@ -190,10 +285,15 @@ T output_torque(const SeaParameters<T>& p, const T& dphi, const T& tau_sea) {
 
 /// ddphi_m = (tau_mot - tau_SEA - friction) / I_motor, Eq. 4 [rad/s^2].
 template <SeaTerms kTerms, Scalar T>
-T motor_acceleration(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref, const T& tau_sea) {
-  T torque = motor_torque<kTerms>(p, s, ref) - tau_sea;
-  if constexpr (kTerms.extended) torque -= friction_torque<kTerms>(p, s.dphi_m, tau_sea);
+T motor_acceleration(const SeaParameters<T>& p, const T& dphi_m, const T& tau_mot, const T& tau_sea) {
+  T torque = tau_mot - tau_sea;
+  if constexpr (kTerms.extended) torque -= friction_torque<kTerms>(p, dphi_m, tau_sea);
   return torque / p.i_motor;
+}
+/// The same of a drive that is not late.
+template <SeaTerms kTerms, Scalar T>
+T motor_acceleration(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref, const T& tau_sea) {
+  return motor_acceleration<kTerms>(p, s.dphi_m, motor_torque<kTerms>(p, s, ref), tau_sea);
 }
 
 }  // namespace ukemi

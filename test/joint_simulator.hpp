@@ -1,5 +1,6 @@
 // A rig and its logs, simulated apart from the library: the classical Runge-Kutta method at 2e-5 s, the clamp of Eq. 2
-// and dry friction that sticks as they are. For effects that a fit's model lacks.
+// and dry friction that sticks as they are, and a delay by the history of what the drive asked for. For effects that a
+// fit's model lacks.
 #pragma once
 
 #include <algorithm>
@@ -21,9 +22,13 @@ struct Effects {
   double out_viscous = 0;  ///< the same three of the output
   double out_dry = 0;
   double out_asymmetry = 0;
-  double cubic = 0;       ///< of the spring [Nm/rad^3]
-  double force_gain = 1;  ///< logged force over true force
-  double load_cell = 0;   ///< standard deviation of the logged force's noise [N]
+  double cubic = 0;   ///< of the spring [Nm/rad^3]
+  double delay = 0;   ///< from what the drive measures to its torque [s]; 0 or at least 2e-5
+  double filter = 0;  ///< time constant of the low-pass of the rate that K_d sees [s]
+  Feedback feedback = Feedback::kOutput;
+  std::function<double(double)> reference = {};  ///< phi_ref at a time [rad]; empty: 0
+  double force_gain = 1;                         ///< logged force over true force
+  double load_cell = 0;                          ///< standard deviation of the logged force's noise [N]
   double angle_noise = 1e-3;
 };
 
@@ -40,17 +45,31 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
   const auto [kP, kD, kSea, cSea, iMotor] = constants;
   constexpr double kLength = 0.3, kInertia = 0.024225, kTauMax = 20, kStep = 2e-5;
   struct State {
-    double phi = 0, phi_m = 0, omega = 0, omega_m = 0;
+    double phi = 0, phi_m = 0, omega = 0, omega_m = 0, filtered = 0;
     State plus(double h, const State& d) const {
-      return {phi + h * d.phi, phi_m + h * d.phi_m, omega + h * d.omega, omega_m + h * d.omega_m};
+      return {phi + h * d.phi, phi_m + h * d.phi_m, omega + h * d.omega, omega_m + h * d.omega_m,
+              filtered + h * d.filtered};
     }
   };
   const auto spring = [&](const State& y) {
     const double d = y.phi_m - y.phi;
     return std::clamp(kSea * d + effects.cubic * d * d * d + cSea * (y.omega_m - y.omega), -kTauMax, kTauMax);
   };
-  const auto on_motor = [&](const State& y) {
-    return -kP * y.phi - kD * y.omega - effects.viscous * y.omega_m - spring(y);
+  const bool motor = effects.feedback == Feedback::kMotor;
+  const auto asked = [&](double at, const State& y) {
+    const double rate = effects.filter > 0 ? y.filtered : motor ? y.omega_m : y.omega;
+    return kP * ((effects.reference ? effects.reference(at) : 0) - (motor ? y.phi_m : y.phi)) - kD * rate;
+  };
+  std::vector<std::pair<double, double>> history;  // of time and what was asked then, a step each
+  const auto driving = [&](double at, const State& y) {
+    if (effects.delay == 0) return asked(at, y);
+    const double then = at - effects.delay;
+    if (then <= history.front().first) return history.front().second;
+    const auto b = std::lower_bound(history.begin(), history.end(), std::pair(then, -1e300)), a = b - 1;
+    return a->second + (b->second - a->second) * (then - a->first) / (b->first - a->first);
+  };
+  const auto on_motor = [&](double at, const State& y) {
+    return driving(at, y) - effects.viscous * y.omega_m - spring(y);
   };
   const auto on_output = [&](const State& y, double f) {
     return spring(y) + kLength * std::cos(y.phi) * f - effects.out_viscous * y.omega;
@@ -64,11 +83,12 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
            (1 + effects.breakaway * std::exp(-std::abs(y.omega_m) / 0.05));
   };
   const auto out_rubbing = [&](int way) { return effects.out_dry * (1 + way * effects.out_asymmetry); };
-  const auto field = [&](const State& y, double f) {
+  const auto field = [&](double at, const State& y, double f) {
     const bool stuck = rubs && slip == 0, out_stuck = out_rubs && out_slip == 0;
     return State{out_stuck ? 0 : y.omega, stuck ? 0 : y.omega_m,
                  out_stuck ? 0 : (on_output(y, f) - out_slip * out_rubbing(out_slip)) / kInertia,
-                 stuck ? 0 : (on_motor(y) - slip * rubbing(y, slip)) / iMotor};
+                 stuck ? 0 : (on_motor(at, y) - slip * rubbing(y, slip)) / iMotor,
+                 effects.filter > 0 ? ((motor ? y.omega_m : y.omega) - y.filtered) / effects.filter : 0};
   };
   State y;
   std::vector<double> out{0};
@@ -76,14 +96,16 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
     const int steps = int(std::ceil((t[i + 1] - t[i]) / kStep - 1e-9));
     const double h = (t[i + 1] - t[i]) / steps;
     for (int k = 0; k < steps; ++k) {
-      const auto f = [&](double part) { return force(t[i] + (k + part) * h); };
+      const double now = t[i] + k * h;
+      const auto f = [&](double part) { return force(now + part * h); };
+      if (effects.delay > 0) history.emplace_back(now, asked(now, y));
       const auto leaves = [](double torque, auto&& level) {
         return torque > level(1) ? 1 : -torque > level(-1) ? -1 : 0;
       };
-      if (rubs && slip == 0) slip = leaves(on_motor(y), [&](int way) { return rubbing(y, way); });
+      if (rubs && slip == 0) slip = leaves(on_motor(now, y), [&](int way) { return rubbing(y, way); });
       if (out_rubs && out_slip == 0) out_slip = leaves(on_output(y, f(0)), out_rubbing);
-      const State a = field(y, f(0)), b = field(y.plus(h / 2, a), f(0.5)), c = field(y.plus(h / 2, b), f(0.5)),
-                  d = field(y.plus(h, c), f(1));
+      const State a = field(now, y, f(0)), b = field(now + h / 2, y.plus(h / 2, a), f(0.5)),
+                  c = field(now + h / 2, y.plus(h / 2, b), f(0.5)), d = field(now + h, y.plus(h, c), f(1));
       y = y.plus(h / 6, a).plus(h / 3, b).plus(h / 3, c).plus(h / 6, d);
       if (slip != 0 && y.omega_m * slip < 0) y.omega_m = 0, slip = 0;
       if (out_slip != 0 && y.omega * out_slip < 0) y.omega = 0, out_slip = 0;

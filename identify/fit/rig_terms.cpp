@@ -1,8 +1,10 @@
 #include "identify/fit/rig_terms.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/actuator.hpp"
+#include "common/error.hpp"
 
 namespace ukemi::identify {
 
@@ -29,6 +31,7 @@ Parameter RigTerm::column(const SeaParameters<double>& start, const SeaParameter
     const double typical = at > 0 ? at : value_in(suggested);
     return parameter_of(*this, std::max(at, kOffBound * typical), typical, choice);
   }
+  if (!std::isfinite(at)) throw InputError(name + ": it is fitted from a value to start with, and there is none");
   const double typical = of > 0 ? part * of : size;
   return parameter_of(*this, one_sided() && !(at > absent) ? absent + typical : at, typical, choice);
 }
@@ -87,12 +90,10 @@ RigTerm of_torque(RigTerm t) {
   t.needs = {"torque", &Trial::torque};
   return t;
 }
-/// Of Trial::command_delay.
-RigTerm control_delay() {
-  RigTerm t{{.name = "control_delay", .unit = "s", .words = "by which the motor follows its logged command later"}};
-  t.size = 1e-3, t.lower = 0, t.upper = 0.1, t.needs = {"command", &Trial::command};
-  t.change = [](double value, Rig&, Sea&, Trial& log) { log.command_delay += value; };
-  return t;
+/// How late the drive is.
+template <class F>
+RigTerm lag(const char* name, const char* words, F field) {
+  return stored(bounded(nuisance(name, "s", words, Scope::kShared, 1e-3, field), 0, kMostLate, 0));
 }
 RigTerm in_ladder(RigTerm t) {
   t.in_ladder = true;
@@ -138,9 +139,15 @@ std::vector<RigTerm> table() {
                                0, 1, 0)),
                 {&Sea::friction}),
       // As much torque as the linear part at a deflection of 1 rad.
-      in_ladder(optional(nuisance("stiffening", "Nm/rad^3", "cubic stiffness of the spring", kShared, 10,
-                                  [](auto& in) { return &in.sea.k_sea_cubic; }),
-                         1, &Sea::k_sea, "k_sea_cubic")),
+      in_ladder(
+          bounded(optional(nuisance("stiffening", "Nm/rad^3", "cubic stiffness of the spring; below 0: it softens",
+                                    kShared, 10, [](auto& in) { return &in.sea.k_sea_cubic; }),
+                           1, &Sea::k_sea, "k_sea_cubic"),
+                  -Term::kInfinity, Term::kInfinity, 0)),
+      // From where the rig or a start has it; what no trial meets says nothing.
+      stored(bounded(nuisance("tau_max", "Nm", "limit of the spring's torque", kShared, 10,
+                              [](auto& in) { return &in.sea.tau_max; }),
+                     0, Term::kInfinity, Term::kInfinity)),
       bounded(nuisance("force_gain", "1", "the force over the load cell's", kShared, 1,
                        [](auto& in) { return &in.nuisance.force_gain; }),
               0.01, 100, 1),
@@ -159,7 +166,11 @@ std::vector<RigTerm> table() {
                         0.01, 100, 1)),
       of_torque(nuisance("torque_bias", "Nm", "the logged torque minus the spring's", kShared, 0.1,
                          [](auto& in) { return &in.nuisance.torque_bias; })),
-      control_delay(),
+      lag("control_delay", "from what the drive measures, or is told, to its torque",
+          [](auto& in) { return &in.sea.control_delay; }),
+      only_with(lag("velocity_filter", "time constant of the low-pass of the rate that K_d sees",
+                    [](auto& in) { return &in.sea.velocity_filter; }),
+                {&Sea::k_d}),
       // Stribeck's, of whatever dry friction there is.
       only_with(stored(bounded(nuisance("breakaway", "1",
                                         "of dry friction: what it breaks away with over what it slides with, less 1",

@@ -24,7 +24,6 @@ struct Trial {
   std::vector<double> command;    ///< what the motor was told [V, A or Nm]; held from sample to sample
   std::vector<double> torque;     ///< measured torque of the spring, as it turns the output [Nm]
   std::optional<Rig> rig = {};    ///< a rig of its own, in place of the other trials'
-  double command_delay = 0;       ///< the motor follows its command so much later [s], >= 0
   double force_smooth = 0;  ///< between its samples the force is 0: linear, 1: a smooth curve; see force_curve.hpp
   double force_noise = 0;   ///< standard deviation of each sample of the force within hits [N]; see hits.hpp
   double force_rest = 0;    ///< what the load cell reads between hits, where that has been worked out [N]

@@ -50,7 +50,8 @@ struct RigMode {
   bool operator==(const RigMode&) const = default;
 };
 
-/// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t) - friction - gravity, Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m].
+/// M ddphi_1 = tau_SEA + l cos(phi_1) F_e(t) - friction - gravity, Eq. 5 of [1]; state [phi_1, phi_m, dphi_1, dphi_m],
+/// and of a drive that is late the states of DriveLag.
 ///
 /// Coulomb friction sticks (ours). With T_s what moves side s (`torques`) and L(+-, v) its level in each direction at
 /// the speed v (`level`), a side slips with I_s a_s = T_s - slip L(slip, v), slip = +-1 the sign of its rate, until
@@ -60,18 +61,20 @@ struct RigMode {
 template <SeaTerms kTerms, Scalar T>
 class OneLinkSystem {
  public:
-  enum { kPhi, kPhiM, kOmega, kOmegaM, kStates };
+  using Lag = std::conditional_t<kTerms.late, DriveLag<T>, NoLag<T>>;
+  enum { kPhi, kPhiM, kOmega, kOmegaM, kLag, kLags = Lag::kStates, kStates = int(kLag) + int(kLags) };
   enum { kTorqueUpper, kTorqueLower, kCommandUpper, kCommandLower, kRub };  ///< guards; from kRub on two for each side
   static constexpr int kControlled = kStates, kPositions = 2,
                        kGuards = kTerms.extended ? int(kRub) + 2 * kSides : int(kTorqueLower) + 1;
   using State = Eigen::Matrix<T, kStates, 1>;
 
   OneLinkSystem(const SeaParameters<T>& actuator, const Rig& rig)
-      : sea(actuator), length_(rig.length), inverse_inertia_(1 / rig.inertia), gravity_(rig.gravity) {
+      : sea(actuator), lag(actuator), length_(rig.length), inverse_inertia_(1 / rig.inertia), gravity_(rig.gravity) {
     if (kTerms.torque_limit && value_of(sea.tau_max) == 0) mode.saturation = 1;
   }
 
   SeaParameters<T> sea;
+  [[no_unique_address]] Lag lag;
   T command_limit = T(std::numeric_limits<double>::infinity());  ///< of |tau_mot| [Nm], >= 0
   Excitation<T> input;
   RigMode mode;
@@ -86,10 +89,15 @@ class OneLinkSystem {
   }
 
   /// What moves each side, Coulomb friction apart [Nm]: tau_SEA + l cos(phi_1) F_e - viscous friction on the output -
-  /// gravity, tau_mot - tau_SEA - viscous friction on the motor. tau_mot is Eq. 3 within `command_limit`, and K_t times
-  /// a logged command. `t` may be a double or, to differentiate by it, a T.
+  /// gravity, tau_mot - tau_SEA - viscous friction on the motor. tau_mot is Eq. 3 within `command_limit`, as late as
+  /// the drive is, and K_t times a logged command. `t` may be a double or, to differentiate by it, a T.
   template <class Time>
   UKEMI_INLINE std::array<T, kSides> torques(const Time& t, const State& y) const {
+    return torques(t, y, asked(t, y));
+  }
+  /// The same where the drive asks for `ask` now.
+  template <class Time>
+  UKEMI_INLINE std::array<T, kSides> torques(const Time& t, const State& y, const T& ask) const {
     const Time u = t - input.t;
     const SeaState<T> s = sea_state(y);
     const T tau = spring_on_output(y);
@@ -102,9 +110,16 @@ class OneLinkSystem {
       using std::sin;
       if (gravity_.moment != 0) on_output -= T(gravity_.moment) * sin(y[kPhi] - T(gravity_.hanging));
       on_output -= sea.output_viscous * s.dphi, on_motor += sea.k_t * T(input.command) - sea.viscous * s.dphi_m;
-      if (mode.command != 0) return {on_output, on_motor + T(mode.command) * command_limit};
     }
-    return {on_output, on_motor + motor_torque<kTerms>(sea, s, reference(u))};
+    if constexpr (kTerms.late) return {on_output, on_motor + lag.torque(ask, y.template tail<kLags>())};
+    return {on_output, on_motor + ask};
+  }
+  /// What the drive asks for now, Eq. 3 within the command's limit, of what it sees [Nm].
+  template <class Time>
+  UKEMI_INLINE T asked(const Time& t, const State& y) const {
+    if constexpr (kTerms.extended)
+      if (mode.command != 0) return T(mode.command) * command_limit;
+    return unlimited(t, y);
   }
   /// L(direction) of a side in the angles of y, at a speed >= 0 in that direction [Nm].
   T level(int side, int direction, const State& y, const T& speed = T(0)) const {
@@ -118,7 +133,8 @@ class OneLinkSystem {
   /// Flattened: operations on Jets are worth no calls.
   template <class Time>
   UKEMI_FLATTEN void derivative(const Time& t, const State& y, State& dy) const {
-    std::array<T, kSides> torque = torques(t, y);
+    const T ask = asked(t, y);
+    std::array<T, kSides> torque = torques(t, y, ask);
     if constexpr (kTerms.extended)
       for (const int side : {kOutputSide, kMotorSide})
         if (mode.rubs[side]) torque[side] = mode.slip[side] == 0 ? T(0) : T(torque[side] - friction_of(side, y));
@@ -126,6 +142,7 @@ class OneLinkSystem {
     dy[kPhiM] = y[kOmegaM];
     dy[kOmega] = torque[kOutputSide] * T(inverse_inertia_);
     dy[kOmegaM] = torque[kMotorSide] / sea.i_motor;
+    if constexpr (kTerms.late) dy.template tail<kLags>() = lag.derivative(ask, sea_state(y), y.template tail<kLags>());
   }
 
   /// The same system and mode in another scalar, by values.
@@ -135,6 +152,7 @@ class OneLinkSystem {
     SeaParameters<U>::for_each(values, sea, [](U& to, const T& from) { to = U(value_of(from)); });
     values.feedback = sea.feedback;
     OneLinkSystem<kTerms, U> out(values, {.length = length_, .inertia = 1 / inverse_inertia_, .gravity = gravity_});
+    if constexpr (kTerms.late) out.lag = DriveLag<U>(lag);
     out.command_limit = U(value_of(command_limit));
     std::array<U, 4> force;
     for (std::size_t i = 0; i < force.size(); ++i) force[i] = U(value_of(input.force[i]));
@@ -188,10 +206,7 @@ class OneLinkSystem {
   /// rest and cannot stay; sides that move.
   void settle(double t, const State& y) {
     if constexpr (kTerms.extended) {
-      if (const double most = value_of(command_limit); std::isfinite(most)) {
-        const double asked = value_of(motor_torque<kTerms>(sea, sea_state(y), reference(t - input.t)));
-        mode.command = asked > most ? 1 : asked < -most ? -1 : 0;
-      }
+      settle_command(t, y);
       if (!mode.rubbing()) return;
       const std::array<T, kSides> torque = torques(t, y);
       for (const int side : {kOutputSide, kMotorSide}) {
@@ -207,12 +222,41 @@ class OneLinkSystem {
     }
   }
 
-  /// 0.1 rad, and that at 10 1/s.
-  double tolerance_unit(int i) const { return i < kOmega ? 0.1 : 1.0; }
+  /// The drive has seen the rates of y, and asked for the torque that it asks for at t, for ever.
+  template <class Time>
+  void steady(const Time& t, State& y) {
+    if constexpr (kTerms.late) {
+      y.template tail<kLags>() = lag.steady(T(0), sea_state(y));
+      settle_command(value_of(t), y);
+      y.template tail<kLags>() = lag.steady(asked(t, y), sea_state(y));
+    }
+  }
+
+  /// 0.1 rad, and that at 10 1/s; of torques, what Eq. 3 makes of both.
+  double tolerance_unit(int i) const {
+    constexpr double kAngle = 0.1, kRate = 1;
+    if (i < kOmega) return kAngle;
+    if (i < kLag || i == int(kLag) + int(DriveLag<T>::kRate)) return kRate;
+    return std::max(1e-6, value_of(sea.k_p) * kAngle + value_of(sea.k_d) * kRate);
+  }
 
  private:
   template <SeaTerms, Scalar U>
   friend class OneLinkSystem;
+
+  /// Eq. 3 of what the drive sees.
+  template <class Time>
+  UKEMI_INLINE T unlimited(const Time& t, const State& y) const {
+    SeaState<T> s = sea_state(y);
+    if constexpr (kTerms.late) s = lag.seen(s, y.template tail<kLags>());
+    return motor_torque<kTerms>(sea, s, reference(t - input.t));
+  }
+  void settle_command(double t, const State& y) {
+    const double most = value_of(command_limit);
+    if (!std::isfinite(most)) return;
+    const double ask = value_of(unlimited(t, y));
+    mode.command = ask > most ? 1 : ask < -most ? -1 : 0;
+  }
   static constexpr int upward(int side) { return kRub + 2 * side; }
 
   /// Of a side that slips, along its rate [Nm].
@@ -250,9 +294,9 @@ class OneLinkSystem {
     const Rate now(t, 0);
     const auto set = [&](int guard, const Rate& g) { out.set(guard, g.a, g.v[0]); };
     if (const Rate most = moving.command_limit; std::isfinite(most.a)) {
-      const Rate asked = motor_torque<kTerms>(moving.sea, moving.sea_state(x), moving.reference(now - input.t));
-      if (mode.command >= 0) set(kCommandUpper, mode.command ? asked - most : most - asked);
-      if (mode.command <= 0) set(kCommandLower, mode.command ? -most - asked : most + asked);
+      const Rate ask = moving.unlimited(now, x);
+      if (mode.command >= 0) set(kCommandUpper, mode.command ? ask - most : most - ask);
+      if (mode.command <= 0) set(kCommandLower, mode.command ? -most - ask : most + ask);
     }
     if (!mode.rubbing()) return;
     const std::array<Rate, kSides> torque = moving.torques(now, x);

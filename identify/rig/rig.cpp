@@ -1,5 +1,7 @@
 #include "identify/rig/rig.hpp"
 
+#include <cmath>
+
 #include "common/actuator.hpp"
 #include "common/degrees.hpp"
 #include "common/toml.hpp"
@@ -9,6 +11,8 @@ namespace ukemi::identify {
 SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
   sea.tau_max = tau_max.value_or(sea.tau_max);
   sea.feedback = feedback.value_or(sea.feedback);
+  sea.control_delay = drive.control_delay.value_or(sea.control_delay);
+  sea.velocity_filter = drive.velocity_filter.value_or(sea.velocity_filter);
   return sea;
 }
 
@@ -16,6 +20,9 @@ namespace {
 
 Drive read_drive(TomlSection& s, Feedback feedback) {
   Drive out{.kind = Drive::Kind::kCommand};
+  out.control_delay = s.optional_number("control_delay", lateness());
+  out.velocity_filter = s.optional_number("velocity_filter", lateness());
+  const bool late = out.control_delay || out.velocity_filter;
   if (const auto gain = s.optional_number("command_gain", Range::positive()))
     out.kind = Drive::Kind::kController, out.gain = *gain;
   if (const auto limit = s.optional_number("command_limit", Range::positive())) out.limit = *limit;
@@ -29,6 +36,8 @@ Drive read_drive(TomlSection& s, Feedback feedback) {
     if (!out.by_command())
       s.fail("command_rate", "a command that is known is needed: angle = \"logged\", or no command_gain");
     out.rate = *rate;
+  } else if (out.kind == Drive::Kind::kCommand && late && !std::isfinite(out.limit)) {
+    out.kind = Drive::Kind::kGains;
   }
   return out;
 }

@@ -25,6 +25,8 @@ struct Drive {
   /// Which angle of that side: the one that the rollout predicts, or the logged one, as a drive sees its encoder. The
   /// command of the latter is known before the rig's motion is, sampled, and may be delayed and limited in its rate.
   enum class Angle { kPredicted, kLogged } angle = Angle::kPredicted;
+  /// Where they are known, the actuator's constants of these names [s], 0 to kMostLate (common/actuator.hpp).
+  std::optional<double> control_delay = {}, velocity_filter = {};
 
   bool by_command() const { return kind == Kind::kCommand || (kind == Kind::kController && angle == Angle::kLogged); }
 };
@@ -46,13 +48,14 @@ struct Rig {
   Gravity gravity = {};                  ///< of a link that hangs
   std::optional<double> speed_max = {};  ///< rated motor speed at the output [rad/s], for the actuator file
 
-  /// An actuator as it is on this rig: limit and feedback are the rig's, where it names them.
+  /// An actuator as it is on this rig: limit, feedback and how late its drive is are the rig's, where it names them.
   SeaParameters<double> mounted(SeaParameters<double> sea) const;
 };
 
 /// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5);
 /// gravity_moment, hanging_deg; [drive], a controller that is known: command_gain, command_limit, command_rate,
-/// feedback, angle; without command_gain the logged command drives. Throws InputError.
+/// feedback, angle; without command_gain the logged command drives. With control_delay and velocity_filter alone it is
+/// Eq. 3 that does. Throws InputError.
 Rig read_rig(const std::string& path);
 
 }  // namespace ukemi::identify

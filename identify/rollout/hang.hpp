@@ -23,15 +23,19 @@ void hang(const System& rig, const Drive& drive, double phi, const T& offset, St
     using U = std::decay_t<decltype(x[0])>;
     system.input = {};
     system.input.phi_ref = phi;
-    const std::array<U, kSides> torque = system.torques(0.0, x);
+    auto y = x;
+    system.steady(0.0, y);
+    const std::array<U, kSides> torque = system.torques(0.0, y);
     return Eigen::Matrix<U, 2, 1>(
         torque[kOutputSide], by_command ? U(x[System::kPhi] - angle) : U(torque[kOutputSide] + torque[kMotorSide]));
   };
   Eigen::Vector2d x = Eigen::Vector2d::Constant(by_command ? value_of(link) : phi);
   Eigen::Matrix2d inverse = Eigen::Matrix2d::Zero();
   const auto duals = rig.template in_values<Dual>();
+  using Duals = typename std::decay_t<decltype(duals)>::State;
   for (int i = 0; i < kMost; ++i) {
-    const Eigen::Matrix<Dual, 4, 1> at(Dual(x[0], 0), Dual(x[1], 1), Dual(0), Dual(0));
+    Duals at = Duals::Zero();
+    at[System::kPhi] = Dual(x[0], 0), at[System::kPhiM] = Dual(x[1], 1);
     const auto f = lacking(duals, at, Dual(value_of(link)));
     Eigen::Matrix2d slopes;
     for (int row = 0; row < 2; ++row) slopes.row(row) = f[row].v.transpose();

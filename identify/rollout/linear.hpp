@@ -1,11 +1,11 @@
 // The rig where it is linear: no hit, no limit reached, no side that turns to or from rest, no stiffening spring. There
 //
-//     dz/dt = A z + b(t),   z = [phi_1, phi_m, dphi_1, dphi_m],   b linear in time,
+//     dz/dt = A z + b(t),   z = [phi_1, phi_m, dphi_1, dphi_m, ...],   b linear in time,
 //
-// is followed exactly, and so are its derivatives where T is a Jet: exp(A h) by scaling and squaring, once for a
-// trial's sampling interval and for what else comes again at every sample, and its action on a state by the Taylor
-// series where samples are uneven. Tests: test/unit/one_link.cpp against the integrated path and closed forms.
-// Private: not installed.
+// behind them the states of a drive that is late, is followed exactly, and so are its derivatives where T is a Jet:
+// exp(A h) by scaling and squaring, once for a trial's sampling interval and for what else comes again at every sample,
+// and its action on a state by the Taylor series where samples are uneven. Tests: test/unit/one_link.cpp against the
+// integrated path and closed forms. Private: not installed.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,16 +17,17 @@
 
 namespace ukemi::identify {
 
-template <class T>
+template <class T, int N>
 class LinearFlow {
  public:
-  static constexpr int kStates = 4;
+  static constexpr int kStates = N, kRates = 2;
+  static constexpr int kDriven = N > 4 ? 3 : 2;  ///< states from kRates on that b drives
   using State = Eigen::Matrix<T, kStates, 1>;
   using Matrix = Eigen::Matrix<T, kStates, kStates>;
   static constexpr int kBlock = 16;  ///< samples that are read off one state
 
   /// `a` is A, `h` the interval between samples [s].
-  LinearFlow(const Matrix& a, double h) : a_(a), h_(h), rate_(balanced_norm(a)), step_(exponential(h)) {
+  LinearFlow(const Matrix& a, double h) : a_(a), h_(h), rate_(rate_of(a)), step_(exponential(h)) {
     Matrix power = step_;
     for (int j = 0; j < kBlock; ++j) {
       for (int i = 0; i < 2; ++i) rows_[i][j] = power.row(i).transpose();
@@ -57,6 +58,31 @@ class LinearFlow {
   }
   /// An upper bound of the size of A's eigenvalues [1/s].
   double rate() const { return rate_; }
+  /// The same of another matrix: the largest row sum of |A| with rates counted in units that even it out.
+  static double rate_of(const Matrix& a) {
+    double w = 1;
+    for (int i = 2; i < 4; ++i)
+      for (int j = 0; j < 2; ++j) w = std::max(w, std::sqrt(std::abs(value_of(a(i, j)))));
+    Eigen::Array<double, kStates, 1> unit;
+    for (int i = 0; i < kStates; ++i) unit[i] = i < 2 ? 1 : w;
+    if constexpr (kStates > 4) {  // row and column of each made alike, in turn (Osborne 1960)
+      constexpr int kSweeps = 4;
+      for (int n = 0; n < kSweeps * kStates; ++n) {
+        const int i = n % kStates;
+        double row = 0, column = 0;
+        for (int j = 0; j < kStates; ++j)
+          if (j != i) row += std::abs(value_of(a(i, j))) * unit[j], column += std::abs(value_of(a(j, i))) / unit[j];
+        if (row > 0 && column > 0) unit[i] = std::sqrt(row / column);
+      }
+    }
+    double norm = 0;
+    for (int i = 0; i < kStates; ++i) {
+      double row = 0;
+      for (int j = 0; j < kStates; ++j) row += std::abs(value_of(a(i, j))) * unit[j] / unit[i];
+      norm = std::max(norm, row);
+    }
+    return norm;
+  }
 
   /// How much work `advance` by h is, in series of terms.
   double work(double h) const { return rate_ * h > kLong ? kLong + std::log2(rate_ * h) : 1 + rate_ * h; }
@@ -85,15 +111,16 @@ class LinearFlow {
     return z;
   }
 
-  /// A time `length` at once: exp(A length), and what drives of the two rates add, a constant one of 1 and one that
+  /// A time `length` at once: exp(A length), and what the b of each driven state adds, a constant one of 1 and one that
   /// grows from 0 by 1/s. By the series over a short part, then by doubling it.
   struct Leap {
     double length;
     Matrix step;
-    Eigen::Matrix<T, kStates, 2> constant, growing;
+    Eigen::Matrix<T, kStates, kDriven> constant, growing;
 
     State after(const State& z, const State& b0, const State& b1) const {
-      return product(step, z) + constant * b0.template tail<2>() + growing * b1.template tail<2>();
+      return product(step, z) + constant * b0.template segment<kDriven>(kRates) +
+             growing * b1.template segment<kDriven>(kRates);
     }
   };
   Leap leap(double length) const {
@@ -101,12 +128,12 @@ class LinearFlow {
     double d = std::ldexp(length, -doublings);
     const State zero = State::Zero();
     Leap out{length, exponential(d), {}, {}};
-    for (int j = 0; j < 2; ++j) {
-      out.constant.col(j) = advance(zero, State::Unit(2 + j), zero, d);
-      out.growing.col(j) = advance(zero, zero, State::Unit(2 + j), d);
+    for (int j = 0; j < kDriven; ++j) {
+      out.constant.col(j) = advance(zero, State::Unit(kRates + j), zero, d);
+      out.growing.col(j) = advance(zero, zero, State::Unit(kRates + j), d);
     }
     for (int s = 0; s < doublings; ++s, d *= 2) {
-      for (int j = 0; j < 2; ++j) {
+      for (int j = 0; j < kDriven; ++j) {
         out.growing.col(j) += product(out.step, State(out.growing.col(j))) + State(out.constant.col(j) * T(d));
         out.constant.col(j) += product(out.step, State(out.constant.col(j)));
       }
@@ -161,20 +188,6 @@ class LinearFlow {
   }
   static void scale(State& z, double x) {
     for (int i = 0; i < kStates; ++i) z[i] *= x;
-  }
-
-  /// The largest row sum of |A| with rates counted in units that even it out.
-  static double balanced_norm(const Matrix& a) {
-    double w = 1;
-    for (int i = 2; i < kStates; ++i)
-      for (int j = 0; j < 2; ++j) w = std::max(w, std::sqrt(std::abs(value_of(a(i, j)))));
-    double norm = 0;
-    for (int i = 0; i < kStates; ++i) {
-      double row = 0;
-      for (int j = 0; j < kStates; ++j) row += std::abs(value_of(a(i, j))) * (j < 2 ? 1 : w) / (i < 2 ? 1 : w);
-      norm = std::max(norm, row);
-    }
-    return norm;
   }
 
   Matrix a_;

@@ -15,15 +15,6 @@
 
 namespace ukemi::identify {
 
-/// Whether a term is there; a constant at 0 that is being fitted is.
-template <class T>
-bool present(const T& x) {
-  if constexpr (kDerivatives < T >> 0)
-    return x.a != 0 || !x.v.isZero(0);
-  else
-    return x != 0;
-}
-
 /// One trial with `Method` and the kernel of `kTerms`, see `rollout`. With kIntegrated nothing else is compiled.
 template <class Method, SeaTerms kTerms, class T, RolloutOptions::Linear kLinear = RolloutOptions::Linear::kExact>
 class Roll {
@@ -32,6 +23,8 @@ class Roll {
   using Plain = OneLinkSystem<kTerms, double>;
   using State = typename System::State;
   using Values = typename Plain::State;
+  using Flow = LinearFlow<T, System::kStates>;
+  using PlainFlow = LinearFlow<double, System::kStates>;
   using Stretch = PreparedTrial::Stretch;
   using Status = integrate::Status;
 
@@ -40,10 +33,11 @@ class Roll {
        const RolloutOptions& options, std::vector<T>& phi, std::vector<T>& phi_m, std::vector<T>* torque)
       : drive_(rig.drive),
         system_(driven_by(rig.drive, sea), rig),
-        plain_(values(system_.sea), rig),
+        plain_(system_.template in_values<double>()),
         nuisance_(nuisance),
         trial_(trial),
-        shifted_(shift() == 0 ? std::vector<Stretch>() : trial.cut(shift())),
+        delay_(rig.drive.by_command() ? sea.control_delay : T(0)),
+        shifted_(moved() ? trial.cut(shift(), value_of(delay_)) : std::vector<Stretch>()),
         t_(trial.trial->t),
         options_(options),
         most_steps_(options.max_steps + 2 * long(trial.stretches.size())),
@@ -66,6 +60,12 @@ class Roll {
     exact_ = kExact && options.linear == RolloutOptions::Linear::kExact && t_.size() > 1 &&
              !(kTerms.extended &&
                (present(sea.k_sea_cubic) || system_.stribeck || system_.lossy || rig.gravity.moment != 0));
+    if constexpr (kTerms.late) {
+      State y = driver_.state();
+      if (!trial.stretches.empty()) system_.input = driven(trial.stretches.front().input);
+      system_.steady(t_[0], y);
+      driver_.refresh(y);
+    }
   }
 
   RolloutStatus run() {
@@ -75,10 +75,8 @@ class Roll {
     pace_from_ = t_[0];
     RolloutStatus status = RolloutStatus::kDone;
     sample_ = 1;
-    for (const Stretch& stretch : shift() == 0 ? trial_.stretches : shifted_) {
-      system_.input = driven(stretch.input);
-      if (stretch.jumps) driver_.refresh();
-      if constexpr (kTerms.extended) settle();
+    for (const Stretch& stretch : moved() ? shifted_ : trial_.stretches) {
+      enter(stretch);
       arrived_ = false;
       while (!arrived_ && status == RolloutStatus::kDone) status = follow(stretch.t_end);
       if (status != RolloutStatus::kDone) break;
@@ -112,6 +110,8 @@ class Roll {
     return system_.mode.rubbing() || std::isfinite(value_of(system_.command_limit));
   }
   double shift() const { return value_of(nuisance_.time_shift); }
+  /// Whether the trial's cuts are not where its log has them.
+  bool moved() const { return shift() != 0 || value_of(delay_) != 0; }
 
   /// Eq. 3 as the drive has it: with its own gain, or not at all.
   static SeaParameters<T> driven_by(const Drive& drive, SeaParameters<T> sea) {
@@ -152,6 +152,12 @@ class Roll {
   void record_torque(std::size_t sample, const State& y) {
     if (torque_) (*torque_)[sample] = nuisance_.torque_gain * system_.spring_on_output(y) + nuisance_.torque_bias;
   }
+  /// Whether a spring that softens has been bent to where it no longer resists: its tangent stiffness is at 0.
+  bool gives_way(const State& y) const {
+    if constexpr (!kTerms.extended) return false;
+    const double cubic = value_of(system_.sea.k_sea_cubic), d = value_of(y[System::kPhiM]) - value_of(y[System::kPhi]);
+    return cubic < 0 && value_of(system_.sea.k_sea) + 3 * cubic * d * d <= 0;
+  }
   /// kDone while the link is within its bounds.
   RolloutStatus bounds(double angle) const {
     if (std::abs(angle - trial_.phi_start) < options_.escape) return RolloutStatus::kDone;
@@ -159,6 +165,29 @@ class Roll {
   }
 
   // --- events ---
+
+  /// The input of a stretch; a command that jumps where it starts does so later by the delay, and the derivatives jump
+  /// with it.
+  void enter(const Stretch& stretch) {
+    double told = system_.input.command;
+    system_.input = driven(stretch.input);
+    if (stretch.jumps) driver_.refresh();
+    if constexpr (kTerms.extended && kDerivatives < T >> 0) {
+      if (driver_.time() > t_[0] && system_.input.command != told && !delay_.v.isZero(0)) {
+        State y = driver_.state(), field;
+        std::swap(system_.input.command, told);
+        system_.derivative(driver_.time(), y, field);
+        const Values before = values(field);
+        std::swap(system_.input.command, told);
+        settle();
+        system_.derivative(driver_.time(), y, field);
+        integrate::saltate(y, before, values(field), delay_.v);
+        driver_.refresh(y);
+        return;
+      }
+    }
+    if constexpr (kTerms.extended) settle();
+  }
 
   /// The modes that hold where an input may have jumped, at a time that does not depend on the constants.
   void settle() {
@@ -233,6 +262,7 @@ class Roll {
         }
       }
       const RolloutStatus status = bounds(value_of(driver_.state()[System::kPhi]));
+      if (gives_way(driver_.state())) return RolloutStatus::kEscaped;
       if (status != RolloutStatus::kDone) return status;
       if (outcome.event >= 0) {
         if (!cross(outcome.event)) return RolloutStatus::kDiverged;
@@ -249,10 +279,11 @@ class Roll {
 
   /// The exact flow of a linear mode, and of its values.
   struct Exact {
-    LinearFlow<T> flow;
-    LinearFlow<double> values;                             ///< by the interval between looks at the guards
-    int looks;                                             ///< so many in a sampling interval
-    std::vector<typename LinearFlow<T>::Leap> leaps = {};  ///< over lengths that come again, where the rig is driven
+    Flow flow;
+    PlainFlow values;                                   ///< by the interval between looks at the guards
+    int looks;                                          ///< so many in a sampling interval
+    std::optional<typename PlainFlow::Leap> look = {};  ///< from one to the next
+    std::vector<typename Flow::Leap> leaps = {};        ///< over lengths that come again, where the rig is driven
   };
 
   /// That of the present mode. Its matrix does not depend on the direction of slips.
@@ -265,32 +296,38 @@ class Roll {
   }
 
   Exact prepared() {
-    Eigen::Matrix<T, 4, 4> a;
-    Eigen::Matrix<double, 4, 4> plain;
+    typename Flow::Matrix a;
+    typename PlainFlow::Matrix plain;
     const double t = system_.input.t;
     State none;
     system_.derivative(t, State(State::Zero()), none);
-    for (int j = 0; j < 4; ++j) {
+    for (int j = 0; j < System::kStates; ++j) {
       State dy;
       system_.derivative(t, State(State::Unit(j)), dy);
-      for (int i = 0; i < 4; ++i) a(i, j) = dy[i] - none[i], plain(i, j) = value_of(a(i, j));
+      for (int i = 0; i < System::kStates; ++i) a(i, j) = dy[i] - none[i], plain(i, j) = value_of(a(i, j));
     }
-    LinearFlow<T> flow(a, trial_.spacing);
+    Flow flow(a, trial_.spacing);
     // The guards are looked at often enough for the cubics between to be exact.
     constexpr double kTurn = 0.5;
     constexpr int kMostLooks = 8;
-    const int looks = std::clamp(int(std::ceil(flow.rate() * trial_.spacing / kTurn)), 1, kMostLooks);
-    Exact out{flow, LinearFlow<double>(plain, trial_.spacing / looks), looks};
-    if (slides()) return out;
+    // A drive's lag decays faster than anything turns.
+    double rate = flow.rate();
+    if constexpr (kTerms.late) rate = LinearFlow<double, 4>::rate_of(plain.template topLeftCorner<4, 4>());
+    const int looks = std::clamp(int(std::ceil(rate * trial_.spacing / kTurn)), 1, kMostLooks);
+    Exact out{flow, PlainFlow(plain, trial_.spacing / looks), looks};
+    if (slides()) {
+      if (looks > 1) out.look = out.values.leap(trial_.spacing / looks);
+      return out;
+    }
     if (kTerms.torque_limit) bound_torque(plain, out.values, looks);
     return out;
   }
 
   /// The spring's torque within a block is at most torque_bound_ . |z|: at the looks, and between them by its rate.
-  void bound_torque(const Eigen::Matrix<double, 4, 4>& plain, const LinearFlow<double>& flow, int looks) {
-    Values torque{-plain_.sea.k_sea, plain_.sea.k_sea, -plain_.sea.c_sea, plain_.sea.c_sea}, largest = Values::Zero(),
-                                                                                             fastest = Values::Zero();
-    for (int j = 0; j <= LinearFlow<T>::kBlock * looks; ++j) {
+  void bound_torque(const typename PlainFlow::Matrix& plain, const PlainFlow& flow, int looks) {
+    Values torque = Values::Zero(), largest = torque, fastest = torque;
+    torque.template head<4>() << -plain_.sea.k_sea, plain_.sea.k_sea, -plain_.sea.c_sea, plain_.sea.c_sea;
+    for (int j = 0; j <= Flow::kBlock * looks; ++j) {
       largest = largest.cwiseMax(torque.cwiseAbs());
       fastest = fastest.cwiseMax((plain.transpose() * torque).cwiseAbs());
       torque = flow.step().transpose() * torque;
@@ -318,28 +355,23 @@ class Roll {
   }
   static Values values(const State& y) {
     Values v;
-    for (int i = 0; i < 4; ++i) v[i] = value_of(y[i]);
+    for (int i = 0; i < System::kStates; ++i) v[i] = value_of(y[i]);
     return v;
-  }
-  static SeaParameters<double> values(const SeaParameters<T>& sea) {
-    SeaParameters<double> p{};
-    SeaParameters<double>::for_each(p, sea, [](double& to, const T& from) { to = value_of(from); });
-    p.feedback = sea.feedback;
-    return p;
   }
 
   /// To the end of the stretch, or to where a limit is met: a block of intervals at once about a held reference, else
   /// from interval to interval. A side that is stuck does not move at all: its rows of the flow are zero.
   RolloutStatus flow(double t_end) {
     Exact& exact = this->exact();
-    const LinearFlow<T>& flow = exact.flow;
+    const Flow& flow = exact.flow;
     const bool sliding = slides();
     if (sliding && !(flow.rate() * trial_.spacing < kStiff)) return RolloutStatus::kDiverged;
     double t = driver_.time();
     const Frame f = frame(t);
     plain_.mode = system_.mode;
     plain_.input = f.held ? Excitation<double>{} : system_.input.template with_force<double>(false);
-    const State rest{f.rest, f.rest, T(0), T(0)};
+    State rest = State::Zero();
+    rest[System::kPhi] = rest[System::kPhiM] = f.rest;
     State z = driver_.state() - rest;
     const double from = t;
     while (t < t_end) {
@@ -383,7 +415,7 @@ class Roll {
 
   /// How many of the next samples are one interval apart from `t` on; at most a block.
   int on_grid(double t, double t_end) const {
-    const int most = torque_ ? 1 : LinearFlow<T>::kBlock;  // a block knows the angles between, not the rates
+    const int most = torque_ ? 1 : Flow::kBlock;  // a block knows the angles between, not the rates
     int n = 0;
     while (n < most && sample_ + std::size_t(n) < t_.size() && t_[sample_ + std::size_t(n)] <= t_end &&
            std::abs(t_[sample_ + std::size_t(n)] - t - (n + 1) * trial_.spacing) <= kOffGrid * trial_.spacing)
@@ -405,12 +437,12 @@ class Roll {
 
   /// The leap over a length that comes at every sample: the interval, or the parts into which a delayed command cuts
   /// it.
-  const typename LinearFlow<T>::Leap* leap_over(Exact& exact, double length) const {
+  const typename Flow::Leap* leap_over(Exact& exact, double length) const {
     constexpr std::size_t kMost = 4;
     const auto is = [&](double known) { return std::abs(length - known) <= kOffGrid * trial_.spacing; };
     for (const auto& leap : exact.leaps)
       if (is(leap.length)) return &leap;
-    const bool again = is(trial_.spacing) || (trial_.trial->command_delay > 0 && exact.leaps.size() + 1 < kMost);
+    const bool again = is(trial_.spacing) || (value_of(delay_) > 0 && exact.leaps.size() + 1 < kMost);
     if (!again || exact.leaps.size() == kMost) return nullptr;
     return &exact.leaps.emplace_back(exact.flow.leap(length));
   }
@@ -454,10 +486,13 @@ class Roll {
     const auto at = [&](double s) {
       return held ? exact.values.advance(z, s * d) : exact.values.advance(z, b0, b1, s * d);
     };
+    const bool whole = exact.look && std::abs(d - trial_.spacing) <= kOffGrid * trial_.spacing;
     Guards a = guards(t, z);
+    Values y = z;
     for (int look = 0; look < exact.looks && met.guard < 0; ++look) {
       const double sa = double(look) / exact.looks, sb = (look + 1.0) / exact.looks;
-      const Guards b = guards(t + sb * d, look + 1 == exact.looks ? end : at(sb));
+      y = look + 1 == exact.looks ? end : whole ? exact.look->after(y, b0 + b1 * (sa * d), b1) : at(sb);
+      const Guards b = guards(t + sb * d, y);
       for (int i = 0; i < System::kGuards; ++i) {
         const integrate::Node start = look == 0 ? integrate::start_node(a.value[i], a.rate[i] * d) : node(sa, a, i, d);
         const double s = integrate::zero_between(start, node(sb, b, i, d),
@@ -474,7 +509,8 @@ class Roll {
   Plain plain_;  ///< of the frame, in values, with the limit not reached
   const Nuisance<T>& nuisance_;
   const PreparedTrial& trial_;
-  const std::vector<Stretch> shifted_;  ///< the cuts, where the force is shifted
+  const T delay_;                       ///< of a logged command; that of a drive in the loop is the system's
+  const std::vector<Stretch> shifted_;  ///< the cuts, where the force is shifted or the command is late
   const std::vector<double>& t_;
   const RolloutOptions& options_;
   const long most_steps_;

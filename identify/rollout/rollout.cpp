@@ -22,7 +22,7 @@ PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cu
   spacing = intervals.empty() ? 0 : median(std::move(intervals));
 }
 
-std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
+std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift, double delay) const {
   const std::vector<double>&t = trial->t, &r = trial->phi_ref, &d = trial->dphi_ref, &c = trial->command;
   const ForceCurve force(*trial);
   const std::size_t begins = trial->force.empty() ? 0 : force.pieces() + 1;
@@ -36,7 +36,7 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift) const {
       while (j < begins && force.begin(j) + shift <= from + kNow) ++j;
       double to = j < begins ? std::min(t[i + 1], force.begin(j) + shift) : t[i + 1];
       if (!c.empty()) {
-        const auto begins_at = [&](std::size_t k) { return t[k] + trial->command_delay; };
+        const auto begins_at = [&](std::size_t k) { return t[k] + delay; };
         while (told + 1 < c.size() && begins_at(told + 1) <= from + kNow) ++told;
         if (told + 1 < c.size()) to = std::min(to, begins_at(told + 1));
       }

@@ -26,8 +26,9 @@ struct PreparedTrial {
     double t_end;  ///< [s]
     bool jumps;    ///< force or reference jumps where it starts
   };
-  /// The cuts with the force moved later by `shift` [s]; it is 0 outside its log.
-  std::vector<Stretch> cut(double shift) const;
+  /// The cuts with the force moved later by `shift` [s], it is 0 outside its log; and a command that is followed later
+  /// by `delay` [s].
+  std::vector<Stretch> cut(double shift, double delay = 0) const;
 
   const Trial* trial;
   std::vector<Stretch> stretches;  ///< of shift 0

@@ -10,17 +10,19 @@ RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, cons
                                const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                                std::vector<T>& phi_m, std::vector<T>* torque) {
   using integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
-  constexpr SeaTerms kAll{true, true};
-  constexpr auto kIntegrated = RolloutOptions::Linear::kIntegrated;
-  const auto with = [&]<class M>() {
-    return Roll<M, kAll, T, kIntegrated>(rig, sea, nuisance, trial, options, phi, phi_m, torque).run();
+  using Linear = RolloutOptions::Linear;
+  const bool late = !trial.trial->rig_or(rig).drive.by_command() && is_late(sea);
+  const auto with = [&]<class M, Linear kLinear = Linear::kIntegrated>() {
+    const auto roll = [&]<SeaTerms kTerms>() {
+      return Roll<M, kTerms, T, kLinear>(rig, sea, nuisance, trial, options, phi, phi_m, torque).run();
+    };
+    return late ? roll.template operator()<SeaTerms{true, true, true}>()
+                : roll.template operator()<SeaTerms{true, true}>();
   };
   if constexpr (std::is_same_v<T, double>) {  // the implicit ones have no derivatives
     if (options.method == Method::kRodas5P) return with.template operator()<Rodas5P>();
     if (options.method == Method::kAuto)
-      return Roll<integrate::Automatic<DormandPrince853, Rodas5P>, kAll, T>(rig, sea, nuisance, trial, options, phi,
-                                                                            phi_m, torque)
-          .run();
+      return with.template operator()<integrate::Automatic<DormandPrince853, Rodas5P>, Linear::kExact>();
   }
   if (options.method == Method::kSemiImplicitEuler) return with.template operator()<integrate::SemiImplicitEuler>();
   if (options.method == Method::kRungeKutta4) return with.template operator()<integrate::RungeKutta4>();

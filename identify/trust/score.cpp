@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 bool absent(const RigTerm& t, const Fit& fit, const Experiment& experiment) {
   const bool says_something = t.only_with.empty() || std::any_of(t.only_with.begin(), t.only_with.end(),
                                                                  [&](auto constant) { return fit.sea.*constant != 0; });
-  return !t.is_constant() && !experiment.options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent &&
+  return !t.is_constant() && std::isfinite(t.absent) && !experiment.options.terms.fits(t.name) && t.value_in(fit.sea) == t.absent &&
          says_something && t.has_a_say(experiment.trials);
 }
 

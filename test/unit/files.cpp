@@ -400,6 +400,8 @@ TEST_CASE("an actuator file holds its constants, what it does not name is absent
   CHECK(std::isinf(a.sea.tau_max));
   CHECK(a.sea.friction == 0);
   CHECK(a.sea.k_sea_cubic == 0);
+  CHECK(a.sea.control_delay == 0);
+  CHECK(a.sea.velocity_filter == 0);
   CHECK(a.sea.feedback == Feedback::kOutput);
   CHECK(!a.speed_max);
   CHECK(a.verdicts.empty());
@@ -407,10 +409,32 @@ TEST_CASE("an actuator file holds its constants, what it does not name is absent
   CHECK(!a.standard_error("k_p"));
 }
 
+TEST_CASE(
+    "how late a drive is stands in the rig or in the actuator, and a rig that says nothing else is driven by Eq. 3") {
+  const Folder f;
+  const std::string head = "[rig]\nlength = 0.3\ninertia_joint = 0.024\n[drive]\n";
+  const auto rig = [&](const std::string& drive) { return identify::read_rig(f.write("rig.toml", head + drive)); };
+  using Kind = identify::Drive::Kind;
+  CHECK(rig("").drive.kind == Kind::kCommand);
+  const identify::Rig late = rig("control_delay = 1e-3\nvelocity_filter = 0.005\n");
+  CHECK(late.drive.kind == Kind::kGains);
+  const Actuator a = read_actuator(f.write("a.toml", kActuator + "control_delay = 0.002\n"));
+  CHECK(a.sea.control_delay == 0.002);
+  CHECK(late.mounted(a.sea).control_delay == 1e-3);
+  CHECK(late.mounted(a.sea).velocity_filter == 0.005);
+  CHECK(rig("").mounted(a.sea).control_delay == 0.002);
+  CHECK(rig("control_delay = 1e-3\ncommand_gain = 3\n").drive.kind == Kind::kController);
+  CHECK(rig("control_delay = 1e-3\ncommand_rate = 3\n").drive.kind == Kind::kCommand);
+  CHECK_THAT(error_of(f, [&] { (void)rig("control_delay = -1e-3\n"); }),
+             Contains("rig.toml:5:17") && Contains("control_delay") && Contains("from 0 to 0.1 s"));
+  CHECK_THAT(actuator_error(kActuator + "velocity_filter = 0.2\n"), Contains("from 0 to 0.1 s"));
+}
+
 TEST_CASE("an actuator reads back from its file to the last bit, covariance and ratings included") {
   Actuator a;
   a.name = "a \"quoted\" \\ name";
-  a.sea = {50.1, 1.0 / 3, 65.3, 1.7, 0.1 + 0.2, 20.5, 0.07, 12.3, Feedback::kMotor, 0.03};
+  a.sea = {50.1, 1.0 / 3, 65.3, 1.7, 0.1 + 0.2, 20.5, 0.07, -12.3, Feedback::kMotor, 0.03};
+  a.sea.control_delay = 1.0 / 700, a.sea.velocity_filter = 0.004;
   a.speed_max = 3.14;
   a.verdicts = {{"k_p", "trusted"}, {"k_d", "at its bound"}, {"i_motor", "not identifiable"}};
   a.uncertain = {"k_p", "friction"};
@@ -425,6 +449,8 @@ TEST_CASE("an actuator reads back from its file to the last bit, covariance and 
   CHECK(b.sea.tau_max == a.sea.tau_max);
   CHECK(b.sea.friction == a.sea.friction);
   CHECK(b.sea.k_sea_cubic == a.sea.k_sea_cubic);
+  CHECK(b.sea.control_delay == a.sea.control_delay);
+  CHECK(b.sea.velocity_filter == a.sea.velocity_filter);
   CHECK(b.sea.feedback == Feedback::kMotor);
   CHECK(b.sea.viscous == a.sea.viscous);
   CHECK(b.verdicts == a.verdicts);

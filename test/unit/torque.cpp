@@ -167,10 +167,10 @@ TEST_CASE("control delay: a command that is followed late is followed late, and 
   trial.phi_ref.assign(trial.t.size(), 0.0);
   std::vector<double> prompt, late, phi_m;
   REQUIRE(rollout(rig, truth, {}, PreparedTrial(trial), kTight, prompt, phi_m) == RolloutStatus::kDone);
-  trial.command_delay = 0.01;  // five samples: what is told first is there from the start
+  truth.control_delay = 0.01;  // five samples: what is told first is there from the start
   REQUIRE(rollout(rig, truth, {}, PreparedTrial(trial), kTight, late, phi_m) == RolloutStatus::kDone);
   Trial shifted = trial;
-  shifted.command_delay = 0;
+  truth.control_delay = 0;
   for (std::size_t i = shifted.command.size(); i-- > 0;) shifted.command[i] = shifted.command[i >= 5 ? i - 5 : 0];
   std::vector<double> same;
   REQUIRE(rollout(rig, truth, {}, PreparedTrial(shifted), kTight, same, phi_m) == RolloutStatus::kDone);
@@ -181,14 +181,14 @@ TEST_CASE("control delay: a command that is followed late is followed late, and 
   }
   CHECK(apart > 1e-3);
 
-  trial.command_delay = 0.0073;  // between samples
+  truth.control_delay = 0.0073;  // between samples
   Trial log = logged(rig, truth, trial, {.torque = 0}, 7);
-  log.command_delay = 0, log.torque.clear(), log.phi_motor = {};
+  log.torque.clear(), log.phi_motor = {};
   FitOptions options;
   options.terms.free = {"k_sea", "c_sea", "i_motor"};
   options.terms.nuisance = {"k_t", "viscous_friction", "control_delay"};
   SeaParameters<double> start = truth;
-  start.k_sea = 50, start.c_sea = 1, start.i_motor = 0.1, start.k_t = 1.2, start.viscous = 1;
+  start.k_sea = 50, start.c_sea = 1, start.i_motor = 0.1, start.k_t = 1.2, start.viscous = 1, start.control_delay = 0;
   const Fit found = fit(rig, {log}, start, start, options);
   REQUIRE(found.converged);
   const Estimate& delay = estimate(found, "control_delay");

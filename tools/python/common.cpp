@@ -53,7 +53,7 @@ using identify::Estimate;
 struct Limits {
   double tau_max;
   std::optional<double> speed_max;
-  double friction, viscous_friction, k_sea_cubic;
+  double friction, viscous_friction, k_sea_cubic, control_delay, velocity_filter;
 };
 
 Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, Feedback feedback,
@@ -66,7 +66,9 @@ Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, F
   if (!std::isinf(l.tau_max)) out.sea.tau_max = checked("tau_max", l.tau_max, Range::non_negative());
   out.sea.friction = checked("friction", l.friction, Range::non_negative());
   out.sea.viscous = checked("viscous_friction", l.viscous_friction, Range::non_negative());
-  out.sea.k_sea_cubic = checked("k_sea_cubic", l.k_sea_cubic, Range::non_negative());
+  out.sea.k_sea_cubic = checked("k_sea_cubic", l.k_sea_cubic, Range::any());
+  out.sea.control_delay = checked("control_delay", l.control_delay, lateness());
+  out.sea.velocity_filter = checked("velocity_filter", l.velocity_filter, lateness());
   out.sea.feedback = feedback;
   out.speed_max = checked("speed_max", l.speed_max, Range::positive());
   return out;
@@ -79,19 +81,21 @@ void bind_actuator(py::module_& m) {
   py::class_<Actuator> c(m, "Actuator", "The constants of a series elastic actuator (Eq. 2-4), and its ratings.");
   c.def(py::init([](double k_p, double k_d, double k_sea, double c_sea, double i_motor, double tau_max,
                     std::optional<double> speed_max, double friction, double viscous_friction, double k_sea_cubic,
-                    Feedback feedback, const std::string& name) {
-          return actuator_of({k_p, k_d, k_sea, c_sea, i_motor},
-                             {tau_max, speed_max, friction, viscous_friction, k_sea_cubic}, feedback, name);
+                    Feedback feedback, const std::string& name, double control_delay, double velocity_filter) {
+          return actuator_of(
+              {k_p, k_d, k_sea, c_sea, i_motor},
+              {tau_max, speed_max, friction, viscous_friction, k_sea_cubic, control_delay, velocity_filter}, feedback,
+              name);
         }),
         "k_p [Nm/rad], k_d [Nm/(rad/s)], k_sea [Nm/rad], c_sea [Nm/(rad/s)], i_motor [kg m^2]; tau_max [Nm], infinite: "
         "no "
         "limit; speed_max [rad/s], None: no rating; friction [Nm], viscous_friction [Nm/(rad/s)], k_sea_cubic "
-        "[Nm/rad^3].",
+        "[Nm/rad^3], below 0: softening; control_delay, velocity_filter [s], how late the drive is.",
         py::arg("k_p"), py::arg("k_d"), py::arg("k_sea"), py::arg("c_sea"), py::arg("i_motor"),
         py::arg_v("tau_max", std::numeric_limits<double>::infinity(), "float('inf')"),
         py::arg("speed_max") = py::none(), py::arg("friction") = 0.0, py::arg("viscous_friction") = 0.0,
-        py::arg("k_sea_cubic") = 0.0, py::arg_v("feedback", Feedback::kOutput, "Feedback.output"),
-        py::arg("name") = "");
+        py::arg("k_sea_cubic") = 0.0, py::arg_v("feedback", Feedback::kOutput, "Feedback.output"), py::arg("name") = "",
+        py::arg("control_delay") = 0.0, py::arg("velocity_filter") = 0.0);
   using Sea = SeaParameters<double>;
   const std::pair<const char*, std::pair<double Sea::*, const char*>> numbers[] = {
       {"k_p", {&Sea::k_p, "Proportional gain [Nm/rad]."}},
@@ -102,7 +106,9 @@ void bind_actuator(py::module_& m) {
       {"tau_max", {&Sea::tau_max, "Limit of the spring's torque [Nm]; infinite: none."}},
       {"friction", {&Sea::friction, "Dry friction on the motor [Nm]."}},
       {"viscous_friction", {&Sea::viscous, "Viscous friction on the motor [Nm/(rad/s)]."}},
-      {"k_sea_cubic", {&Sea::k_sea_cubic, "Cubic stiffness of the spring [Nm/rad^3]."}}};
+      {"k_sea_cubic", {&Sea::k_sea_cubic, "Cubic stiffness of the spring [Nm/rad^3]; below 0: softening."}},
+      {"control_delay", {&Sea::control_delay, "From what the drive measures to its torque [s]."}},
+      {"velocity_filter", {&Sea::velocity_filter, "Time constant of the filter of the rate that K_d sees [s]."}}};
   for (const auto& [name, what] : numbers)
     c.def_property_readonly(
         name, [member = what.first](const Actuator& a) { return a.sea.*member; }, what.second);
