@@ -1,6 +1,7 @@
 #include "identify/fit/sensitivity.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "identify/fit/trial_problem.hpp"
 
@@ -66,7 +67,7 @@ std::vector<RigTerm> further_terms(const AtMinimum& at) {
     if (t.is_constant() || at.options.terms.fits(t.name) || !t.has_a_say(at.trials)) continue;
     const bool says_something = t.only_with.empty() || std::any_of(t.only_with.begin(), t.only_with.end(),
                                                                    [&](auto c) { return at.sea.*c != 0; });
-    t.tested = t.tested && says_something && t.value_in(at.sea) == t.absent;
+    t.tested = t.tested && says_something && std::isfinite(t.absent) && t.value_in(at.sea) == t.absent;
     if (t.tested || largest_error(t, at) > 0) out.push_back(std::move(t));
   }
   return out;

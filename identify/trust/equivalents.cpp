@@ -74,7 +74,7 @@ std::vector<Rival> rivals_of_fitted(const Experiment& experiment, const Fit& fit
   for (int f = 0; f < s.parameters(); ++f) {
     const Estimate& e = *globals[std::size_t(s.free[std::size_t(f)])];
     const RigTerm& term = experiment.options.terms[e.name];
-    if (term.is_constant()) continue;
+    if (term.is_constant() || !std::isfinite(term.absent)) continue;
     std::vector<int> rest;
     for (int g = 0; g < s.parameters(); ++g)
       if (g != f) rest.push_back(g);

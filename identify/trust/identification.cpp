@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "common/actuator.hpp"
@@ -47,13 +48,16 @@ void deepen(const Experiment& whole, const Fit& fit, const TrustOptions& options
   }
 }
 
+/// Whether it is an optional constant of the actuator; a motor without torque drives nothing.
+bool is_actuator_s(const RigTerm& t) {
+  return !t.is_constant() && !t.key.empty() && t.relative_to != &SeaParameters<double>::k_t;
+}
+
 /// The shared term of that name where it may be absent: an optional one of the actuator, with 0 as its bound; else
 /// null.
 const RigTerm* optional_term(const Terms<RigTerm>& terms, const std::string& name) {
   const auto t = std::find_if(terms.table.begin(), terms.table.end(), [&](const RigTerm& r) { return r.name == name; });
-  const bool may_be_absent = t != terms.table.end() && !t->is_constant() && !t->key.empty() && t->one_sided() &&
-                             t->relative_to != &SeaParameters<double>::k_t;  // a motor without torque drives nothing
-  return may_be_absent ? &*t : nullptr;
+  return t != terms.table.end() && is_actuator_s(*t) && t->one_sided() ? &*t : nullptr;
 }
 
 /// An optional term that others do completely in these trials; none: nothing.
@@ -183,7 +187,7 @@ void look_again(const Experiment& e, const std::optional<SeaParameters<double>>&
   constexpr double kMet = 0.5;  // of the fall that is promised, which is to first order
   std::vector<std::string> terms;
   for (const std::string& name : e.options.terms.nuisance)
-    if (optional_term(e.options.terms, name)) terms.push_back(name);
+    if (const RigTerm& t = e.options.terms[name]; is_actuator_s(t) && std::isfinite(t.absent)) terms.push_back(name);
   const auto doubtful = [&] {
     return !out.fit.converged || out.fit.far_above_noise || out.trust->tests.model_rejected();
   };

@@ -172,7 +172,7 @@ TEST_CASE("a drive that feeds back the motor, of a rig that does not say so: the
   Rig silent = stated();
   silent.feedback.reset();
   for (const bool motor : {true, false}) {
-    const auto logs = logs_of({.motor_feedback = motor}, 3);
+    const auto logs = logs_of({.feedback = motor ? Feedback::kMotor : Feedback::kOutput}, 3);
     follow_advice(silent, logs, [&](const Identification& found, const FitOptions&) {
       INFO(told(found));
       REQUIRE(found.feedback);
@@ -182,7 +182,7 @@ TEST_CASE("a drive that feeds back the motor, of a rig that does not say so: the
     });
   }
   // One hit too weak to tell them apart.
-  auto weak = logs_of({.motor_feedback = true, .strength = 0.005}, 4);
+  auto weak = logs_of({.feedback = Feedback::kMotor, .strength = 0.005}, 4);
   weak.resize(1);
   const Identification found = identify::identify({silent, weak, {}}, std::nullopt, silent.mounted({}), {});
   REQUIRE(found.feedback);
