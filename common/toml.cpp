@@ -14,6 +14,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -344,6 +345,24 @@ std::optional<std::vector<std::vector<double>>> TomlSection::optional_matrix(con
   return out;
 }
 
+std::optional<double> TomlSection::optional_part(const std::string& key) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  const auto text = as_node(n)->value<std::string>();
+  if (!text) return checked(key, n, Range::non_negative());
+  double percent = -1;
+  const char *from = text->data(), *end = from + text->size();
+  const auto [stop, error] = std::from_chars(from, end, percent);
+  if (error != std::errc() || stop + 1 != end || *stop != '%' || !(percent >= 0 && std::isfinite(percent)))
+    fail(key, ukemi::quoted(*text) + ": a number of at least 0, or a percentage such as \"1%\", is needed");
+  return percent / 100;
+}
+std::optional<bool> TomlSection::optional_flag(const std::string& key) {
+  const void* n = node(key);
+  if (!n) return std::nullopt;
+  if (!as_node(n)->is_boolean()) fail(key, show(*as_node(n)) + ": true or false is needed");
+  return *as_node(n)->value<bool>();
+}
 std::optional<std::string> TomlSection::optional_text(const std::string& key) {
   const void* n = node(key);
   if (!n) return std::nullopt;

@@ -65,6 +65,9 @@ class TomlSection {
   std::optional<long> optional_count(const std::string& key, long lowest, long highest);
   std::optional<std::vector<std::vector<double>>> optional_matrix(const std::string& key);
   std::string text(const std::string& key);
+  /// A number, or a percentage in quotes ("1%"), at least 0.
+  std::optional<double> optional_part(const std::string& key);
+  std::optional<bool> optional_flag(const std::string& key);
   std::optional<std::string> optional_text(const std::string& key);
   std::optional<std::vector<std::string>> optional_texts(const std::string& key);
   /// One of `choices`.

@@ -30,6 +30,10 @@ struct Effects {
   double force_gain = 1;                         ///< logged force over true force
   double load_cell = 0;                          ///< standard deviation of the logged force's noise [N]
   double angle_noise = 1e-3;
+  double inertia = 1, encoder_gain = 1;  ///< truth over the rig's, logged angle over truth
+  double ripple = 0;                     ///< amplitude of the encoder's error, 8 waves a turn, 0 at the start [rad]
+  double quantum = 0;                    ///< of the encoder [rad]; 0: none
+  double strength = 1;                   ///< of the hits
 };
 
 struct HitOf {
@@ -86,7 +90,7 @@ inline std::vector<double> joint_angle(const std::vector<double>& t, const std::
   const auto field = [&](double at, const State& y, double f) {
     const bool stuck = rubs && slip == 0, out_stuck = out_rubs && out_slip == 0;
     return State{out_stuck ? 0 : y.omega, stuck ? 0 : y.omega_m,
-                 out_stuck ? 0 : (on_output(y, f) - out_slip * out_rubbing(out_slip)) / kInertia,
+                 out_stuck ? 0 : (on_output(y, f) - out_slip * out_rubbing(out_slip)) / (effects.inertia * kInertia),
                  stuck ? 0 : (on_motor(at, y) - slip * rubbing(y, slip)) / iMotor,
                  effects.filter > 0 ? ((motor ? y.omega_m : y.omega) - y.filtered) / effects.filter : 0};
   };
@@ -141,10 +145,13 @@ inline std::vector<Trial> eight_hits(const Effects& effects, std::uint64_t seed,
     for (int i = 0; i <= 500; ++i) {
       log.t.push_back(i / 500.0);
       const double s = (log.t.back() - 0.05) / hit.seconds;
-      log.force.push_back(s > 0 && s < 1 ? hit.newton * std::sin(std::numbers::pi * s) : 0);
+      log.force.push_back(s > 0 && s < 1 ? effects.strength * hit.newton * std::sin(std::numbers::pi * s) : 0);
     }
     log.phi = joint_angle(log.t, log.force, effects, constants);
-    for (double& x : log.phi) x += effects.angle_noise * random.normal();
+    for (double& x : log.phi) {
+      x = effects.encoder_gain * x + effects.ripple * std::sin(8 * x) + effects.angle_noise * random.normal();
+      if (effects.quantum > 0) x = effects.quantum * std::round(x / effects.quantum);
+    }
     for (double& f : log.force) f = effects.force_gain * f + effects.load_cell * random.normal();
     out.push_back(log);
   }

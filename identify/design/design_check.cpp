@@ -71,7 +71,7 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   const auto u = ukemi::constants(k.sea);
   VectorXd value(n);
   for (long i = 0; i < n; ++i) value[i] = u[std::size_t(k.constants[std::size_t(i)])];
-  FitOptions fit_options{.restarts = 0};
+  FitOptions fit_options{.restarts = 0, .errors = FitOptions::Errors::kOfNoise};
   fit_options.terms.free.clear();
   for (const int c : k.constants) fit_options.terms.free.push_back(kConstantNames[std::size_t(c)]);
   const MatrixXd in_hand = covariance_of(k.information).value_or(MatrixXd::Zero(n, n));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -12,12 +13,50 @@
 
 namespace ukemi::identify {
 
+namespace {
+
+/// f(estimate) of what was fitted for all, in that order.
+template <class Lists, class F>
+void for_each_global(const std::vector<std::string>& fitted, const Lists& lists, F&& f) {
+  for (const std::string& name : fitted)
+    for (auto* list : lists)
+      for (auto& e : *list)
+        if (e.name == name && e.trial < 0) f(e);
+}
+
+}  // namespace
+
 std::vector<const Estimate*> Estimates::globals() const {
   std::vector<const Estimate*> out;
-  for (const std::string& name : fitted)
-    for (const auto* list : {&parameters, &nuisance})
-      for (const Estimate& e : *list)
-        if (e.name == name && e.trial < 0) out.push_back(&e);
+  for_each_global(fitted, std::array{&parameters, &nuisance}, [&](const Estimate& e) { out.push_back(&e); });
+  return out;
+}
+
+void set_errors(const Eigen::MatrixXd& noise, const std::vector<double>& sizes, Estimates& out) {
+  out.noise_covariance = out.covariance = noise;
+  for (const Considered& c : out.considered) out.covariance += c.shift * c.shift.transpose();
+  out.correlation = correlation_of(out.covariance);
+  std::size_t g = 0;
+  for_each_global(out.fitted, std::array{&out.parameters, &out.nuisance}, [&](Estimate& e) {
+    const long i = long(g);
+    set_error(e, out.covariance(i, i), noise(i, i), out.half_width);
+    e.verdict = g < sizes.size() ? judge(e, sizes[g])
+                : e.at_bound     ? Identifiability::kAtBound
+                                 : Identifiability::kFitted;
+    ++g;
+  });
+}
+
+std::vector<ErrorBudget> error_budget(const Estimates& of) {
+  std::vector<ErrorBudget> out;
+  const std::vector<const Estimate*> globals = of.globals();
+  for (std::size_t g = 0; g < globals.size(); ++g) {
+    const double whole = of.covariance(long(g), long(g));
+    if (globals[g]->verdict == Identifiability::kFitted || !globals[g]->std || !(whole > 0)) continue;
+    out.push_back({globals[g]->name, {{"noise", of.noise_covariance(long(g), long(g)) / whole}}});
+    for (const Considered& c : of.considered)
+      out.back().shares.emplace_back(c.name, c.shift.row(long(g)).squaredNorm() / whole);
+  }
   return out;
 }
 
@@ -39,9 +78,10 @@ void warn(const Wording& wording, Estimates& out) {
   }
   const std::vector<const Estimate*> globals = out.globals();
   const auto trusted = [&](std::size_t g) { return globals[g]->verdict == Identifiability::kTrusted; };
+  const Eigen::MatrixXd correlation = correlation_of(out.noise_covariance);  // an error of the rig moves all alike
   for (std::size_t i = 0; i < globals.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
-      const double r = out.correlation(long(i), long(j));
+      const double r = correlation(long(i), long(j));
       if (wording.correlated == Wording::Correlated::kUnlessTrusted && trusted(i) && trusted(j)) continue;
       if (std::abs(r) > 0.95)
         out.warnings.push_back(fmt::format("{} and {} correlate by {:.3f}: these {} hardly tell them apart",
@@ -57,23 +97,20 @@ void set_estimates(const LeastSquaresSolution& s, const LeastSquaresProblem& pro
   const long dof = s.residuals - s.free_parameters;
   const double variance = dof > 0 ? s.cost / double(dof) : std::numeric_limits<double>::quiet_NaN();
   out.half_width = t_quantile_975(std::max(dof, 1l));
-  out.covariance = s.global_covariance * variance;
-  out.correlation = correlation_of(out.covariance);
   out.eigenvalues = s.eigenvalues;
   std::vector<double> sizes;  // what the constants' intervals are measured against
   for (std::size_t g = 0; g < shared.size(); ++g) {
-    const long i = long(g);
-    Estimate e = estimate_of(problem.globals[g], s.globals[i], out.covariance(i, i), out.half_width);
+    const Estimate e = estimate_of(problem.globals[g], s.globals[long(g)], NAN, out.half_width);
     out.fitted.push_back(e.name);
     if (!shared[g]->is_constant()) {
       out.nuisance.push_back(e);
       continue;
     }
     sizes.push_back(std::max(std::abs(e.value), shared[g]->judged_size));
-    e.verdict = judge(e, sizes.back());
     *std::find_if(out.parameters.begin(), out.parameters.end(), [&](const Estimate& q) { return q.name == e.name; }) =
         e;
   }
+  set_errors(s.global_covariance * variance, sizes, out);
   for (std::size_t l = 0; l < problem.locals.size(); ++l)
     for (long b = 0; b < long(problem.blocks.size()); ++b)
       out.nuisance.push_back(estimate_of(problem.locals[l], s.locals(b, long(l)),

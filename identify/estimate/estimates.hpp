@@ -11,14 +11,17 @@ namespace ukemi::identify {
 
 /// The result of a fit, whatever it fits.
 struct Estimates {
-  std::vector<Estimate> parameters;         ///< every constant of the table, in its order, fitted or not
-  std::vector<Estimate> nuisance;           ///< shared, then term by term those of each trial
-  std::vector<std::string> fitted;          ///< order of `covariance`: free constants, then shared terms
-  Eigen::MatrixXd covariance, correlation;  ///< NaN where not determined
-  Eigen::VectorXd eigenvalues;              ///< of the scaled information, ascending, largest 1
-  double half_width = 1.96;                 ///< 95 % interval in standard errors (Student's t)
-  std::optional<Weakest> weakest;           ///< the combination of constants that the data know least
-  double cost = 0;                          ///< the sum of squares; weighted or robust where asked for
+  std::vector<Estimate> parameters;  ///< every constant of the table, in its order, fitted or not
+  std::vector<Estimate> nuisance;    ///< shared, then term by term those of each trial
+  std::vector<std::string> fitted;   ///< order of `covariance`: free constants, then shared terms
+  /// Of noise and what was considered; NaN where not determined.
+  Eigen::MatrixXd covariance, correlation;
+  Eigen::MatrixXd noise_covariance;    ///< the part of it that is the logs' noise
+  std::vector<Considered> considered;  ///< what was not fitted and is not exact
+  Eigen::VectorXd eigenvalues;         ///< of the scaled information, ascending, largest 1
+  double half_width = 1.96;            ///< 95 % interval in standard errors (Student's t)
+  std::optional<Weakest> weakest;      ///< the combination of constants that the data know least
+  double cost = 0;                     ///< the sum of squares; weighted or robust where asked for
   bool converged = false;
   int iterations = 0;   ///< of the start that won
   int starts = 0;       ///< how many were run
@@ -30,6 +33,14 @@ struct Estimates {
   /// What was fitted for all trials, in the order of `fitted`.
   std::vector<const Estimate*> globals() const;
 };
+
+/// Where a constant's variance comes from.
+struct ErrorBudget {
+  std::string constant;
+  std::vector<std::pair<std::string, double>> shares;  ///< "noise", then each Considered: parts of the variance, sum 1
+};
+/// Of every constant that has a standard error.
+[[nodiscard]] std::vector<ErrorBudget> error_budget(const Estimates& estimates);
 
 /// The constants of a table as they are given, without errors; `value(term)` says where they stand.
 template <class T, class Value>
@@ -55,8 +66,12 @@ struct Wording {
   enum class Correlated { kAlways, kUnlessTrusted } correlated = Correlated::kAlways;  ///< said of two
 };
 /// Fills in what a solution says whose globals are `shared`, constants first; `out.parameters` are the constants as
-/// they are given. Warns of constants at a bound, not identifiable, or hardly told apart.
+/// they are given, `out.considered` what counts beside the noise. Warns of constants at a bound, not identifiable, or
+/// hardly told apart.
 void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
                    const std::vector<const Term*>& shared, const Wording& wording, Estimates& out);
+/// Covariances, standard errors, intervals and verdicts of what was fitted for all, from the noise's covariance and
+/// `out.considered`; `sizes` of the constants fitted, what their intervals are measured against.
+void set_errors(const Eigen::MatrixXd& noise, const std::vector<double>& sizes, Estimates& out);
 
 }  // namespace ukemi::identify

@@ -11,20 +11,20 @@
 namespace ukemi::identify {
 
 const char* name(Identifiability v) {
-  constexpr const char* kNames[] = {"trusted", "weak", "not identifiable", "at its bound", "fixed"};
+  constexpr const char* kNames[] = {"trusted", "weak", "not identifiable", "at its bound", "fixed", "fitted"};
   return kNames[int(v)];
 }
 
 Estimate estimate_of(const Parameter& p, double value, double variance, double half_width, int trial) {
   Estimate e{.name = p.name, .unit = p.unit, .value = value, .std = {}, .trial = trial};
   e.at_bound = value <= p.lower || value >= p.upper;
-  set_error(e, variance, half_width);
+  set_error(e, variance, variance, half_width);
   return e;
 }
 
-void set_error(Estimate& e, double variance, double half_width) {
+void set_error(Estimate& e, double variance, double of_noise, double half_width) {
   if (!(variance >= 0 && std::isfinite(variance))) return;
-  e.std = std::sqrt(variance);
+  e.std = std::sqrt(variance), e.std_noise = std::sqrt(of_noise);
   e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
 }
 

@@ -18,7 +18,8 @@ enum class Identifiability {
   kWeak,             ///< at most kWeakWidth, or the residual stays far above the logs' noise
   kNotIdentifiable,  ///< wider, or not determined at all
   kAtBound,
-  kFixed,  ///< not fitted
+  kFixed,   ///< not fitted
+  kFitted,  ///< along with the constants: no constant, not judged
 };
 const char* name(Identifiability identifiability);
 
@@ -32,7 +33,8 @@ struct Estimate {
   std::string name, unit;
   double value = 0;
   std::optional<double> std;  ///< standard error; absent where it cannot be estimated (fixed, at a bound, undetermined)
-  double ci_low = 0, ci_high = 0;  ///< 95 %, with `std`
+  std::optional<double> std_noise = {};  ///< the part of it that is the logs' noise; the rest: Considered
+  double ci_low = 0, ci_high = 0;        ///< 95 %, with `std`
   bool at_bound = false, free = true;
   int trial = -1;                                     ///< of a nuisance term that each trial has; -1: one for all
   Identifiability verdict = Identifiability::kFixed;  ///< of a constant
@@ -43,8 +45,18 @@ struct Estimate {
 /// What a parameter came to, at its bound where the value is.
 [[nodiscard]] Estimate estimate_of(const Parameter& parameter, double value, double variance, double half_width,
                                    int trial = -1);
-/// Standard error and 95 % interval from a variance; none where it is not a number.
-void set_error(Estimate& e, double variance, double half_width);
+/// Standard error and 95 % interval from the whole variance, and its part of the noise; none where it is not a number.
+void set_error(Estimate& e, double variance, double of_noise, double half_width);
+
+/// A term that was not fitted and is known but for its standard deviation s (a considered parameter of orbit
+/// determination). With J of what was fitted and j of the term, at the minimum,
+///
+///     theta follows the term by  d = -(J' W J)^-1 J' W j,   covariance = that of noise + s^2 d d'.
+struct Considered {
+  std::string name;
+  double std = 0;         ///< s [the term's unit]
+  Eigen::MatrixXd shift;  ///< s d, by row as Estimates::fitted; a column for each independent draw of the term
+};
 
 /// The verdict by the widths above; `size` > 0 is what the interval is measured against, |value| unless that is
 /// meaningless.

@@ -10,6 +10,7 @@
 #include "common/error.hpp"
 #include "identify/fit/fit_search.hpp"
 #include "identify/fit/replay.hpp"
+#include "identify/fit/sensitivity.hpp"
 #include "identify/logs/log_check.hpp"
 
 namespace ukemi::identify {
@@ -89,9 +90,28 @@ bool reweigh(FitSearch& search, const std::vector<Trial>& trials, const FitOptio
   return true;
 }
 
+/// What counts beside the noise, see Considered.
+void consider(const Rig& rig, const FitSearch& search, const std::vector<Trial>& trials, const FitOptions& options,
+              Fit& out) {
+  const LeastSquaresSolution& best = search.best();
+  AtMinimum at{rig, trials, options, out.sea, {}, {best.globals.begin(), best.globals.end()}, best.at_bound, {}};
+  if (options.errors == FitOptions::Errors::kOfNoise || !states_errors(at)) return;
+  for (const TrialResult& r : out.trials) at.weights.push_back(r.weighting);
+  for (long m = 0; m < long(trials.size()); ++m) {
+    const Eigen::VectorXd own = best.locals.row(m);
+    at.locals.emplace_back(own.begin(), own.end());
+  }
+  const auto sensitivity = sensitivity_of(at);
+  if (!sensitivity) return;
+  out.considered = considered_of(at, *sensitivity);
+  out.sensitivity = std::make_shared<const Sensitivity>(*sensitivity);
+}
+
 /// The estimates, and what can be said of them.
-void report(const FitSearch& search, const std::vector<Trial>& trials, const FitOptions& options, Fit& out) {
+void report(const Rig& rig, const FitSearch& search, const std::vector<Trial>& trials, const FitOptions& options,
+            Fit& out) {
   const std::vector<const Term*> shared(search.layout().shared.begin(), search.layout().shared.end());
+  consider(rig, search, trials, options, out);
   out.parameters = constants_of(options.terms, out.sea);
   set_estimates(search.best(), search.best_problem(), shared, {.data = "trials"}, out);
   out.identifiable = std::none_of(out.parameters.begin(), out.parameters.end(),
@@ -136,7 +156,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   out.rms = pooled(out.trials, trials, raw_rms);
   if (!best.converged)
     out.message = out.interrupted ? "interrupted" : search.spent().empty() ? best.message : search.spent();
-  report(search, trials, options, out);
+  report(rig, search, trials, options, out);
   return out;
 }
 

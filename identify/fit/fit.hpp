@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,8 +32,11 @@ struct FitOptions {
   int threads = 0;         ///< 0: all cores; without influence on the results
   std::uint64_t seed = 1;  ///< of the drawn starts
   int max_iterations = 200;  ///< of the solver, each start
-  StartOptions starts;       ///< how starts are drawn, and what they may cost
-  Monitor monitor;           ///< told of starts; where it stops the fit, the best so far is kept: Fit::interrupted
+  /// Whether the errors that the rig states count beside the noise (Considered). What is fitted of these terms is held
+  /// by them, as by priors, in any case.
+  enum class Errors { kWhole, kOfNoise } errors = Errors::kWhole;
+  StartOptions starts;  ///< how starts are drawn, and what they may cost
+  Monitor monitor;      ///< told of starts; where it stops the fit, the best so far is kept: Fit::interrupted
   RolloutOptions rollout() const {
     return {.accuracy = accuracy, .max_step = max_step, .method = method, .escape = escape};
   }
@@ -59,6 +63,8 @@ struct TrialResult {
   Weighting weighting;  ///< of its residuals in the fit
 };
 
+struct Sensitivity;
+
 struct Fit : Estimates {
   SeaParameters<double> sea;  ///< the result, tau_max and feedback included; without what a RigTerm::change does
   double rms = 0;             ///< unweighted, over every measured output [rad]; `cost` is E(U) [rad^2]
@@ -68,6 +74,7 @@ struct Fit : Estimates {
   bool interrupted = false;      ///< by the monitor; what stands here is the best until then
   std::vector<Minimum> minima;   ///< that they ended at, the lowest first
   std::vector<TrialResult> trials;
+  std::shared_ptr<const Sensitivity> sensitivity;  ///< at the minimum, where errors of the rig asked for it; else null
 };
 
 /// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max,

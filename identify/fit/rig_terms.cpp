@@ -90,10 +90,27 @@ RigTerm of_torque(RigTerm t) {
   t.needs = {"torque", &Trial::torque};
   return t;
 }
+/// Its error stands in the rig file, under this key.
+RigTerm with_error(const char* key, RigTerm t) {
+  const std::vector<RigErrorKey>& keys = rig_error_keys();
+  t.error = &*std::find_if(keys.begin(), keys.end(), [&](const RigErrorKey& k) { return k.key == std::string(key); });
+  return t;
+}
 /// How late the drive is.
 template <class F>
-RigTerm lag(const char* name, const char* words, F field) {
-  return stored(bounded(nuisance(name, "s", words, Scope::kShared, 1e-3, field), 0, kMostLate, 0));
+RigTerm lag(const char* name, const char* error, const char* words, F field) {
+  return with_error(error, stored(bounded(nuisance(name, "s", words, Scope::kShared, 1e-3, field), 0, kMostLate, 0)));
+}
+/// Of a rig with other numbers than its file's.
+RigTerm of_rig(const char* name, const char* words, double Rig::*at) {
+  RigTerm t{{.name = name, .unit = "1", .words = words}};
+  t.change = [at](double value, Rig& rig, Sea&, Trial& log) { (log.rig ? *log.rig : rig).*at *= value; };
+  return bounded(t, 0.01, 100, 1);
+}
+/// For force_gain does all that it does, or all but a trace.
+RigTerm not_tested(RigTerm t) {
+  t.tested = false;
+  return t;
 }
 RigTerm in_ladder(RigTerm t) {
   t.in_ladder = true;
@@ -148,27 +165,33 @@ std::vector<RigTerm> table() {
       stored(bounded(nuisance("tau_max", "Nm", "limit of the spring's torque", kShared, 10,
                               [](auto& in) { return &in.sea.tau_max; }),
                      0, Term::kInfinity, Term::kInfinity)),
-      bounded(nuisance("force_gain", "1", "the force over the load cell's", kShared, 1,
-                       [](auto& in) { return &in.nuisance.force_gain; }),
-              0.01, 100, 1),
+      with_error("force_gain", bounded(nuisance("force_gain", "1", "the force over the load cell's", kShared, 1,
+                                                [](auto& in) { return &in.nuisance.force_gain; }),
+                                       0.01, 100, 1)),
+      with_error("inertia", not_tested(of_rig("inertia", "the link's inertia over the rig file's", &Rig::inertia))),
+      with_error("length", not_tested(of_rig("length", "the lever arm over the rig file's", &Rig::length))),
+      with_error("encoder_gain",
+                 not_tested(bounded(nuisance("encoder_gain", "1", "the measured angle over the link's", kShared, 1,
+                                             [](auto& in) { return &in.nuisance.encoder_gain; }),
+                                    0.01, 100, 1))),
       nuisance("initial_angle", "rad", "angle at the start", kEach, 0.01, [](auto& in) { return &in.nuisance.angle; }),
       nuisance("initial_rate", "rad/s", "rate at the start", kEach, 0.1, [](auto& in) { return &in.nuisance.rate; }),
       nuisance("encoder_offset", "rad", "the measured angle minus the link's", kEach, 0.01,
                [](auto& in) { return &in.nuisance.encoder_offset; }),
       nuisance("force_bias", "N", "the force minus the load cell's", kEach, 1,
                [](auto& in) { return &in.nuisance.force_bias; }),
-      bounded(nuisance("time_shift", "s", "by which the hit came later than logged", kEach, 1e-3,
-                       [](auto& in) { return &in.nuisance.time_shift; }),
-              -0.1, 0.1, 0),
+      with_error("time_shift", bounded(nuisance("time_shift", "s", "by which the hit came later than logged", kEach,
+                                                1e-3, [](auto& in) { return &in.nuisance.time_shift; }),
+                                       -0.1, 0.1, 0)),
       between_samples(),
       of_torque(bounded(nuisance("torque_gain", "1", "the logged torque over the spring's", kShared, 1,
                                  [](auto& in) { return &in.nuisance.torque_gain; }),
                         0.01, 100, 1)),
       of_torque(nuisance("torque_bias", "Nm", "the logged torque minus the spring's", kShared, 0.1,
                          [](auto& in) { return &in.nuisance.torque_bias; })),
-      lag("control_delay", "from what the drive measures, or is told, to its torque",
+      lag("control_delay", "delay", "from what the drive measures, or is told, to its torque",
           [](auto& in) { return &in.sea.control_delay; }),
-      only_with(lag("velocity_filter", "time constant of the low-pass of the rate that K_d sees",
+      only_with(lag("velocity_filter", "filter", "time constant of the low-pass of the rate that K_d sees",
                     [](auto& in) { return &in.sea.velocity_filter; }),
                 {&Sea::k_d}),
       // Stribeck's, of whatever dry friction there is.
@@ -184,10 +207,35 @@ std::vector<RigTerm> table() {
   };
 }
 
+/// What tells a term by itself, where logs of hits cannot.
+struct Measure {
+  const char *term, *experiment;
+};
+constexpr Measure kMeasures[] = {
+    {"force_gain", "hang a known weight on the load cell"},
+    {"inertia", "weigh the link and time its swing as a pendulum"},
+    {"length", "measure the lever arm of the force"},
+    {"encoder_gain", "turn the joint by a known angle"},
+    {"time_shift", "log force and angle by one clock"},
+    {"control_delay", "log the drive's command beside the angle, or ask its maker for the delay of its loop"},
+    {"velocity_filter", "ask the drive's maker for the filter of its velocity"},
+    {"friction", "turn the motor slowly, without load, and log its torque"},
+    {"viscous_friction", "turn the motor at several constant speeds, without load, and log its torque"},
+    {"output_friction", "turn the output slowly, off its spring, and log the torque that it takes"},
+    {"output_viscous", "let the output swing free, off its spring, and log how it dies away"},
+    {"stiffening", "load the joint with weights, the motor held, and log its deflection"},
+};
+
 }  // namespace
 
 const std::vector<RigTerm>& rig_terms() {
-  static const std::vector<RigTerm> terms = table();
+  static const std::vector<RigTerm> terms = [] {
+    std::vector<RigTerm> out = table();
+    for (RigTerm& t : out)
+      for (const Measure& m : kMeasures)
+        if (t.name == m.term) t.measure = m.experiment;
+    return out;
+  }();
   return terms;
 }
 

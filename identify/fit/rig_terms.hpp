@@ -63,7 +63,11 @@ struct RigTerm : Term {
     std::vector<double> Trial::*at;
   };
   std::optional<LogColumn> needs = {};
-  std::string key = {};  ///< its name in actuator.toml; empty: it is no constant of the actuator
+  std::string key = {};                ///< its name in actuator.toml; empty: it is no constant of the actuator
+  const RigErrorKey* error = nullptr;  ///< the rig states its error: it is considered where it is not fitted
+  bool tested = true;                  ///< the residuals are asked for it; else another term does all that it does
+  /// What would tell it by itself, without a fit: an imperative.
+  std::string measure = {};
 
   /// Whether any of the trials logs what it needs.
   bool has_a_say(const std::vector<Trial>& trials) const;

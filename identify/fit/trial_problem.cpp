@@ -127,6 +127,17 @@ struct TrialBlock {
   }
 };
 
+/// Those that are given, and what the rig states of terms that are fitted.
+std::vector<Prior> priors_of(const Rig& rig, const Terms<RigTerm>& terms) {
+  std::vector<Prior> out = terms.priors;
+  for (const RigTerm& t : terms.table) {
+    if (!t.error || !terms.fits(t.name) || !(rig.errors.*t.error->at > 0)) continue;
+    if (std::none_of(out.begin(), out.end(), [&](const Prior& p) { return p.term == t.name; }))
+      out.push_back({t.name, t.value_in(rig.mounted({})), rig.errors.*t.error->at});
+  }
+  return out;
+}
+
 }  // namespace
 
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
@@ -138,8 +149,9 @@ LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial
     for (const RigTerm* t : *terms) parameters->push_back(t->column(start, suggestion.centre, options.terms));
   std::vector<const Trial*> logs;
   for (const PreparedTrial& p : prepared) logs.push_back(p.trial);
+  const std::vector<Prior> priors = priors_of(rig, options.terms);
   for (std::size_t g = 0; g < layout.shared.size(); ++g)
-    for (const Prior& prior : options.terms.priors)
+    for (const Prior& prior : priors)
       if (prior.term == layout.shared[g]->name)
         problem.priors.push_back({int(g), prior.value, noise_level(logs) / prior.std});
   std::vector<Parameter> columns = problem.globals;

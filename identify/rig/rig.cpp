@@ -42,7 +42,30 @@ Drive read_drive(TomlSection& s, Feedback feedback) {
   return out;
 }
 
+RigErrors read_errors(TomlSection& s) {
+  const bool exact = s.optional_flag("exact").value_or(false);
+  RigErrors out = exact ? RigErrors::exact() : RigErrors{};
+  for (const auto& [key, at, unit] : rig_error_keys()) {
+    const auto error =
+        unit == RigErrorKey::Unit::kPart ? s.optional_part(key) : s.optional_number(key, Range::non_negative());
+    if (error && exact) s.fail(key, "given beside exact = true, with which every error is 0");
+    if (error) out.*at = *error;
+  }
+  return out;
+}
+
 }  // namespace
+
+const std::vector<RigErrorKey>& rig_error_keys() {
+  using enum RigErrorKey::Unit;
+  static const std::vector<RigErrorKey> keys{
+      {"inertia", &RigErrors::inertia, kPart},          {"length", &RigErrors::length, kPart},
+      {"force_gain", &RigErrors::force_gain, kPart},    {"encoder_gain", &RigErrors::encoder_gain, kPart},
+      {"delay", &RigErrors::delay, kSeconds},           {"filter", &RigErrors::filter, kSeconds},
+      {"time_shift", &RigErrors::time_shift, kSeconds},
+  };
+  return keys;
+}
 
 Rig read_rig(const std::string& path) {
   TomlFile file(path);
@@ -66,6 +89,7 @@ Rig read_rig(const std::string& path) {
   if (hanging && !moment) s.fail("hanging_deg", "without gravity_moment it has no say");
   rig.gravity = {moment.value_or(0), hanging.value_or(0) / kDegrees};
   if (auto drive = file.optional("drive")) rig.drive = read_drive(*drive, rig.feedback.value_or(Feedback::kOutput));
+  if (auto errors = file.optional("errors")) rig.errors = read_errors(*errors);
   file.finish();
   return rig;
 }

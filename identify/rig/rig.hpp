@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/sea.hpp"
 
@@ -38,6 +39,23 @@ struct Gravity {
   double hanging = 0;  ///< phi_1 where the link hangs straight down [rad]
 };
 
+/// Standard deviations of what a rig states and of what its drive does unseen: terms that are not fitted count with
+/// them (Considered). A rig file without [errors] has these.
+struct RigErrors {
+  double inertia = 0.01, length = 0.005, force_gain = 0.01, encoder_gain = 0.001;  ///< parts of the value, >= 0
+  double delay = 1e-3, filter = 1e-3, time_shift = 0;                              ///< [s], >= 0
+
+  /// All are 0: simulated logs.
+  static constexpr RigErrors exact() { return {0, 0, 0, 0, 0, 0, 0}; }
+};
+/// A key of [errors], and where it stands.
+struct RigErrorKey {
+  const char* key;
+  double RigErrors::*at;
+  enum class Unit { kPart, kSeconds } unit;
+};
+const std::vector<RigErrorKey>& rig_error_keys();
+
 struct Rig {
   double length;                         ///< l, from the joint to where the force acts [m], > 0
   double inertia;                        ///< M, of the link about the joint [kg m^2], > 0
@@ -47,6 +65,7 @@ struct Rig {
   Drive drive = {};                      ///< what drives the motor
   Gravity gravity = {};                  ///< of a link that hangs
   std::optional<double> speed_max = {};  ///< rated motor speed at the output [rad/s], for the actuator file
+  RigErrors errors = {};                 ///< of all this
 
   /// An actuator as it is on this rig: limit, feedback and how late its drive is are the rig's, where it names them.
   SeaParameters<double> mounted(SeaParameters<double> sea) const;
@@ -55,7 +74,7 @@ struct Rig {
 /// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5);
 /// gravity_moment, hanging_deg; [drive], a controller that is known: command_gain, command_limit, command_rate,
 /// feedback, angle; without command_gain the logged command drives. With control_delay and velocity_filter alone it is
-/// Eq. 3 that does. Throws InputError.
+/// Eq. 3 that does. [errors], or exact = true there. Throws InputError.
 Rig read_rig(const std::string& path);
 
 }  // namespace ukemi::identify

@@ -81,6 +81,8 @@ class Roll {
       while (!arrived_ && status == RolloutStatus::kDone) status = follow(stretch.t_end);
       if (status != RolloutStatus::kDone) break;
     }
+    if (const T& gain = nuisance_.encoder_gain; present(T(gain - T(1))))
+      for (T& x : phi_) x = gain * (x - nuisance_.encoder_offset) + nuisance_.encoder_offset;
     if (options_.work) {
       *options_.work = driver_.counters();
       options_.work->events += met_;

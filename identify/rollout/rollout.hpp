@@ -45,7 +45,8 @@ struct Nuisance {
   T force_gain{1};      ///< F_e = force_gain F_log(t - time_shift) + force_bias
   T force_bias{0};      ///< [N]
   T time_shift{0};      ///< of the force's log, positive: the hit came later than logged [s]
-  T encoder_offset{0};  ///< phi as measured minus phi_1 [rad]
+  T encoder_gain{1};    ///< phi as measured = encoder_gain phi_1 + encoder_offset
+  T encoder_offset{0};  ///< [rad]
   T torque_gain{1};     ///< a logged torque = torque_gain tau_SEA + torque_bias
   T torque_bias{0};     ///< [Nm]
 };

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "common/parallel.hpp"
-#include "identify/estimate/covariance.hpp"
 #include "identify/estimate/statistics.hpp"
 #include "identify/fit/replay.hpp"
 #include "identify/fit/trial_problem.hpp"
@@ -47,9 +46,30 @@ double smallest_step(const std::vector<double>& x) {
   return step;
 }
 
-/// Widens e to a variance that is at least its own.
-void widen(Estimate& e, double variance, double half_width) {
-  if (e.std) set_error(e, std::max(variance, *e.std * *e.std), half_width);
+/// Whether the log is quantised more coarsely than its residual, which is then the quantum's: neither white nor normal.
+bool is_coarse(const Series& s) { return smallest_step(*s.measured) > root_mean_square(s.residual); }
+
+/// So many samples of a series count as one: 1 + 2 sum of its autocorrelations, to the first that is not above 0
+/// (Geyer's initial positive sequence).
+double correlation_time(const std::vector<double>& r) {
+  const double square = std::inner_product(r.begin(), r.end(), r.begin(), 0.0);
+  double out = 1;
+  for (long lag = 1; lag < long(r.size()); ++lag) {
+    const double rho = std::inner_product(r.begin() + lag, r.end(), r.begin(), 0.0) / square;
+    if (!(rho > 0)) break;
+    out += 2 * rho;
+  }
+  return out;
+}
+
+/// By how much coarse logs raise the variance of a sum over residuals; 1 where none is coarse.
+double inflation(const Fit& fit, const std::vector<Trial>& trials) {
+  double raised = 0, plain = 0;
+  for (const Series& s : residuals(fit, trials)) {
+    const double square = std::inner_product(s.residual.begin(), s.residual.end(), s.residual.begin(), 0.0);
+    plain += square, raised += square * (is_coarse(s) ? correlation_time(s.residual) : 1);
+  }
+  return plain > 0 ? raised / plain : 1;
 }
 
 }  // namespace
@@ -58,6 +78,7 @@ Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials) {
   Whiteness out;
   double q = 0, tested = 0;
   for (const Series& s : residuals(fit, trials)) {
+    if (is_coarse(s)) continue;
     const double of_series = ljung_box(s.residual, kWhitenessLags);
     if (of_series == 0) continue;
     const std::vector<double>& r = s.residual;
@@ -75,7 +96,7 @@ Normality normality(const Fit& fit, const std::vector<Trial>& trials) {
   Normality out;
   Moments pooled;
   for (const Series& s : residuals(fit, trials)) {
-    if (smallest_step(*s.measured) > root_mean_square(s.residual)) {
+    if (is_coarse(s)) {
       ++out.coarse;
       continue;
     }
@@ -99,7 +120,6 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
   constexpr int kMostShared = 5, kMostOfTrials = 3;
   constexpr std::size_t kMostTrials = 8;
   constexpr int kMostIterations = 12;  // the last digits of a gain do not tell
-  constexpr double kFar = 4;           // times the linear size: dry friction has minima of its own near 0
   const auto worth = [&](std::size_t i) { return tests.worth(tests.score_tests[i]); };
   std::vector<std::size_t> candidates;
   for (std::size_t i = 0; i < tests.score_tests.size(); ++i)
@@ -125,7 +145,7 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
     with.terms.nuisance.push_back(tests.score_tests[candidates[std::size_t(i)]].term);
     const ScoreTest& test = tests.score_tests[candidates[std::size_t(i)]];
     const RigTerm& term = with.terms[test.term];
-    for (const double times : {0.0, kFar}) {
+    for (const double times : {0.0, kFarFromAbsence}) {
       SeaParameters<double> from = fit.sea;
       if (times > 0 && term.key.empty()) continue;
       if (times > 0) term.set_in(from, times * test.size);
@@ -164,48 +184,49 @@ ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
   out.whiteness = whiteness(fit, experiment.trials);
   out.normality = normality(fit, experiment.trials);
   out.score = score_of(experiment, fit);
-  if (out.score) out.score_tests = score_tests_of(*out.score);
+  if (out.score) {
+    Sensitivity score = *out.score;
+    out.inflation = inflation(fit, experiment.trials);
+    score.variance *= out.inflation;
+    out.score_tests = score_tests_of(score);
+  }
   std::vector<double> p{out.whiteness.p, out.normality.p};
   for (const ScoreTest& l : out.score_tests) p.push_back(l.p);
   const std::vector<bool> rejected = holm(p, kTestLevel);
   out.whiteness.rejected = rejected[0], out.normality.rejected = rejected[1];
   for (std::size_t i = 0; i < out.score_tests.size(); ++i) out.score_tests[i].rejected = rejected[i + 2];
-  if (out.score) fit_gains(experiment, fit, out);
+  if (out.score) fit_gains(of_noise(experiment), fit, out);
   return out;
 }
 
 void widen_errors(const ResidualTests& tests, Fit& fit) {
-  if (!tests.model_rejected()) return;
+  if (!tests.model_rejected() && !(tests.inflation > 1)) return;
   if (tests.score) {
     const std::vector<int>& free = tests.score->free;
-    Eigen::MatrixXd covariance = sandwich(*tests.score);
-    Eigen::VectorXd wider(covariance.rows());
+    const Eigen::MatrixXd sandwiched = sandwich(*tests.score);
+    Eigen::VectorXd wider(sandwiched.rows());
+    Eigen::MatrixXd noise = fit.noise_covariance;
     double widest = 1;
-    for (long i = 0; i < covariance.rows(); ++i) {
-      const double own = fit.covariance(free[std::size_t(i)], free[std::size_t(i)]);
-      wider[i] = covariance(i, i) < own ? std::sqrt(own / covariance(i, i)) : 1;
-      if (own > 0) widest = std::max(widest, covariance(i, i) / own);
+    for (long i = 0; i < sandwiched.rows(); ++i) {
+      const double own = noise(free[std::size_t(i)], free[std::size_t(i)]);
+      wider[i] = sandwiched(i, i) < own ? std::sqrt(own / sandwiched(i, i)) : 1;
+      if (own > 0) widest = std::max(widest, sandwiched(i, i) / own);
     }
-    covariance = wider.asDiagonal() * covariance * wider.asDiagonal();
-    for (long i = 0; i < covariance.rows(); ++i)
-      for (long j = 0; j < covariance.cols(); ++j) {
-        double& c = fit.covariance(free[std::size_t(i)], free[std::size_t(j)]);
-        if (std::isfinite(c)) c = covariance(i, j);
+    for (long i = 0; i < sandwiched.rows(); ++i)
+      for (long j = 0; j < sandwiched.cols(); ++j) {
+        double& c = noise(free[std::size_t(i)], free[std::size_t(j)]);
+        if (std::isfinite(c)) c = wider[i] * sandwiched(i, j) * wider[j];
       }
-    fit.correlation = correlation_of(fit.covariance);
     const long parts = long(tests.score->parts.size());
     fit.half_width = std::max(fit.half_width, t_quantile_975(parts - 1));
-    for (std::size_t g = 0; g < fit.fitted.size(); ++g)
-      for (std::vector<Estimate>* list : {&fit.parameters, &fit.nuisance})
-        for (Estimate& e : *list)
-          if (e.trial < 0 && e.free && e.name == fit.fitted[g])
-            widen(e, fit.covariance(long(g), long(g)), fit.half_width);
+    std::vector<double> sizes;
+    for (const Estimate& e : fit.parameters)
+      if (e.free) sizes.push_back(std::abs(e.value));
+    set_errors(noise, sizes, fit);
     for (Estimate& e : fit.nuisance)
-      if (e.trial >= 0 && e.std) widen(e, *e.std * *e.std * widest, fit.half_width);
-    for (Estimate& e : fit.parameters)
-      if (e.verdict != Identifiability::kFixed) e.verdict = judge(e, std::abs(e.value));
+      if (e.trial >= 0 && e.std) set_error(e, *e.std * *e.std * widest, *e.std * *e.std * widest, fit.half_width);
   }
-  distrust(fit.parameters);
+  if (tests.model_rejected() || fit.far_above_noise || fit.flawed_logs) distrust(fit.parameters);
 }
 
 std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {
@@ -261,8 +282,8 @@ std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit,
     const std::vector<Trial> others = without(trials, m);
     l.fit = refit(experiment.rig, others, fit.sea, options);
     for (std::size_t k = 0; k < fit.parameters.size(); ++k)
-      l.shift.push_back(fit.parameters[k].std
-                            ? (l.fit.parameters[k].value - fit.parameters[k].value) / *fit.parameters[k].std
+      l.shift.push_back(fit.parameters[k].std  // the rig's errors are those of all trials
+                            ? (l.fit.parameters[k].value - fit.parameters[k].value) / *fit.parameters[k].std_noise
                             : kNaN);
     l.held_out = held_out_rms(experiment.rig, trials[m], l.fit, options);
     const std::vector<Trial> alone{trials[m]};

@@ -15,7 +15,8 @@ namespace ukemi::identify {
 inline constexpr double kTestLevel = 0.01;
 
 /// Ljung and Box's test over the lags 1 .. kWhitenessLags, the statistics of all trials and outputs summed. Coloured
-/// residuals: the standard errors, which take every sample for news, are too small.
+/// residuals: the standard errors, which take every sample for news, are too small. A log that is quantised more
+/// coarsely than its residual is left out, and score tests then count correlated samples as one.
 struct Whiteness {
   double p = 1;
   double correlation = 0;  ///< of neighbouring residuals, the mean over the trials
@@ -24,8 +25,8 @@ struct Whiteness {
 inline constexpr int kWhitenessLags = 20;
 [[nodiscard]] Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials);
 
-/// Jarque and Bera's test, each trial's residuals in units of its own standard deviation. A log that is quantised more
-/// coarsely than its residual is left out: its residuals are not normal, whatever the model.
+/// Jarque and Bera's test, each trial's residuals in units of its own standard deviation. Coarse logs are left out:
+/// their residuals are not normal, whatever the model.
 struct Normality {
   double p = 1;
   double skewness = 0, kurtosis = 0;  ///< kurtosis of the normal distribution: 0
@@ -41,8 +42,9 @@ struct ResidualTests {
   Whiteness whiteness;
   Normality normality;
   std::vector<ScoreTest> score_tests;
-  double samples = 0;          ///< measured angles
-  std::optional<Score> score;  ///< where the fit has a minimum to look at
+  double samples = 0;                ///< measured angles
+  double inflation = 1;              ///< of the variance of a sum over residuals, where logs are coarse
+  std::optional<Sensitivity> score;  ///< where the fit has a minimum to look at
 
   /// Whether the model does not explain the logs: the residuals are not white, or ask for a term.
   bool model_rejected() const;
@@ -55,8 +57,8 @@ struct ResidualTests {
 };
 [[nodiscard]] ResidualTests test_residuals(const Experiment& experiment, const Fit& fit);
 
-/// Where the model is rejected: standard errors and intervals from the sandwich estimate wherever it is wider (those of
-/// a trial's own terms by the largest such factor), and nothing is trusted. Else nothing changes.
+/// Where the model is rejected or logs are coarse: standard errors and intervals from the sandwich estimate wherever it
+/// is wider (those of a trial's own terms by the largest such factor). Of a rejected model nothing is trusted.
 void widen_errors(const ResidualTests& tests, Fit& fit);
 
 /// The fit without one of its trials.

@@ -4,8 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
+#include "common/actuator.hpp"
 #include "common/error.hpp"
+#include "identify/estimate/covariance.hpp"
 
 namespace ukemi::identify {
 
@@ -13,14 +17,22 @@ namespace {
 
 /// What a fraction of a fit's own time tells; widens the fit's errors.
 Trust tested(const Experiment& experiment, Fit& fit) {
-  Trust out{.tests = test_residuals(experiment, fit)};
+  Trust out;
+  out.tests = test_residuals(experiment, fit);
   widen_errors(out.tests, fit);
+  if (!out.tests.score) return out;
+  out.rivals = rivals_of_fitted(experiment, fit, *out.tests.score);
+  distrust_moved(out.rivals, fit);
+  if (const ScoreTest* missing = out.tests.missing())
+    for (Rival& r : rivals_of(experiment, fit, *out.tests.score, missing->term, missing->size))
+      out.rivals.push_back(std::move(r));
   return out;
 }
 
 /// Adds what takes several fits.
-void deepen(const Experiment& experiment, const Fit& fit, const TrustOptions& options, Trust& out) {
+void deepen(const Experiment& whole, const Fit& fit, const TrustOptions& options, Trust& out) {
   if (fit.interrupted) return;
+  const Experiment experiment = of_noise(whole);
   if (options.depth == TrustOptions::Depth::kRefit) {
     out.ladder = ladder(experiment, fit, HeldOut::kCompute, options.threads);
     if (fit.converged) out.left_out = leave_one_out(experiment, fit, options.threads);
@@ -36,26 +48,30 @@ void deepen(const Experiment& experiment, const Fit& fit, const TrustOptions& op
   }
 }
 
+/// Whether it is an optional constant of the actuator; a motor without torque drives nothing.
+bool is_actuator_s(const RigTerm& t) {
+  return !t.is_constant() && !t.key.empty() && t.relative_to != &SeaParameters<double>::k_t;
+}
+
 /// The shared term of that name where it may be absent: an optional one of the actuator, with 0 as its bound; else
 /// null.
 const RigTerm* optional_term(const Terms<RigTerm>& terms, const std::string& name) {
   const auto t = std::find_if(terms.table.begin(), terms.table.end(), [&](const RigTerm& r) { return r.name == name; });
-  const bool may_be_absent = t != terms.table.end() && !t->is_constant() && !t->key.empty() && t->one_sided() &&
-                             t->relative_to != &SeaParameters<double>::k_t;  // a motor without torque drives nothing
-  return may_be_absent ? &*t : nullptr;
+  return t != terms.table.end() && is_actuator_s(*t) && t->one_sided() ? &*t : nullptr;
 }
 
 /// An optional term that others do completely in these trials; none: nothing.
 std::optional<HeldTerm> redundant(const Fit& fit, const Terms<RigTerm>& terms) {
   constexpr double kSame = 1e-6;  // off a correlation of 1 or -1: rounding tells the two apart, no log
   const std::vector<const Estimate*> globals = fit.globals();
+  const Eigen::MatrixXd correlation = correlation_of(fit.noise_covariance);
   for (std::size_t i = 0; i < globals.size(); ++i) {
     const Estimate& e = *globals[i];
     if (e.at_bound || !e.free || !optional_term(terms, e.name)) continue;
     HeldTerm out{e.name, {}};
     for (std::size_t j = 0; j < globals.size(); ++j) {
       const bool both_undetermined = !e.std && !globals[j]->std && globals[j]->free && !globals[j]->at_bound;
-      if (i != j && (both_undetermined || std::abs(fit.correlation(long(i), long(j))) > 1 - kSame))
+      if (i != j && (both_undetermined || std::abs(correlation(long(i), long(j))) > 1 - kSame))
         out.others.push_back(globals[j]->name);
     }
     if (!out.others.empty()) return out;
@@ -63,10 +79,16 @@ std::optional<HeldTerm> redundant(const Fit& fit, const Terms<RigTerm>& terms) {
   return std::nullopt;
 }
 
+/// Another fit in place of what was found; what was searched before stays counted and said.
+void take(Fit again, Fit& fit) {
+  again.starts += fit.starts;
+  if (!fit.minima.empty()) again.minima = std::move(fit.minima);
+  fit = std::move(again);
+}
+
 /// Holds what the trials cannot tell from others, and fits again without it.
 void hold_redundant(Experiment& experiment, Identification& out) {
   Terms<RigTerm>& terms = experiment.options.terms;
-  std::vector<std::string> warnings;
   while (out.fit.converged && !out.fit.interrupted) {
     const auto found = redundant(out.fit, terms);
     if (!found) break;
@@ -74,14 +96,9 @@ void hold_redundant(Experiment& experiment, Identification& out) {
     SeaParameters<double> from = out.fit.sea;
     term.set_in(from, term.absent);
     std::erase_if(terms.nuisance, [&](const std::string& n) { return n == term.name; });
-    Fit again = refit(experiment.rig, experiment.trials, from, experiment.options);
-    again.minima = std::move(out.fit.minima), again.starts += out.fit.starts;
-    out.fit = std::move(again);
-    warnings.push_back(fmt::format("these trials cannot tell {} from {}: {} is held at {:g}", found->term,
-                                   fmt::join(found->others, " and "), found->term, term.absent));
+    take(refit(experiment.rig, experiment.trials, from, experiment.options), out.fit);
     out.held.push_back(*found);
   }
-  out.fit.warnings.insert(out.fit.warnings.begin(), warnings.begin(), warnings.end());
 }
 
 /// Whether the residuals of fits with a linear force are nearer to those of the smooth one: the first estimate of the
@@ -90,6 +107,110 @@ bool ask_for_smooth_force(const ResidualTests& tests, const std::vector<Trial>& 
   if (std::any_of(trials.begin(), trials.end(), [](const Trial& t) { return t.force_smooth != 0; })) return false;
   return std::any_of(tests.score_tests.begin(), tests.score_tests.end(),
                      [](const ScoreTest& t) { return t.term == kForceSmooth && t.size > 0.5; });
+}
+
+/// The fit; where the rig does not say what its drive feeds back, the better one of both sides'.
+Fit fit_sides(const Experiment& e, const std::optional<SeaParameters<double>>& start, SeaParameters<double> base,
+              std::optional<FeedbackFound>& found) {
+  Fit first = fit(e.rig, e.trials, start, base, e.options);
+  if (e.rig.feedback || e.rig.drive.kind != Drive::Kind::kGains || first.interrupted) return first;
+  base.feedback = base.feedback == Feedback::kMotor ? Feedback::kOutput : Feedback::kMotor;
+  Fit second = fit(e.rig, e.trials, start, base, e.options);
+  if (first.fitted.empty() || (second.converged && (!first.converged || second.cost < first.cost)))
+    std::swap(first, second);
+  if (first.fitted.empty()) return first;
+  found = {first.sea.feedback, std::numeric_limits<double>::infinity()};
+  if (!second.fitted.empty()) found->bic = deviance(second, e.trials, e.options) - deviance(first, e.trials, e.options);
+  first.starts += second.starts;
+  return first;
+}
+
+/// What was held is said; where the logs do not tell the sides apart nothing is trusted.
+void conclude(const Terms<RigTerm>& terms, Identification& out) {
+  for (const HeldTerm& h : out.held)
+    out.fit.warnings.push_back(fmt::format("these trials cannot tell {} from {}: {} is held at {:g}", h.term,
+                                           fmt::join(h.others, " and "), h.term, terms[h.term].absent));
+  if (!out.feedback) return;
+  const FeedbackFound& f = *out.feedback;
+  out.fit.warnings.push_back(fmt::format(
+      "the rig does not say what the drive feeds back: with the {} side the logs are explained {} ({:.3g} in BIC){}",
+      name(f.side), f.clear() ? "better" : "no worse", f.bic,
+      f.clear() ? ": state feedback in the rig file" : ": no constant is trusted until feedback is stated"));
+  if (!f.clear()) distrust(out.fit.parameters);
+}
+
+bool better(const Fit& a, const Fit& b) {
+  constexpr double kSame = 1e-6;  // relative costs so near are one minimum's
+  return a.converged && (!b.converged || a.cost < (1 - kSame) * b.cost);
+}
+
+/// What the score tests of a model without some terms foretell of the fit with them.
+struct Pointed {
+  Fit fit;                     ///< the best that starts there
+  double plain = 0, gain = 0;  ///< cost without the terms, and by how much it should fall, to first order
+};
+
+/// Fits that start where the model without `terms` ends, with each at the first estimate of its score test, and
+/// farther: dry friction has minima of its own near 0.
+Pointed fit_where_tests_point(const Experiment& e, const std::vector<std::string>& terms,
+                              const std::optional<SeaParameters<double>>& start, SeaParameters<double> base) {
+  Pointed out;
+  Experiment plain = of_noise(e);
+  for (const std::string& name : terms) {
+    std::erase(plain.options.terms.nuisance, name);
+    e.options.terms[name].set_in(base, e.options.terms[name].absent);
+  }
+  const Fit without = fit(e.rig, e.trials, start, base, plain.options);
+  const auto score = score_of(plain, without);
+  if (!score) return out;
+  out.plain = without.cost, out.fit.starts = without.starts;
+  SeaParameters<double> from = without.sea;
+  for (const double times : {1.0, kFarFromAbsence}) {
+    for (const ScoreTest& t : score_tests_of(*score)) {
+      if (!(t.gain > 0) || std::find(terms.begin(), terms.end(), t.term) == terms.end()) continue;
+      e.options.terms[t.term].set_in(from, times * t.size);
+      out.gain = std::max(out.gain, t.gain);
+    }
+    Fit f = refit(e.rig, e.trials, from, e.options);
+    f.starts += out.fit.starts;
+    if (better(f, out.fit)) out.fit = std::move(f);
+  }
+  return out;
+}
+
+/// A fit with terms of the actuator whose residuals the model does not explain may have ended at a minimum of no
+/// account. Looks where the score tests of the model without them point and, where their promise is not met there
+/// either, from kMoreStarts drawn starts.
+void look_again(const Experiment& e, const std::optional<SeaParameters<double>>& start, SeaParameters<double> base,
+                Identification& out) {
+  constexpr int kMoreStarts = 20;
+  constexpr double kMet = 0.5;  // of the fall that is promised, which is to first order
+  std::vector<std::string> terms;
+  for (const std::string& name : e.options.terms.nuisance)
+    if (const RigTerm& t = e.options.terms[name]; is_actuator_s(t) && std::isfinite(t.absent)) terms.push_back(name);
+  const auto doubtful = [&] {
+    return !out.fit.converged || out.fit.far_above_noise || out.trust->tests.model_rejected();
+  };
+  if (terms.empty() || out.fit.interrupted || e.options.explore > 0 || !doubtful()) return;
+  const auto adopt = [&](Fit f, const std::string& where) {
+    if (!better(f, out.fit)) return void(out.fit.starts += f.starts);
+    f.warnings.push_back(fmt::format("the first minimum found, {:.4g} rad rms, was not the best: {:.4g} rad {}",
+                                     out.fit.rms, f.rms, where));
+    take(std::move(f), out.fit);
+    out.trust = tested(e, out.fit);
+  };
+  base.feedback = out.fit.sea.feedback;
+  Pointed pointed = fit_where_tests_point(e, terms, start, base);
+  adopt(std::move(pointed.fit), "where the score tests point");
+  const bool met = pointed.gain > 0 && out.fit.cost <= pointed.plain - kMet * pointed.gain;
+  if (!doubtful() || (met && !out.fit.far_above_noise)) return;
+  FitOptions explore = e.options;
+  explore.explore = kMoreStarts;
+  adopt(fit(e.rig, e.trials, start, base, explore), fmt::format("from {} drawn starts", kMoreStarts));
+  if (doubtful())
+    out.fit.warnings.push_back(fmt::format(
+        "{}: where its score test points and {} drawn starts found nothing better: the model lacks something else",
+        fmt::join(terms, " and "), kMoreStarts));
 }
 
 }  // namespace
@@ -104,22 +225,27 @@ Identification identify(const Experiment& experiment, const std::optional<SeaPar
                         const SeaParameters<double>& base, const TrustOptions& options) {
   const std::vector<Trial>& trials = experiment.trials;
   Experiment told_apart = experiment;
-  Identification out{fit(experiment.rig, trials, start, base, experiment.options)};
+  Identification out{};
+  out.fit = fit_sides(experiment, start, base, out.feedback);
   if (out.fit.fitted.empty()) return out;
   hold_redundant(told_apart, out);
   out.force_smooth = trials.front().force_smooth;
   out.trust = tested(told_apart, out.fit);
+  look_again(told_apart, start, base, out);
   if (options.force == TrustOptions::Force::kByResiduals && ask_for_smooth_force(out.trust->tests, trials)) {
     std::vector<Trial> smooth = trials;
     for (Trial& t : smooth) t.force_smooth = 1;
     Fit again = refit(experiment.rig, smooth, out.fit.sea, told_apart.options);
     if (again.converged && again.rms < out.fit.rms) {
-      again.minima = std::move(out.fit.minima), again.starts += out.fit.starts;
-      out.fit = std::move(again), out.force_smooth = 1;
-      out.trust = examine({experiment.rig, smooth, told_apart.options}, out.fit, options);
+      take(std::move(again), out.fit), out.force_smooth = 1;
+      const Experiment smoothed{experiment.rig, smooth, told_apart.options};
+      out.trust = tested(smoothed, out.fit);
+      conclude(told_apart.options.terms, out);
+      deepen(smoothed, out.fit, options, *out.trust);
       return out;
     }
   }
+  conclude(told_apart.options.terms, out);
   deepen(told_apart, out.fit, options, *out.trust);
   return out;
 }

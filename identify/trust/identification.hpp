@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/trust/equivalents.hpp"
 #include "identify/trust/ladder.hpp"
 #include "identify/trust/profile.hpp"
 
@@ -27,6 +28,7 @@ struct Trust {
   ResidualTests tests;
   std::optional<Ladder> ladder;           ///< with Depth::kRefit
   std::vector<LeftOut> left_out;          ///< with Depth::kRefit, of a fit that converged
+  std::vector<Rival> rivals;              ///< of the missing term, and of each that was fitted
   std::vector<Profile> profiles;          ///< as asked for
   std::vector<std::string> not_profiled;  ///< asked for, but without a standard error
 };
@@ -42,11 +44,19 @@ struct HeldTerm {
   std::vector<std::string> others;  ///< that cannot be told from it
 };
 
+/// Which side the drive feeds back by what the logs say, where the rig does not.
+struct FeedbackFound {
+  Feedback side;
+  double bic;  ///< by which the other side's fit is worse; infinite where that found nothing
+  bool clear() const { return bic >= kToldApart; }
+};
+
 struct Identification {
-  Fit fit;                     ///< errors and verdicts after the examination
-  std::vector<HeldTerm> held;  ///< told in Fit::warnings
-  double force_smooth = 0;     ///< of the trials as they were fitted
-  std::optional<Trust> trust;  ///< none where no start could be followed: Fit::fitted is empty
+  Fit fit;                                ///< errors and verdicts after the examination
+  std::vector<HeldTerm> held;             ///< told in Fit::warnings
+  std::optional<FeedbackFound> feedback;  ///< where both sides were fitted
+  double force_smooth = 0;                ///< of the trials as they were fitted
+  std::optional<Trust> trust;             ///< none where no start could be followed: Fit::fitted is empty
 };
 
 /// `fit`, then `examine`. An optional term of the actuator that the trials cannot tell from others at all is held at 0,

@@ -51,7 +51,7 @@ Profile profile(const Experiment& experiment, const Fit& fit, const std::string&
   for (const int side : {-1, 1}) {
     const double limit =
         side < 0 ? std::max(given.terms.lower_of(term), 1e-6 * found->value) : given.terms.upper_of(term);
-    const double reach = std::min(options.reach * *found->std, std::abs(limit - found->value));
+    const double reach = std::min(options.reach * *found->std_noise, std::abs(limit - found->value));
     SeaParameters<double> from = fit.sea;  // each point starts where the one before it ended
     std::optional<double>& end = side < 0 ? out.low : out.high;
     for (int i = 1; i <= half; ++i) {

@@ -1,5 +1,5 @@
 // Profile likelihood: one constant held on a grid, everything else refitted. Where it is not a parabola the linear
-// interval misleads, and this one, unsymmetric, holds.
+// interval misleads, and this one, unsymmetric, holds. It is of the logs' noise: errors of the rig are not in it.
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ struct Profile {
 
 struct ProfileOptions {
   int points = 25;        ///< of the grid, odd, 5 at least
-  double reach = 3;       ///< standard errors to either side, > 0, cut at the bounds
+  double reach = 3;       ///< standard errors, of noise, to either side, > 0, cut at the bounds
   void validate() const;  ///< throws InputError
 };
 

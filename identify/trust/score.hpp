@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "identify/fit/fit.hpp"
+#include "identify/fit/sensitivity.hpp"
 
 namespace ukemi::identify {
 
@@ -16,6 +16,12 @@ struct Experiment {
   const std::vector<Trial>& trials;
   FitOptions options;
 };
+
+/// The same without the rig's errors: for fits that are only compared.
+inline Experiment of_noise(Experiment experiment) {
+  experiment.options.errors = FitOptions::Errors::kOfNoise;
+  return experiment;
+}
 
 /// The score test of a term that the fit lacks: the slope of the cost at the term's absence, the fitted terms
 /// following, in its own standard deviation; of a term that each trial has, all of them at once. Needs no fit of the
@@ -35,32 +41,20 @@ struct ScoreTest {
   bool rejected = false;  ///< that the term is absent, see test_residuals
 };
 
-/// Sums over parts of the logs of [J T L r]' [J T L r]: derivatives of the residuals r by what was fitted and is off
-/// its bounds, by the absent terms that all trials share, and by those that each has; a trial's own fitted terms
-/// eliminated.
-struct Score {
-  std::vector<Eigen::MatrixXd> parts;  ///< trial by trial
-  int parts_of_trial = 1;              ///< as many for each, so that there are well more parts than parameters
-  std::vector<Term> shared, of_trial;  ///< absent terms
-  std::vector<int> free;               ///< what J is by: indices of Fit::fitted
-  Eigen::MatrixXd information;         ///< J' J and the priors'
-  Eigen::VectorXd slope;               ///< J' r and the priors': 0 at the minimum
-  double variance = 0;                 ///< of a residual
+/// A fit is tried from so many times the size that a score test estimates, too: dry friction has minima of its own near
+/// 0.
+inline constexpr double kFarFromAbsence = 4;
 
-  int parameters() const { return int(free.size()); }
-  int trials() const { return int(parts.size()) / parts_of_trial; }
-};
-
-/// None where the fit has no minimum to look at.
-[[nodiscard]] std::optional<Score> score_of(const Experiment& experiment, const Fit& fit);
+/// By every term that the fit lacks. None where the fit has no minimum to look at.
+[[nodiscard]] std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit);
 
 /// Tests every term of the table that the fit lacks; those that what was fitted can do all of are left out.
-[[nodiscard]] std::vector<ScoreTest> score_tests_of(const Score& score);
+[[nodiscard]] std::vector<ScoreTest> score_tests_of(const Sensitivity& score);
 
 /// Covariance of what was fitted [score.free], whatever the correlation within each part: the delete-one-part jackknife
 /// in its linear form (a sandwich estimate of the kind HC3),
 ///
 ///     (C - 1) / C sum_c d_c d_c',   d_c = (H - H_c)^-1 g_c,   H = sum_c H_c = J' J,   g_c = J_c' r_c.
-[[nodiscard]] Eigen::MatrixXd sandwich(const Score& score);
+[[nodiscard]] Eigen::MatrixXd sandwich(const Sensitivity& score);
 
 }  // namespace ukemi::identify

@@ -13,7 +13,7 @@ using namespace cli;
 
 namespace {
 
-const std::string kHead = "[rig]\nlength = 1\ninertia_joint = 1\n";
+const std::string kHead = "[errors]\nexact = true\n[rig]\nlength = 1\ninertia_joint = 1\n";
 
 std::string controller(int gain, const std::string& feedback) {
   return kHead + "[drive]\ncommand_gain = " + std::to_string(gain) + "\ncommand_limit = 8\nfeedback = \"" + feedback +

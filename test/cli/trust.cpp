@@ -45,6 +45,39 @@ TEST_CASE("identify --strict: exit 0 where every constant is trusted") {
   CHECK_THAT(read(f.at("out/report.html")), Contains("How far to trust it"));
 }
 
+TEST_CASE("identify says what the rig's errors add, and what to measure better") {
+  const Folder f;
+  const std::string exact = read(kRig), first = "exact = true";
+  f.write("rig.toml", replaced(exact, first, "delay = 0.002"));
+  const auto with = [&](const std::string& rig, const std::string& out) {
+    Arguments all = kAll;
+    *std::find(all.begin(), all.end(), kRig) = rig;
+    const Result r = run(all + Arguments{"-o", out}, f.at(""));
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    return r;
+  };
+  const Result plain = with(kRig, "plain"), doubted = with("rig.toml", "doubted");
+  const Json a = summary(f, "plain"), b = summary(f, "doubted");
+  CHECK_THAT(plain.out, Contains("errors of the rig") && Contains("none, exact"));
+  CHECK_THAT(doubted.out,
+             Contains("inertia 1 %, length 0.5 %, force_gain 1 %, encoder_gain 0.1 %, delay 2 ms, filter 1 ms") &&
+                 Contains("share of the variance") && Contains("--nuisance "));
+  CHECK(b["rig_errors"]["delay"] == 0.002);
+  CHECK(b["rig_errors"]["time_shift"] == 0);
+  CHECK(a["error_budget"]["k_d"]["noise"] == 1);
+  for (const char* k : {"k_p", "k_d", "k_sea", "c_sea", "i_motor"}) {
+    CHECK(a["parameters"][k]["std"] == a["parameters"][k]["std_noise"]);
+    CHECK(b["parameters"][k]["std_noise"] == a["parameters"][k]["std"]);
+    CHECK(b["parameters"][k]["std"] > b["parameters"][k]["std_noise"]);
+    double sum = 0;
+    for (const Json& share : b["error_budget"][k]) sum += share.get<double>();
+    CHECK(sum == Approx(1));
+  }
+  CHECK_THAT(read(f.at("doubted/report.html")), Contains("Where the errors come from"));
+  CHECK_FALSE(read(f.at("plain/report.html")).find("Where the errors come from") != std::string::npos);
+}
+
 TEST_CASE("identify --strict: exit 1 where a constant is not trusted, with every file written") {
   const Folder f;
   const Arguments command = {"identify", cut_short(f), "--rig", kRig, "--start", kTable2};

@@ -88,7 +88,7 @@ def simulated_trial(actuator, rig, name="hit", noise=0.0, seed=1):
 
 
 def test_identify_from_arrays_finds_what_made_them(actuator):
-    rig = ukemi.Rig(length=0.3, inertia=0.024225, tau_max=20)
+    rig = ukemi.Rig(0.3, 0.024225, tau_max=20, feedback=ukemi.Feedback.output, errors=ukemi.RigErrors.exact())
     trials = [simulated_trial(actuator, rig, "a", 1e-4, 1), simulated_trial(actuator, rig, "b", 1e-4, 2)]
     fit = ukemi.identify(trials, rig)
     assert fit.converged and fit.rms == pytest.approx(1e-4, rel=0.1)
@@ -102,6 +102,24 @@ def test_identify_from_arrays_finds_what_made_them(actuator):
     assert fit.trials[0].phi.shape == trials[0].t.shape
     only = ukemi.identify(trials, rig, start=actuator, free=["k_sea"])
     assert only.fitted == ["k_sea"] and not only.parameters["k_p"].free
+
+
+def test_the_errors_of_the_rig_count(actuator):
+    exact = ukemi.Rig(0.3, 0.024225, tau_max=20, feedback=ukemi.Feedback.output, errors=ukemi.RigErrors.exact())
+    stated = ukemi.Rig(0.3, 0.024225, tau_max=20, feedback=ukemi.Feedback.output, errors=ukemi.RigErrors(inertia=0.03))
+    assert stated.errors.inertia == 0.03 and stated.errors.delay == 1e-3 and exact.errors.force_gain == 0
+    trials = [simulated_trial(actuator, exact, "a", 1e-4, 1), simulated_trial(actuator, exact, "b", 1e-4, 2)]
+    a, b = ukemi.identify(trials, exact), ukemi.identify(trials, stated)
+    for name in SEA:
+        assert a.error_budget[name] == {"noise": 1}
+        assert b.parameters[name].std_noise == a.parameters[name].std < b.parameters[name].std
+        assert sum(b.error_budget[name].values()) == pytest.approx(1)
+    silent = ukemi.identify(trials, ukemi.Rig(0.3, 0.024225, tau_max=20, errors=ukemi.RigErrors.exact()))
+    assert silent.feedback == ukemi.Feedback.output
+    with pytest.raises(ukemi.InputError, match="inertai"):
+        ukemi.RigErrors(inertai=1)
+    with pytest.raises(ukemi.InputError, match="delay: -1"):
+        ukemi.RigErrors(delay=-1)
 
 
 def test_identify_is_the_program_s(tmp_path):

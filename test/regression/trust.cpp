@@ -129,7 +129,7 @@ TEST_CASE("dry friction of 0.2 Nm that the model lacks is named in 95 % of draws
 TEST_CASE("verdicts: the stated thresholds, at them and beyond") {
   const auto verdict = [](double half_width) {
     Estimate e{.name = "k", .value = -8, .std = {}};  // 10 % and 50 % of it are exact numbers
-    set_error(e, half_width * half_width / 4, 2);
+    set_error(e, half_width * half_width / 4, 0, 2);
     return judge(e, 8);
   };
   CHECK(verdict(0.79) == Identifiability::kTrusted);

@@ -536,6 +536,36 @@ TEST_CASE("a rig's inertia is given about the joint, or as mass and inertia abou
   CHECK_THAT(error("length = 0.3\ninertia_joint = 1\ngear_ratio = 0\n"), Contains("gear_ratio: 0: must be above 0"));
 }
 
+TEST_CASE("a rig's errors: parts, percentages, seconds; exact is alone") {
+  const Folder f;
+  const std::string rig = "[rig]\nlength = 0.3\ninertia_joint = 1\n";
+  const auto errors = [&](const std::string& keys) { return identify::read_rig(f.write("a.toml", rig + keys)).errors; };
+  const identify::RigErrors stated = errors("[errors]\ninertia = \"2.5%\"\nlength = 0.01\ndelay = 2e-3\nfilter = 0\n"),
+                            defaults = errors(""), exact = errors("[errors]\nexact = true\n");
+  CHECK(stated.inertia == 0.025);
+  CHECK(stated.length == 0.01);
+  CHECK(stated.delay == 2e-3);
+  CHECK(stated.filter == 0);
+  CHECK(stated.force_gain == defaults.force_gain);
+  CHECK(defaults.inertia == 0.01);
+  CHECK(defaults.length == 0.005);
+  CHECK(defaults.force_gain == 0.01);
+  CHECK(defaults.encoder_gain == 0.001);
+  CHECK((defaults.delay == 1e-3 && defaults.filter == 1e-3 && defaults.time_shift == 0));
+  for (const identify::RigErrorKey& k : identify::rig_error_keys()) CHECK(exact.*k.at == 0);
+
+  const auto error = [&](const std::string& keys) { return error_of(f, [&] { errors("[errors]\n" + keys); }); };
+  CHECK_THAT(error("exact = true\ninertia = 0.01\n"), StartsWith("a.toml:6:") && Contains("beside exact = true"));
+  CHECK_THAT(error("exact = 1\n"), StartsWith("a.toml:5:9: ") && Contains("true or false"));
+  CHECK_THAT(error("delay = -1\n"), StartsWith("a.toml:5:9: ") && Contains("delay: -1: must be at least 0"));
+  CHECK_THAT(error("delay = \"1%\"\n"), Contains("a number is needed"));
+  for (const char* bad : {"\"-1%\"", "\"1\"", "\"1 kg%\"", "\"%\"", "\"nan%\"", "\"\"", "-0.1", "true"}) {
+    INFO(bad);
+    CHECK_THAT(error("inertia = " + std::string(bad) + "\n"), StartsWith("a.toml:5:11: inertia: "));
+  }
+  CHECK_THAT(error("inertiaa = 1\n"), StartsWith("a.toml:5:1: ") && Contains("did you mean \"inertia\"?"));
+}
+
 // ---- scenes and motions
 
 namespace {

@@ -154,6 +154,8 @@ void bind_common(py::module_& m) {
       .def_readonly("unit", &Estimate::unit, "Its unit.")
       .def_readonly("value", &Estimate::value, "Its value [unit].")
       .def_readonly("std", &Estimate::std, "Standard error [unit], or None where it cannot be estimated.")
+      .def_readonly("std_noise", &Estimate::std_noise,
+                    "The part of it that is the logs' noise [unit]; the rest are errors that the rig states.")
       .def_property_readonly(
           "ci95",
           [](const Estimate& e) { return e.std ? std::optional(std::pair(e.ci_low, e.ci_high)) : std::nullopt; },
@@ -162,7 +164,8 @@ void bind_common(py::module_& m) {
       .def_readonly("free", &Estimate::free, "Whether it was fitted.")
       .def_property_readonly(
           "verdict", [](const Estimate& e) { return name(e.verdict); },
-          "How far a constant may be relied on: trusted, weak, not identifiable, at its bound, fixed.")
+          "How far a constant may be relied on: trusted, weak, not identifiable, at its bound, fixed; of "
+          "what was fitted along: fitted.")
       .def("__float__", [](const Estimate& e) { return e.value; })
       .def("__repr__", [](const Estimate& e) {
         return fmt::format("<ukemi.Estimate {} {:.6g}{} {}>", e.name, e.value,

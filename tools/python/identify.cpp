@@ -105,24 +105,53 @@ Identified predict_trials(const std::vector<Trial>& trials, const Rig& rig, cons
   return out;
 }
 
+double RigErrors::*error_named(const std::string& name) {
+  std::vector<std::string> known;
+  for (const RigErrorKey& k : rig_error_keys()) {
+    if (k.key == name) return k.at;
+    known.emplace_back(k.key);
+  }
+  throw InputError("RigErrors: " + one_of(name, known));
+}
+double error_of(const py::handle& name, const py::handle& value) {
+  return *checked(py::str(name), std::optional(value.cast<double>()), Range::non_negative());
+}
+
 void bind_inputs(py::module_& m) {
+  py::class_<RigErrors> errors(m, "RigErrors",
+                               "Standard deviations of what a rig states: terms that are not fitted count with them.");
+  errors
+      .def(py::init([](const py::kwargs& given) {
+             RigErrors out;
+             for (const auto& [name, value] : given) out.*error_named(py::str(name)) = error_of(name, value);
+             return out;
+           }),
+           "inertia, length, force_gain, encoder_gain [parts of the value], delay, filter, time_shift [s]; what is not "
+           "given: 0.01, 0.005, 0.01, 0.001, 1e-3, 1e-3, 0.")
+      .def_static("exact", &RigErrors::exact, "All are 0: simulated logs.");
+  for (const RigErrorKey& k : rig_error_keys())
+    errors.def_readonly(
+        k.key, k.at,
+        k.unit == RigErrorKey::Unit::kPart ? "Standard deviation [part of the value]." : "Standard deviation [s].");
   py::class_<Rig>(m, "Rig", "The rig of the impact tests: one link on a fixed base, in the horizontal plane.")
       .def(py::init([](double length, double inertia, std::optional<double> tau_max, std::optional<double> gear_ratio,
-                       std::optional<Feedback> feedback, std::optional<double> speed_max) {
+                       std::optional<Feedback> feedback, std::optional<double> speed_max, const RigErrors& errors) {
              return Rig{.length = checked("length", length, Range::positive()),
                         .inertia = checked("inertia", inertia, Range::positive()),
                         .tau_max = checked("tau_max", tau_max, Range::non_negative()),
                         .gear_ratio = checked("gear_ratio", gear_ratio, Range::positive()),
                         .feedback = feedback,
-                        .speed_max = checked("speed_max", speed_max, Range::positive())};
+                        .speed_max = checked("speed_max", speed_max, Range::positive()),
+                        .errors = errors};
            }),
            "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max "
            "[Nm], "
-           "speed_max [rad/s].",
+           "speed_max [rad/s], errors of all this. Without feedback identify fits both sides.",
            py::arg("length"), py::arg("inertia"), py::arg("tau_max") = py::none(), py::arg("gear_ratio") = py::none(),
-           py::arg("feedback") = py::none(), py::arg("speed_max") = py::none())
+           py::arg("feedback") = py::none(), py::arg("speed_max") = py::none(), py::arg("errors") = RigErrors{})
       .def_readonly("length", &Rig::length, "From the joint to where the force acts [m].")
       .def_readonly("inertia", &Rig::inertia, "Of the link about the joint [kg m^2].")
+      .def_readonly("errors", &Rig::errors, "Of what it states.")
       .def_readonly("tau_max", &Rig::tau_max, "Limit of the spring's torque [Nm], or None.");
   m.def("read_rig", &read_rig, py::arg("path"), "Reads a rig file (TOML).");
 
@@ -195,6 +224,17 @@ void bind_identify(py::module_& m) {
       .def_property_readonly(
           "identifiable", [](const Identified& i) { return i.found.fit.identifiable; },
           "Whether the trials determine every fitted constant.")
+      .def_property_readonly(
+          "error_budget",
+          [](const Identified& i) {
+            std::map<std::string, std::map<std::string, double>> out;
+            for (const ErrorBudget& b : error_budget(i.found.fit)) out[b.constant] = {b.shares.begin(), b.shares.end()};
+            return out;
+          },
+          "Of each constant the shares of its variance: noise, and what the rig states an error of.")
+      .def_property_readonly(
+          "feedback", [](const Identified& i) { return i.found.fit.sea.feedback; },
+          "What the drive feeds back: the rig's, else the side whose fit is better.")
       .def_property_readonly(
           "model_rejected", [](const Identified& i) { return i.found.trust && i.found.trust->tests.model_rejected(); },
           "Whether the residuals speak against the model.")

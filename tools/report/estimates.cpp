@@ -31,6 +31,7 @@ Quantities<Estimate> estimate_quantities() {
       {"", "", "constant", {}, label},
       {"", "value", &Estimate::value},
       {"", "std", [](auto& e) { return number(e.std); }},
+      {"", "std_noise", [](auto& e) { return number(e.std_noise); }},
       {"", "ci95", interval},
       {"", "unit", &Estimate::unit},
       {"", "at_bound", &Estimate::at_bound},

@@ -109,7 +109,7 @@ std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::I
 }
 
 /// Where the torque limit and the feedback come from.
-std::string assumptions(const IdentifyQuestion& q) {
+std::string assumptions(const IdentifyQuestion& q, const identify::Identification& found) {
   using Kind = identify::Drive::Kind;
   if (q.rig.drive.kind != Kind::kGains)
     return q.rig.drive.kind == Kind::kCommand
@@ -120,10 +120,11 @@ std::string assumptions(const IdentifyQuestion& q) {
                      std::isfinite(q.base.tau_max)
                          ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
                          : std::string("no limit (neither rig nor actuator names one)"),
-                     name(q.base.feedback),
-                     q.rig.feedback ? "rig"
-                     : q.given      ? "actuator"
-                                    : "default");
+                     ukemi::name(found.fit.sea.feedback),
+                     q.rig.feedback   ? "rig"
+                     : found.feedback ? "the better fit of both sides"
+                     : q.given        ? "actuator"
+                                      : "default");
 }
 
 /// What the fit's errors do to a landing.
@@ -215,7 +216,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   warn(q, found, run);
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
-  run.say(assumptions(q));
+  run.say(assumptions(q, found));
   if (!predict) report.figure(constants_figure(fit.parameters));
   const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
   if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);
@@ -233,11 +234,12 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   summary["rms"] = number(fit.rms);
   summary["identifiable"] = fit.identifiable;
   if (!predict) summary["trusted"] = fit.trusted();
+  if (!predict) tell_error_budget(q.rig, fit, report, summary, run);
   if (found.trust) tell(*found.trust, fit, report, summary, run);
   if (found.trust && found.trust->ladder) run.say(model_to_take(*found.trust->ladder));
   if (landing) tell(*landing, fit, report, summary, run);
   summary["minima"] = minima.objects();
-  summary["assumed"] = assumptions(q);
+  summary["assumed"] = assumptions(q, found);
   summary["trials"] = trials.objects();
   report.heading("Trials");
   report.table(trials);

@@ -40,6 +40,13 @@ std::vector<Series> angle_curves(const identify::Trial& trial, const identify::T
 int report(const IdentifyQuestion& question, const identify::Identification& found,
            const std::optional<LandingOfFit>& landing, Doubt doubt, Json summary, Run& run);
 
+// --- where its errors come from, error_budget.cpp ---
+
+/// "rig_errors" and "error_budget" of the summary, the table and what to measure better.
+void tell_error_budget(const identify::Rig& rig, const identify::Fit& fit, Report& report, Json& summary, Run& run);
+/// "hang a known weight on the load cell, or weigh the link": what would tell these terms by themselves.
+std::string experiments(const std::vector<std::string>& terms);
+
 // --- how far it can be trusted, trust.cpp ---
 
 /// Warns of what the tests find.

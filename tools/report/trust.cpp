@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -31,6 +32,16 @@ std::string interval(const identify::Profile& p) {
   return fmt::format("{} .. {} {}", end(p.low), end(p.high), p.unit);
 }
 
+/// What would explain the residuals in a term's place; empty where nothing would.
+std::string rivals_words(const Trust& t, const std::string& term) {
+  std::vector<std::string> others, all{term};
+  for (const identify::Rival& r : t.rivals)
+    if (r.term == term) others.push_back(fmt::format("{} of {:.4g}", r.other, r.value)), all.push_back(r.other);
+  if (others.empty()) return "";
+  return fmt::format("{} would explain the residuals as well as {}; to tell them apart: {}", fmt::join(others, ", or "),
+                     term, experiments(all));
+}
+
 std::string weakest_words(const Fit& fit) { return in_words(*fit.weakest, "trials", "the angles", "rad"); }
 
 /// What the tests say, a sentence each.
@@ -45,7 +56,11 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
         fmt::format("the model lacks {} (score test, p {}): of all terms it explains most of the residuals, their rms "
                     "would fall from {:.4g} to {:.4g} rad{}",
                     term, small(missed->p), std::sqrt(tests.score->variance), tests.rms_with(*missed), advice));
+    if (const std::string words = rivals_words(t, term); !words.empty()) out.push_back(words);
   }
+  for (const identify::Estimate& e : fit.nuisance)
+    if (const std::string words = e.trial < 0 ? rivals_words(t, e.name) : ""; !words.empty())
+      out.push_back(words + "; no constant is trusted that would then leave its interval");
   if (tests.whiteness.rejected)
     out.push_back(fmt::format("the residuals are not white (Ljung-Box, p {}; neighbours correlate by {:.2f})",
                               small(tests.whiteness.p), tests.whiteness.correlation));
@@ -97,6 +112,13 @@ Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& 
       {"", "", "bias that may hide [standard errors]", "{:.2g}", of_shared(&Test::bias, 3)},
   };
 }
+
+const Quantities<identify::Rival> rival_quantities = {
+    {"", "term", &identify::Rival::term},
+    {"", "other", &identify::Rival::other},
+    {"", "value", &identify::Rival::value},
+    {"", "bic", &identify::Rival::bic},
+};
 
 Quantities<identify::Rung> rung_quantities(const identify::Ladder& ladder) {
   return {
@@ -258,6 +280,7 @@ void tell(const Trust& t, const Fit& fit, Report& report, Json& summary, Run& ru
   }
   Json& j = summary["diagnostics"];
   tell_residuals(t.tests, report, j);
+  j["rivals"] = Table(rival_quantities, t.rivals).objects();
   if (t.ladder) tell_ladder(*t.ladder, report, j, run);
   if (!t.left_out.empty()) tell_left_out(t.left_out, report, j, run);
   if (!t.profiles.empty()) tell_profiles(t.profiles, fit, report, j, run);

@@ -19,18 +19,22 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Names at commas, each of a term of the table with that role.
-std::vector<std::string> term_names(const std::string& option, const std::string& list, identify::Term::Role role) {
-  std::vector<std::string> known, out;
-  for (const identify::RigTerm& t : identify::rig_terms())
-    if (t.role == role) known.push_back(t.name);
-  for (std::string name : split(list)) {
-    for (const identify::RigTerm& t : identify::rig_terms())
-      if (!t.alias.empty() && t.alias == name) name = t.name;
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      throw InputError(option + ": " + one_of(name, known));
-    out.push_back(name);
+/// Of a term of the table that `may` be named, by its name or its alias.
+template <class May>
+std::string term_name(const std::string& option, const std::string& given, May&& may) {
+  std::vector<std::string> known;
+  for (const identify::RigTerm& t : identify::rig_terms()) {
+    if (!may(t)) continue;
+    if (t.name == given || (!t.alias.empty() && t.alias == given)) return t.name;
+    known.push_back(t.name);
   }
+  throw InputError(option + ": " + one_of(given, known));
+}
+/// Names at commas, each of a term with that role.
+std::vector<std::string> term_names(const std::string& option, const std::string& list, identify::Term::Role role) {
+  std::vector<std::string> out;
+  for (const std::string& name : split(list))
+    out.push_back(term_name(option, name, [&](const identify::RigTerm& t) { return t.role == role; }));
   return out;
 }
 
@@ -54,10 +58,10 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   o.terms.nuisance = term_names("--nuisance", a.nuisance, kNuisance);
   for (const std::string& item : split(a.prior)) {
     const NamedPrior known = named_prior("--prior", item);
-    (void)constant_index("--prior", known.name);
-    std::erase_if(o.terms.priors,
-                  [&](const identify::Prior& p) { return p.term == known.name; });  // the last one holds
-    o.terms.priors.push_back({known.name, known.value, known.std});
+    const std::string name =
+        term_name("--prior", known.name, [](auto& t) { return t.scope == identify::Scope::kShared; });
+    std::erase_if(o.terms.priors, [&](const identify::Prior& p) { return p.term == name; });  // the last one holds
+    o.terms.priors.push_back({name, known.value, known.std});
   }
   o.explore = a.starts;
   o.threads = common.threads;
@@ -180,8 +184,9 @@ void add_identify(CLI::App& app, Action& chosen) {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
       verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
       verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
-      verb->add_option("--prior", args->prior,
-                       "k_sea=65:5,...: what is known beforehand, VALUE:STD, counted like a measurement");
+      verb->add_option(
+          "--prior", args->prior,
+          "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
       verb->add_option(
               "--starts", args->starts,
               "explore: so many starts within 10x of --start or of what the logs suggest, and every minimum found")

@@ -1,0 +1,68 @@
+// The residuals at a fit's minimum, and how they move with what was fitted and with terms that were not.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "common/decompositions.hpp"
+#include "identify/fit/fit.hpp"
+
+namespace ukemi::identify {
+
+/// Sums over parts of the logs of [J T L r]' [J T L r]: derivatives of the residuals r by what was fitted and is off
+/// its bounds, by further terms that all trials share, and by those that each has; a trial's own fitted terms
+/// eliminated.
+struct Sensitivity {
+  std::vector<Eigen::MatrixXd> parts;     ///< trial by trial
+  int parts_of_trial = 1;                 ///< as many for each, so that there are well more parts than parameters
+  std::vector<RigTerm> shared, of_trial;  ///< the further terms
+  std::vector<int> free;                  ///< what J is by: indices of Fit::fitted
+  Eigen::MatrixXd information;            ///< J' J and the priors'
+  Eigen::VectorXd slope;                  ///< J' r and the priors': 0 at the minimum
+  double variance = 0;                    ///< of a residual
+
+  int parameters() const { return int(free.size()); }
+  int columns() const { return int(parts.front().cols()); }
+  int trials() const { return int(parts.size()) / parts_of_trial; }
+  /// Sum over the parts of a block of them.
+  Eigen::MatrixXd sum(int row, int column, int rows, int columns) const;
+};
+
+/// A minimum: what was fitted, how, and where it ended. What it names must outlive it.
+struct AtMinimum {
+  const Rig& rig;
+  const std::vector<Trial>& trials;
+  const FitOptions& options;
+  const SeaParameters<double>& sea;
+  std::vector<Weighting> weights;
+  std::vector<double> globals;              ///< as Fit::fitted
+  std::vector<bool> at_bound;               ///< of these
+  std::vector<std::vector<double>> locals;  ///< of each trial
+};
+/// By every term that is absent, and by those that the rig states an error of (not tested where they are not absent).
+/// None where a trial cannot be followed.
+[[nodiscard]] std::optional<Sensitivity> sensitivity_of(const AtMinimum& at);
+
+/// Whether the rig of any trial states an error of a term that was not fitted.
+[[nodiscard]] bool states_errors(const AtMinimum& at);
+/// These terms, with what they do to the constants.
+[[nodiscard]] std::vector<Considered> considered_of(const AtMinimum& at, const Sensitivity& sensitivity);
+
+/// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.
+class ScaledSolver {
+ public:
+  explicit ScaledSolver(const Eigen::MatrixXd& a)
+      : unit_(a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
+        decomposition_(unit_.asDiagonal() * a * unit_.asDiagonal(), 1e-12) {}
+  Eigen::MatrixXd operator()(const Eigen::MatrixXd& b) const {
+    return unit_.asDiagonal() * decomposition_.solve(unit_.asDiagonal() * b);
+  }
+  long rank() const { return decomposition_.rank(); }
+
+ private:
+  Eigen::VectorXd unit_;
+  LeastNorm decomposition_;
+};
+
+}  // namespace ukemi::identify

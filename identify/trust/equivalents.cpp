@@ -1,0 +1,94 @@
+#include "identify/trust/equivalents.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ukemi::identify {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// What an explanation costs beside the residuals: the square of its size in the errors that the rig states.
+double surprise(const RigTerm& t, double size, const Rig& rig) {
+  const double error = t.error ? rig.errors.*t.error->at : 0;
+  return error > 0 ? size * size / (error * error) : 0;
+}
+
+/// A term whose column of the squares is `column`, `size` beyond its absence, while what stands in the columns `rest`
+/// follows.
+struct Explanation {
+  const RigTerm& term;
+  int column;
+  double size;
+  std::vector<int> rest;
+};
+
+std::vector<Rival> rivals(const Explanation& of, const Experiment& experiment, const Fit& fit, const Sensitivity& s) {
+  const MatrixXd squares = s.sum(0, 0, s.columns(), s.columns());
+  const ScaledSolver solve(s.information(of.rest, of.rest));
+  const auto follows = [&](int column) -> VectorXd { return -solve(squares(of.rest, std::vector{column})); };
+  const VectorXd own = follows(of.column);
+  // Of two columns, what the rest leaves of their product.
+  const auto left = [&](int column, const VectorXd& other, int other_column) {
+    return squares(column, other_column) + squares(of.rest, std::vector{column}).col(0).dot(other);
+  };
+  const double self = left(of.column, own, of.column), x = of.size, variance = s.variance;
+  std::vector<Rival> out;
+  if (!(x * x * self > kToldApart * variance)) return out;  // the logs hardly ask for it
+  for (std::size_t a = 0; a < s.shared.size(); ++a) {
+    const RigTerm& other = s.shared[a];
+    const int column = s.parameters() + int(a);
+    if (column == of.column) continue;
+    const VectorXd theirs = follows(column);
+    const double across = left(of.column, theirs, column), square = left(column, theirs, column);
+    if (!(square > 1e-12 * squares(column, column))) continue;  // the rest does all that it does
+    const double y = x * across / square;
+    const double bic = x * x * (self - across * across / square) / variance + surprise(other, y, experiment.rig) -
+                       surprise(of.term, x, experiment.rig);
+    if (!(bic < kToldApart) || (other.one_sided() && y < 0)) continue;
+    Rival r{of.term.name, other.name, other.absent + y, bic, std::vector<double>(fit.fitted.size(), 0.0)};
+    for (std::size_t i = 0; i < of.rest.size(); ++i)
+      r.shift[std::size_t(s.free[std::size_t(of.rest[i])])] = theirs[long(i)] * y - own[long(i)] * x;
+    out.push_back(std::move(r));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Rival> rivals_of(const Experiment& experiment, const Fit& fit, const Sensitivity& s,
+                             const std::string& lacking, double size) {
+  std::vector<int> rest;
+  for (int f = 0; f < s.parameters(); ++f) rest.push_back(f);
+  for (std::size_t a = 0; a < s.shared.size(); ++a)
+    if (s.shared[a].name == lacking)
+      return rivals({s.shared[a], s.parameters() + int(a), size, rest}, experiment, fit, s);
+  return {};
+}
+
+std::vector<Rival> rivals_of_fitted(const Experiment& experiment, const Fit& fit, const Sensitivity& s) {
+  const std::vector<const Estimate*> globals = fit.globals();
+  std::vector<Rival> out;
+  for (int f = 0; f < s.parameters(); ++f) {
+    const Estimate& e = *globals[std::size_t(s.free[std::size_t(f)])];
+    const RigTerm& term = experiment.options.terms[e.name];
+    if (term.is_constant() || !std::isfinite(term.absent)) continue;
+    std::vector<int> rest;
+    for (int g = 0; g < s.parameters(); ++g)
+      if (g != f) rest.push_back(g);
+    for (Rival& r : rivals({term, f, e.value - term.absent, rest}, experiment, fit, s)) out.push_back(std::move(r));
+  }
+  return out;
+}
+
+void distrust_moved(const std::vector<Rival>& rivals, Fit& fit) {
+  for (const Rival& r : rivals)
+    for (std::size_t g = 0; g < fit.fitted.size(); ++g)
+      for (Estimate& e : fit.parameters)
+        if (e.name == fit.fitted[g] && e.verdict == Identifiability::kTrusted && std::abs(r.shift[g]) > e.half_width())
+          e.verdict = Identifiability::kWeak;
+}
+
+}  // namespace ukemi::identify

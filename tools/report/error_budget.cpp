@@ -1,0 +1,90 @@
+// Where the errors of a fit come from: the logs' noise, and what the rig states.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/report/identify.hpp"
+
+namespace ukemi::tools {
+
+using identify::ErrorBudget;
+using identify::Fit;
+using identify::Rig;
+using identify::RigErrorKey;
+
+namespace {
+
+/// "inertia 1 %, ..., delay 1 ms".
+std::string errors_in_words(const Rig& rig) {
+  std::vector<std::string> out;
+  for (const auto& [key, at, unit] : identify::rig_error_keys())
+    if (const double error = rig.errors.*at; error > 0)
+      out.push_back(unit == RigErrorKey::Unit::kPart ? fmt::format("{} {:g} %", key, 100 * error)
+                                                     : fmt::format("{} {:g} ms", key, 1e3 * error));
+  return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
+}
+
+/// The term that the rig states an error of under this key.
+const identify::RigTerm* term_of(const std::string& key) {
+  for (const identify::RigTerm& t : identify::rig_terms())
+    if (t.error && t.error->key == key) return &t;
+  return nullptr;
+}
+
+Quantities<ErrorBudget> budget_quantities(const Fit& fit) {
+  Quantities<ErrorBudget> out = {{"", "", "share of the variance [%]", {}, &ErrorBudget::constant}};
+  for (std::size_t i = 0; i <= fit.considered.size(); ++i)
+    out.push_back({"", "", i == 0 ? "noise" : fit.considered[i - 1].name, "{:.1f}",
+                   [i](const ErrorBudget& b) { return number(100 * b.shares[i].second); }});
+  return out;
+}
+
+/// What makes most of the error of the constant that is known least, and what to do about it.
+std::string what_to_measure(const Fit& fit, const std::vector<ErrorBudget>& budget) {
+  const auto relative = [&](const ErrorBudget& b) {
+    const auto e = std::find_if(fit.parameters.begin(), fit.parameters.end(),
+                                [&](const identify::Estimate& p) { return p.name == b.constant; });
+    return e->half_width() / std::abs(e->value);
+  };
+  const ErrorBudget& least =
+      *std::max_element(budget.begin(), budget.end(), [&](auto& a, auto& b) { return relative(a) < relative(b); });
+  const auto& [source, share] =
+      *std::max_element(least.shares.begin(), least.shares.end(), [](auto& a, auto& b) { return a.second < b.second; });
+  const std::string text = fmt::format("{} is known least, within {:.2g} %: {:.0f} % of its variance is {}",
+                                       least.constant, 100 * relative(least), 100 * share, source);
+  const identify::RigTerm* term = term_of(source);
+  if (!term) return text + ": more hits, or harder ones, say more (`ukemi design`)";
+  return fmt::format("{}: {}, and state it with its error in the rig file, or fit it along (--nuisance {})", text,
+                     term->measure, term->name);
+}
+
+}  // namespace
+
+std::string experiments(const std::vector<std::string>& terms) {
+  std::vector<std::string> out;
+  for (const identify::RigTerm& t : identify::rig_terms())
+    if (std::find(terms.begin(), terms.end(), t.name) != terms.end() && !t.measure.empty()) out.push_back(t.measure);
+  return fmt::format("{}", fmt::join(out, "; or "));
+}
+
+void tell_error_budget(const Rig& rig, const Fit& fit, Report& report, Json& summary, Run& run) {
+  for (const auto& [key, at, unit] : identify::rig_error_keys()) summary["rig_errors"][key] = rig.errors.*at;
+  const std::vector<ErrorBudget> budget = error_budget(fit);
+  Json& j = summary["error_budget"] = Json::object();
+  for (const ErrorBudget& b : budget)
+    for (const auto& [source, share] : b.shares) j[b.constant][source] = number(share);
+  run.say("errors of the rig, standard deviations ([errors] of its file): " + errors_in_words(rig));
+  if (budget.empty() || fit.considered.empty()) return;
+  report.heading("Where the errors come from");
+  report.paragraph(
+      "Standard errors and intervals are the whole: the logs' noise, and what was not fitted, as far as the rig states "
+      "its error (" +
+      errors_in_words(rig) + ").");
+  (void)tell(Table(budget_quantities(fit), budget), report, run);
+  const std::string advice = what_to_measure(fit, budget);
+  run.say(advice), report.paragraph(advice + ".");
+}
+
+}  // namespace ukemi::tools
