@@ -52,6 +52,9 @@ bool plausible(double mean_square, int n) {
 
 DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& trials, const std::vector<Hit>& hits,
                   const DesignOptions& o, int repeats) {
+  rig.validate(), k.validate(), o.validate();
+  for (const Trial& t : trials) t.validate();
+  Range{0, 1e6, false, "0 to 1e6"}.require("repeats", repeats);
   std::vector<Experiment> experiments;
   const auto prepare = [&](Trial log) {
     Experiment e{std::move(log), {}, {}};

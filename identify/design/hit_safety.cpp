@@ -31,7 +31,16 @@ const char* name(HitSafety::Outcome outcome) {
   return kNames[int(outcome)];
 }
 
+void HitLog::validate() const {
+  const Range positive = Range::positive();
+  positive.require("rate", rate), positive.require("duration", duration);
+  Range::non_negative().require("start", start), Range::non_negative().require("noise", noise);
+  Range{1, 1e6, false, "1 to a million, rate times duration"}.require("samples", rate * duration);
+}
+
 Trial blank_log(const Hit& hit, const HitLog& log) {
+  log.validate();
+  Range::any().require("peak", hit.peak), Range::positive().require("width", hit.width);
   Trial trial;
   const int last = int(std::lround(log.duration * log.rate));
   for (int i = 0; i <= last; ++i) {
@@ -45,6 +54,8 @@ Trial blank_log(const Hit& hit, const HitLog& log) {
 }
 
 HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
+  rig.validate(), k.validate(), o.validate();
+  Range::any().require("peak", hit.peak), Range::positive().require("width", hit.width);
   // Watched more closely and longer than it will be logged: the hit itself, not its samples, moves the link.
   constexpr double kSamplesInPulse = 40, kLongEnough = 1;
   HitLog close = o.log;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/actuator.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "identify/fit/fit_search.hpp"
@@ -19,13 +20,24 @@ void FitOptions::validate() const {
   for (const Prior& p : terms.priors)
     if (terms[p.term].scope == Scope::kEach)
       throw InputError(fmt::format("prior of {}: each trial has its own; only shared terms can have one", p.term));
-  if (!(huber >= 0)) throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
-  if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
-    throw InputError(
-        fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
+  Range{1e-13, 1e-3, false, "a relative tolerance from 1e-13 to 1e-3"}.require("accuracy", accuracy);
+  rollout().validate();
+  if (!(huber >= 0 && std::isfinite(huber)))
+    throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
+  const Range count{0, 1e6, false, "0 to 1e6"};
+  count.require("restarts", restarts), count.require("starts", explore), count.require("threads", threads);
+  Range{1, 1e6, false, "1 to 1e6"}.require("max_iterations", max_iterations);
+  starts.validate();
 }
 
 namespace {
+
+void validate(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
+              const FitOptions& options) {
+  if (trials.empty()) throw InputError("no trials: at least one is needed");
+  rig.validate(), options.validate(), ukemi::validate(sea);
+  for (const Trial& t : trials) t.validate();
+}
 
 std::vector<Estimate> constants_of(const Terms<RigTerm>& terms, const SeaParameters<double>& sea) {
   return identify::as_given(terms, [&](const RigTerm& t) { return t.value_in(sea); });
@@ -113,7 +125,8 @@ void report(const FitSearch& search, const std::vector<Trial>& trials, const Fit
 
 Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<SeaParameters<double>>& start,
         const SeaParameters<double>& base, const FitOptions& options) {
-  options.validate();
+  validate(rig, trials, base, options);
+  if (start) ukemi::validate(*start);
   FitSearch search(rig, trials, start, base, options);
   Fit out;
   LogCheck logs = check_logs(trials);
@@ -142,7 +155,8 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
 
 Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
             const FitOptions& options) {
-  options.validate();
+  validate(rig, trials, sea, options);
+  Range::positive().require("i_motor", sea.i_motor);
   Fit out;
   out.warnings = check_logs(trials).warnings;
   out.sea = sea;

@@ -11,6 +11,15 @@
 
 namespace ukemi::identify {
 
+void StartOptions::validate() const {
+  const Range count{1, 1e6, false, "1 to 1e6"}, level = Range::non_negative(), factor{1, 1e6, true, "above 1"};
+  count.require("draws", draws), count.require("draws_near", draws_near), count.require("steps", double(steps));
+  Range{1e-13, 1e-3, false, "1e-13 to 1e-3"}.require("accuracy of starts", accuracy);
+  factor.require("apart", apart), factor.require("spread", spread);
+  level.require("sample_steps", sample_steps), level.require("fit_steps", fit_steps);
+  level.require("fit_sample_steps", fit_sample_steps), level.require("fit_starts", fit_starts);
+}
+
 namespace {
 
 /// Angular frequency of a log: rms rate over rms deviation, on differences wide enough to see past the noise [rad/s].

@@ -12,6 +12,20 @@ SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
   return sea;
 }
 
+void Rig::validate() const {
+  const Range positive = Range::positive(), level = Range::non_negative();
+  positive.require("rig: length", length), positive.require("rig: inertia", inertia);
+  if (tau_max) level.require("rig: tau_max", *tau_max);
+  for (const auto& [name, value] : {std::pair("rig: gear_ratio", &gear_ratio),
+                                    {"rig: speed_max", &speed_max},
+                                    {"rig: motor_torque_max", &motor_torque_max}})
+    if (*value) positive.require(name, **value);
+  level.require("rig: gravity_moment", gravity.moment), Range::any().require("rig: hanging", gravity.hanging);
+  if (drive.kind == Drive::Kind::kController) positive.require("rig: command_gain", drive.gain);
+  for (const auto& [name, value] : {std::pair("rig: command_limit", drive.limit), {"rig: command_rate", drive.rate}})
+    if (!(value > 0 && std::isinf(value))) positive.require(name, value);
+}
+
 namespace {
 
 Drive read_drive(TomlSection& s, Feedback feedback) {
@@ -50,6 +64,7 @@ Rig read_rig(const std::string& path) {
   rig.inertia = joint ? *joint : *com + *mass * 0.25 * rig.length * rig.length;
   rig.tau_max = s.optional_number("tau_max", Range::non_negative());
   rig.speed_max = s.optional_number("speed_max", Range::positive());
+  rig.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
   rig.gear_ratio = s.optional_number("gear_ratio", Range::positive());
   rig.feedback = read_feedback(s);
   const auto moment = s.optional_number("gravity_moment", Range::non_negative());

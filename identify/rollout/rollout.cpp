@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/median.hpp"
+#include "common/toml.hpp"
 #include "identify/logs/force_curve.hpp"
 #include "identify/rollout/kernels.hpp"
 
@@ -14,7 +15,14 @@ const char* name(RolloutStatus status) {
   return kNames[int(status)];
 }
 
-PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cut(0)) {
+void RolloutOptions::validate() const {
+  Range{1e-16, 1e-2, false, "a relative tolerance from 1e-16 to 1e-2"}.require("accuracy", accuracy);
+  Range::positive().require("max_step", max_step);
+  if (!(escape > 0)) Range::positive().require("escape", escape);  // infinite where many turns are meant
+  Range{1, 1e9, false, "1 to 1e9"}.require("max_steps", double(max_steps));
+}
+
+PreparedTrial::PreparedTrial(const Trial& source) : trial((source.validate(), &source)), stretches(cut(0)) {
   const std::vector<double>& t = source.t;
   phi_start = source.phi_ref.empty() ? 0 : source.phi_ref[0];
   std::vector<double> intervals;

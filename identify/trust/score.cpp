@@ -1,9 +1,13 @@
 #include "identify/trust/score.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "common/actuator.hpp"
 #include "common/decompositions.hpp"
+#include "common/error.hpp"
 #include "identify/estimate/statistics.hpp"
 #include "identify/fit/trial_problem.hpp"
 
@@ -61,7 +65,21 @@ std::optional<MatrixXd> columns_of(const LeastSquaresProblem& problem, int m, co
 
 }  // namespace
 
+void Experiment::validate(const Fit& fit) const {
+  rig.validate(), options.validate(), ukemi::validate(fit.sea);
+  if (fit.trials.size() != trials.size())
+    throw InputError(fmt::format("a fit of {} trials for {} trials", fit.trials.size(), trials.size()));
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    trials[m].validate();
+    const TrialResult& r = fit.trials[m];
+    if (r.status == RolloutStatus::kDone && r.phi.size() != trials[m].samples())
+      throw InputError(
+          fmt::format("{}: {} predicted angles for {} samples", r.file, r.phi.size(), trials[m].samples()));
+  }
+}
+
 std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
+  experiment.validate(fit);
   const auto failed = [](const TrialResult& r) { return r.status != RolloutStatus::kDone; };
   if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
   Score out;

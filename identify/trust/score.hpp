@@ -15,6 +15,7 @@ struct Experiment {
   const Rig& rig;
   const std::vector<Trial>& trials;
   FitOptions options;
+  void validate(const Fit& fit) const;  ///< throws InputError, also where `fit` is not of these trials
 };
 
 /// The score test of a term that the fit lacks: the slope of the cost at the term's absence, the fitted terms
