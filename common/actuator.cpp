@@ -49,14 +49,6 @@ std::optional<double> Actuator::standard_error(const std::string& constant) cons
   return std::sqrt(covariance(i, i));
 }
 
-void validate(const SeaParameters<double>& sea) {
-  const Range level = Range::non_negative();
-  const auto u = constants(sea);
-  for (std::size_t k = 0; k < kConstants; ++k) level.require(kConstantNames[k], u[k]);
-  for (const OptionalConstant& c : optional_constants()) c.range.require(c.key, sea.*c.at);
-  if (!(sea.tau_max > 0 && std::isinf(sea.tau_max))) level.require("tau_max", sea.tau_max);
-}
-
 bool by_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0; }
 
 Actuator read_actuator(const std::string& path) {

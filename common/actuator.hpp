@@ -56,9 +56,6 @@ struct Actuator {
   std::optional<double> standard_error(const std::string& constant) const;
 };
 
-/// Throws InputError "NAME: value: rule" where a constant of Eq. 2-4 cannot be; all at least 0.
-void validate(const SeaParameters<double>& sea);
-
 /// Whether its drive was identified by its command alone: K_t stands in place of K_p and K_d.
 bool by_command(const SeaParameters<double>& sea);
 

@@ -34,14 +34,6 @@ Range Range::any() {
 Range Range::positive() { return {0, std::numeric_limits<double>::infinity(), true, "above 0"}; }
 Range Range::non_negative() { return {0, std::numeric_limits<double>::infinity(), false, "at least 0"}; }
 
-bool Range::holds(double value) const {
-  return std::isfinite(value) && value >= low && value <= high && !(low_open && value <= low);
-}
-double Range::require(const std::string& what, double value) const {
-  if (holds(value)) return value;
-  throw InputError(fmt::format("{}: {}: must be {}", what, shortest(value), rule));
-}
-
 struct TomlFile::Data {
   std::string path;
   toml::table root;
@@ -214,7 +206,8 @@ double TomlSection::checked(const std::string& key, const void* n, const Range& 
   if (!std::isfinite(*value)) fail(key, shortest(*value) + ": a finite number is needed");
   if (const auto* whole = as_node(n)->as_integer(); whole && whole->flags() != toml::value_flags::none)
     fail(key, show(*as_node(n)) + ": a decimal number is needed");
-  if (!range.holds(*value)) fail(key, shortest(*value) + ": must be " + std::string(range.rule));
+  if (*value < range.low || *value > range.high || (range.low_open && *value <= range.low))
+    fail(key, shortest(*value) + ": must be " + range.rule);
   return *value;
 }
 

@@ -16,14 +16,11 @@ namespace ukemi {
 struct Range {
   double low, high;
   bool low_open = false;
-  const char* rule = "";  ///< in words, for the message
+  std::string rule;  ///< the rule in words, for the message
 
   static Range any();
   static Range positive();
   static Range non_negative();
-  bool holds(double value) const;  ///< finite, and within
-  /// The value; throws InputError "WHAT: value: must be RULE" where it is not within.
-  double require(const std::string& what, double value) const;
 };
 
 class TomlSection;

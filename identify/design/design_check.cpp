@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 #include "identify/design/design.hpp"
@@ -54,7 +55,7 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
                   const DesignOptions& o, int repeats) {
   rig.validate(), k.validate(), o.validate();
   for (const Trial& t : trials) t.validate();
-  Range{0, 1e6, false, "0 to 1e6"}.require("repeats", repeats);
+  check_count("repeats", repeats, 0, 1'000'000);
   std::vector<Experiment> experiments;
   const auto prepare = [&](Trial log) {
     Experiment e{std::move(log), {}, {}};

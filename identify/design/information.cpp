@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/checks.hpp"
 #include "common/decompositions.hpp"
 #include "common/error.hpp"
 #include "identify/estimate/least_squares.hpp"
@@ -30,7 +31,7 @@ void Knowledge::validate() const {
   for (const int c : constants) {
     if (c < 0 || c >= kConstants)
       throw InputError(fmt::format("knowledge: constant {}: 0 to {} is needed", c, kConstants - 1));
-    Range::positive().require(kConstantNames[slot(c)], u[slot(c)]);
+    check_positive(kConstantNames[slot(c)], u[slot(c)]);
   }
   const long n = long(constants.size());
   if (n == 0 || n > kConstants || information.rows() != n || information.cols() != n || !information.allFinite())
@@ -51,7 +52,7 @@ RolloutStatus differentiate(const Rig& rig, const SeaParameters<double>& sea, co
 
 std::optional<MatrixXd> information_of(const Rig& rig, const SeaParameters<double>& sea,
                                        const std::vector<int>& constants, const Trial& trial, double noise) {
-  Range::positive().require("noise", noise);
+  check_positive("noise", noise);
   thread_local std::vector<ConstantJet> phi, phi_m;
   const PreparedTrial prepared(trial);
   if (differentiate(rig, sea, constants, prepared, phi, phi_m) != RolloutStatus::kDone) return std::nullopt;

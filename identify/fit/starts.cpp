@@ -6,18 +6,19 @@
 #include <numeric>
 
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/random.hpp"
 #include "identify/logs/hits.hpp"
 
 namespace ukemi::identify {
 
 void StartOptions::validate() const {
-  const Range count{1, 1e6, false, "1 to 1e6"}, level = Range::non_negative(), factor{1, 1e6, true, "above 1"};
-  count.require("draws", draws), count.require("draws_near", draws_near), count.require("steps", double(steps));
-  Range{1e-13, 1e-3, false, "1e-13 to 1e-3"}.require("accuracy of starts", accuracy);
-  factor.require("apart", apart), factor.require("spread", spread);
-  level.require("sample_steps", sample_steps), level.require("fit_steps", fit_steps);
-  level.require("fit_sample_steps", fit_sample_steps), level.require("fit_starts", fit_starts);
+  constexpr long kMost = 1'000'000;
+  check_count("draws", draws, 1, kMost), check_count("draws_near", draws_near, 1, kMost);
+  check_count("steps", steps, 1, kMost), check_positive("accuracy of starts", accuracy);
+  check_positive("apart - 1", apart - 1), check_positive("spread - 1", spread - 1);
+  check_not_negative("sample_steps", sample_steps), check_not_negative("fit_steps", fit_steps);
+  check_not_negative("fit_sample_steps", fit_sample_steps), check_not_negative("fit_starts", fit_starts);
 }
 
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/median.hpp"
-#include "common/toml.hpp"
 #include "identify/logs/columns.hpp"
 #include "identify/logs/hits.hpp"
 
@@ -144,10 +144,9 @@ void Trial::validate() const {
   check("phi_ref", phi_ref, t.size()), check("dphi_ref", dphi_ref, t.size()), check("command", command, t.size());
   check("force", force, force_t.empty() ? t.size() : force_t.size());
   if (!dphi_ref.empty() && phi_ref.empty()) throw InputError(what + ": dphi_ref without phi_ref");
-  const Range level = Range::non_negative();
-  level.require(what + ": command_delay", command_delay), level.require(what + ": force_noise", force_noise);
-  Range{0, 1, false, "from 0 to 1"}.require(what + ": force_smooth", force_smooth);
-  Range::any().require(what + ": force_rest", force_rest);
+  check_not_negative(what + ": force_noise", force_noise), check_finite(what + ": force_rest", force_rest);
+  // Differences by these two step over their bounds: `fit` holds the bounds.
+  check_finite(what + ": command_delay", command_delay), check_finite(what + ": force_smooth", force_smooth);
   if (rig) rig->validate();
 }
 

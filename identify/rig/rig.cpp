@@ -1,6 +1,7 @@
 #include "identify/rig/rig.hpp"
 
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/degrees.hpp"
 #include "common/toml.hpp"
 
@@ -13,17 +14,16 @@ SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
 }
 
 void Rig::validate() const {
-  const Range positive = Range::positive(), level = Range::non_negative();
-  positive.require("rig: length", length), positive.require("rig: inertia", inertia);
-  if (tau_max) level.require("rig: tau_max", *tau_max);
-  for (const auto& [name, value] : {std::pair("rig: gear_ratio", &gear_ratio),
-                                    {"rig: speed_max", &speed_max},
-                                    {"rig: motor_torque_max", &motor_torque_max}})
-    if (*value) positive.require(name, **value);
-  level.require("rig: gravity_moment", gravity.moment), Range::any().require("rig: hanging", gravity.hanging);
-  if (drive.kind == Drive::Kind::kController) positive.require("rig: command_gain", drive.gain);
-  for (const auto& [name, value] : {std::pair("rig: command_limit", drive.limit), {"rig: command_rate", drive.rate}})
-    if (!(value > 0 && std::isinf(value))) positive.require(name, value);
+  check_positive("rig: length", length), check_positive("rig: inertia", inertia);
+  if (tau_max) check_not_negative("rig: tau_max", *tau_max);
+  if (gear_ratio) check_positive("rig: gear_ratio", *gear_ratio);
+  if (speed_max) check_positive("rig: speed_max", *speed_max);
+  if (motor_torque_max) check_positive("rig: motor_torque_max", *motor_torque_max);
+  check_not_negative("rig: gravity_moment", gravity.moment), check_finite("rig: hanging", gravity.hanging);
+  if (drive.kind == Drive::Kind::kController) check_positive("rig: command_gain", drive.gain);
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  if (drive.limit != kNone) check_positive("rig: command_limit", drive.limit);
+  if (drive.rate != kNone) check_positive("rig: command_rate", drive.rate);
 }
 
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/median.hpp"
-#include "common/toml.hpp"
 #include "identify/logs/force_curve.hpp"
 #include "identify/rollout/kernels.hpp"
 
@@ -16,10 +16,9 @@ const char* name(RolloutStatus status) {
 }
 
 void RolloutOptions::validate() const {
-  Range{1e-16, 1e-2, false, "a relative tolerance from 1e-16 to 1e-2"}.require("accuracy", accuracy);
-  Range::positive().require("max_step", max_step);
-  if (!(escape > 0)) Range::positive().require("escape", escape);  // infinite where many turns are meant
-  Range{1, 1e9, false, "1 to 1e9"}.require("max_steps", double(max_steps));
+  check_positive("accuracy", accuracy), check_positive("max_step", max_step);
+  if (escape != std::numeric_limits<double>::infinity()) check_positive("escape", escape);
+  check_count("max_steps", max_steps, 1, 1'000'000'000);
 }
 
 PreparedTrial::PreparedTrial(const Trial& source) : trial((source.validate(), &source)), stretches(cut(0)) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/actuator.hpp"
 #include "common/decompositions.hpp"
 #include "common/error.hpp"
 #include "identify/estimate/statistics.hpp"
@@ -66,7 +65,7 @@ std::optional<MatrixXd> columns_of(const LeastSquaresProblem& problem, int m, co
 }  // namespace
 
 void Experiment::validate(const Fit& fit) const {
-  rig.validate(), options.validate(), ukemi::validate(fit.sea);
+  rig.validate(), options.validate();
   if (fit.trials.size() != trials.size())
     throw InputError(fmt::format("a fit of {} trials for {} trials", fit.trials.size(), trials.size()));
   for (std::size_t m = 0; m < trials.size(); ++m) {

@@ -34,13 +34,14 @@ TEST_CASE("ratings: identify takes them from the rig, an option goes before it")
 TEST_CASE("ratings: what plans on an actuator without them says so first, in the report and in the summary") {
   const Folder f;
   f.write("rig.toml", unrated(kRig));
-  done(f, kTwo + Arguments{"rig.toml", "-o", "fit"});
+  CHECK_THAT(done(f, kTwo + Arguments{"rig.toml", "-o", "fit"}).out,
+             Contains("the motor's ratings are unknown (speed_max, motor_torque_max): --speed-max"));
   CHECK(read(f.at("fit/actuator.toml")).find("motor_torque_max") == std::string::npos);
   const std::string said =
       "actuator.toml: the motor's ratings of speed and torque are unknown (speed_max, motor_torque_max)";
   const Arguments on = {kPaper, "--actuator", "fit/actuator.toml", "-o", "out"};
   for (const Arguments& verb : {Arguments{"optimize", "--evaluations", "200"}, Arguments{"simulate", "--hold", "-45"},
-                                Arguments{"risk", "--motion", dataset("drops/bend.toml"), "--samples", "64"},
+                                Arguments{"risk", "--motion", dataset("drops/bend.toml"), "--samples", "200"},
                                 Arguments{"ratings", "--motor-speed", "2:3:2", "--evaluations", "100"}}) {
     INFO(verb[0]);
     done(f, verb + on);

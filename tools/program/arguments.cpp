@@ -39,11 +39,6 @@ std::string number_fault(const std::string& text, Whole whole) {
          (text.find_first_of("xX") != std::string::npos ? ", in decimal digits" : "");
 }
 
-double above_zero(const std::string& option, double value) {
-  if (value > 0 && std::isfinite(value)) return value;
-  throw InputError(fmt::format("{}: {}: a finite number above 0 is needed", option, value));
-}
-
 std::uint64_t to_seed(const std::string& option, const std::string& text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -11,7 +11,11 @@
 
 namespace ukemi::python {
 
-double checked(const std::string& what, double value, const Range& range) { return range.require(what, value); }
+double checked(const std::string& what, double value, const Range& range) {
+  if (std::isfinite(value) && value >= range.low && value <= range.high && !(range.low_open && value == range.low))
+    return value;
+  throw InputError(fmt::format("{}: {}: must be {}", what, shortest(value), range.rule));
+}
 std::optional<double> checked(const std::string& what, std::optional<double> value, const Range& range) {
   if (value) checked(what, *value, range);
   return value;

@@ -222,6 +222,8 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
   run.say(assumptions(q));
+  if (const std::string unknown = fitted_actuator(q, fit).unknown_ratings(); !predict && !unknown.empty())
+    run.say("the motor's ratings are unknown (" + unknown + "): --speed-max, --motor-torque-max, or the rig's keys");
   if (!predict) report.figure(constants_figure(fit.parameters));
   const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
   if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);

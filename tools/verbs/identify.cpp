@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <tuple>
 
+#include "common/checks.hpp"
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
@@ -133,9 +133,9 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
                      .rig = rig_of(a.rig, a.reading),
                      .exports = a.exports};
   run.input(a.rig);
-  for (const auto& [option, given, rating] : {std::tuple("--speed-max", &a.speed_max, &q.rig.speed_max),
-                                              {"--motor-torque-max", &a.motor_torque_max, &q.rig.motor_torque_max}})
-    if (*given) *rating = above_zero(option, **given);
+  if (a.speed_max) check_positive("--speed-max", *a.speed_max), q.rig.speed_max = a.speed_max;
+  if (a.motor_torque_max)
+    check_positive("--motor-torque-max", *a.motor_torque_max), q.rig.motor_torque_max = a.motor_torque_max;
   if (predict) q.given = actuator_of(a.actuator, run);
   if (!a.start.empty()) q.given = read_actuator(a.start), run.input(a.start);
   q.options = fit_options(a, common);
