@@ -41,6 +41,11 @@ const std::vector<OptionalConstant>& optional_constants() {
   return list;
 }
 
+std::string Actuator::unknown_ratings() const {
+  if (!speed_max) return motor_torque_max ? "speed_max" : "speed_max, motor_torque_max";
+  return motor_torque_max ? "" : "motor_torque_max";
+}
+
 std::optional<double> Actuator::standard_error(const std::string& constant) const {
   const auto it = std::find(uncertain.begin(), uncertain.end(), constant);
   if (it == uncertain.end()) return std::nullopt;
@@ -67,6 +72,7 @@ Actuator read_actuator(const std::string& path) {
   if (const auto v = s.optional_number("tau_max", constant)) a.sea.tau_max = *v;
   a.sea.feedback = read_feedback(s).value_or(Feedback::kOutput);
   a.speed_max = s.optional_number("speed_max", Range::positive());
+  a.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
   if (auto u = file.optional("uncertainty")) {
     std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
     known.emplace_back("tau_max");
@@ -90,8 +96,9 @@ std::string to_toml(const Actuator& a, double half_width) {
   const auto u = constants(a.sea);
   for (int i = by_command(a.sea) ? 2 : 0; i < kConstants; ++i)
     t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
-  if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm\n", shortest(a.sea.tau_max));
-  if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s\n", shortest(*a.speed_max));
+  if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm, of the spring\n", shortest(a.sea.tau_max));
+  if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s, of the motor\n", shortest(*a.speed_max));
+  if (a.motor_torque_max) t += fmt::format("motor_torque_max = {}  # Nm\n", shortest(*a.motor_torque_max));
   for (const OptionalConstant& c : optional_constants())
     if (const double v = a.sea.*c.at; v != c.absent) t += fmt::format("{} = {}  # {}\n", c.key, shortest(v), c.unit);
   t += fmt::format("feedback = \"{}\"\n", name(a.sea.feedback));

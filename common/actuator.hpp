@@ -45,14 +45,17 @@ const std::vector<OptionalConstant>& optional_constants();
 struct Actuator {
   std::string name;
   SeaParameters<double> sea;
-  std::optional<double> speed_max;     ///< rated motor speed at the output [rad/s]; a rating, not a term
-  std::vector<std::string> uncertain;  ///< [uncertainty] order: the constants that were fitted
-  Eigen::MatrixXd covariance;          ///< of those, in their order
+  std::optional<double> speed_max;         ///< rated motor speed at the output [rad/s]; a rating, not a term
+  std::optional<double> motor_torque_max;  ///< rated motor torque at the output [Nm]; sea.tau_max limits the spring
+  std::vector<std::string> uncertain;      ///< [uncertainty] order: the constants that were fitted
+  Eigen::MatrixXd covariance;              ///< of those, in their order
   /// [verdict]: constant and how far the fit that found it may be relied on ("trusted", "weak", "not identifiable", "at
   /// its bound", "fixed"), in the order of kConstantNames; empty where the file says nothing.
   std::vector<std::pair<std::string, std::string>> verdicts;
   std::vector<std::pair<std::string, std::string>> provenance;  ///< written as text
 
+  /// Keys of the ratings that are not known, "speed_max, motor_torque_max"; empty where both are.
+  std::string unknown_ratings() const;
   /// Standard error of a constant, where the file gives one.
   std::optional<double> standard_error(const std::string& constant) const;
 };

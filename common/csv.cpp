@@ -121,10 +121,27 @@ void CsvTable::require_full(int column) const {
 }
 
 void CsvTable::require_increasing(int column, const std::vector<double>& t) const {
-  for (std::size_t i = 1; i < t.size(); ++i)
+  if (const auto fault = time_fault(t))
+    throw InputError(at(column, fault->at), fmt::format("column 't': {}: {}", shortest(t[fault->at]), fault->rule));
+}
+
+std::optional<TimeFault> time_fault(const std::vector<double>& t) {
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!std::isfinite(t[i])) return TimeFault{i, "a finite number is needed"};
+    if (i == 0) continue;
     if (!(t[i] > t[i - 1]))
-      throw InputError(at(column, i), fmt::format("column 't': {}: time must increase; {} stands before it",
-                                                  shortest(t[i]), shortest(t[i - 1])));
+      return TimeFault{i, fmt::format("time must increase; {} stands before it", shortest(t[i - 1]))};
+    if (t[i] - t[i - 1] >= kLongestGap)
+      return TimeFault{
+          i, fmt::format("less than {:g} s after the time before it, {}, is needed", kLongestGap, shortest(t[i - 1]))};
+  }
+  return std::nullopt;
+}
+
+void require_times(const std::string& what, const std::vector<double>& t) {
+  if (t.size() < 2) throw InputError(fmt::format("{}: {} values: at least two are needed", what, t.size()));
+  if (const auto fault = time_fault(t))
+    throw InputError(fmt::format("{}[{}]: {}: {}", what, fault->at, shortest(t[fault->at]), fault->rule));
 }
 
 std::vector<std::string> csv_header(const std::string& path) {

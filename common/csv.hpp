@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,19 @@
 #include "common/error.hpp"
 
 namespace ukemi {
+
+/// Between two samples of a log: a longer gap is another log, or a clock that was set [s].
+inline constexpr double kLongestGap = 1e5;
+
+/// A time that cannot follow those before it.
+struct TimeFault {
+  std::size_t at;
+  std::string rule;
+};
+/// The first of `t` [s] that is not finite, does not increase, or stands kLongestGap or more behind the one before.
+std::optional<TimeFault> time_fault(const std::vector<double>& t);
+/// Throws InputError "WHAT[i]: value: rule" where there is one, or fewer than two times.
+void require_times(const std::string& what, const std::vector<double>& t);
 
 /// A column's cells as numbers, with where each stands. An empty cell is NaN and `empty` there.
 struct CsvTable {
@@ -29,7 +43,7 @@ struct CsvTable {
   Location at(int column, std::size_t row) const { return {file, line[row], column_of[column][row]}; }
   /// Throws InputError where a cell of the column is empty.
   void require_full(int column) const;
-  /// Throws InputError where `t`, which stands in the column, does not increase.
+  /// Throws InputError where `t`, the column in seconds, has a time_fault.
   void require_increasing(int column, const std::vector<double>& t) const;
 };
 

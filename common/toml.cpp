@@ -239,6 +239,8 @@ double TomlSection::checked(const std::string& key, const void* n, const Range& 
   const auto value = as_node(n)->value<double>();
   if (!value || as_node(n)->is_boolean()) fail(key, show(*as_node(n)) + ": a number is needed");
   if (!std::isfinite(*value)) fail(key, shortest(*value) + ": a finite number is needed");
+  if (const auto* whole = as_node(n)->as_integer(); whole && whole->flags() != toml::value_flags::none)
+    fail(key, show(*as_node(n)) + ": a decimal number is needed");
   if (*value < range.low || *value > range.high || (range.low_open && *value <= range.low))
     fail(key, shortest(*value) + ": must be " + range.rule);
   return *value;

@@ -1,5 +1,7 @@
 #include "tools/app.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <sstream>
 
@@ -29,6 +31,45 @@ void add_manual(CLI::App& app, Action& chosen) {
   });
 }
 
+/// Numbers are decimal, and what is none is told by our own words.
+void check_numbers(CLI::App& app) {
+  for (CLI::App* verb : app.get_subcommands({})) {
+    check_numbers(*verb);
+    for (CLI::Option* option : verb->get_options()) {
+      const std::string type = option->get_type_name();
+      const bool whole = type.starts_with("INT") || type.starts_with("UINT");
+      if (whole || type.starts_with("FLOAT"))
+        option->check(CLI::Validator(
+            [whole](const std::string& text) { return number_fault(text, whole ? Whole::kYes : Whole::kNo); }, ""));
+    }
+  }
+}
+
+/// Throws InputError on a verb or an option that there is not, with the nearest one.
+void check_words(const CLI::App& app, const std::vector<std::string>& words) {
+  const CLI::App* verb = &app;
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    std::vector<std::string> known;
+    if (word == "--") return;
+    if (word.starts_with("--")) {
+      for (const CLI::Option* option : verb->get_options())
+        for (const std::string& n : option->get_lnames()) known.push_back("--" + n);
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        throw InputError(fmt::format("{}: no such option of {}{}", quoted(name), verb->get_name(), hint(name, known)));
+      continue;
+    }
+    const auto verbs = verb->get_subcommands([](const CLI::App*) { return true; });
+    const auto at = std::find_if(verbs.begin(), verbs.end(), [&](auto* v) { return v->get_name() == word; });
+    for (const CLI::App* v : verbs)
+      if (!v->get_group().empty()) known.push_back(v->get_name());
+    if (at != verbs.end())
+      verb = *at;
+    else if (verb == &app && !word.starts_with('-'))
+      throw InputError(quoted(word) + ": no such verb" + hint(word, known));
+  }
+}
+
 }  // namespace
 
 void add_verbs(CLI::App& app, Action& chosen) {
@@ -40,6 +81,7 @@ void add_verbs(CLI::App& app, Action& chosen) {
   for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
                          add_map, add_ratings, add_risk, add_atlas, add_bench, add_manual})
     add(app, chosen);
+  check_numbers(app);
 }
 
 Action action_of(int argc, const char* const* argv) {
@@ -47,11 +89,12 @@ Action action_of(int argc, const char* const* argv) {
   Action chosen;
   add_verbs(app, chosen);
   try {
-    std::vector<std::string> verbs;
-    for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
-    if (argc > 1 && argv[1][0] != '-' && std::find(verbs.begin(), verbs.end(), argv[1]) == verbs.end())
-      throw InputError(quoted(argv[1]) + ": no such verb" + hint(argv[1], verbs));
-    app.parse(argc, argv);
+    std::vector<std::string> words(argv + 1, argv + argc);
+    if (!words.empty() && words.front() == "help")
+      std::rotate(words.begin(), words.begin() + 1, words.end()), words.back() = "--help";
+    check_words(app, words);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(std::move(words));
     return chosen;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) throw InputError(e.what());

@@ -181,22 +181,19 @@ void DesignOptions::validate() const {
   require(budget.max_width >= budget.min_width && std::isfinite(budget.max_width), "width", budget.max_width,
           fmt::format("the longest pulse must be at least the shortest, {} s", shortest(budget.min_width)));
   require(budget.angle > 0 && budget.angle < kEscape, "angle", budget.angle, "must lie between 0 and pi rad");
-  positive("rate", log.rate, "Hz");
-  positive("duration", log.duration, "s");
+  log.validate();
   positive("noise", log.noise, "rad");
   require(log.duration > log.start + budget.max_width, "duration", log.duration,
           fmt::format("the log must go on after the hit, which ends at {} s", shortest(log.start + budget.max_width)));
   require(log.rate * budget.min_width >= HitLog::kFewest, "rate", log.rate,
           fmt::format("a pulse of {} s needs at least {} samples, or the log loses part of the impulse",
                       shortest(budget.min_width), HitLog::kFewest));
-  constexpr double kMost = 1e6;
-  require(log.rate * log.duration <= kMost, "rate", log.rate, "at most a million samples a log");
   require(hits >= 1 && hits <= 20, "hits", hits, "must lie between 1 and 20");
   require(peaks >= 1 && widths >= 2 && draws >= 0, "grid", peaks, "at least one peak, two widths, no draws below 0");
 }
 
 Design design(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
-  o.validate();
+  rig.validate(), k.validate(), o.validate();
   Design out;
   out.before = half_widths(k.information, k.measurements);
   out.size_before = out.size_after = size_of(o.criterion, k.information);

@@ -32,10 +32,12 @@ struct HitLog {
   double start = 0.05;  ///< of the hit [s]
   double noise = 0;     ///< standard deviation of an angle [rad], > 0
   enum class Outputs { kLink, kLinkAndMotor } outputs = Outputs::kLink;
+  void validate() const;             ///< throws InputError: at most a million samples, which begin before the hit
   static constexpr int kFewest = 8;  ///< samples in a pulse: with fewer the log biases the fit
 };
 
-/// The log that a hit will leave, force as sampled; angles, not measured yet, are 0.
+/// The log that a hit will leave (InputError where width, rate or duration are not above 0), force as sampled; angles,
+/// not measured yet, are 0.
 Trial blank_log(const Hit& hit, const HitLog& log);
 
 /// How near a hit comes to what it must not do: at the estimate, and over the 95 % ellipsoid about it (its axes'

@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 #include "identify/design/design.hpp"
@@ -52,6 +53,9 @@ bool plausible(double mean_square, int n) {
 
 DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& trials, const std::vector<Hit>& hits,
                   const DesignOptions& o, int repeats) {
+  rig.validate(), k.validate(), o.validate();
+  for (const Trial& t : trials) t.validate();
+  check_count("repeats", repeats, 0, 1'000'000);
   std::vector<Experiment> experiments;
   const auto prepare = [&](Trial log) {
     Experiment e{std::move(log), {}, {}};

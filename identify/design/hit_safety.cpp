@@ -1,8 +1,12 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
 
+#include "common/checks.hpp"
+#include "common/csv.hpp"
 #include "common/decompositions.hpp"
 #include "common/random.hpp"
 #include "identify/design/design.hpp"
@@ -31,7 +35,17 @@ const char* name(HitSafety::Outcome outcome) {
   return kNames[int(outcome)];
 }
 
+void HitLog::validate() const {
+  check_positive("rate", rate), check_positive("duration", duration);
+  check_not_negative("start", start), check_not_negative("noise", noise);
+  constexpr double kMost = 1e6;
+  if (!(rate * duration <= kMost))
+    throw InputError(fmt::format("rate: {}: at most a million samples a log", shortest(rate)));
+}
+
 Trial blank_log(const Hit& hit, const HitLog& log) {
+  log.validate();
+  check_finite("peak", hit.peak), check_positive("width", hit.width);
   Trial trial;
   const int last = int(std::lround(log.duration * log.rate));
   for (int i = 0; i <= last; ++i) {
@@ -45,6 +59,8 @@ Trial blank_log(const Hit& hit, const HitLog& log) {
 }
 
 HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
+  rig.validate(), k.validate(), o.validate();
+  check_finite("peak", hit.peak), check_positive("width", hit.width);
   // Watched more closely and longer than it will be logged: the hit itself, not its samples, moves the link.
   constexpr double kSamplesInPulse = 40, kLongEnough = 1;
   HitLog close = o.log;

@@ -1,9 +1,12 @@
 #include "identify/design/information.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "common/checks.hpp"
 #include "common/decompositions.hpp"
 #include "common/error.hpp"
 #include "identify/estimate/least_squares.hpp"
@@ -22,6 +25,21 @@ std::size_t slot(int constant) { return std::size_t(constant); }
 
 }  // namespace
 
+void Knowledge::validate() const {
+  ukemi::validate(sea);
+  const auto u = ukemi::constants(sea);
+  for (const int c : constants) {
+    if (c < 0 || c >= kConstants)
+      throw InputError(fmt::format("knowledge: constant {}: 0 to {} is needed", c, kConstants - 1));
+    check_positive(kConstantNames[slot(c)], u[slot(c)]);
+  }
+  const long n = long(constants.size());
+  if (n == 0 || n > kConstants || information.rows() != n || information.cols() != n || !information.allFinite())
+    throw InputError(
+        fmt::format("knowledge: information of {} x {}: finite, a row for each of 1 to {} constants, is needed",
+                    information.rows(), information.cols(), kConstants));
+}
+
 RolloutStatus differentiate(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
                             const PreparedTrial& trial, std::vector<ConstantJet>& phi,
                             std::vector<ConstantJet>& phi_m) {
@@ -34,6 +52,7 @@ RolloutStatus differentiate(const Rig& rig, const SeaParameters<double>& sea, co
 
 std::optional<MatrixXd> information_of(const Rig& rig, const SeaParameters<double>& sea,
                                        const std::vector<int>& constants, const Trial& trial, double noise) {
+  check_positive("noise", noise);
   thread_local std::vector<ConstantJet> phi, phi_m;
   const PreparedTrial prepared(trial);
   if (differentiate(rig, sea, constants, prepared, phi, phi_m) != RolloutStatus::kDone) return std::nullopt;

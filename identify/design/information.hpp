@@ -28,9 +28,10 @@ struct Knowledge {
   std::vector<int> constants;   ///< which of the five are uncertain (each above 0); the others are taken as known
   Eigen::MatrixXd information;  ///< of those, relative to their values
   long measurements = 0;        ///< angles that it rests on; 0: not known, then the intervals are the normal's
+  void validate() const;        ///< throws InputError
 };
 
-/// I of one trial, see above, of the angles that its log holds; none where the rollout fails.
+/// I of one trial (noise above 0), see above, of the angles that its log holds; none where the rollout fails.
 std::optional<Eigen::MatrixXd> information_of(const Rig& rig, const SeaParameters<double>& sea,
                                               const std::vector<int>& constants, const Trial& trial, double noise);
 /// The constants above 0 that the file calls uncertain; all that are above 0 where it calls none.

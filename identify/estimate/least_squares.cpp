@@ -1,6 +1,7 @@
 #include "identify/estimate/least_squares.hpp"
 
 #include <ceres/ceres.h>
+#include <fmt/format.h>
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <mutex>
 #include <optional>
 
+#include "common/error.hpp"
 #include "identify/estimate/covariance.hpp"
 
 namespace ukemi::identify {
@@ -284,7 +286,22 @@ void silence_glog() {
 
 }  // namespace
 
+void LeastSquaresProblem::validate() const {
+  for (const auto* list : {&globals, &locals})
+    for (const Parameter& p : *list)
+      if (!(std::isfinite(p.start) && p.scale > 0 && std::isfinite(p.scale) && p.lower < p.upper))
+        throw InputError(
+            fmt::format("{}: start {}, scale {}, bounds {} to {}: a finite start, a scale above 0 and bounds "
+                        "that rise are needed",
+                        p.name, p.start, p.scale, p.lower, p.upper));
+  for (const PriorResidual& p : priors)
+    if (p.global < 0 || p.global >= int(globals.size()) || !std::isfinite(p.value) || !std::isfinite(p.weight))
+      throw InputError(fmt::format("prior of global {}: {} with weight {}: finite, of one of {}, is needed", p.global,
+                                   p.value, p.weight, globals.size()));
+}
+
 LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquaresOptions& options) {
+  problem.validate();
   silence_glog();
   LeastSquaresSolution out;
   std::vector<double> x = scaled_start(problem.globals);

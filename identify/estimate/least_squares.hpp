@@ -37,6 +37,7 @@ struct LeastSquaresProblem {
   std::vector<Parameter> locals;  ///< each block has its own copy
   std::vector<ResidualBlock> blocks;
   std::vector<PriorResidual> priors;
+  void validate() const;  ///< throws InputError
 };
 
 struct LeastSquaresOptions {

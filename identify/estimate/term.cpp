@@ -66,6 +66,8 @@ void validate(const std::vector<const Term*>& table, const Choice& c) {
   }
   for (const Prior& p : c.priors) {
     (void)index_of(table, "prior", p.term);
+    if (!std::isfinite(p.value))
+      throw InputError(fmt::format("prior of {}: {}: a finite number is needed", p.term, shortest(p.value)));
     if (!(p.std > 0 && std::isfinite(p.std)))
       throw InputError(fmt::format("prior of {}: {}: a standard deviation above 0 is needed", p.term, shortest(p.std)));
     if (!c.fits(p.term)) throw InputError(fmt::format("prior of {}: it is not fitted", p.term));

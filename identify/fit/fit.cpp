@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "identify/fit/fit_search.hpp"
@@ -20,13 +21,36 @@ void FitOptions::validate() const {
   for (const Prior& p : terms.priors)
     if (terms[p.term].scope == Scope::kEach)
       throw InputError(fmt::format("prior of {}: each trial has its own; only shared terms can have one", p.term));
-  if (!(huber >= 0)) throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
   if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
     throw InputError(
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
+  rollout().validate();
+  if (!(huber >= 0 && std::isfinite(huber)))
+    throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
+  constexpr long kMost = 1'000'000;
+  check_count("restarts", restarts, 0, kMost), check_count("starts", explore, 0, kMost);
+  check_count("threads", threads, 0, kMost), check_count("max_iterations", max_iterations, 1, kMost);
+  starts.validate();
 }
 
 namespace {
+
+void validate(const Rig& rig, const std::vector<Trial>& trials, const FitOptions& options) {
+  if (trials.empty()) throw InputError("no trials: at least one is needed");
+  rig.validate(), options.validate();
+  for (const Trial& t : trials) {
+    t.validate();
+    check_not_negative(t.file + ": command_delay", t.command_delay);
+    if (!(t.force_smooth >= 0 && t.force_smooth <= 1))
+      throw InputError(fmt::format("{}: force_smooth: {}: 0 to 1 is needed", t.file, shortest(t.force_smooth)));
+  }
+}
+
+/// What a fit starts from, or holds: an inertia of 0 is moved off it.
+void validate_start(SeaParameters<double> sea) {
+  if (sea.i_motor == 0) sea.i_motor = 1;
+  ukemi::validate(sea);
+}
 
 std::vector<Estimate> constants_of(const Terms<RigTerm>& terms, const SeaParameters<double>& sea) {
   return identify::as_given(terms, [&](const RigTerm& t) { return t.value_in(sea); });
@@ -133,7 +157,8 @@ void report(const Rig& rig, const FitSearch& search, const std::vector<Trial>& t
 
 Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<SeaParameters<double>>& start,
         const SeaParameters<double>& base, const FitOptions& options) {
-  options.validate();
+  validate(rig, trials, options), validate_start(base);
+  if (start) validate_start(*start);
   FitSearch search(rig, trials, start, base, options);
   Fit out;
   LogCheck logs = check_logs(trials);
@@ -162,7 +187,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
 
 Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
             const FitOptions& options) {
-  options.validate();
+  validate(rig, trials, options), ukemi::validate(sea);
   Fit out;
   out.warnings = check_logs(trials).warnings;
   out.sea = sea;

@@ -53,6 +53,7 @@ struct Minimum {
 struct TrialResult {
   std::string file;
   std::size_t samples = 0;
+  double t_origin = 0;  ///< of the trial [s]
   /// Over phi, phi_motor and torque, where measured, a torque by angle_per_torque [rad]; NaN where the rollout failed.
   double rms = 0;
   double rms_rate = 0;                     ///< of the angles' residuals' change from sample to sample [rad/s]
@@ -77,16 +78,17 @@ struct Fit : Estimates {
   std::shared_ptr<const Sensitivity> sensitivity;  ///< at the minimum, where errors of the rig asked for it; else null
 };
 
-/// Fits; without `start` one is worked out from the rig and the trials. `base` gives what is not fitted: tau_max,
-/// feedback, stiffening, friction. A start at 0 is moved off it. Never throws on numbers: see Fit::converged; where no
-/// start could be followed, Fit::fitted is empty. The force is taken as each trial has it: see rest_between_hits; its
-/// noise within the hits (Trial::force_noise) weighs the residuals, see Weighting. Bounded in work, whatever the logs:
-/// see StartOptions.
+/// Throws InputError where any of its arguments cannot be: each is validated. Fits; without `start` one is worked out
+/// from the rig and the trials. `base` gives what is not fitted: tau_max, feedback, stiffening, friction. A start at 0
+/// is moved off it. Numbers that do not work out are told, not thrown: see Fit::converged; where no start could be
+/// followed, Fit::fitted is empty. The force is taken as each trial has it: see rest_between_hits; its noise within the
+/// hits (Trial::force_noise) weighs the residuals, see Weighting. Bounded in work, whatever the logs: see StartOptions.
 [[nodiscard]] Fit fit(const Rig& rig, const std::vector<Trial>& trials,
                       const std::optional<SeaParameters<double>>& start, const SeaParameters<double>& base,
                       const FitOptions& options = {});
 
-/// The rig's motion for given constants against the logs, nothing fitted. rms is 0 where nothing is measured.
+/// The rig's motion for given constants (i_motor above 0) against the logs, nothing fitted. rms is 0 where nothing is
+/// measured.
 [[nodiscard]] Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
                           const FitOptions& options = {});
 

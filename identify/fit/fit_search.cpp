@@ -21,7 +21,6 @@ double size_of(const std::vector<PreparedTrial>& trials) {
 
 /// Measured angles of all trials, > 0.
 double measured(const std::vector<Trial>& trials) {
-  if (trials.empty()) throw InputError("no trials: at least one is needed");
   const double n = double(measurements(trials));
   if (n == 0) throw InputError("no measured angle in any trial: phi is needed");
   return n;

@@ -29,8 +29,13 @@ Eigen::VectorXd raw_residuals(const Trial& log, const TrialResult& r) {
 TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutInputs<double>& inputs,
                    const RolloutOptions& options) {
   const Trial& trial = *prepared.trial;
-  TrialResult out{
-      .file = trial.file, .samples = trial.samples(), .phi = {}, .phi_m = {}, .torque = {}, .weighting = {}};
+  TrialResult out{.file = trial.file,
+                  .samples = trial.samples(),
+                  .t_origin = trial.t_origin,
+                  .phi = {},
+                  .phi_m = {},
+                  .torque = {},
+                  .weighting = {}};
   out.noise = std::max(noise_level(trial.phi), noise_level(trial.phi_motor));
   out.status = rollout(rig, inputs.sea, inputs.nuisance, prepared, options, out.phi, out.phi_m, &out.torque);
   if (out.status != RolloutStatus::kDone) {

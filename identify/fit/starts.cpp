@@ -6,10 +6,20 @@
 #include <numeric>
 
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/random.hpp"
 #include "identify/logs/hits.hpp"
 
 namespace ukemi::identify {
+
+void StartOptions::validate() const {
+  constexpr long kMost = 1'000'000;
+  check_count("draws", draws, 1, kMost), check_count("draws_near", draws_near, 1, kMost);
+  check_count("steps", steps, 1, kMost), check_positive("accuracy of starts", accuracy);
+  check_positive("apart - 1", apart - 1), check_positive("spread - 1", spread - 1);
+  check_not_negative("sample_steps", sample_steps), check_not_negative("fit_steps", fit_steps);
+  check_not_negative("fit_sample_steps", fit_sample_steps), check_not_negative("fit_starts", fit_starts);
+}
 
 namespace {
 

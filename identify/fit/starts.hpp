@@ -24,6 +24,7 @@ struct StartOptions {
   double fit_steps = 1e5;   ///< a start that asks for more integrated steps than this,
   double fit_sample_steps = 60;  ///< and this for each sample, is ended where it stands
   double fit_starts = 4;         ///< no other is tried once all took so many times that
+  void validate() const;         ///< throws InputError
 };
 
 /// What the logs suggest without a fit. From rest to rest the motor and the link together give, torque limit or not,

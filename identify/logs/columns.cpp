@@ -86,6 +86,18 @@ bool ColumnMap::wants(const std::string& column) const {
   return false;
 }
 
+std::vector<std::string> ColumnMap::missing_from(const CsvTable& table) const {
+  std::vector<std::string> out;
+  for (const Column& c : known_) {
+    const std::vector<Source> names = candidates(c.name);
+    if (given_.contains(c.name) ||
+        std::any_of(names.begin(), names.end(), [&](const Source& s) { return table.find(s.column) >= 0; }))
+      continue;
+    for (const Source& s : names) out.push_back(s.column);
+  }
+  return out;
+}
+
 int ColumnMap::find(const CsvTable& table, const std::string& name, Source& source) const {
   int found = -1;
   for (const Source& s : candidates(name)) {

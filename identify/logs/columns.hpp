@@ -34,6 +34,8 @@ class ColumnMap {
 
   /// Whether a column of the file is one that the map or the known names ask for.
   bool wants(const std::string& column) const;
+  /// Every name that a quantity would have which is in no column of `table`, nor in the map.
+  std::vector<std::string> missing_from(const CsvTable& table) const;
   /// Index in `table` of the column that holds `name`, with its scale in `source`; -1 where there is none. Throws
   /// InputError where two columns hold it, and where the map names a column that is not there.
   int find(const CsvTable& table, const std::string& name, Source& source) const;

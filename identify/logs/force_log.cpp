@@ -83,19 +83,34 @@ ForceLog read_force_log(const std::string& path, const std::string& columns) {
   load("force", log.force);
   if (log.t.size() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
   table.require_increasing(time, log.t);
+  log.t_origin = log.t.front();
+  for (double& t : log.t) t -= log.t_origin;
   return log;
 }
 
+void ForceLog::validate() const {
+  const std::string what = ukemi::quoted(file);
+  require_times(what + ": t", t);
+  if (force.size() != t.size())
+    throw InputError(
+        fmt::format("{}: force: {} values: {} are needed, one for each time", what, force.size(), t.size()));
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (!std::isfinite(force[i]))
+      throw InputError(fmt::format("{}: force[{}]: {}: a finite number is needed", what, i, force[i]));
+}
+
 double attach_force(Trial& trial, const ForceLog& log, const Rig& rig, ForceClock clock) {
+  trial.validate(), log.validate(), rig.validate();
   if (!trial.force.empty())
     throw InputError({trial.file}, "a force in the trial beside the force log " + log.file + ": one of them is needed");
-  const double shift = clock == ForceClock::kOwn ? align(trial, log, rig) : 0;
+  const double shift = clock == ForceClock::kOwn ? align(trial, log, rig) : log.t_origin - trial.t_origin;
   const double begin = log.t.front() + shift, end = log.t.back() + shift;
   if (end <= trial.t.front() || begin >= trial.t.back())
-    throw InputError({log.file}, fmt::format("the force runs from {} to {} s, the angle in {} from {} to {} s: they do "
-                                             "not overlap; a clock of its own? then --force-clock own",
-                                             shortest(begin), shortest(end), trial.file, shortest(trial.t.front()),
-                                             shortest(trial.t.back())));
+    throw InputError(
+        {log.file}, fmt::format("the force runs from {} to {} s, the angle in {} from {} to {} s: they do "
+                                "not overlap; a clock of its own? then --force-clock own",
+                                shortest(begin + trial.t_origin), shortest(end + trial.t_origin), trial.file,
+                                shortest(trial.t.front() + trial.t_origin), shortest(trial.t.back() + trial.t_origin)));
   trial.force = log.force;
   trial.force_t = log.t;
   for (double& t : trial.force_t) t += shift;
@@ -110,7 +125,7 @@ double attach_force(Trial& trial, const ForceLog& log, const Rig& rig, ForceCloc
   if (clock == ForceClock::kOwn && std::adjacent_find(r.begin(), r.end(), std::not_equal_to<>()) != r.end())
     trial.notes.push_back("the reference moves too: the onset that the force in " + log.file +
                           " was aligned to may be the reference's");
-  return shift;
+  return clock == ForceClock::kOwn ? shift + trial.t_origin - log.t_origin : 0;
 }
 
 }  // namespace ukemi::identify

@@ -172,6 +172,9 @@ Trial hebi_trial(const HebiLog& log, const HebiTrialOptions& options) {
     throw InputError({log.file}, fmt::format("module {}: {}: at least two samples with time and position are needed",
                                              label(m), plural(order.size(), "sample", "samples")));
   for (const std::size_t i : order) trial.t.push_back(m.t[i]), trial.phi.push_back(m.position[i]);
+  if (const auto fault = time_fault(trial.t))
+    throw InputError({log.file}, fmt::format("module {}: sample {}: stamp {}: {}", label(m), order[fault->at] + 1,
+                                             shortest(trial.t[fault->at]), fault->rule));
   trial.phi_ref = hold_commands(m, order, trial.notes);
   trial.phi_motor = motor_angles(m, order, options.gear_ratio, trial.notes);
   if (options.effort == HebiTrialOptions::Effort::kTorque)
@@ -192,6 +195,7 @@ Trial hebi_trial(const HebiLog& log, const HebiTrialOptions& options) {
                                        : column == &trial.phi_ref ? "position command"
                                                                   : "motor position / gear_ratio",
                                        shortest((*column)[k])));
+  count_from_first(trial);
   return trial;
 }
 

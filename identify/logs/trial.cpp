@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/median.hpp"
 #include "identify/logs/columns.hpp"
@@ -34,6 +36,25 @@ bool constant(const std::vector<double>& x) {
 }
 bool zero(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return v == 0; });
+}
+
+/// Names what looks like a quantity that is in no column: an error where only the case is wrong, else a note.
+void name_near_misses(const CsvTable& table, const ColumnMap& map, Trial& trial) {
+  for (std::size_t c = 0; c < table.header.size(); ++c) {
+    const std::string& column = table.header[c];
+    if (map.wants(column)) continue;
+    const std::vector<std::string> missing = map.missing_from(table);
+    const auto lower = [](std::string s) {
+      std::transform(s.begin(), s.end(), s.begin(), [](unsigned char x) { return char(std::tolower(x)); });
+      return s;
+    };
+    for (const std::string& name : missing)
+      if (lower(name) == lower(column))
+        throw InputError({table.file, table.header_line, table.header_column[c]},
+                         "column " + quoted(column) + ": it is not read (did you mean \"" + name + "\"?)");
+    if (const std::string near = hint(column, missing); !near.empty())
+      trial.notes.push_back("column " + quoted(column) + " is not read" + near);
+  }
 }
 
 }  // namespace
@@ -88,7 +109,45 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
   if (!trial.dphi_ref.empty() && trial.phi_ref.empty()) missing("phi_ref");
   if (trial.samples() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
   table.require_increasing(time_column, trial.t);
+  count_from_first(trial);
+  name_near_misses(table, map, trial);
   return trial;
+}
+
+void count_from_first(Trial& trial) {
+  if (trial.t.empty() || trial.t.front() == 0) return;
+  const double first = trial.t.front();
+  for (std::vector<double>* times : {&trial.t, &trial.force_t})
+    for (double& t : *times) t -= first;
+  trial.t_origin += first;
+}
+
+void Trial::validate() const {
+  const std::string what = file.empty() ? "trial" : file;
+  const auto check_times = [&](const char* name, const std::vector<double>& times) {
+    require_times(what + ": " + name, times);
+    if (!(std::abs(times.front()) <= kLongestGap))
+      throw InputError(fmt::format("{}: {}[0]: {}: within {:g} s of 0 is needed: see count_from_first", what, name,
+                                   shortest(times.front()), kLongestGap));
+  };
+  check_times("t", t);
+  if (!force_t.empty()) check_times("force_t", force_t);
+  const auto check = [&](const char* name, const std::vector<double>& column, std::size_t rows) {
+    if (!column.empty() && column.size() != rows)
+      throw InputError(
+          fmt::format("{}: {}: {} values: {} are needed, one for each time", what, name, column.size(), rows));
+    for (std::size_t i = 0; i < column.size(); ++i)
+      if (!std::isfinite(column[i]))
+        throw InputError(fmt::format("{}: {}[{}]: {}: a finite number is needed", what, name, i, shortest(column[i])));
+  };
+  check("phi", phi, t.size()), check("phi_motor", phi_motor, t.size()), check("torque", torque, t.size());
+  check("phi_ref", phi_ref, t.size()), check("dphi_ref", dphi_ref, t.size()), check("command", command, t.size());
+  check("force", force, force_t.empty() ? t.size() : force_t.size());
+  if (!dphi_ref.empty() && phi_ref.empty()) throw InputError(what + ": dphi_ref without phi_ref");
+  check_not_negative(what + ": force_noise", force_noise), check_finite(what + ": force_rest", force_rest);
+  // Differences by these two step over their bounds: `fit` holds the bounds.
+  check_finite(what + ": command_delay", command_delay), check_finite(what + ": force_smooth", force_smooth);
+  if (rig) rig->validate();
 }
 
 void require_excitation(const Trial& trial) {

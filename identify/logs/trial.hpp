@@ -14,7 +14,8 @@ namespace ukemi::identify {
 /// as `force_t`.
 struct Trial {
   std::string file;
-  std::vector<double> t;          ///< [s], increasing
+  std::vector<double> t;          ///< [s], increasing, within 1e5 s of 0; see count_from_first
+  double t_origin = 0;            ///< what the log's clock read at t = 0 [s]
   std::vector<double> phi;        ///< measured output angle [rad]
   std::vector<double> force;      ///< at the link's tip, along +y [N]; see force_smooth
   std::vector<double> force_t;    ///< the force's own sample times on the clock of `t` [s], increasing; empty: `t`
@@ -35,6 +36,7 @@ struct Trial {
   /// The outputs that a fit compares; those that were not logged are empty.
   std::array<const std::vector<double>*, 3> measured() const { return {&phi, &phi_motor, &torque}; }
   /// How many samples of them.
+  void validate() const;  ///< throws InputError naming the file, the column and the sample
   std::size_t measurements() const { return phi.size() + phi_motor.size() + torque.size(); }
 };
 /// How many rad count as much as 1 Nm of a logged torque: the angles' noise over the torque's, so that each residual
@@ -42,6 +44,9 @@ struct Trial {
 double angle_per_torque(const Trial& trial);
 /// Those of all trials.
 long measurements(const std::vector<Trial>& trials);
+
+/// Makes t = 0 of the first sample, in t, force_t and t_origin: a recorder's clock may count from 1970.
+void count_from_first(Trial& trial);
 
 /// How a file's columns become a Trial.
 struct TrialOptions {
@@ -54,9 +59,10 @@ struct TrialOptions {
 
 /// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor, command, torque, dphi,
 /// dphi_motor; unit suffixes convert (see Quantity). Where an angle was not logged but its rate was, the angle is the
-/// rate's running sum. Throws InputError with file:line:column on whatever read_csv refuses, on a missing column
-/// (nearest name given), fewer than two rows, an empty cell, time that repeats or goes backwards, and an angle beyond 2
-/// pi unless multi-turn.
+/// rate's running sum. Times count from the first row (t_origin). A column of which only the case is wrong is an error
+/// where the quantity is in no other; one that looks like a missing quantity is noted. Throws InputError with
+/// file:line:column on whatever read_csv refuses, on a missing column (nearest name given), fewer than two rows, an
+/// empty cell, a time_fault, and an angle beyond 2 pi unless multi-turn.
 Trial read_trial(const std::string& path, const TrialOptions& options = {});
 
 /// Throws InputError, naming the file and the rule, where nothing moves the rig: no force or all of it zero, and a

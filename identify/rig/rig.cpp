@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/degrees.hpp"
 #include "common/toml.hpp"
 
@@ -14,6 +15,19 @@ SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
   sea.control_delay = drive.control_delay.value_or(sea.control_delay);
   sea.velocity_filter = drive.velocity_filter.value_or(sea.velocity_filter);
   return sea;
+}
+
+void Rig::validate() const {
+  check_positive("rig: length", length), check_positive("rig: inertia", inertia);
+  if (tau_max) check_not_negative("rig: tau_max", *tau_max);
+  if (gear_ratio) check_positive("rig: gear_ratio", *gear_ratio);
+  if (speed_max) check_positive("rig: speed_max", *speed_max);
+  if (motor_torque_max) check_positive("rig: motor_torque_max", *motor_torque_max);
+  check_not_negative("rig: gravity_moment", gravity.moment), check_finite("rig: hanging", gravity.hanging);
+  if (drive.kind == Drive::Kind::kController) check_positive("rig: command_gain", drive.gain);
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  if (drive.limit != kNone) check_positive("rig: command_limit", drive.limit);
+  if (drive.rate != kNone) check_positive("rig: command_rate", drive.rate);
 }
 
 namespace {
@@ -82,6 +96,7 @@ Rig read_rig(const std::string& path) {
   rig.inertia = joint ? *joint : *com + *mass * 0.25 * rig.length * rig.length;
   rig.tau_max = s.optional_number("tau_max", Range::non_negative());
   rig.speed_max = s.optional_number("speed_max", Range::positive());
+  rig.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
   rig.gear_ratio = s.optional_number("gear_ratio", Range::positive());
   rig.feedback = read_feedback(s);
   const auto moment = s.optional_number("gravity_moment", Range::non_negative());

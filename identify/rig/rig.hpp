@@ -57,18 +57,20 @@ struct RigErrorKey {
 const std::vector<RigErrorKey>& rig_error_keys();
 
 struct Rig {
-  double length;                         ///< l, from the joint to where the force acts [m], > 0
-  double inertia;                        ///< M, of the link about the joint [kg m^2], > 0
-  std::optional<double> tau_max;         ///< torque limit of the spring [Nm]
-  std::optional<double> gear_ratio;      ///< a log's phi_motor is divided by it
-  std::optional<Feedback> feedback;      ///< what Eq. 3 feeds back
-  Drive drive = {};                      ///< what drives the motor
-  Gravity gravity = {};                  ///< of a link that hangs
-  std::optional<double> speed_max = {};  ///< rated motor speed at the output [rad/s], for the actuator file
-  RigErrors errors = {};                 ///< of all this
+  double length;                                ///< l, from the joint to where the force acts [m], > 0
+  double inertia;                               ///< M, of the link about the joint [kg m^2], > 0
+  std::optional<double> tau_max;                ///< torque limit of the spring [Nm]
+  std::optional<double> gear_ratio;             ///< a log's phi_motor is divided by it
+  std::optional<Feedback> feedback;             ///< what Eq. 3 feeds back
+  Drive drive = {};                             ///< what drives the motor
+  Gravity gravity = {};                         ///< of a link that hangs
+  std::optional<double> speed_max = {};         ///< rated motor speed at the output [rad/s], for the actuator file
+  std::optional<double> motor_torque_max = {};  ///< rated motor torque there [Nm], the same
+  RigErrors errors = {};                        ///< of all this
 
   /// An actuator as it is on this rig: limit, feedback and how late its drive is are the rig's, where it names them.
   SeaParameters<double> mounted(SeaParameters<double> sea) const;
+  void validate() const;  ///< throws InputError
 };
 
 /// Reads rig.toml: [rig] length and inertia_joint, or mass + inertia_com (then M = I + m (l/2)^2, Eq. 5);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/median.hpp"
 #include "identify/logs/force_curve.hpp"
 #include "identify/rollout/kernels.hpp"
@@ -14,7 +15,13 @@ const char* name(RolloutStatus status) {
   return kNames[int(status)];
 }
 
-PreparedTrial::PreparedTrial(const Trial& source) : trial(&source), stretches(cut(0)) {
+void RolloutOptions::validate() const {
+  check_positive("accuracy", accuracy), check_positive("max_step", max_step);
+  if (escape != std::numeric_limits<double>::infinity()) check_positive("escape", escape);
+  check_count("max_steps", max_steps, 1, 1'000'000'000);
+}
+
+PreparedTrial::PreparedTrial(const Trial& source) : trial((source.validate(), &source)), stretches(cut(0)) {
   const std::vector<double>& t = source.t;
   phi_start = source.phi_ref.empty() ? 0 : source.phi_ref[0];
   std::vector<double> intervals;

@@ -19,7 +19,7 @@ using integrate::Method;
 
 /// A trial cut where its inputs bend: between cuts force and reference are linear in time.
 struct PreparedTrial {
-  explicit PreparedTrial(const Trial& trial);
+  explicit PreparedTrial(const Trial& trial);  ///< which must outlive it; throws InputError, see Trial::validate
 
   struct Stretch {
     Excitation<double> input;
@@ -77,6 +77,7 @@ struct RolloutOptions {
   double escape = kEscape;              ///< infinite for multi-turn trials [rad]
   long max_steps = 10'000;   ///< beyond it, and two for each stretch, the constants are too stiff to follow: diverged
   Budget* budget = nullptr;  ///< what is spent is taken from it; once it is empty every rollout diverges
+  void validate() const;     ///< throws InputError
 };
 
 /// phi_1, phi_m and, where `torque` is asked for, the spring's torque as a sensor logs it, at every sample, with

@@ -179,6 +179,7 @@ double ResidualTests::rms_with(const ScoreTest& test) const {
 }
 
 ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
+  experiment.validate(fit);
   ResidualTests out;
   out.samples = double(measurements(experiment.trials));
   out.whiteness = whiteness(fit, experiment.trials);
@@ -271,6 +272,7 @@ double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const Fi
 }
 
 std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit, int threads) {
+  experiment.validate(fit);
   const std::vector<Trial>& trials = experiment.trials;
   const FitOptions& options = experiment.options;
   if (trials.size() < 2) return {};

@@ -33,6 +33,7 @@ bool better(const Fit& a, const Fit& b) {
 }  // namespace
 
 Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads) {
+  experiment.validate(fit);
   std::vector<const RigTerm*> terms;
   for (const RigTerm& t : experiment.options.terms.table)
     if (t.in_ladder) terms.push_back(&t);

@@ -31,7 +31,7 @@ double crossing(double from, double rise_from, double to, double rise_to, double
 
 Profile profile(const Experiment& experiment, const Fit& fit, const std::string& constant,
                 const ProfileOptions& options) {
-  options.validate();
+  experiment.validate(fit), options.validate();
   const auto found =
       std::find_if(fit.parameters.begin(), fit.parameters.end(), [&](const Estimate& e) { return e.name == constant; });
   if (found == fit.parameters.end()) throw InputError(fmt::format("profile: '{}': no such constant", constant));

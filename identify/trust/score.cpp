@@ -1,8 +1,11 @@
 #include "identify/trust/score.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "common/error.hpp"
 #include "identify/estimate/statistics.hpp"
 
 namespace ukemi::identify {
@@ -14,7 +17,21 @@ using Eigen::VectorXd;
 
 }  // namespace
 
+void Experiment::validate(const Fit& fit) const {
+  rig.validate(), options.validate();
+  if (fit.trials.size() != trials.size())
+    throw InputError(fmt::format("a fit of {} trials for {} trials", fit.trials.size(), trials.size()));
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    trials[m].validate();
+    const TrialResult& r = fit.trials[m];
+    if (r.status == RolloutStatus::kDone && r.phi.size() != trials[m].samples())
+      throw InputError(
+          fmt::format("{}: {} predicted angles for {} samples", r.file, r.phi.size(), trials[m].samples()));
+  }
+}
+
 std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit) {
+  experiment.validate(fit);
   const auto failed = [](const TrialResult& r) { return r.status != RolloutStatus::kDone; };
   if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
   if (fit.sensitivity) return *fit.sensitivity;

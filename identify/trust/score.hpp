@@ -15,6 +15,7 @@ struct Experiment {
   const Rig& rig;
   const std::vector<Trial>& trials;
   FitOptions options;
+  void validate(const Fit& fit) const;  ///< throws InputError, also where `fit` is not of these trials
 };
 
 /// The same without the rig's errors: for fits that are only compared.

@@ -69,16 +69,20 @@ DropLog read_drop(const std::string& path) {
         {path, table.header_line},
         "no measured output: at least one of acc, ax, ay, x_0, y_0, phi_0 is needed" + hint("acc", table.header));
 
-  const std::vector<double>& t = table.columns[std::size_t(time)];
+  std::vector<double> t = table.columns[std::size_t(time)];
   table.require_full(time);
+  for (double& s : t) s *= find(table.header[std::size_t(time)])->unit;
   table.require_increasing(time, t);
-  const double seconds = find(table.header[std::size_t(time)])->unit;
+  if (t.front() >= kLongestGap)
+    throw InputError(table.at(time, 0), fmt::format("column 't': {} s: time counts from the release, t = 0: less than "
+                                                    "{:g} s is needed",
+                                                    shortest(t.front()), kLongestGap));
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (t[i] < 0) {
       ++log.before_release;
       continue;
     }
-    log.t.push_back(t[i] * seconds);
+    log.t.push_back(t[i]);
     for (int o = 0; o < kOutputs; ++o) {
       if (from[std::size_t(o)] < 0) continue;
       const auto c = std::size_t(from[std::size_t(o)]);

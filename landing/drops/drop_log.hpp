@@ -24,8 +24,8 @@ struct DropLog {
 /// 9.80665), x_0, y_0 [m] (or x_0_mm, y_0_mm), phi_0 [rad] (or phi_0_deg); other columns are not read. An empty cell of
 /// an output: not measured then, so that sensors of several rates share a file. Throws InputError with
 /// file:line:column on whatever read_csv refuses, on a missing column (nearest name given), an output in two units,
-/// fewer than two rows from the release on, an empty time, time that repeats or goes backwards, and an angle beyond
-/// 2 pi.
+/// fewer than two rows from the release on, an empty time, a time_fault, rows that begin 1e5 s or more after the
+/// release (then t counts from elsewhere), and an angle beyond 2 pi.
 DropLog read_drop(const std::string& path);
 
 }  // namespace ukemi::landing

@@ -10,15 +10,16 @@
 namespace ukemi::landing {
 
 void respect_ratings(const Actuator& actuator, OptimizeOptions& o) {
-  const bool speed = actuator.speed_max.has_value(), torque = std::isfinite(actuator.sea.tau_max);
-  if (!speed || !torque)
-    throw InputError(fmt::format("respect-ratings: {} gives no {}: both speed_max and tau_max are needed",
-                                 quoted(actuator.name),
-                                 speed    ? "tau_max"
-                                 : torque ? "speed_max"
-                                          : "speed_max and no tau_max"));
+  if (const std::string unknown = actuator.unknown_ratings(); !unknown.empty()) {
+    std::string spring;
+    if (!actuator.motor_torque_max && std::isfinite(actuator.sea.tau_max))
+      spring = fmt::format("; its tau_max = {0:g} limits the spring: motor_torque_max = {0:g}, if that is the motor's",
+                           actuator.sea.tau_max);
+    throw InputError(fmt::format("respect-ratings: {} gives no {}: both speed_max and motor_torque_max are needed{}",
+                                 quoted(actuator.name), unknown, spring));
+  }
   o.limits.motor_speed = o.limits.reference_rate = *actuator.speed_max;
-  o.limits.motor_torque = actuator.sea.tau_max;
+  o.limits.motor_torque = *actuator.motor_torque_max;
 }
 
 double Answer::held_peak() const {

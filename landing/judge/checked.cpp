@@ -6,7 +6,7 @@ namespace ukemi::landing {
 
 Ratings ratings(const Scene& scene, const Actuator& actuator, const Motion& motion, const Landing& landing) {
   return {peak_reference_rate(motion, landing.contacts.first() + scene.detection_delay), landing.demands,
-          actuator.speed_max, actuator.sea.tau_max};
+          actuator.speed_max, actuator.motor_torque_max, actuator.sea.tau_max};
 }
 
 std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {

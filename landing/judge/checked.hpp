@@ -10,13 +10,14 @@ namespace ukemi::landing {
 
 /// What a motion demands of the actuator, beside what the actuator can give.
 struct Ratings {
-  double reference_rate = 0;        ///< largest |dphi_ref| of the motion [rad/s]
-  Demands demands;                  ///< of its landing
-  std::optional<double> speed_max;  ///< rated motor speed [rad/s]
-  double tau_max = 0;               ///< torque limit [Nm]; infinite: none
+  double reference_rate = 0;               ///< largest |dphi_ref| of the motion [rad/s]
+  Demands demands;                         ///< of its landing
+  std::optional<double> speed_max;         ///< rated motor speed [rad/s]
+  std::optional<double> motor_torque_max;  ///< rated motor torque [Nm]
+  double tau_max = 0;                      ///< limit of the spring's torque [Nm]; infinite: none
 
   bool too_fast() const { return speed_max && (reference_rate > *speed_max || demands.motor_speed > *speed_max); }
-  bool too_strong() const { return demands.motor_torque > tau_max; }
+  bool too_strong() const { return motor_torque_max && demands.motor_torque > *motor_torque_max; }
 };
 [[nodiscard]] Ratings ratings(const Scene& scene, const Actuator& actuator, const Motion& motion,
                               const Landing& landing);

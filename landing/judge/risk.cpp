@@ -68,7 +68,7 @@ std::vector<RiskEvent> events_of(const Scene& scene, const Actuator& actuator, c
   for (int p = 0; p < kPoints; ++p)
     if (options.forbidden[std::size_t(p)]) out.push_back({.kind = Kind::kTouch, .point = p});
   if (actuator.speed_max) out.push_back({.kind = Kind::kSpeed, .limit = *actuator.speed_max});
-  if (std::isfinite(actuator.sea.tau_max)) out.push_back({.kind = Kind::kTorque, .limit = actuator.sea.tau_max});
+  if (actuator.motor_torque_max) out.push_back({.kind = Kind::kTorque, .limit = *actuator.motor_torque_max});
   if (scene.joint) out.push_back({.kind = Kind::kStops});
   return out;
 }

@@ -30,7 +30,7 @@ struct RiskEvent {
   enum class Kind {
     kTouch,   ///< of a forbidden point
     kSpeed,   ///< the motor turns faster than speed_max
-    kTorque,  ///< the motor pulls with more than tau_max
+    kTorque,  ///< the motor pulls with more than motor_torque_max
     kStops,   ///< the joint leaves its stops
   } kind;
   int point = -1;    ///< with kTouch

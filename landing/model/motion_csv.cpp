@@ -37,6 +37,7 @@ std::string to_csv(const MotionRows& r, const std::string& comments) {
   const bool gains = r.gain_p != 1 || r.gain_d != 1;
   CsvWriter csv;
   csv.comment(comments);
+  csv.comment("Read with pandas.read_csv(file, comment=\"#\"); with numpy.genfromtxt leave these lines out.");
   csv.comment("t = 0 at the detected first touchdown; before it hold phi_ref of the first row. Units: s, rad, rad/s.");
   std::vector<std::string> names = {"t", "phi_ref", "dphi_ref"};
   if (r.moves_in_air()) {

@@ -277,7 +277,7 @@ TEST_CASE("a bad number in an option is refused with its rule") {
   check_identify({"--seed", "one"}, {"--seed", "one"});
   check_simulate({"--hold", "down"}, {"--hold", "down"});
   check_simulate({"--hold", "400"}, {"--hold: 400: ", "-360 to 360"});
-  check_simulate({"--hold", "nan"}, {"--hold: nan: "});
+  check_simulate({"--hold", "nan"}, {"--hold: 'nan': ", "a finite number"});
   check_simulate({"--hold", "0", "--rate", "0"}, {"--rate: 0: ", "above 0"});
   check_simulate({"--hold", "0", "--accuracy", "1e-20"}, {"accuracy: 1e-20: ", "from 1e-14 to 1e-2"});
   check_optimize({"--rate", "-1"}, {"--rate: -1: ", "above 0"});

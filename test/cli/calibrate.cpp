@@ -49,7 +49,11 @@ void check_options(const Arguments& options, const std::vector<std::string>& tex
 
 TEST_CASE("calibrate writes its files and keys, and every verb reads the scene that it wrote") {
   const Folder f;
-  const Result r = done(f, kAll + kOut + Arguments{"--strict"});
+  const Result r = done(f, kAll + kOut + Arguments{"--strict", "--figures", "svg"});
+  for (const char* figure : {"drop_1", "drop_3", "validation_1"}) {
+    CHECK(fs::exists(f.at(std::string("out/") + figure + ".svg")));
+    CHECK_THAT(read(f.at("out/report.html")), Contains(std::string("<figure id=\"figure-") + figure + "\""));
+  }
   for (const char* name : {"scene.toml", "fit.csv", "validation.csv", "summary.json", "report.html"})
     CHECK(fs::exists(f.at(std::string("out/") + name)));
   const Json s = summary(f);

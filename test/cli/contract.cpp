@@ -532,7 +532,7 @@ TEST_CASE("risk writes its files and keys, and its drops are replayed to their p
   CHECK(warned(s, "is assumed"));
   CHECK(s["failed"] == 0);
   check_keys(s["forbidden"]["hip"], {"drops", "share"});
-  check_keys(s["ratings"], {"speed_max", "tau_max"});
+  check_keys(s["ratings"], {"speed_max", "motor_torque_max"});
   check_keys(s["contacts"][0], {"contact", "point", "drops", "share"});
   check_keys(s["sobol"], {"pitch", "height", "forward_speed"});
   check_keys(s["sobol"]["pitch"], {"first", "first_ci95", "total", "total_ci95"});
@@ -859,11 +859,13 @@ TEST_CASE("optimize --respect-ratings needs both ratings, --forbid is checked wh
     const Result r = run({"optimize", kPaper, "--actuator", actuator, "--respect-ratings", "-o", "bad"}, f.at(""));
     CHECK(r.code == 2);
     CHECK_THAT(r.err, Contains("respect-ratings: ") && Contains("gives no " + missing) &&
-                          Contains("both speed_max and tau_max are needed"));
+                          Contains("both speed_max and motor_torque_max are needed"));
     CHECK(!fs::exists(f.at("bad")));
   };
   refused("speed_max = 3.14", "speed_max");
-  refused("tau_max = 20", "tau_max");
+  refused("motor_torque_max = 20", "motor_torque_max");
+  CHECK_THAT(run({"optimize", kPaper, "--actuator", f.at("unrated.toml"), "--respect-ratings"}, f.at("")).err,
+             Contains("its tau_max = 20 limits the spring: motor_torque_max = 20, if that is the motor's"));
 
   done(f, {"optimize", kPaper, "--actuator", kTable2, "--forbid", "hip", "--evaluations", "2000", "-o", "off"});
   const Json s = summary(f, "off"), hip = s["forbidden"]["hip"];

@@ -58,12 +58,13 @@ TEST_CASE("the verdicts stand in actuator.toml, and the verbs that read it warn 
 
 TEST_CASE("identify carries the rig's speed_max, and what it fitted beside the constants reads back") {
   const Folder f;
-  f.write("rig.toml", read(kRig) + "speed_max = 3.5\n");
+  f.write("rig.toml", replaced(read(kRig), "speed_max = 3.14", "speed_max = 3.5"));
   const Arguments two = {"identify", dataset("impact/trial_3.csv"), dataset("impact/trial_7.csv"), "--rig", "rig.toml"};
   done(f, two + kOut + Arguments{"--nuisance", "stiffening,force_gain"});
-  CHECK_THAT(read(f.at("out/actuator.toml")), Contains("speed_max = 3.5") && Contains("\"k_sea_cubic\""));
+  CHECK_THAT(read(f.at("out/actuator.toml")),
+             Contains("speed_max = 3.5") && Contains("motor_torque_max = 20  #") && Contains("\"k_sea_cubic\""));
   done(f, {"simulate", kPaper, "--hold", "-45", "--actuator", "out/actuator.toml", "-o", "other"});
-  f.write("rig.toml", read(kRig) + "speed_max = 0\n");
+  f.write("rig.toml", replaced(read(kRig), "speed_max = 3.14", "speed_max = 0"));
   check_refused(f, two + Arguments{"-o", "new"}, {"rig.toml:", "speed_max"});
 }
 

@@ -248,3 +248,41 @@ TEST_CASE("a real HEBI log is read by predict") {
   CHECK(s["modules"][0]["spring_constant"] == 40);
   CHECK(warned(s, "1 NaN command before the first command: held at the first position"));
 }
+
+TEST_CASE("times of any origin: identify and predict answer as from 0, and say the origin") {
+  const Folder f;
+  const std::vector<double> origins = {0, -50, 1e7, 1.7e9};
+  std::vector<Json> fits, predictions;
+  for (const double origin : origins) {
+    INFO(origin);
+    Arguments paths;
+    for (const char* number : {"3", "7"}) {
+      std::ostringstream out;
+      out.precision(17);
+      out << "t,force,phi\n";
+      for (const Row& r : rows_of(dataset(std::string("impact/trial_") + number + ".csv")))
+        out << origin + r.t << "," << r.force << "," << r.phi << "\n";
+      paths.push_back(f.write(std::string(number) + ".csv", out.str()));
+    }
+    done(f, Arguments{"identify"} + paths + Arguments{"--rig", kRig, "-o", "fit"});
+    fits.push_back(summary(f, "fit"));
+    CHECK(fits.back()["trials"][0]["t_origin"] == origin);
+    CHECK((read(f.at("fit/fit.csv")).find("trial 2: t = 0 at ") == std::string::npos) == (origin == 0));
+    done(f, {"predict", paths[0], "--rig", kRig, "--actuator", kTable2, "-o", "predicted"});
+    predictions.push_back(summary(f, "predicted"));
+  }
+  for (std::size_t i = 1; i < origins.size(); ++i) {
+    INFO(origins[i]);
+    for (const char* name : {"k_p", "k_d", "k_sea", "c_sea", "i_motor"}) {
+      const Json &a = fits[0]["parameters"][name], &b = fits[i]["parameters"][name];
+      CHECK(std::abs(a["value"].get<double>() - b["value"].get<double>()) < 0.02 * a["std"].get<double>());
+      CHECK(b["verdict"] == a["verdict"]);
+    }
+    CHECK(predictions[i]["rms"].get<double>() == Approx(predictions[0]["rms"].get<double>()).epsilon(1e-3));
+  }
+  f.write("gap.csv", "t,force,phi\n1700000000,0,0\n1700000000.01,1,0\n1800000000,0,0\n");
+  check_refused(f, {"identify", "gap.csv", "--rig", kRig, "-o", "out"}, {"gap.csv:4:1: ", "less than 100000 s after"});
+  f.write("case.csv", "t,force,PHI\n0,0,0\n0.01,1,0\n");
+  check_refused(f, {"predict", "case.csv", "--rig", kRig, "--actuator", kTable2, "-o", "out"},
+                {"case.csv:1:9: ", "'PHI'", "did you mean \"phi\"?"});
+}

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs the commands of README.md and of tools/docs as they stand there, in a copy of the shipped data: the ```sh blocks (but those
-# under a line "<!-- not run: why -->"), the table of results, the picture. And tools/docs/verbs.md names the options that there are.
+# under a line "<!-- not run: why -->"), the table of results, the picture; answers.py looks at what README's answer. And
+# tools/docs/verbs.md names the options that there are.
 set -euo pipefail
 source_dir=$1 build_dir=$2
 work=$(mktemp -d); trap 'rm -rf "$work"' EXIT
@@ -17,6 +18,7 @@ for page in README own_actuator own_robot risk robust benchmarks; do
   sed -i "s#^ukemi #echo \"$page: line \$LINENO\" >&2; ukemi #" $page.sh
   [ "$(grep -c 'ukemi ' $page.sh)" -ge 2 ]
   bash -euo pipefail $page.sh > $page.log 2> $page.err || { tail -n 5 $page.err; exit 1; }
+  [ $page != README ] || cp -r out answers  # later pages write to the same folders
 done
 pages_with_commands=$(cd "$source_dir" && grep -l '^```sh$' README.md tools/docs/*.md | wc -l)
 [ "$pages_with_commands" = 6 ]
@@ -25,11 +27,13 @@ for d in demo/compare identify predict optimize simulate design compare calibrat
   [ -s "out/$d/summary.json" ]
 done
 
-sed -n 's/^| .*| `\(ukemi [^`]*\)`.*/\1 -o out\/table --quiet/p' "$source_dir/README.md" |
+awk -F'`' '/^\| .*\| `ukemi / { print $2 " -o out/table_" ++n " --quiet" }' "$source_dir/README.md" |
   sed 's#PAPER#datasets/scenes/paper.toml --actuator datasets/actuators/table2.toml#' > table.sh
 [ "$(wc -l < table.sh)" = 5 ]
 bash -euo pipefail table.sh > table.log 2>&1 || { tail -n 5 table.log; exit 1; }
 grep '^peak' table.log
+cp -r out/table_* answers
+python3 "$source_dir/test/install/answers.py" answers "$source_dir/README.md"
 
 "$source_dir/tools/docs/landing.sh" landing.svg 2> picture.err
 for peak in 466 186; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s" "$source_dir/tools/docs/landing.svg"; done

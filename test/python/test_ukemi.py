@@ -252,3 +252,59 @@ def test_the_stubs_name_what_there_is():
         if isinstance(node, ast.ClassDef):
             told |= {f"{node.name}.{n.name}" for n in node.body if isinstance(n, ast.FunctionDef)}
     assert {name for name, _ in public()} <= told
+
+
+BAD = [float("nan"), float("inf"), float("-inf")]
+
+
+@pytest.mark.parametrize("bad", BAD)
+def test_what_cannot_be_is_refused(actuator, bad):
+    rig = ukemi.Rig(length=0.3, inertia=0.024225, tau_max=20)
+    t = np.arange(0, 0.1, 2e-3)
+    force = np.where((t > 0.01) & (t < 0.026), 60 * np.sin((t - 0.01) / 0.016 * np.pi), 0)
+    phi = ukemi.predict([ukemi.Trial(t, force=force)], rig, actuator).trials[0].phi
+    trial = ukemi.Trial(t, phi=phi, force=force)
+    for name in ("length", "inertia", "tau_max", "gear_ratio", "speed_max", "motor_torque_max"):
+        with pytest.raises(ukemi.InputError, match=name):
+            ukemi.Rig(**{"length": 0.3, "inertia": 0.02, name: bad})
+    for name in SEA + ("speed_max", "motor_torque_max", "friction", "viscous_friction", "k_sea_cubic"):
+        with pytest.raises(ukemi.InputError, match=name):
+            ukemi.Actuator(**{**dict(k_p=50, k_d=1, k_sea=65, c_sea=1.6, i_motor=0.085), name: bad})
+    for name in ("t", "phi", "force", "phi_ref", "phi_motor", "torque", "command"):
+        column = t.copy()
+        column[7] = bad
+        with pytest.raises(ukemi.InputError, match=name):
+            ukemi.Trial(**{"t": t, "phi": phi, "force": force, name: column})
+        with pytest.raises(ukemi.InputError, match=name if name != "t" else "values"):
+            ukemi.Trial(**{"t": t, "phi": phi, "force": force, name: t[:-1]})
+    for options in (dict(priors={"k_sea": (bad, 1)}), dict(priors={"k_sea": (65, bad)}), dict(huber=bad),
+                    dict(accuracy=bad), dict(force_noise=bad), dict(lower={"k_p": float("nan")}),
+                    dict(upper={"k_p": float("nan")}), dict(threads=-1), dict(starts=-1)):
+        with pytest.raises(ukemi.InputError):
+            ukemi.identify([trial], rig, start=actuator, **options)
+    with pytest.raises(ukemi.InputError):
+        ukemi.predict([trial], rig, actuator, accuracy=bad)
+    with pytest.raises(ukemi.InputError):
+        ukemi.predict([], rig, actuator)
+    with pytest.raises(ukemi.InputError):
+        ukemi.identify([], rig)
+
+
+def test_masked_values_are_no_numbers(actuator):
+    t = np.arange(0, 0.1, 1e-3)
+    whole = np.ma.masked_array(np.sin(20 * t), mask=np.zeros(t.size, bool))
+    assert np.array_equal(ukemi.Trial(t, phi_ref=whole).phi_ref, whole.data)
+    holed = np.ma.masked_array(np.sin(20 * t), mask=t < 0.01)
+    for columns in (dict(t=t, phi_ref=holed), dict(t=holed, phi_ref=t), dict(t=t, phi=holed, force=t)):
+        with pytest.raises(ukemi.InputError, match="masked"):
+            ukemi.Trial(**columns)
+
+
+def test_times_of_any_origin(actuator):
+    rig = ukemi.Rig(length=0.3, inertia=0.024225, tau_max=20)
+    here = simulated_trial(actuator, rig)
+    there = ukemi.Trial(here.t + 1.7e9, phi=here.phi, force=here.force)
+    assert there.t_origin == 1.7e9 and there.t[0] == 0 and np.allclose(there.t, here.t, atol=3e-7)
+    assert ukemi.predict([there], rig, actuator).rms < 1e-5
+    with pytest.raises(ukemi.InputError, match="less than 100000 s"):
+        ukemi.Trial([0, 1, 2e5], phi_ref=[0, 0, 1])

@@ -484,6 +484,8 @@ TEST_CASE("an actuator file is refused where a constant breaks its rule") {
   CHECK_THAT(actuator_error(kActuator + "tau_mx = 3\n"),
              StartsWith("a.toml:8:1: ") && Contains("did you mean \"tau_max\"?"));
   CHECK_THAT(actuator_error(kActuator + "tau_max = -3\n"), Contains("tau_max: -3: must be at least 0"));
+  CHECK_THAT(actuator_error(kActuator + "tau_max = 0x14\n"), Contains("a decimal number is needed"));
+  CHECK_THAT(actuator_error(kActuator + "motor_torque_max = 0\n"), Contains("motor_torque_max: 0: must be above 0"));
   CHECK_THAT(actuator_error(kActuator + "feedback = \"both\"\n"), Contains("one of \"output\", \"motor\" is needed"));
 }
 

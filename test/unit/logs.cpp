@@ -1,4 +1,6 @@
 // Logs as laboratories have them: HEBI's binary and its CSV export, forces in files of their own, units by suffix.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -424,6 +426,62 @@ TEST_CASE("force log: its own clock is found from the onsets, to a millisecond")
     REQUIRE(trial.notes.size() == 1);
     CHECK_THAT(trial.notes[0], StartsWith("the force in force.csv covers 0.") && EndsWith("taken as 0 outside"));
   }
+}
+
+TEST_CASE("logs: times count from the first row, whatever the recorder's clock") {
+  const auto csv = [](double origin, const char* column) {
+    std::string out = std::string("t,") + column + "\n";
+    for (int i = 0; i < 40; ++i) out += fmt::format("{:.6f},{}\n", origin + 0.01 * i, i % 7);
+    return out;
+  };
+  constexpr double k1970 = 1.7e9;
+  const File plain("a.csv", csv(0, "phi_ref")), late("b.csv", csv(k1970, "phi_ref"));
+  const Trial a = read_trial(plain.path, {.require_phi = false}), b = read_trial(late.path, {.require_phi = false});
+  CHECK(a.t_origin == 0);
+  CHECK(b.t_origin == k1970);
+  REQUIRE(b.t.size() == a.t.size());
+  for (std::size_t i = 0; i < a.t.size(); ++i) CHECK(b.t[i] == Approx(a.t[i]).margin(3e-7));  // half a unit of 1.7e9
+
+  // One clock for both files: the force begins 5 ms before the angle.
+  const File force("f.csv", csv(k1970 - 0.005, "force"));
+  const ForceLog log = read_force_log(force.path);
+  CHECK(log.t.front() == 0);
+  CHECK(log.t_origin == k1970 - 0.005);
+  Trial shared = b;
+  CHECK(attach_force(shared, log, kRig, ForceClock::kShared) == 0);
+  CHECK(shared.force_t.front() == Approx(-0.005).margin(3e-7));
+  Trial apart = a;
+  CHECK_THROWS_WITH(attach_force(apart, log, kRig, ForceClock::kShared), Contains("from 1699999999.995 to "));
+
+  Trial again = a;
+  for (double& t : again.t) t += 12;
+  again.force_t = {11.5, 12.5};
+  count_from_first(again);
+  CHECK(again.t.front() == 0);
+  CHECK(again.force_t == std::vector<double>{-0.5, 0.5});
+  CHECK(again.t_origin == 12);
+}
+
+TEST_CASE("logs: a gap of 1e5 s is refused with its place") {
+  const File gap("gap.csv", "t,force,phi\n0,1,0\n0.01,2,0\n100000.02,3,0\n");
+  CHECK_THROWS_WITH(read_trial(gap.path),
+                    EndsWith("gap.csv:4:1: column 't': 100000.02: less than 100000 s after the time "
+                             "before it, 0.01, is needed"));
+  CHECK_THROWS_WITH(read_force_log(gap.path), Contains("gap.csv:4:1: ") && Contains("less than 100000 s"));
+}
+
+TEST_CASE("logs: a column of which only the case is wrong is an error, one that looks like a missing one is noted") {
+  const auto read = [](const std::string& header) {
+    const File file("x.csv", header + "\n0,1,0\n0.01,2,0\n");
+    return read_trial(file.path, {.require_phi = false});
+  };
+  CHECK_THROWS_WITH(read("t,force,PHI"), EndsWith("x.csv:1:9: column 'PHI': it is not read (did you mean \"phi\"?)"));
+  CHECK_THROWS_WITH(read("t,force,Phi_Deg"), EndsWith("(did you mean \"phi_deg\"?)"));
+  CHECK(read("t,force,phi_motr").notes ==
+        std::vector<std::string>{"column 'phi_motr' is not read (did you mean \"phi_motor\"?)"});
+  CHECK(read("t,force,temperature").notes.empty());
+  const File both("y.csv", "t,T,force,phi\n0,20,1,0\n0.01,21,2,0\n");
+  CHECK(read_trial(both.path).notes.empty());  // t is there: T is a temperature
 }
 
 TEST_CASE("force log: a shared clock is kept, logs that do not overlap are refused with both ranges") {

@@ -31,4 +31,19 @@ Actuator landing_actuator_of(const std::string& path, Run& run) {
   return actuator;
 }
 
+Actuator rated_actuator_of(const std::string& path, Run& run) {
+  Actuator actuator = landing_actuator_of(path, run);
+  warn_of_unknown_ratings(actuator, path, run);
+  return actuator;
+}
+
+void warn_of_unknown_ratings(const Actuator& actuator, const std::string& path, Run& run) {
+  if (const std::string unknown = actuator.unknown_ratings(); !unknown.empty())
+    run.warn(fmt::format("{}: the motor's {} unknown ({}): whether it can follow is not checked", path,
+                         actuator.speed_max          ? "torque rating is"
+                         : actuator.motor_torque_max ? "speed rating is"
+                                                     : "ratings of speed and torque are",
+                         unknown));
+}
+
 }  // namespace ukemi::tools

@@ -15,6 +15,10 @@ Actuator actuator_of(const std::string& path, Run& run);
 /// The same for a landing: see require_gains.
 Actuator landing_actuator_of(const std::string& path, Run& run);
 
+/// The same for what demands something of the motor: warns of a rating that the file does not give.
+Actuator rated_actuator_of(const std::string& path, Run& run);
+void warn_of_unknown_ratings(const Actuator& actuator, const std::string& path, Run& run);
+
 /// A landing's motor follows Eq. 3: throws InputError where the drive was identified by its command, without K_p and
 /// K_d.
 void require_gains(const Actuator& actuator, const Location& where);

@@ -22,13 +22,21 @@ std::vector<std::string> split(const std::string& list) {
 }
 
 double to_number(const std::string& option, const std::string& text) {
-  try {
-    std::size_t end = 0;
-    const double v = std::stod(text, &end);
-    if (end == text.size() && std::isfinite(v)) return v;
-  } catch (const std::exception&) {
-  }
-  throw InputError(option + ": " + quoted(text) + ": a finite number is needed");
+  const std::string fault = number_fault(text, Whole::kNo);
+  if (fault.empty()) return std::stod(text);
+  throw InputError(option + ": " + fault);
+}
+
+std::string number_fault(const std::string& text, Whole whole) {
+  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-');
+  const char* const end = text.data() + text.size();
+  double number = 0;
+  long integer = 0;
+  const auto [stop, error] =
+      whole == Whole::kYes ? std::from_chars(begin, end, integer) : std::from_chars(begin, end, number);
+  if (error == std::errc() && stop == end && std::isfinite(number)) return "";
+  return quoted(text) + (whole == Whole::kYes ? ": a whole number is needed" : ": a finite number is needed") +
+         (text.find_first_of("xX") != std::string::npos ? ", in decimal digits" : "");
 }
 
 std::uint64_t to_seed(const std::string& option, const std::string& text) {

@@ -10,6 +10,9 @@ namespace ukemi::tools {
 
 std::vector<std::string> split(const std::string& list);  ///< at commas
 double to_number(const std::string& option, const std::string& text);
+/// "'text': rule" where it is no number, or no whole one; else empty. Decimal: "0x10" is none.
+enum class Whole { kNo, kYes };
+std::string number_fault(const std::string& text, Whole whole);
 std::uint64_t to_seed(const std::string& option, const std::string& text);  ///< decimal digits, up to 64 bits
 
 /// NAME=VALUE, at the last '='.

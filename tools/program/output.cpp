@@ -31,8 +31,7 @@ std::vector<std::string> figure_names(const std::string& verb) {
        {"ladder", "weakest", "profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
       {"optimize", {"search", "histogram"}},
       {"compare", {"constants"}},
-      {"calibrate",
-       {"drop_#_acc_x", "drop_#_acc_y", "drop_#_acc", "drop_#_phi_0", "drop_#_phi_1", "drop_#_phi_m", "drop_#_force"}},
+      {"calibrate", {"drop_#", "validation_#"}},
       {"design", {"force", "angle"}},
       {"ratings", {"ratings"}},
       {"risk", {"histogram", "sobol"}},
@@ -164,6 +163,7 @@ std::string Run::provenance_text() const {
 CsvWriter Run::csv() const {
   CsvWriter csv;
   csv.comment(provenance_text());
+  csv.comment("Read with pandas.read_csv(file, comment=\"#\"); with numpy.genfromtxt leave these lines out.");
   return csv;
 }
 

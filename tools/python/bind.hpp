@@ -27,7 +27,12 @@ namespace ukemi::python {
 
 namespace py = pybind11;
 
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using AnyNumbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+/// Of an argument; one with masked values is refused (InputError): they are no numbers.
+struct Numbers {
+  AnyNumbers array;
+};
+void refuse_masked(py::handle array);
 using Bounds = std::map<std::string, double>;
 using Priors = std::map<std::string, std::pair<double, double>>;  ///< value, standard deviation
 
@@ -37,8 +42,6 @@ std::optional<double> checked(const std::string& what, std::optional<double> val
 /// The numbers of one column. Throws InputError where it has another shape than `rows` (0: any).
 std::vector<double> column(const std::string& what, const Numbers& numbers, std::size_t rows = 0);
 std::vector<double> column(const std::string& what, const std::optional<Numbers>& numbers, std::size_t rows);
-/// Throws InputError unless they are finite and increase.
-void check_times(const std::string& what, const std::vector<double>& t);
 
 /// `count` numbers, each so many bytes behind the one before, as an array that `owner` keeps alive; nothing is copied.
 py::array_t<double> view(const double* first, std::size_t count, std::size_t stride, py::handle owner);
@@ -123,3 +126,15 @@ void bind_search(py::module_& m);    ///< the best motion, its risk, the map, th
 void bind_study(py::module_& m);     ///< drops and calibration
 
 }  // namespace ukemi::python
+
+template <>
+struct pybind11::detail::type_caster<ukemi::python::Numbers> {
+  PYBIND11_TYPE_CASTER(ukemi::python::Numbers, handle_type_name<ukemi::python::AnyNumbers>::name);
+  bool load(handle source, bool convert) {
+    make_caster<ukemi::python::AnyNumbers> plain;
+    if (!plain.load(source, convert)) return false;
+    ukemi::python::refuse_masked(source);
+    value.array = cast_op<ukemi::python::AnyNumbers>(std::move(plain));
+    return true;
+  }
+};

@@ -21,22 +21,21 @@ std::optional<double> checked(const std::string& what, std::optional<double> val
   return value;
 }
 
+void refuse_masked(py::handle array) {
+  if (py::hasattr(array, "mask") && py::module_::import("numpy.ma").attr("is_masked")(array).cast<bool>())
+    throw InputError("an array with masked values: they are no numbers; fill them, or leave their samples out");
+}
+
 std::vector<double> column(const std::string& what, const Numbers& numbers, std::size_t rows) {
-  if (numbers.ndim() != 1)
-    throw InputError(fmt::format("{}: {} dimensions: an array of one dimension is needed", what, numbers.ndim()));
-  if (rows > 0 && std::size_t(numbers.size()) != rows)
-    throw InputError(fmt::format("{}: {} values: {} are needed, one for each time", what, numbers.size(), rows));
-  return {numbers.data(), numbers.data() + numbers.size()};
+  const AnyNumbers& a = numbers.array;
+  if (a.ndim() != 1)
+    throw InputError(fmt::format("{}: {} dimensions: an array of one dimension is needed", what, a.ndim()));
+  if (rows > 0 && std::size_t(a.size()) != rows)
+    throw InputError(fmt::format("{}: {} values: {} are needed, one for each time", what, a.size(), rows));
+  return {a.data(), a.data() + a.size()};
 }
 std::vector<double> column(const std::string& what, const std::optional<Numbers>& numbers, std::size_t rows) {
   return numbers ? column(what, *numbers, rows) : std::vector<double>{};
-}
-
-void check_times(const std::string& what, const std::vector<double>& t) {
-  if (t.size() < 2) throw InputError(fmt::format("{}: {} values: at least two are needed", what, t.size()));
-  for (std::size_t i = 0; i < t.size(); ++i)
-    if (!std::isfinite(t[i]) || (i > 0 && !(t[i] > t[i - 1])))
-      throw InputError(fmt::format("{}[{}]: {}: finite times that increase are needed", what, i, shortest(t[i])));
 }
 
 py::array_t<double> view(const double* first, std::size_t count, std::size_t stride, py::handle owner) {
@@ -52,7 +51,7 @@ using identify::Estimate;
 
 struct Limits {
   double tau_max;
-  std::optional<double> speed_max;
+  std::optional<double> speed_max, motor_torque_max;
   double friction, viscous_friction, k_sea_cubic, control_delay, velocity_filter;
 };
 
@@ -71,6 +70,7 @@ Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, F
   out.sea.velocity_filter = checked("velocity_filter", l.velocity_filter, lateness());
   out.sea.feedback = feedback;
   out.speed_max = checked("speed_max", l.speed_max, Range::positive());
+  out.motor_torque_max = checked("motor_torque_max", l.motor_torque_max, Range::positive());
   return out;
 }
 
@@ -81,21 +81,22 @@ void bind_actuator(py::module_& m) {
   py::class_<Actuator> c(m, "Actuator", "The constants of a series elastic actuator (Eq. 2-4), and its ratings.");
   c.def(py::init([](double k_p, double k_d, double k_sea, double c_sea, double i_motor, double tau_max,
                     std::optional<double> speed_max, double friction, double viscous_friction, double k_sea_cubic,
-                    Feedback feedback, const std::string& name, double control_delay, double velocity_filter) {
-          return actuator_of(
-              {k_p, k_d, k_sea, c_sea, i_motor},
-              {tau_max, speed_max, friction, viscous_friction, k_sea_cubic, control_delay, velocity_filter}, feedback,
-              name);
+                    Feedback feedback, const std::string& name, std::optional<double> motor_torque_max,
+                    double control_delay, double velocity_filter) {
+          return actuator_of({k_p, k_d, k_sea, c_sea, i_motor},
+                             {tau_max, speed_max, motor_torque_max, friction, viscous_friction, k_sea_cubic,
+                              control_delay, velocity_filter},
+                             feedback, name);
         }),
-        "k_p [Nm/rad], k_d [Nm/(rad/s)], k_sea [Nm/rad], c_sea [Nm/(rad/s)], i_motor [kg m^2]; tau_max [Nm], infinite: "
-        "no "
-        "limit; speed_max [rad/s], None: no rating; friction [Nm], viscous_friction [Nm/(rad/s)], k_sea_cubic "
-        "[Nm/rad^3], below 0: softening; control_delay, velocity_filter [s], how late the drive is.",
+        "k_p [Nm/rad], k_d [Nm/(rad/s)], k_sea [Nm/rad], c_sea [Nm/(rad/s)], i_motor [kg m^2]; tau_max [Nm] limits the "
+        "spring, infinite: no limit; speed_max [rad/s], motor_torque_max [Nm] rate the motor, None: unknown; friction "
+        "[Nm], viscous_friction [Nm/(rad/s)], k_sea_cubic [Nm/rad^3], below 0: softening; control_delay, "
+        "velocity_filter [s], how late the drive is.",
         py::arg("k_p"), py::arg("k_d"), py::arg("k_sea"), py::arg("c_sea"), py::arg("i_motor"),
         py::arg_v("tau_max", std::numeric_limits<double>::infinity(), "float('inf')"),
         py::arg("speed_max") = py::none(), py::arg("friction") = 0.0, py::arg("viscous_friction") = 0.0,
         py::arg("k_sea_cubic") = 0.0, py::arg_v("feedback", Feedback::kOutput, "Feedback.output"), py::arg("name") = "",
-        py::arg("control_delay") = 0.0, py::arg("velocity_filter") = 0.0);
+        py::arg("motor_torque_max") = py::none(), py::arg("control_delay") = 0.0, py::arg("velocity_filter") = 0.0);
   using Sea = SeaParameters<double>;
   const std::pair<const char*, std::pair<double Sea::*, const char*>> numbers[] = {
       {"k_p", {&Sea::k_p, "Proportional gain [Nm/rad]."}},
@@ -114,6 +115,8 @@ void bind_actuator(py::module_& m) {
         name, [member = what.first](const Actuator& a) { return a.sea.*member; }, what.second);
   c.def_readonly("name", &Actuator::name, "What it is called.")
       .def_readonly("speed_max", &Actuator::speed_max, "Rated speed of the motor at the output [rad/s], or None.")
+      .def_readonly("motor_torque_max", &Actuator::motor_torque_max,
+                    "Rated torque of the motor at the output [Nm], or None.")
       .def_property_readonly(
           "feedback", [](const Actuator& a) { return a.sea.feedback; }, "Which angle Eq. 3 feeds back.")
       .def_readonly("uncertain", &Actuator::uncertain, "The constants that a fit found, in the order of `covariance`.")

@@ -26,15 +26,12 @@ Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::o
   Trial out;
   out.file = name;
   out.t = column("t", t);
-  check_times("t", out.t);
   const auto load = [&](const char* what, const std::optional<Numbers>& from, std::vector<double>& to, bool one_turn) {
     to = column(what, from, out.t.size());
-    for (std::size_t i = 0; i < to.size(); ++i) {
-      const bool finite = std::isfinite(to[i]);
-      if (finite && !(one_turn && std::abs(to[i]) > 2 * std::numbers::pi)) continue;
-      throw InputError(fmt::format("{}: {}[{}]: {}: {} is needed", name, what, i, shortest(to[i]),
-                                   finite ? "an angle within 2 pi rad, or multi_turn=True," : "a finite number"));
-    }
+    for (std::size_t i = 0; i < to.size() && one_turn; ++i)
+      if (std::abs(to[i]) > 2 * std::numbers::pi)
+        throw InputError(fmt::format("{}: {}[{}]: {}: an angle within 2 pi rad, or multi_turn=True, is needed", name,
+                                     what, i, shortest(to[i])));
   };
   load("phi", phi, out.phi, !multi_turn), load("force", force, out.force, false);
   load("phi_ref", phi_ref, out.phi_ref, !multi_turn), load("dphi_ref", dphi_ref, out.dphi_ref, false);
@@ -42,7 +39,8 @@ Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::o
   load("command", command, out.command, false);
   if (out.force.empty() && out.phi_ref.empty() && out.command.empty())
     throw InputError(name + ": no force, no phi_ref and no command: at least one excitation is needed");
-  if (!out.dphi_ref.empty() && out.phi_ref.empty()) throw InputError(name + ": dphi_ref without phi_ref");
+  count_from_first(out);
+  out.validate();
   return out;
 }
 
@@ -69,7 +67,6 @@ Figure trial_figure(const Identified& i, std::size_t trial) {
 Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,
                            const FitOptions& options, const TrustOptions& trust, std::optional<double> force_noise) {
   Identified out{{.rig = rig, .trials = prepared(trials, rig, force_noise), .options = options, .given = start}, {}};
-  if (out.question.trials.empty()) throw InputError("trials: none: at least one is needed");
   out.question.base = tools::base_of(rig, start);
   options.validate();
   if (!start)
@@ -135,20 +132,23 @@ void bind_inputs(py::module_& m) {
         k.unit == RigErrorKey::Unit::kPart ? "Standard deviation [part of the value]." : "Standard deviation [s].");
   py::class_<Rig>(m, "Rig", "The rig of the impact tests: one link on a fixed base, in the horizontal plane.")
       .def(py::init([](double length, double inertia, std::optional<double> tau_max, std::optional<double> gear_ratio,
-                       std::optional<Feedback> feedback, std::optional<double> speed_max, const RigErrors& errors) {
+                       std::optional<Feedback> feedback, std::optional<double> speed_max,
+                       std::optional<double> motor_torque_max, const RigErrors& errors) {
              return Rig{.length = checked("length", length, Range::positive()),
                         .inertia = checked("inertia", inertia, Range::positive()),
                         .tau_max = checked("tau_max", tau_max, Range::non_negative()),
                         .gear_ratio = checked("gear_ratio", gear_ratio, Range::positive()),
                         .feedback = feedback,
                         .speed_max = checked("speed_max", speed_max, Range::positive()),
+                        .motor_torque_max = checked("motor_torque_max", motor_torque_max, Range::positive()),
                         .errors = errors};
            }),
            "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max "
-           "[Nm], "
-           "speed_max [rad/s], errors of all this. Without feedback identify fits both sides.",
+           "[Nm] of the spring; speed_max [rad/s] and motor_torque_max [Nm], the motor's ratings; errors of all this. "
+           "Without feedback identify fits both sides.",
            py::arg("length"), py::arg("inertia"), py::arg("tau_max") = py::none(), py::arg("gear_ratio") = py::none(),
-           py::arg("feedback") = py::none(), py::arg("speed_max") = py::none(), py::arg("errors") = RigErrors{})
+           py::arg("feedback") = py::none(), py::arg("speed_max") = py::none(),
+           py::arg("motor_torque_max") = py::none(), py::arg("errors") = RigErrors{})
       .def_readonly("length", &Rig::length, "From the joint to where the force acts [m].")
       .def_readonly("inertia", &Rig::inertia, "Of the link about the joint [kg m^2].")
       .def_readonly("errors", &Rig::errors, "Of what it states.")
@@ -156,15 +156,15 @@ void bind_inputs(py::module_& m) {
   m.def("read_rig", &read_rig, py::arg("path"), "Reads a rig file (TOML).");
 
   py::class_<Trial> c(m, "Trial", "One logged trial.");
-  c.def(
-      py::init(&trial_of),
-      "Times t [s]; measured angles phi and phi_motor [rad], force at the link's tip [N], reference phi_ref [rad] and "
-      "dphi_ref [rad/s], measured torque of the spring [Nm], command [V, A or Nm]: arrays as long as t, or None. "
-      "multi_turn: angles beyond 2 "
-      "pi are meant.",
-      py::arg("t"), py::arg("phi") = py::none(), py::arg("force") = py::none(), py::arg("phi_ref") = py::none(),
-      py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("torque") = py::none(),
-      py::arg("command") = py::none(), py::arg("multi_turn") = false, py::arg("name") = "trial");
+  c.def(py::init(&trial_of),
+        "Times t [s], kept from the first on (t_origin); measured angles phi and phi_motor [rad], force at the link's "
+        "tip [N], reference phi_ref [rad] and "
+        "dphi_ref [rad/s], measured torque of the spring [Nm], command [V, A or Nm]: arrays as long as t, or None. "
+        "multi_turn: angles beyond 2 "
+        "pi are meant.",
+        py::arg("t"), py::arg("phi") = py::none(), py::arg("force") = py::none(), py::arg("phi_ref") = py::none(),
+        py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("torque") = py::none(),
+        py::arg("command") = py::none(), py::arg("multi_turn") = false, py::arg("name") = "trial");
   const std::pair<const char*, std::pair<std::vector<double> Trial::*, const char*>> kept[] = {
       {"t", {&Trial::t, "Times [s]."}},
       {"phi", {&Trial::phi, "Measured output angle [rad]."}},
@@ -177,7 +177,8 @@ void bind_inputs(py::module_& m) {
     c.def_property_readonly(
         name, [member = what.first](const py::object& self) { return view(self.cast<const Trial&>().*member, self); },
         what.second);
-  c.def_readonly("name", &Trial::file, "Its file, or the name that it was given.")
+  c.def_readonly("t_origin", &Trial::t_origin, "What the log's clock read at t = 0, its first row [s].")
+      .def_readonly("name", &Trial::file, "Its file, or the name that it was given.")
       .def_readonly("notes", &Trial::notes, "What was handled while reading, a sentence each.");
   m.def(
       "read_trial",

@@ -21,7 +21,7 @@ DropLog log_of(const Numbers& t, const std::array<std::optional<Numbers>, kOutpu
   DropLog out;
   out.file = name;
   out.t = column("t", t);
-  check_times("t", out.t);
+  require_times("t", out.t);
   if (out.t.front() < 0)
     throw InputError(fmt::format("{}: t[0]: {}: times from the release on are needed", name, shortest(out.t.front())));
   for (std::size_t o = 0; o < kOutputs; ++o) {

@@ -35,6 +35,8 @@ std::string sheet(const Actuator& a, const Places& places) {
   for (const OptionalConstant& c : optional_constants())
     if (a.sea.*c.at != c.absent) line(c.key, a.sea.*c.at, c.unit);
   if (std::isfinite(a.sea.tau_max)) line("tau_max", a.sea.tau_max, "Nm, limit of the spring's torque");
+  if (a.speed_max) line("speed_max", *a.speed_max, "rad/s, the motor's rating");
+  if (a.motor_torque_max) line("motor_torque_max", *a.motor_torque_max, "Nm, the motor's rating");
   for (const auto& [name, verdict] : a.verdicts)
     if (verdict != "trusted" && verdict != "fixed") text += fmt::format("  Beware: {} is {}.\n", name, verdict);
   return text;
@@ -90,7 +92,7 @@ std::string controller_words(const Actuator& a) {
                      feeds_back_motor(a) ? "phi_m" : "phi_1");
 }
 
-bool rated(const Actuator& a) { return std::isfinite(a.sea.tau_max) && a.speed_max; }
+bool rated(const Actuator& a) { return a.motor_torque_max && a.speed_max; }
 
 std::string urdf_words(const Actuator& a, const std::string& j) {
   Places places = {{"k_sea", "springStiffness of " + j + "_spring, which Gazebo alone reads"},
@@ -98,7 +100,10 @@ std::string urdf_words(const Actuator& a, const std::string& j) {
                    {"i_motor", "inertia of the link " + j + "_rotor, the rotor's at the gear's output"},
                    {"friction", "friction of " + j + "_motor"},
                    {"viscous_friction", "damping of " + j + "_motor"}};
-  if (rated(a)) places["tau_max"] = "effort of " + j + "_motor, a rating";
+  if (rated(a)) {
+    places["motor_torque_max"] = "effort of " + j + "_motor";
+    places["speed_max"] = "velocity of " + j + "_motor";
+  }
   return fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) + sheet(a, places) +
          fmt::format(
              "Two joints in a row: {0}_motor is phi_m, {0}_spring is phi_1 - phi_m, so that phi_1 is their sum.\n"
@@ -157,8 +162,8 @@ std::string mjcf(const Actuator& a, const RigLink& link, const std::string& j, c
 
 std::string urdf(const Actuator& a, const RigLink& link, const std::string& j, const std::string& comments) {
   const SeaParameters<double>& s = a.sea;
-  const std::string limit = rated(a) ? fmt::format("\n    <limit effort=\"{}\" velocity=\"{}\"/>", shortest(s.tau_max),
-                                                   shortest(*a.speed_max))
+  const std::string limit = rated(a) ? fmt::format("\n    <limit effort=\"{}\" velocity=\"{}\"/>",
+                                                   shortest(*a.motor_torque_max), shortest(*a.speed_max))
                                      : "";
   return "<?xml version=\"1.0\"?>\n" + comment(comments + urdf_words(a, j)) +
          fmt::format(

@@ -87,10 +87,11 @@ std::string scene_toml(const Run& run, const Calibration& c) {
   return to_toml(scene, comments);
 }
 
-/// A drop's outputs side by side, measured and simulated; lines where the simulation touches down and lifts off.
-Figure drop_figure(const LoggedDrop& drop, const DropResult& result, std::size_t number) {
+/// A drop's outputs side by side, drop_1 or validation_1, measured and simulated; lines where the simulation touches
+/// down and lifts off.
+Figure drop_figure(const LoggedDrop& drop, const DropResult& result, const char* set, std::size_t number) {
   Figure out;
-  out.name = fmt::format("drop_{}", number), out.width = Figure::Width::kWhole, out.panel_height = 200;
+  out.name = fmt::format("{}_{}", set, number), out.width = Figure::Width::kWhole, out.panel_height = 200;
   for (std::size_t o = 0; o < kOutputs; ++o) {
     const std::vector<double>&measured = drop.log.output[o], &simulated = result.value[o];
     if (simulated.empty()) continue;
@@ -115,14 +116,14 @@ Figure drop_figure(const LoggedDrop& drop, const DropResult& result, std::size_t
 }
 
 /// "outputs" and "drops" of the summary, as tables and, drop by drop, as figures.
-void tell_drops(const CalibratedDrops& c, Report& report, Json& summary, Run& run) {
+void tell_drops(const CalibratedDrops& c, const char* set, Report& report, Json& summary, Run& run) {
   const Table outputs(output_quantities(c.result), measured(c.result));
   summary["outputs"] = outputs.keyed();
   (void)tell(outputs, report, run);
   summary["drops"] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
   constexpr std::size_t kMost = 12;
   for (std::size_t m = 0; m < std::min(kMost, c.drops.size()); ++m)
-    report.figure(drop_figure(c.drops[m], c.result.drops[m], m + 1));
+    report.figure(drop_figure(c.drops[m], c.result.drops[m], set, m + 1));
 }
 
 }  // namespace
@@ -142,13 +143,13 @@ int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& 
   begin(c, constant_quantities(), report, summary, run);
   summary["trusted"] = c.trusted();
   report.heading("Fitted drops");
-  tell_drops(fitted, report, summary, run);
+  tell_drops(fitted, "drop", report, summary, run);
   if (validation) {
     run.say("not fitted:");
     report.heading("Validation: drops that were not fitted");
     Json& j = summary["validation"];
     j["nuisance"] = nuisance_json(validation->result.nuisance);
-    tell_drops(*validation, report, j, run);
+    tell_drops(*validation, "validation", report, j, run);
     run.add("validation.csv", samples_csv(run, *validation));
   }
   run.add("scene.toml", scene_toml(run, c));

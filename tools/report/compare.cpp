@@ -100,6 +100,7 @@ int report(const Comparison& c, Json summary, Run& run) {
   warn(c, run);
   Report report("Identified against nominal");
   report.paragraph("nominal: " + c.sets[0].name + "; identified: " + c.sets[1].name);
+  report.distrust(run.warnings());
 
   const Table constants(kConstantQuantities, c.constants);
   summary["parameters"] = constants.keyed();
@@ -146,7 +147,6 @@ int report(const Comparison& c, Json summary, Run& run) {
          report);
     report.paragraph("Both falls above are on the identified actuator, the one that stands for the real one.");
   }
-  report.distrust(run.warnings());
   report.write(run);
   return run.finish(summary, c.complete ? kDone : kNumbers);
 }

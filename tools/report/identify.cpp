@@ -30,6 +30,7 @@ Quantities<identify::Minimum> minimum_quantities() {
 const Quantities<identify::TrialResult> kTrialQuantities = {
     {"", "file", "file", {}, &identify::TrialResult::file},
     {"", "samples", "samples", {}, &identify::TrialResult::samples},
+    {"", "t_origin", &identify::TrialResult::t_origin},
     {"", "rms", "residual rms [rad]", "{:.4g}", &identify::TrialResult::rms},
     {"", "rms_rate", "of its rate [rad/s]", "{:.4g}", &identify::TrialResult::rms_rate},
     {"", "rms_torque", "of its torque [Nm]", "{:.4g}", &identify::TrialResult::rms_torque},
@@ -41,7 +42,10 @@ std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit&
   CsvWriter csv = run.csv();
   bool motor = false, torque = false;
   for (const Trial& t : trials) motor = motor || !t.phi_motor.empty(), torque = torque || !t.torque.empty();
-  csv.comment("residual = phi_sim - phi; trial counts from 1. Units: s, rad, Nm.");
+  csv.comment("residual = phi_sim - phi; trial counts from 1, t from its first row. Units: s, rad, Nm.");
+  for (std::size_t m = 0; m < trials.size(); ++m)
+    if (trials[m].t_origin != 0)
+      csv.comment(fmt::format("trial {}: t = 0 at {} s of its log", m + 1, shortest(trials[m].t_origin)));
   std::vector<std::string> header = {"trial", "t", "phi", "phi_sim", "residual"};
   if (motor) header.insert(header.end(), {"phi_motor", "phi_motor_sim", "residual_motor"});
   if (torque) header.insert(header.end(), {"torque", "torque_sim", "residual_torque"});
@@ -185,7 +189,9 @@ Actuator fitted_actuator(const IdentifyQuestion& q, const Fit& fit) {
   out.name = fmt::format("identified from {} trials", q.trials.size());
   out.sea = fit.sea;
   if (q.given) out.speed_max = q.given->speed_max;
+  if (q.given) out.motor_torque_max = q.given->motor_torque_max;
   if (q.rig.speed_max) out.speed_max = q.rig.speed_max;
+  if (q.rig.motor_torque_max) out.motor_torque_max = q.rig.motor_torque_max;
   for (const identify::Estimate& e : fit.parameters) out.verdicts.emplace_back(e.name, identify::name(e.verdict));
   // Only what was determined goes into the covariance, of the actuator: a file holds numbers, not gaps.
   std::vector<long> determined;
@@ -217,6 +223,8 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   Report report(predict ? "Prediction" : "Identification");
   begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
   run.say(assumptions(q, found));
+  if (const std::string unknown = fitted_actuator(q, fit).unknown_ratings(); !predict && !unknown.empty())
+    run.say("the motor's ratings are unknown (" + unknown + "): --speed-max, --motor-torque-max, or the rig's keys");
   if (!predict) report.figure(constants_figure(fit.parameters));
   const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
   if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);

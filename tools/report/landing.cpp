@@ -121,12 +121,17 @@ Quantities<Evidence> evidence_quantities(const std::vector<Variable>& variables,
 }
 
 Json ratings_json(const Ratings& r) {
+  Json unknown = Json::array();
+  if (!r.speed_max) unknown.push_back("speed_max");
+  if (!r.motor_torque_max) unknown.push_back("motor_torque_max");
   return {{"peak_reference_rate", r.reference_rate},
           {"motor_speed", r.demands.motor_speed},
           {"speed_max", number(r.speed_max)},
           {"motor_torque", r.demands.motor_torque},
           {"sea_torque", r.demands.sea_torque},
+          {"motor_torque_max", number(r.motor_torque_max)},
           {"tau_max", number(r.tau_max)},
+          {"unknown", unknown},
           {"phi_1_deg", {r.demands.phi_min * kDegrees, r.demands.phi_max * kDegrees}}};
 }
 void warn_of(const Ratings& r, Run& run) {
@@ -135,8 +140,8 @@ void warn_of(const Ratings& r, Run& run) {
         "the robot could not follow: reference rate {:.3g} rad/s, motor speed {:.3g} rad/s; rated {:.3g} rad/s",
         r.reference_rate, r.demands.motor_speed, *r.speed_max));
   if (r.too_strong())
-    run.warn(fmt::format("the motor torque reaches {:.3g} Nm; its limit tau_max is {:.3g} Nm", r.demands.motor_torque,
-                         r.tau_max));
+    run.warn(fmt::format("the robot could not follow: motor torque {:.3g} Nm; rated {:.3g} Nm", r.demands.motor_torque,
+                         *r.motor_torque_max));
 }
 void warn_of(const std::optional<Instability>& i, double tau_max, Run& run) {
   if (i)
@@ -175,6 +180,7 @@ void constants_table(Report& report, const Scene& scene, const Actuator& actuato
   for (std::size_t k = 0; k < kConstants; ++k) add(kConstantNames[k], constants(actuator.sea)[k], kConstantUnits[k]);
   add("tau_max", actuator.sea.tau_max, "Nm");
   if (actuator.speed_max) add("speed_max", *actuator.speed_max, "rad/s");
+  if (actuator.motor_torque_max) add("motor_torque_max", *actuator.motor_torque_max, "Nm");
   report.heading("Scene and actuator");
   report.paragraph("Scene: " + scene.name + ". Actuator: " + actuator.name + ".");
   report.table({"constant", "value", "unit"}, rows);

@@ -48,7 +48,7 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
              {
                  {"", "", "contacts", {}, [](auto& a) { return a.played() ? contact_order(a.landing) : "not played"; }},
                  {"", "evaluations", "motions evaluated", {}, [](auto& a) { return a.best.evaluations; }},
-                 {"", "landings", [](auto& a) { return a.best.landings; }},
+                 {"", "landings", "landings played", {}, [](auto& a) { return a.best.landings; }},
                  {"", "solver", [](auto& a) { return a.best.solver; }},
                  {"", "verified", [](auto& a) { return a.best.verified; }},
              });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 #include "tools/report/page/origin.hpp"
 #include "tools/report/page/page.hpp"
@@ -107,6 +108,8 @@ void Report::matrix(const std::vector<std::string>& names, const std::vector<std
 
 void Report::figure(Figure f) {
   if (f.empty()) return;
+  for (const Figure& other : figures_)
+    if (other.name == f.name) throw std::logic_error(f.name + ": two figures of one name");
   constexpr std::size_t kMost = 6000, kFewest = 100, kEnough = 700;  // of parts, of a figure and of a line
   std::size_t lines = 0;
   for (const Panel& p : f.panels) lines += p.series.size();
@@ -129,7 +132,8 @@ void Report::player(const Json& landings) {
       json_block("landings", landings.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-std::map<std::string, std::string> Report::files(const Run& run, std::vector<std::string> formats) const {
+std::map<std::string, std::string> Report::files(const Run& run, std::vector<std::string> formats,
+                                                 std::string* missing) const {
   const bool page_wanted = run.options().report == CommonOptions::Report::kWrite;
   for (const std::string& f : run.options().figures)
     if (std::find(formats.begin(), formats.end(), f) == formats.end()) formats.push_back(f);
@@ -153,13 +157,16 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
   for (const Drawing& d : drawings)
     for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, told);
   if (!why.empty()) text += "<p>The figures are left out: " + escaped(why) + ".</p>\n";
+  if (missing) *missing = why;
   text += "<section class=\"provenance\"><h2>Provenance</h2>\n<ul>" + list;
   text += "</ul></section>\n";
   if (page_wanted) out["report.html"] = page(title_, text);
   return out;
 }
 void Report::write(Run& run, const std::vector<std::string>& formats) const {
-  for (auto& [name, content] : files(run, formats)) run.add(name, content);
+  std::string missing;
+  for (auto& [name, content] : files(run, formats, &missing)) run.add(name, content);
+  if (!missing.empty()) run.warn("the figures are left out: " + missing);
 }
 
 namespace {

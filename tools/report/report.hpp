@@ -35,8 +35,8 @@ class Report {
   void matrix(const std::vector<std::string>& names, const std::vector<std::vector<double>>& rows);
   /// What a reader should know before the numbers are believed, a sentence each, under a heading of its own.
   void distrust(const std::vector<std::string>& sentences);
-  /// Drawn with all others by `files`; long lines are thinned so that no peak is lost. What has nothing to draw is left
-  /// out.
+  /// Drawn with all others by `files`; a name of its own (std::logic_error); long lines are thinned so that no peak is
+  /// lost. What has nothing to draw is left out.
   void figure(Figure figure);
   /// A figure of lines, with `name` as its file.
   void plot(const std::string& name, const std::string& x_label, const std::string& y_label, std::vector<Series> series,
@@ -47,9 +47,10 @@ class Report {
   /// The animation, for script.js: {"landings": [...]}, see landing.cpp.
   void player(const Json& landings);
   /// The page, closed by the run's provenance, as report.html where one is wanted, and the figures as files of their
-  /// own in the run's formats and in these. Where gnuplot is missing the page says so.
-  std::map<std::string, std::string> files(const Run& run, std::vector<std::string> formats = {}) const;
-  /// The same, into the run.
+  /// own in the run's formats and in these. Where gnuplot draws none, the page says why, and so does `missing`.
+  std::map<std::string, std::string> files(const Run& run, std::vector<std::string> formats = {},
+                                           std::string* missing = nullptr) const;
+  /// The same, into the run, which warns of figures that are missing.
   void write(Run& run, const std::vector<std::string>& formats = {}) const;
 
  private:

@@ -45,7 +45,7 @@ Share share_of(const RiskEvent& e, long of) {
     case Kind::kSpeed:
       return {"speed_max", fmt::format("the motor turns faster than {:.4g} rad/s", e.limit), e.drops, of};
     case Kind::kTorque:
-      return {"tau_max", fmt::format("the motor pulls with more than {:.4g} Nm", e.limit), e.drops, of};
+      return {"motor_torque_max", fmt::format("the motor pulls with more than {:.4g} Nm", e.limit), e.drops, of};
     case Kind::kStops:
       return {"joint", "the joint leaves its stops", e.drops, of};
   }

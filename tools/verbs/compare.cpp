@@ -15,6 +15,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   const OfSets<Actuator> sets = {landing_actuator_of(a.nominal, run), landing_actuator_of(a.identified, run)};
   std::optional<RigTrials> measured;
   std::optional<landing::Scene> scene;
+  if (!a.scene.empty()) warn_of_unknown_ratings(sets[1], a.identified, run);
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");
   if (!a.scene.empty()) scene = landing::read_scene(a.scene), run.input(a.scene);
   Json summary;

@@ -19,6 +19,9 @@ landing::Motion motion_of(const MotionArguments& a, const std::string& verb, Run
   if (a.hold) {
     if (!std::isfinite(*a.hold) || std::abs(*a.hold) > 360)
       throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", *a.hold));
+    if (*a.hold != 0 && std::abs(*a.hold) < 2)
+      run.warn(fmt::format("--hold: {:g}: degrees, not radians ({:g} rad would be {:.4g})", *a.hold, *a.hold,
+                           *a.hold * kDegrees));
     return {*a.hold / kDegrees, *a.hold / kDegrees, 1};
   }
   run.input(a.file);

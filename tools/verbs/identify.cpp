@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "common/checks.hpp"
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
@@ -136,6 +137,9 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
                      .rig = rig_of(a.rig, a.reading),
                      .exports = a.exports};
   run.input(a.rig);
+  if (a.speed_max) check_positive("--speed-max", *a.speed_max), q.rig.speed_max = a.speed_max;
+  if (a.motor_torque_max)
+    check_positive("--motor-torque-max", *a.motor_torque_max), q.rig.motor_torque_max = a.motor_torque_max;
   if (predict) q.given = actuator_of(a.actuator, run);
   if (!a.start.empty()) q.given = read_actuator(a.start), run.input(a.start);
   q.options = fit_options(a, common);
@@ -182,6 +186,9 @@ void add_identify(CLI::App& app, Action& chosen) {
     verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
     if (!predict) {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
+      verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");
+      verb->add_option("--motor-torque-max", args->motor_torque_max,
+                       "the motor's rated torque there [Nm] [the rig's]; tau_max of the rig limits the spring");
       verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
       verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
       verb->add_option(

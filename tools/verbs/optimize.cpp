@@ -62,7 +62,6 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
     o.limits.forbidden[choice_index("--forbid", point, {kPointNames.begin(), kPointNames.end()})] = true;
   if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(actuator, o);
   o.validate();
-  o.monitor = run.monitor(all ? "solvers" : "optimize");
   if (all) out.solvers = solver_names();
   const bool rows = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
                     a.exports.has(Exports::Format::kPlotJuggler);
@@ -88,17 +87,19 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const Clock clock;
   Run run("optimize", common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
-  const Actuator actuator = landing_actuator_of(a.actuator, run);
+  const Actuator actuator = rated_actuator_of(a.actuator, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
   options.robust = robust_of(a, scene, actuator, run);
   const OptimizeOptions& o = options.search;
   const Goal goal = a.robust ? Goal::kRobust : o.goal;
+  const char* const unit = a.robust ? "landings" : "motions";
+  options.search.monitor = run.monitor(fmt::format("{}, {}", options.solvers.empty() ? "optimize" : "solvers", unit));
   const int variables = ReferenceSpace(scene, actuator.sea).dimension();
   run.info(fmt::format("optimising the {} of {} with {}: {}, seed {}", goal_words(options), scene.name, a.solver,
                        o.deadline
                            ? fmt::format("{:g} s", *o.deadline)
-                           : fmt::format("{} motions", o.evaluations.value_or(default_evaluations(goal, variables))),
+                           : fmt::format("{} {}", o.evaluations.value_or(default_evaluations(goal, variables)), unit),
                        o.seed));
   options.rehearse = [&](const Answer& rehearsed) { return writing_time(rehearsed, a.rate, a.exports, run); };
   options.used = clock.seconds();
@@ -121,7 +122,8 @@ void add_optimize(CLI::App& app, Action& chosen) {
       },
       "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
   verb->add_option("--evaluations", args->evaluations,
-                   "how many motions are tried in all [40000; tolerant 10000; with n > 3 variables 2 (n - 2) times as "
+                   "how many motions are tried in all, with --robust landings [40000; tolerant 10000; with n > 3 "
+                   "variables 2 (n - 2) times as "
                    "many; no limit with --deadline]");
   verb->add_option("--deadline", args->deadline,
                    "when the answer is verified and written, counted from the program's start [s]");
@@ -134,7 +136,8 @@ void add_optimize(CLI::App& app, Action& chosen) {
   verb->add_option("--forbid", args->forbid, "points that must never touch: hip,knee,foot")->delimiter(',');
   verb->add_flag_callback(
       "--respect-ratings", [args] { args->ratings = OptimizeArguments::Ratings::kRespect; },
-      "keep the reference's rate, the motor's speed and its torque within the actuator's speed_max and tau_max");
+      "keep the reference's rate, the motor's speed and its torque within the actuator's speed_max and "
+      "motor_torque_max");
   add_freedom(*verb, args->freedom);
   verb->add_option("--robust", args->robust,
                    "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "

@@ -42,7 +42,8 @@ int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
   if (a.torque)
     options.torques = points_of("--motor-torque", *a.torque);
   else
-    options.torques = {actuator.sea.tau_max};
+    options.torques = {actuator.motor_torque_max.value_or(std::numeric_limits<double>::infinity())};
+  if (!a.torque && !actuator.motor_torque_max) warn_of_unknown_ratings(actuator, a.actuator, run);
   options.search.evaluations = a.evaluations;
   options.search.seed = common.seed, options.search.threads = common.threads;
   options.search.tolerance_samples = 0;
@@ -59,7 +60,8 @@ void add_ratings(CLI::App& app, Action& chosen) {
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
   verb->add_option("--motor-speed", args->speed, "LO:HI:N, rated speeds [rad/s]")->required();
-  verb->add_option("--motor-torque", args->torque, "LO:HI:N, rated torques [Nm] [the actuator's tau_max]");
+  verb->add_option("--motor-torque", args->torque,
+                   "LO:HI:N, rated torques [Nm] [the actuator's motor_torque_max; else no limit]");
   verb->add_option("--evaluations", args->evaluations, "motions tried in each search [40000; tolerant 10000]");
   add_freedom(*verb, args->freedom);
   add_action<RatingsArguments>(*verb, args,

@@ -56,7 +56,7 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
   Run run("risk", common);
   const Scene scene = read_scene(a.scene);
   run.input(a.scene);
-  const Actuator actuator = landing_actuator_of(a.actuator, run);
+  const Actuator actuator = rated_actuator_of(a.actuator, run);
   const Motion motion = motion_of(a.motion, "risk", run);
   RiskOptions options = options_of(a, common, run);
   RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};

@@ -24,6 +24,7 @@ struct IdentifyArguments {
   std::string free, nuisance, prior, lower, upper, loss = "none";
   identify::FitOptions::Weights weights = identify::FitOptions::Weights::kEqual;
   TrialArguments reading;
+  std::optional<double> speed_max, motor_torque_max;  ///< the motor's ratings, before the rig's
   double accuracy = 1e-9;
   int starts = 0;  ///< explored; 0: as few as needed
   Doubt doubt = Doubt::kReport;

@@ -48,7 +48,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   Run run("simulate", common);
   Scene scene = read_scene(a.scene);
   run.input(a.scene);
-  Actuator actuator = landing_actuator_of(a.actuator, run);
+  Actuator actuator = rated_actuator_of(a.actuator, run);
   Motion motion = motion_of(a.motion, "simulate", run);
   const double rate = a.rate.value_or(1000);
   if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));

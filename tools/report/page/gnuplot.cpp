@@ -109,6 +109,9 @@ std::map<std::string, std::string> gnuplot(const std::string& script, const std:
   const std::string said = content(folder.at("messages")), newline = "\n";
   const auto begin = said.find_first_not_of(newline);
   why = "gnuplot failed";
+  if (begin == std::string::npos)
+    for (const std::string& name : names)
+      if (!out.contains(name)) why += ": it left no " + name;
   if (begin != std::string::npos) why += ": " + shown(said.substr(begin, said.find('\n', begin) - begin));
   return {};
 }
