@@ -126,7 +126,7 @@ Lateness lateness(Goal goal, double deadline, const Scene& scene, const SeaParam
     drop.height += r.uniform(-0.1, 0.1), drop.pitch += r.uniform(-0.1, 0.1);
     drop.forward_speed += r.uniform(-0.2, 0.2);
     const Stopwatch watch(Stopwatch::Time::kWall), processor(Stopwatch::Time::kProcessor);
-    out.found += planner.plan(drop, deadline, std::uint64_t(i)).found;
+    out.found += planner.plan(drop, deadline, std::uint64_t(i)).found();
     out.over.push_back(watch.seconds() - deadline), out.own.push_back(processor.seconds() - deadline);
     run.progress("planner", i, calls);
   }
