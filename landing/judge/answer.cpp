@@ -36,16 +36,17 @@ class Timetable {
   Timetable(const Scene& scene, const Actuator& actuator, const AnswerOptions& options)
       : scene_(scene), sea_(actuator.sea), options_(options) {}
 
-  /// Plays the held reference, and rehearses with it what follows the search: so the time that has to be kept back is
-  /// measured. Of a deadline the held reference takes a tenth at most, or its peak is not known.
+  /// With a deadline: plays a held reference, and rehearses with it what follows the search: so the time that has to be
+  /// kept back is measured. The reference takes a tenth at most.
   void begin(Answer& a) {
+    if (!deadline()) return;
+    constexpr double kTwoLandings = 4;  // what two take in the end, at most, of the first
     const double start = now();
-    if (deadline()) until_ = start + 0.1 * (*deadline() - start);
+    until_ = start + 0.1 * (*deadline() - start);
     a.held = play(kHeld);
     until_ = kNever;
-    if (!deadline()) return;
-    landing_ = 2 * (now() - start);
-    a.landing = a.held;
+    landing_ = kTwoLandings * (now() - start);
+    a.landing = a.held, a.best.held = Held{kHeld};
     a.best.motion = {scene_.search.phi[0], scene_.search.phi[1], scene_.search.duration[1]};  // the longest file
     if (const auto& r = scene_.release) a.best.motion.reposition = Reposition{r->phi, r->rate, r->from, r->from + 1};
     if (options_.rehearse) handing_over_ = options_.rehearse(a);
@@ -85,10 +86,13 @@ std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea
                             std::vector<std::string> solvers) {
   if (solvers.empty()) solvers = {options.solver};
   const Monitor whole = options.monitor;
+  const std::optional<double> deadline = options.deadline;
+  const Stopwatch watch(Stopwatch::Time::kWall);
   std::vector<Optimum> out;
   for (const std::string& solver : solvers) {
     if (!out.empty() && whole.stopped()) break;
     options.solver = solver;
+    if (deadline) options.deadline = std::max(1e-3, *deadline - watch.seconds()) / double(solvers.size() - out.size());
     options.monitor.tell = [&](long done, long total) {
       whole.progress(long(out.size()) * total + done, long(solvers.size()) * total);
     };
@@ -155,6 +159,7 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
   OptimizeOptions searched = options.search;
   searched.validate();
   Answer a{.scene = scene, .actuator = actuator, .options = options};
+  a.landing.end = a.held.end = End::kStopped;
   Timetable timetable(scene, actuator, options);
   timetable.begin(a);
   if (searched.deadline) searched.deadline = timetable.search();
@@ -168,8 +173,13 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
   Optimum& best = a.best;
   best = *std::min_element(a.tried.begin(), a.tried.end(),
                            [](const Optimum& x, const Optimum& y) { return x.value < y.value; });
-  if (!best.found) return a;
+  if (!best.found) {
+    if (searched.limits.rated() && !searched.deadline && !searched.monitor.stopped())
+      a.least_breaking = least_breaking(scene, ReferenceSpace(scene, actuator.sea), searched);
+    return a;
+  }
   a.landing = timetable.play(best.motion);
+  a.held = timetable.play(best.held->motion);
   const bool always = options.evidence == AnswerOptions::Extras::kAlways;
   if ((always || !searched.deadline) && !searched.monitor.stopped()) {
     const Stopwatch watch(Stopwatch::Time::kWall);
@@ -181,6 +191,10 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
                            .work = always ? kUnbounded : kCheckWork,
                            .monitor = options.evidence_monitor});
     if (a.evidence->complete) {
+      if (std::isnan(best.held->tolerant))
+        best.held->tolerant = tolerant_peak(scene, actuator.sea, best.held->motion, {.accuracy = searched.accuracy}, 0,
+                                            searched.seed, searched.threads)
+                                  .value;
       a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
       if (a.scattered) a.nominal = nominal_plan(a, options.evidence_monitor);
       if (drops.scatters() && !searched.monitor.stopped()) a.under_scatter = judged_under_scatter(drops, a, searched);

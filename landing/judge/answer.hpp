@@ -9,6 +9,7 @@
 
 #include "landing/judge/checked.hpp"
 #include "landing/judge/evidence.hpp"
+#include "landing/judge/least_breaking.hpp"
 #include "landing/judge/limit.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/search/optimize.hpp"
@@ -23,9 +24,10 @@ void respect_ratings(const Actuator& actuator, OptimizeOptions& options);
 
 struct AnswerOptions {
   RobustOptions robust;
-  OptimizeOptions search;            ///< its deadline is that of the whole answer, handed over
-  std::vector<std::string> solvers;  ///< tried in turn, each with the whole budget; empty: search.solver alone
-  double rate = 0;                   ///< rows of the trajectories a second [Hz]; 0: none
+  OptimizeOptions search;  ///< its deadline is that of the whole answer, handed over
+  /// Tried in turn, each with the whole number of motions, of a deadline with its part; empty: search.solver alone.
+  std::vector<std::string> solvers;
+  double rate = 0;  ///< rows of the trajectories a second [Hz]; 0: none
   enum class Extras {
     kWithoutDeadline,  ///< evidence is worked out where there is no deadline and landings are not too long
     kAlways,           ///< whatever it takes, beyond the deadline too
@@ -43,7 +45,9 @@ struct Answer {
   AnswerOptions options;
   Optimum best;
   std::vector<Optimum> tried;  ///< what each solver came to; one where one was asked for
-  Landing landing, held;       ///< of `best.motion` and kHeld; End::kStopped where there was no time to play them
+  /// Of `best.motion` and of best.held; End::kStopped where there was no time to play them.
+  Landing landing, held;
+  std::optional<LeastBreaking> least_breaking;  ///< where nothing was found that keeps the ratings
   std::optional<Evidence> evidence;
   std::optional<TouchdownLimit> limit;        ///< with the evidence
   double evidence_seconds = 0;                ///< that it took

@@ -101,7 +101,7 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
   constexpr long kMotions = 3000;
   constexpr double kConverged = 1e-7;
   Objective objective(scene, space, {.stop = options.monitor.stop});
-  Search search(objective, {.motions = kMotions, .work = work_allowed(1, kMotions)}, options.seed + n);
+  Search search(objective, {.motions = kMotions, .work = work_allowed(1, kMotions), .hold = 0}, options.seed + n);
   Random random(options.seed, n);
   std::vector<Candidate> population(kPopulation, search.nothing()), trials = population;
   for (Candidate& p : population)

@@ -42,6 +42,8 @@ Motion started_at(const Motion& m, double time) {
 }
 
 Reference<double> reference_of(const Motion& m, double time) {
+  if (time <= 0) return {m.phi_i, 0};
+  if (time >= m.duration) return {m.phi_f, 0};
   return landing_of(m, m.phi_i, 0.0).at(time, has_bumps(m));
 }
 

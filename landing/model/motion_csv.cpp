@@ -236,7 +236,7 @@ void RowReader::check(const Motion& m) const {
   const Motion landing = started_at(m, rows.start);
   const auto at = [&](std::size_t i) -> Reference<double> {
     if (i < zero) return reference_before(m, rows.start + rows.t[i]);
-    return i < end ? reference_of(landing, rows.t[i]) : Reference<double>{m.phi_f, 0};
+    return reference_of(landing, rows.t[i]);
   };
   const auto require = [&](const char* name, const std::vector<double>& given, double Reference<double>::*value,
                            double tolerance, const char* unit) {

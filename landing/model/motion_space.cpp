@@ -45,18 +45,28 @@ Coordinates MotionSpace::values(const Coordinates& unit) const {
   Coordinates x(unit.size());
   for (int k = 0; k < int(x.size()); ++k) {
     const Variable& v = variables_[std::size_t(k)];
-    x[k] = std::clamp(v.lower + unit[k] * (v.upper - v.lower), v.lower, v.upper);
+    x[k] = v.lower + unit[k] * (v.upper - v.lower);
+    if (unit[k] >= 0 && unit[k] <= 1) x[k] = std::clamp(x[k], v.lower, v.upper);
   }
   return x;
 }
 
-Coordinates MotionSpace::unit(const Coordinates& values) const {
+Coordinates MotionSpace::place(const Coordinates& values) const {
   Coordinates u(values.size());
   for (int k = 0; k < int(u.size()); ++k) {
     const Variable& v = variables_[std::size_t(k)];
-    u[k] = v.upper > v.lower ? std::clamp((values[k] - v.lower) / (v.upper - v.lower), 0.0, 1.0) : 0.5;
+    u[k] = v.upper > v.lower ? (values[k] - v.lower) / (v.upper - v.lower) : 0.5;
   }
   return u;
+}
+
+Edges MotionSpace::edges(const Coordinates& values) const {
+  constexpr double kNear = 1e-3;
+  Edges out{};
+  const Coordinates u = place(values);
+  for (int k = 0; k < dimension(); ++k)
+    out[std::size_t(k)] = static_cast<signed char>((u[k] >= 1 - kNear) - (u[k] <= kNear));
+  return out;
 }
 
 Play MotionSpace::inexact(Play play, const ExecutionTolerance& tolerance, const Deviation& deviation) const {
@@ -170,6 +180,15 @@ Coordinates ReferenceSpace::values_of(const Motion& m) const {
   const auto all = numbers({m, sea_});
   Coordinates x(dimension());
   for (int k = 0; k < dimension(); ++k) x[k] = all[slots_[std::size_t(k)]];
+  return x;
+}
+
+std::optional<Coordinates> ReferenceSpace::holding(double phi) const {
+  Coordinates x = values(centre());
+  for (int k = 0; k < dimension(); ++k) {
+    const int slot = slots_[std::size_t(k)];
+    x[k] = slot < 2 ? phi : variables()[std::size_t(k)].neutral.value_or(x[k]);
+  }
   return x;
 }
 

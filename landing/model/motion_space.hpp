@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,9 @@ inline constexpr int kPaperVariables = 3;
 inline constexpr int kMostVariables = 12;
 /// A number for each variable: values in their units, or places 0..1 in their ranges.
 using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostVariables, 1>;
+
+/// For each variable -1 on the lower edge of its range, +1 on the upper, else 0.
+using Edges = std::array<signed char, kMostVariables>;
 
 /// What a point of a space stands for: the reference that is played, and the drive that follows it.
 struct Play {
@@ -55,11 +59,20 @@ class MotionSpace {
 
   int dimension() const { return int(variables_.size()); }
   const std::vector<Variable>& variables() const { return variables_; }
-  /// Values of a point of the unit cube, within their ranges; and the middle of the cube.
+  /// Values of a point of the unit cube, within their ranges (beyond them where it is beyond the cube); and the middle
+  /// of the cube.
   Coordinates values(const Coordinates& unit) const;
-  /// And back; a range of one value has its middle.
-  Coordinates unit(const Coordinates& values) const;
+  /// And back: the place of values, beyond the cube where they are beyond their ranges, and the nearest in the cube. A
+  /// range of one value has its middle.
+  Coordinates place(const Coordinates& values) const;
+  Coordinates unit(const Coordinates& values) const { return place(values).cwiseMax(0).cwiseMin(1); }
   Coordinates centre() const { return Coordinates::Constant(dimension(), 0.5); }
+
+  /// The motion whose reference stands at phi [rad] throughout, else as the drive is: what a robot does that plans
+  /// nothing. It may lie beyond the ranges. Absent where a space knows none.
+  virtual std::optional<Coordinates> holding(double /*phi*/) const { return std::nullopt; }
+  /// Which of the values lie on the lower (-1) or upper (+1) edge of their range, or beyond it, to a thousandth of it.
+  Edges edges(const Coordinates& values) const;
 
   /// What the values stand for.
   virtual Play play(const Coordinates& values) const = 0;
@@ -90,6 +103,7 @@ class ReferenceSpace : public MotionSpace {
   Play play(const Coordinates& x) const override { return {motion(x), sea_}; }
   /// The values of a motion; what it has and the space has not is lost.
   Coordinates values_of(const Motion& m) const;
+  std::optional<Coordinates> holding(double phi) const override;
   Eigen::MatrixXd jacobian(const Coordinates&) const override;
   /// The same space for another release: of `scene`, which has one if and only if the space's own had.
   void release(const Scene& scene);

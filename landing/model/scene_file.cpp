@@ -94,7 +94,7 @@ Scene read_scene(const std::string& path) {
   }
 
   TomlSection drop = file.require("drop");
-  scene.drop.height = drop.number("height", Range::non_negative());
+  scene.drop.height = drop.number("height", {0, 1e4, false, "at least 0 and at most 1e4"});
   scene.drop.forward_speed = drop.optional_number("forward_speed", Range::any()).value_or(0);
   scene.drop.pitch = drop.angle("pitch");
   scene.drop.pitch_rate = drop.optional_number("pitch_rate", Range::any()).value_or(0);

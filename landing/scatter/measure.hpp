@@ -16,6 +16,9 @@ struct Measure {
     kWorst,     ///< of the drops that were played
   } kind = Kind::kMean;
   double level = 0.9;  ///< 0..1
+  /// Of all drops, in so many a plan for it must keep the limits: all that it looks at; for the mean half. In more
+  /// broken ones its value would be the penalty and no acceleration.
+  double share() const { return kind == Kind::kMean ? 0.5 : kind == Kind::kWorst ? 1 : level; }
 
   /// Of the peaks, which it puts in another order. NaN of none.
   double of(std::span<double> peaks) const;

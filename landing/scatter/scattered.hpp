@@ -21,6 +21,8 @@ struct ScatteredOptions {
 /// Plays planned motions over drops, and keeps its memory between calls.
 class ScatteredLandings {
  public:
+  /// Room for so many landings at once: as many allocate nothing on one thread.
+  void reserve(std::size_t landings) { plays_.reserve(landings), cases_.reserve(landings), peaks_.reserve(landings); }
   /// Landing of motion i over drop k is [i * drops.size() + k].
   const std::vector<LandingPeak>& play(std::span<const Play> planned, std::span<const ScatteredDrop> drops,
                                        const ScatteredOptions& options, const MotionSpace* space = nullptr);

@@ -72,6 +72,10 @@ class Objective {
   void evaluate_scattered(std::span<Candidate> points, std::size_t most);
   /// What the few best are worth over the judging drops, and no more than they can bear; as above.
   void judge_scattered(std::span<Candidate> points);
+  /// Under scatter: room for so many motions at once over the drops that are searched on; they allocate nothing then.
+  void reserve_scattered(std::size_t motions);
+  /// Under scatter: whether a motion keeps the limits in as many of the drops that judge as Measure::share asks for.
+  bool keeps_limits(const Candidate& p);
   double deadline;  ///< on `watch` [s]
   Stopwatch watch;
   std::function<bool()> stop;  ///< asked often, from any thread, if set; true: no time is left

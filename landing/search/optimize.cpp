@@ -34,10 +34,14 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
   if (found) return exhausted ? bound : "";
   if (objective.flights() > 0 && objective.flights() == objective.landings())
     return "no point of the robot touches the floor: there is no landing to plan";
-  if (options.deadline) return fmt::format("no motion could be followed in the {:g} s given", *options.deadline);
   const bool limited = objective.options().limits.any();
-  const std::string none = limited ? "no motion of the search range was found that keeps the limits"
-                                   : "no motion of the search range could be followed";
+  if (options.deadline)
+    return fmt::format("no motion could be followed{} in the {:g} s given", limited ? " within the limits" : "",
+                       *options.deadline);
+  std::string none = limited ? "no motion of the search range was found that keeps the limits"
+                             : "no motion of the search range could be followed";
+  if (limited && options.goal == Goal::kRobust)
+    none += fmt::format(" in {:g} % of the drops", 100 * options.robust->measure.share());
   return exhausted ? none + "; " + bound : none;
 }
 
@@ -75,9 +79,17 @@ Budget budget_of(const OptimizeOptions& options, const Objective& objective, dou
   return out;
 }
 
+void take(const Candidate& answer, const Objective& objective, Optimum& out) {
+  const Play play = objective.play(answer);
+  out.motion = play.motion, out.sea = play.sea;
+  out.values = objective.space().values(answer.u), out.edges = objective.space().edges(out.values);
+}
+
 /// The landing of the answer and its execution box, at the accuracy of an answer; `value` is what the search found.
-void verify(const Scene& scene, const MotionSpace& space, const Play& play, double value,
-            const OptimizeOptions& options, const Objective& objective, Optimum& out) {
+void verify(double value, const OptimizeOptions& options, const Objective& objective, Optimum& out) {
+  const Scene& scene = objective.scene();
+  const MotionSpace& space = objective.space();
+  const Play play{out.motion, out.sea};
   const SimulateOptions tight{.accuracy = options.accuracy, .over = objective.over()};
   const bool peak = options.goal == Goal::kPeak;
   out.landing = peak_acceleration(scene, play.sea, play.motion, tight);
@@ -89,6 +101,7 @@ void verify(const Scene& scene, const MotionSpace& space, const Play& play, doub
   if (!out.tolerant.complete)
     out.tolerant.value = std::max(out.tolerant.value, options.goal == Goal::kTolerant ? value : out.landing.peak);
   out.value = peak ? out.landing.peak : options.goal == Goal::kRobust ? value : out.tolerant.value;
+  if (out.held && options.goal == Goal::kTolerant && out.held->value < kNoMotion) out.held->tolerant = out.held->value;
 }
 
 }  // namespace
@@ -135,9 +148,9 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   leave();
   const Candidate best = search.judge(options.accuracy, until - last);
   out.seconds = objective.watch.seconds();
-  out.values = space.values(best.u);
-  const Play play = space.play(out.values);
-  out.motion = play.motion, out.sea = play.sea;
+  const Candidate& held = search.held();
+  if (space.holding(0)) out.held = Held{objective.play(held).motion, held.value};
+  take(best, objective, out);
   out.landings = objective.landings();
   out.found = best.value < kNoMotion;
   out.message = message_of(options, objective, out.found, exhausted);
@@ -145,7 +158,12 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   leave();
   objective.deadline = until;
   objective.grant(kUnbounded);
-  verify(scene, space, play, best.value, options, objective, out);
+  verify(best.value, options, objective, out);
+  const bool fallen = options.goal != Goal::kRobust && out.value > held.value;  // as far as it was left unjudged
+  if (fallen && best.u != held.u) {
+    take(held, objective, out);
+    verify(held.value, options, objective, out);
+  }
   return out;
 }
 

@@ -44,10 +44,19 @@ constexpr long default_evaluations(Goal goal, int variables = kPaperVariables) {
   return more * (goal == Goal::kPeak ? 40'000 : 10'000);
 }
 
+/// The reference that does nothing, in the best posture that a search knows (Search::held).
+struct Held {
+  Motion motion{};
+  double value = kNoMotion;  ///< the goal, as searched [m/s^2]; kNoMotion where it keeps no limits
+  double tolerant = std::numeric_limits<double>::quiet_NaN();  ///< tolerant peak [m/s^2]; NaN where not played
+};
+
 struct Optimum {
   Motion motion{};
   SeaParameters<double> sea;       ///< the drive that plays it
   Coordinates values;              ///< of the space's variables
+  Edges edges{};                   ///< of the search box that they lie on
+  std::optional<Held> held;        ///< absent where the space knows no posture to hold; `value` is no worse
   LandingPeak landing;             ///< of the motion, at OptimizeOptions::accuracy
   TolerantPeak tolerant;           ///< the same within the execution tolerance
   double value = kNoMotion;        ///< the goal, at OptimizeOptions::accuracy

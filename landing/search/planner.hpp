@@ -10,24 +10,35 @@
 
 namespace ukemi::landing {
 
-/// What a robot measures in the air.
+/// What a robot measures in the air. A number beyond its range, or NaN, is refused with Plan::Status::kBadInput.
 struct FallState {
-  double height;                         ///< clearance of the lowest contact point now [m]
-  double forward_speed = 0;              ///< dx_0 [m/s]
-  double pitch = 0, pitch_rate = 0;      ///< of the thigh [rad], [rad/s]
-  double phi = 0, rate = 0;              ///< of the joint [rad], [rad/s]
-  double gone = 0;                       ///< since release, which was at rest; unused with vertical_speed [s]
-  std::optional<double> vertical_speed;  ///< dy_0, upwards [m/s]; absent: that of the time gone, -g `gone`
+  double height;                         ///< clearance of the lowest contact point now, 0 to 1e4 [m]
+  double forward_speed = 0;              ///< dx_0, at most 1e3 either way [m/s]
+  double pitch = 0, pitch_rate = 0;      ///< of the thigh, at most 2 pi [rad] and 1e3 [rad/s] either way
+  double phi = 0, rate = 0;              ///< of the joint, as the pitch [rad], [rad/s]
+  double gone = 0;                       ///< since release, which was at rest; 0 to 1e3 [s]
+  std::optional<double> vertical_speed;  ///< dy_0, upwards, at most 1e3 either way [m/s]; absent: -g `gone`
 };
 
 /// What a planner answers with.
 struct Plan {
+  enum class Status {
+    kFound,
+    kNothing,     ///< nothing could be followed within the limits in the time given
+    kFloorFirst,  ///< the floor comes before the deadline: there is no time to plan
+    kBadInput,    ///< a number of the drop, the fall or the deadline is none that can be; `wrong` says which
+  } status = Status::kNothing;
   Motion motion{};            ///< times of its move in the air count from the call of `plan`
   SeaParameters<double> sea;  ///< the drive that plays it
   double value = kNoMotion;   ///< the goal, as Search::judge finds it [m/s^2]
   long motions = 0;           ///< evaluated
-  bool found = false;         ///< false: nothing could be followed within the limits in the time given
+  Edges edges{};              ///< of the search box that the motion lies on, by variable of the space
+  const char* wrong = "";     ///< with kBadInput: the number and its rule
+  bool found() const { return status == Status::kFound; }
 };
+
+/// "found", "nothing", "floor_first", "bad_input".
+const char* name(Plan::Status status);
 
 /// Owns a scene, a motion space and all the memory that a search needs; `plan` allocates nothing and starts no thread.
 /// Not to be called from two threads at once.
@@ -43,11 +54,12 @@ class Planner {
     struct UnderScatter {
       Measure measure;
       Scatter scatter = Scatter::assumed();
-      int drops = 32;
+      int drops = 32;  ///< 1 to 4096
       double penalty = Robust().penalty;
     } under_scatter;
   };
 
+  /// Throws InputError where `under_scatter.drops` is out of its range.
   Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options);
   /// Over the motions of Eq. 6, and what the scene lets them have beside. With a [release] in the scene it plans the
   /// move in the air too.
@@ -57,13 +69,13 @@ class Planner {
   Planner(const Planner&) = delete;
   Planner& operator=(const Planner&) = delete;
 
-  /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0; the
-  /// answer comes 3 ms after it at most, however stiff the scene: landings are cut off). Throws InputError for a
-  /// deadline that is not above 0.
+  /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0 and finite;
+  /// the answer comes 3 ms after it at most, however stiff the scene: landings are cut off). No worse than the best
+  /// posture to hold that is known by then, see Search::held. Whatever was measured, it throws nothing: see
+  /// Plan::Status.
   [[nodiscard]] Plan plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
   /// The same for a robot in the air, whose reference stands at `state.phi` until the deadline and can move from then
-  /// on. Throws InputError where the scene has no [release], or the floor comes before the deadline. The release stays
-  /// for later calls.
+  /// on. The release stays for later calls. Throws InputError where the scene has no [release], whatever was measured.
   [[nodiscard]] Plan plan(const FallState& state, double deadline, std::uint64_t seed = 1);
   /// The next plan tries these motions before all others, the best first, at most kStarts: values of the space's
   /// variables, as an atlas has them (the end of a move in the air from release). Each is followed for a few

@@ -32,7 +32,7 @@ void RobustSearch::look_for_basins() {
   const std::size_t few = few_drops();
   const double until = set_.robust_late + 0.1;
   if (!search_->hints.empty()) close_in({search_->hints[0]}, set_.robust_hint, few, until);
-  judge_best();
+  bool judged = judge_best();
   while (!search_->over() && search_->share() < set_.robust_late) {
     if (basins_.size() > 1 && random_.uniform() < set_.robust_near) {
       const double size = std::pow(10.0, random_.uniform(kNarrowest, kWidest));
@@ -40,16 +40,17 @@ void RobustSearch::look_for_basins() {
     } else {
       close_in(scouted(), set_.robust_size, few, until);
     }
-    if (search_->best().value >= kNoMotion) judge_best();
+    if (!judged) judged = judge_best();
   }
 }
 
-/// Over all drops: so that there is an answer, however early the search ends.
-void RobustSearch::judge_best() {
-  if (basins_.empty() || search_->over()) return;
+/// Over all drops: so that there is an answer beside holding, however early the search ends. False where it is none.
+bool RobustSearch::judge_best() {
+  if (basins_.empty() || search_->over()) return false;
   Candidate best = basins_[0];
   best.bound = kNoMotion;
   search_->evaluate({&best, 1});
+  return best.value < kNoMotion;
 }
 
 /// Over all drops: the best basins compared, two runs in the best two, then beside the best.

@@ -27,7 +27,7 @@ class RobustSearch {
   /// That the first runs are made over.
   std::size_t few_drops() const;
   void look_for_basins();
-  void judge_best();
+  bool judge_best();
   void search_basins();
   Candidate scouted();
   /// A run from a place, of a size in parts of the cube, over so many drops, until that share of the budget is spent.

@@ -30,6 +30,26 @@ void Objective::evaluate_scattered(std::span<Candidate> points, std::size_t most
 
 void Objective::judge_scattered(std::span<Candidate> points) { race_over(points, options_.robust->judging, false); }
 
+void Objective::reserve_scattered(std::size_t motions) {
+  scattered_ = std::make_shared<Scattered>();
+  Scattered& s = *scattered_;
+  const std::size_t drops = options_.robust->drops.size();
+  s.landings.reserve(motions * drops), s.peaks.reserve(motions * drops);
+  s.plays.reserve(motions), s.open.reserve(motions), s.sorted.reserve(drops);
+}
+
+bool Objective::keeps_limits(const Candidate& p) {
+  if (!options_.limits.any()) return true;
+  const Robust& robust = *options_.robust;
+  const auto& drops = robust.judging.empty() ? robust.drops : robust.judging;
+  const Play planned = play(p);
+  const auto& landings = scattered_->landings.play(
+      {&planned, 1}, drops,
+      {.accuracy = options_.accuracy, .limits = options_.limits, .threads = options_.threads, .over = &over_}, &space_);
+  const auto broken = std::count_if(landings.begin(), landings.end(), [](auto& l) { return l.end == End::kBroken; });
+  return double(broken) <= (1 - robust.measure.share()) * double(drops.size());
+}
+
 void Objective::race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching) {
   if (!scattered_) scattered_ = std::make_shared<Scattered>();
   Scattered& s = *scattered_;

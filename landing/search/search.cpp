@@ -1,6 +1,7 @@
 #include "landing/search/search.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "landing/search/population.hpp"
 
@@ -20,11 +21,64 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       first_motion_(objective.motions()),
       first_landing_(objective.landings()),
       progress_(progress),
+      held_(nothing()),
       screened_(nothing()),
       sampled_(nothing()) {
   few_.fill(nothing());
   objective.deadline = start_ + budget.seconds;
   objective.grant(budget.work);
+  hold();
+}
+
+void Search::hold() {
+  constexpr double kInLanes = 10;  // a landing in lanes takes a tenth of the time
+  constexpr int kRounds = 2, kPostures = 16;
+  const Scene& scene = objective_.scene();
+  const MotionSpace& space = objective_.space();
+  auto [low, high] = scene.search.phi;
+  const auto holding = [&](double phi) { return Candidate{space.place(*space.holding(phi))}; };
+  if (budget_.hold <= 0 || !space.holding(low)) return;
+  held_ = holding(scene.release ? scene.release->phi : std::midpoint(low, high));
+  judge_held(held_);
+  if (scene.release) return;
+  // Postures side by side by the peak, then between the best one's neighbours; the best of each round is judged.
+  const double most = std::min(double(budget_.motions), kInLanes * budget_.seconds / objective_.landing_time());
+  std::array<Candidate, kPostures> postures;
+  for (int round = 0; round < kRounds && budget_.hold * most > (round + 1) * kPostures; ++round) {
+    const double step = (high - low) / (kPostures - 1), from = low;
+    for (int i = 0; i < kPostures; ++i) postures[std::size_t(i)] = holding(from + i * step);
+    evaluate(postures, Goal::kPeak);
+    const auto best = std::min_element(postures.begin(), postures.end());
+    const double phi = from + double(best - postures.begin()) * step;
+    judge_held(*best);
+    low = std::max(low, phi - step), high = std::min(high, phi + step);
+  }
+}
+
+void Search::judge_held(Candidate p) {
+  p.bound = kNoMotion;
+  evaluate({&p, 1});
+  if (p < held_) held_ = p;
+}
+
+/// The best posture to hold stands among the few, however many are better: they may fall.
+void Search::include_held() {
+  const auto same = [&](const Candidate& p) { return p.value < kNoMotion && p.u == held_.u; };
+  if (held_.value >= kNoMotion || std::any_of(few_.begin(), few_.end(), same)) return;
+  few_.back() = held_;
+  std::sort(few_.begin(), few_.end());
+}
+
+/// Plays what was only screened, where nothing that was played is better than holding.
+void Search::play_screened(double deadline) {
+  constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
+  const bool none = few_[0].value >= kNoMotion;
+  objective_.deadline = none ? std::max(deadline, objective_.watch.seconds() + kLast) : deadline;
+  for (Candidate p : {screened_, sampled_}) {
+    if (few_[0].value < held_.value || p.value >= few_[0].value) continue;
+    p.bound = few_[0].value;
+    play({&p, 1});
+  }
 }
 
 double Search::share() const {
@@ -96,9 +150,17 @@ void Search::keep(const Candidate& p) {
 }
 
 Candidate Search::judge_scattered(double deadline) {
-  objective_.deadline = deadline;
+  Candidate best = best_of_judged(deadline);
+  if (best.value < kNoMotion && !objective_.keeps_limits(best)) best.value = kNoMotion;
+  return best;
+}
+
+Candidate Search::best_of_judged(double deadline) {
   objective_.grant(kUnbounded);
+  play_screened(deadline);
+  objective_.deadline = deadline;
   if (few_[0].value >= kNoMotion) few_[0] = sampled_.value < kNoMotion ? sampled_ : screened_;
+  include_held();
   Candidate best = few_[0];
   if (objective_.options().robust->judging.empty()) return best;
   bool judged = false;
@@ -108,19 +170,16 @@ Candidate Search::judge_scattered(double deadline) {
     objective_.judge_scattered({&p, 1});
     if (p.value < kNoMotion && (!judged || p < best)) best = p, judged = true;
   }
+  if (held_ < best && objective_.late()) best = held_;
   return best;
 }
 
 Candidate Search::judge(double accuracy, double deadline) {
   if (objective_.options().goal == Goal::kRobust) return judge_scattered(deadline);
   constexpr double kFallen = 1e-3, kTight = 1e-9;
-  constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
-  if (few_[0].value >= kNoMotion && screened_.value < kNoMotion) {
-    objective_.deadline = std::max(deadline, objective_.watch.seconds() + kLast);
-    objective_.grant(kCheckWork);
-    screened_.bound = kNoMotion;
-    play({&screened_, 1});
-  }
+  objective_.grant(kCheckWork);
+  play_screened(deadline);
+  include_held();
   objective_.deadline = deadline;
   objective_.grant(kCheckWork);
   if (few_[0].value >= kNoMotion) return few_[0];
@@ -157,6 +216,7 @@ Candidate Search::judge(double accuracy, double deadline) {
     p.value = std::max(p.value, objective_.verified(objective_.play(p), accuracy, best.value));
     if (p < best) best = p;
   }
+  if (held_ < best && objective_.late()) best = held_;
   return best;
 }
 

@@ -16,6 +16,7 @@ struct Budget {
   long work = kUnbounded;  ///< see work_of; what judging the result takes is granted apart
   double tolerance = 0;    ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
   long patience = 5'000;   ///< [motions]
+  double hold = 0.05;      ///< share that may go into postures to hold, beside the first; 0: none, for a single basin
 };
 
 /// What a search of so many motions, each of so many landings, may take: five times what ordinary landings do, each
@@ -32,7 +33,8 @@ struct Progress {
 
 class Search {
  public:
-  /// `progress` receives the moments, up to its capacity; null where nobody asks.
+  /// `progress` receives the moments, up to its capacity; null where nobody asks. Judges the best posture to hold, by
+  /// the search's own goal: whatever a solver does with what is left, the answer is no worse.
   Search(Objective& objective, const Budget& budget, std::uint64_t seed, std::vector<Progress>* progress = nullptr);
 
   /// True once nothing may be spent any more.
@@ -52,16 +54,20 @@ class Search {
   /// Under scatter, over the first `drops` of the drops; over fewer than all it only screens.
   void evaluate_over(std::span<Candidate> points, std::size_t drops);
   const Candidate& best() const { return few_[0]; }
+  /// The best posture to hold: the one that the robot is released in; without a release the middle of the scene's
+  /// range, or the best of some others, as far as a twentieth of the budget goes. kNoMotion where it could not be
+  /// followed within the limits, or the space knows none.
+  const Candidate& held() const { return held_; }
   int dimension() const { return objective_.space().dimension(); }
   /// The middle of the space, not yet played.
   Candidate nothing() const { return {objective_.space().centre()}; }
 
   /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
-  /// be beside it: the best few are evaluated anew at 1e-9, and where they have fallen, the search steps back from the
-  /// edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where there was time for screening
-  /// alone, the best of that is played first, for 3 ms if need be. All else until `deadline` on the objective's watch:
-  /// what it cuts off is not judged, and where it comes first of all, the search's own value stands. Of work, judging
-  /// has twice kCheckWork.
+  /// be beside it: the best few, and the best posture to hold, are evaluated anew at 1e-9, and where they have fallen,
+  /// the search steps back from the edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where
+  /// nothing better than holding was played, the best that was screened is; where nothing at all stands, for 3 ms if
+  /// need be. All else until `deadline` on the objective's watch: what it cuts off is not judged, and where it comes
+  /// first of all, the search's own value stands. Of work, judging has twice kCheckWork.
   Candidate judge(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
@@ -73,8 +79,14 @@ class Search {
   void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }
 
  private:
-  /// The best of the few over Robust::judging; its value is what is promised.
+  /// The best of the few over Robust::judging; its value is what is promised. kNoMotion where it breaks the limits in
+  /// more drops than the measure allows.
   Candidate judge_scattered(double deadline);
+  Candidate best_of_judged(double deadline);
+  void hold();
+  void judge_held(Candidate p);
+  void include_held();
+  void play_screened(double deadline);
   bool scattered() const { return objective_.options().goal == Goal::kRobust; }
   /// How many of so many motions the budget allows.
   std::size_t allowed(std::size_t motions) const;
@@ -93,6 +105,7 @@ class Search {
   std::vector<Progress>* progress_;
   using Few = std::array<Candidate, 12>;
   Few few_;             ///< the best that are apart, in order
+  Candidate held_;      ///< see held()
   Candidate screened_;  ///< the best by another goal
   Candidate sampled_;   ///< the best over a part of the drops
 };

@@ -19,7 +19,7 @@ WideSearch::WideSearch(const AutoSettings& settings) : set_(settings) {
 
 void WideSearch::begin(Search& search) {
   search_ = &search;
-  goal_ = search.objective().options().goal;
+  goal_ = search.objective().options().goal, until_ = 1;
   random_ = Random(search.seed, 1);
   starts_.clear(), basins_.clear();
 }
@@ -39,14 +39,16 @@ void WideSearch::scout_first() {
 
 void WideSearch::screen() {
   constexpr std::size_t kRuns = 2;
-  constexpr double kNarrow = 0.01;
+  constexpr double kNarrow = 0.01, kScouting = 0.5;  // kScouting: of the screening
   kept_ = basins_;
   basins_.clear();
   goal_ = Goal::kPeak;
+  until_ = kScouting * set_.wide_screen;
   scout(set_.wide_scouts);
+  until_ = set_.wide_screen;
   if (!starts_.empty()) close_in(Candidate(starts_[0]), set_.wide_size);
-  while (!search_->over() && search_->share() < set_.wide_screen) run_once();
-  goal_ = Goal::kTolerant;
+  while (!over()) run_once();
+  goal_ = Goal::kTolerant, until_ = 1;
   generation_ = basins_;
   basins_ = kept_;
   for (Candidate& p : generation_) p.bound = kNoMotion;
@@ -72,7 +74,7 @@ void WideSearch::run_once() {
 /// Motions from anywhere; the best that are apart are starts.
 void WideSearch::scout(int motions) {
   starts_.clear();
-  for (int n = 0; n < motions && !search_->over(); n += kBatch) {
+  for (int n = 0; n < motions && !over(); n += kBatch) {
     generation_.assign(std::size_t(std::min(kBatch, motions - n)), search_->nothing());
     for (Candidate& p : generation_) {
       p = point_of(random_, search_->objective().space(), set_.wide_plain);
@@ -123,7 +125,7 @@ void WideSearch::close_in(const Candidate& start, double size) {
   Candidate best = search_->nothing();
   best.u = start.u;
   double bound = kNoMotion, milestone = kNoMotion;
-  for (int n = 0, stalled = 0; !search_->over(); ++n) {
+  for (int n = 0, stalled = 0; !over(); ++n) {
     generation_.assign(points, search_->nothing());
     distribution_.sample(random_, generation_);
     for (Candidate& p : generation_) p.bound = bound;

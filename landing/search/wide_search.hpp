@@ -4,8 +4,8 @@
 //   2. from a start a narrow distribution (cma.hpp) finds its way down; a run that falls behind the best is given up;
 //   3. later runs start by turns beside the best basins, at any width, and from the best of a few motions from
 //   anywhere.
-// Tolerant peaks: half of the time goes into basins of the peak alone, a lower bound that costs one landing in place of
-// fifteen; the best of them are then judged, and searched, by the tolerant peak.
+// Tolerant peaks: half of the budget goes into basins of the peak alone, a lower bound that costs one landing in place
+// of fifteen; the best of them are then judged, and searched, by the tolerant peak in the other half.
 // Private: not installed.
 #pragma once
 
@@ -39,12 +39,14 @@ class WideSearch {
   void start_beside_a_basin();
   void close_in(const Candidate& start, double size);
   bool behind(double value, int generation) const;
+  bool over() const { return search_->over() || search_->share() >= until_; }
 
   double best_known() const;
 
   AutoSettings set_;
   Search* search_ = nullptr;
   Goal goal_ = Goal::kPeak;  ///< that runs go by, at present
+  double until_ = 1;         ///< and the share of the budget that they end at
   Random random_{0};
   CovarianceAdaptation distribution_;
   std::vector<Candidate> generation_, starts_, basins_, kept_;

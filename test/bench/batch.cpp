@@ -71,7 +71,7 @@ void print_lateness(const Scene& scene, const SeaParameters<double>& sea, int ca
         drop.height += r.uniform(-0.1, 0.1), drop.pitch += r.uniform(-0.1, 0.1);
         drop.forward_speed += r.uniform(-0.2, 0.2);
         const Stopwatch watch(Stopwatch::Time::kWall);
-        found += planner.plan(drop, deadline, std::uint64_t(i)).found;
+        found += planner.plan(drop, deadline, std::uint64_t(i)).found();
         late.push_back(1e3 * (watch.seconds() - deadline));
       }
       std::sort(late.begin(), late.end());

@@ -131,7 +131,7 @@ TEST_CASE("motion space: a planner plans in it") {
   const Scene scene = paper();
   Planner planner(scene, std::make_shared<CompliantSpace>(scene), {.goal = Goal::kPeak});
   const Plan plan = planner.plan(scene.drop, 0.2);
-  REQUIRE(plan.found);
+  REQUIRE(plan.found());
   CHECK(plan.sea.k_p <= 4 * table2().k_p);
   // Where the deadline left no time to judge it, the value is that of the search's own accuracy.
   CHECK(plan.value == Approx(peak_acceleration(scene, plan.sea, plan.motion, {.accuracy = 1e-10}).peak).epsilon(1e-5));

@@ -170,6 +170,22 @@ def test_a_planner_answers_by_its_deadline(scene, actuator):
     assert plan.value == pytest.approx(ukemi.simulate(scene, actuator, plan.motion).peak, rel=1e-3)
 
 
+def test_a_planner_never_raises_for_what_is_measured(scene, actuator):
+    planner = ukemi.Planner(scene, actuator)
+    for wrong in ({"height": -1}, {"height": float("nan")}, {"pitch_deg": 1e3}, {"deadline": float("inf")}):
+        plan = planner.plan(**{"height": 0.4, **wrong})
+        assert not plan.found and plan.status == "bad_input"
+        assert plan.wrong.startswith(list(wrong)[0].removesuffix("_deg"))
+    assert planner.plan(0.4, 0.63, 18).status == "found"
+
+
+def test_the_best_posture_to_hold_is_told(scene, actuator):
+    best = ukemi.optimize(scene, actuator, evaluations=1000)
+    assert best.held_peak < ukemi.simulate(scene, actuator, ukemi.hold(-45)).peak
+    assert best.held_peak == pytest.approx(ukemi.simulate(scene, actuator, ukemi.hold(best.held_deg)).peak, rel=1e-6)
+    assert best.value <= best.held_peak and set(best.edges) <= {"phi_i", "phi_f", "duration"}
+
+
 @pytest.mark.parametrize("call, said", [
     (lambda: ukemi.read_scene("nowhere.toml"), "nowhere.toml"),
     (lambda: ukemi.Motion(-30, -80, 0), "duration: 0: must be above 0"),

@@ -240,7 +240,7 @@ TEST_CASE("atlas: a reader takes the best of the motions around, says what is ou
   Planner planner(paper(), table2().sea, {.goal = Goal::kPeak});
   planner.start(entry.starts());
   const Plan plan = planner.plan(scene.drop, 0.05);
-  REQUIRE(plan.found);
+  REQUIRE(plan.found());
   CHECK(plan.value <= best * (1 + 1e-3));
 
   AtlasReader tolerant(path, paper(), table2().sea, {.deadline = 10});

@@ -89,6 +89,13 @@ TEST_CASE("motion: shape terms start and end at rest, 64 makes b_0 a height, and
   m = {-0.3, -1.1, 0.4, {0.5, -1.2, 0.8, -0.4}};
   constexpr double kH = 1e-6;
   for (const double end : {0.0, 0.4}) CHECK(reference_of(m, end).dphi == 0);
+  // It stands before its start and behind its end: 0.5 s after the start of 0.175 s it was -376 rad.
+  const Motion quick{-0.3, -1.1, 0.175};
+  for (const Motion& x : {m, quick}) {
+    for (const double before : {0.0, -1e-9, -10.0}) CHECK(reference_of(x, before).phi == x.phi_i);
+    for (const double behind : {x.duration, 0.5, 1e9}) CHECK(reference_of(x, behind).phi == x.phi_f);
+    for (const double outside : {-1e-9, 0.5}) CHECK(reference_of(x, outside).dphi == 0);
+  }
   for (const double t : {1e-3, 1e-4})  // no acceleration either
     CHECK(std::abs(reference_of(m, t).dphi) < 20'000 * t * t);
   double fastest = 0;

@@ -70,8 +70,9 @@ int control(Scene scene, const SeaParameters<double>& sea, double phi) {
   std::optional<Plan> sent;
   for (double now = 0; now + 2 * kPeriod < robot.touchdown(); now += kPeriod) {
     const Plan plan = planner.plan(robot.measured(now), kPeriod);  // no allocation, no thread
-    // A plan that is no better than the one under way is not worth a new reference.
-    if (!plan.found || (sent && plan.value >= sent->value)) continue;
+    // Nothing found, no time left, or a sensor that fails: the plan under way goes on. One that is no better is not
+    // worth a new reference.
+    if (!plan.found() || (sent && plan.value >= sent->value)) continue;
     sent = plan;
     robot.send(plan.motion, now);
     std::printf(

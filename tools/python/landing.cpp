@@ -109,7 +109,7 @@ void bind_motion(py::module_& m) {
             const std::vector<double> times = column("t", t);
             py::array_t<double> phi(py::ssize_t(times.size())), dphi(py::ssize_t(times.size()));
             for (std::size_t i = 0; i < times.size(); ++i) {
-              const Reference<double> r = reference_of(x, std::min(std::max(times[i], 0.0), x.duration));
+              const Reference<double> r = reference_of(x, times[i]);
               phi.mutable_at(py::ssize_t(i)) = r.phi, dphi.mutable_at(py::ssize_t(i)) = r.dphi;
             }
             return std::pair(phi, dphi);

@@ -69,6 +69,13 @@ Answer optimized(const Scene& scene, const Actuator& actuator, const Asked& aske
   });
 }
 
+std::map<std::string, std::string> edges_of(const std::vector<Variable>& variables, const Edges& edges) {
+  std::map<std::string, std::string> out;
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    if (edges[k] != 0) out[variables[k].name] = edges[k] < 0 ? "lower" : "upper";
+  return out;
+}
+
 void bind_answer(py::module_& m) {
   py::class_<Answer>(m, "Optimum", "The best motion that was found, its landing beside that of the held reference.")
       .def_property_readonly(
@@ -84,7 +91,17 @@ void bind_answer(py::module_& m) {
           "tolerant_peak",
           [](const Answer& a) { return a.tolerant_known ? std::optional(a.best.tolerant.value) : std::nullopt; },
           "The worst peak within the scene's execution tolerance [m/s^2], or None where it was not played.")
-      .def_property_readonly("held_peak", &Answer::held_peak, "Of the reference held at -45 deg [m/s^2].")
+      .def_property_readonly(
+          "edges",
+          [](const Answer& a) {
+            const ReferenceSpace space(a.scene, a.best.sea);
+            return edges_of(space.variables(), a.best.edges);
+          },
+          "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".")
+      .def_property_readonly(
+          "held_deg", [](const Answer& a) { return a.best.held->motion.phi_i * kDegrees; },
+          "The best posture to hold that the search found [deg].")
+      .def_property_readonly("held_peak", &Answer::held_peak, "Of the reference held there [m/s^2].")
       .def_property_readonly("reduction", &Answer::reduction, "1 - peak / held_peak [1].")
       .def_property_readonly(
           "value", [](const Answer& a) { return a.best.value; },
@@ -327,7 +344,12 @@ Planner::Options planner_options(const Scene& scene, const Actuator& actuator, c
 
 void bind_planner(py::module_& m) {
   py::class_<Plan>(m, "Plan", "What a planner answers with.")
-      .def_readonly("found", &Plan::found, "Whether anything could be followed within the limits in the time given.")
+      .def_property_readonly("found", &Plan::found, "Whether there is a motion: status is found.")
+      .def_property_readonly(
+          "status", [](const Plan& p) { return name(p.status); },
+          "found; nothing: nothing could be followed within the limits in the time given; floor_first: the floor comes "
+          "before the deadline; bad_input: `wrong` says which number cannot be.")
+      .def_readonly("wrong", &Plan::wrong, "With bad_input: the number and its rule.")
       .def_readonly("motion", &Plan::motion, "The motion.")
       .def_readonly("value", &Plan::value, "The goal [m/s^2].")
       .def_readonly("motions", &Plan::motions, "Evaluated.");
@@ -346,9 +368,7 @@ void bind_planner(py::module_& m) {
           "plan",
           [](PythonPlanner& p, double height, double forward_speed, double pitch_deg, double pitch_rate_deg,
              double deadline, std::uint64_t seed) {
-            return p.plan(Drop{checked("height", height, Range::non_negative()), forward_speed, pitch_deg / kDegrees,
-                               pitch_rate_deg / kDegrees},
-                          deadline, seed);
+            return p.plan(Drop{height, forward_speed, pitch_deg / kDegrees, pitch_rate_deg / kDegrees}, deadline, seed);
           },
           py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch_deg") = 0.0,
           py::arg("pitch_rate_deg") = 0.0, py::arg("deadline") = 0.1, py::arg("seed") = 1,

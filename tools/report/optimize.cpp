@@ -21,19 +21,27 @@ using namespace landing;
 
 namespace {
 
+double held_degrees(const Answer& a) { return a.best.held->motion.phi_i * kDegrees; }
+std::string held_words(const Answer& a) { return fmt::format("held at {:.1f} deg", held_degrees(a)); }
+
 Quantities<Answer> answer_quantities(const Answer& answer) {
   const ExecutionTolerance& box = answer.scene.execution;
   const std::string within = fmt::format("within {:g} deg, {:g} ms [m/s^2]", box.phi * kDegrees, box.duration * 1e3);
   const ReferenceSpace space(answer.scene, answer.actuator.sea);
   Quantities<Answer> out;
   append(out, "motion/", motion_quantities(answer.best.motion), [](const Answer& a) { return a.best.motion; });
-  out.insert(out.end(), {
-                            {"", "peak_acceleration", "peak |ddr_0| [m/s^2]", peak_words, &Answer::peak},
-                            {"", "tolerant_peak", "tolerant peak, " + within, peak_words,
-                             [](auto& a) { return a.tolerant_known ? Json(a.best.tolerant.value) : Json(); }},
-                            {"", "hold/peak_acceleration", "held at -45 deg [m/s^2]", peak_words, &Answer::held_peak},
-                            {"", "reduction", "reduction", percent_words, &Answer::reduction},
-                        });
+  out.insert(out.end(),
+             {
+                 {"", "peak_acceleration", "peak |ddr_0| [m/s^2]", peak_words, &Answer::peak},
+                 {"", "tolerant_peak", "tolerant peak, " + within, peak_words,
+                  [](auto& a) { return a.tolerant_known ? Json(a.best.tolerant.value) : Json(); }},
+                 {"", "hold/phi_deg", held_degrees},
+                 {"", "hold/peak_acceleration", held_words(answer) + " [m/s^2]", peak_words, &Answer::held_peak},
+                 {"", "hold/peak", &Answer::held_peak},
+                 {"", "hold/tolerant_peak", [](auto& a) { return number(a.best.held->tolerant); }},
+                 {"", "hold/within_limits", [](auto& a) { return a.best.held->value < kNoMotion; }},
+                 {"", "reduction", "reduction", percent_words, &Answer::reduction},
+             });
   if (answer.evidence)
     append(out, "evidence/", evidence_quantities(space.variables(), ""), [](const Answer& a) { return *a.evidence; });
   if (answer.limit) {
@@ -105,6 +113,34 @@ Json forbidden_touches(const Answer& a, Run& run) {
   return out;
 }
 
+/// Where the answer lies on the edge of what was searched.
+void warn_of_edges(const Answer& a, Run& run) {
+  const ReferenceSpace space(a.scene, a.best.sea);
+  for (std::size_t k = 0; k < space.variables().size(); ++k) {
+    const Variable& v = space.variables()[k];
+    const double unit = v.unit == "rad" ? kDegrees : 1;
+    if (const int edge = a.best.edges[k]; edge != 0)
+      run.warn(fmt::format("{} lies on the {} edge of its search range, {:.4g} {}: beyond it may be better", v.words,
+                           edge < 0 ? "lower" : "upper", (edge < 0 ? v.lower : v.upper) * unit,
+                           v.unit == "rad" ? "deg"
+                           : v.unit == "1" ? ""
+                                           : v.unit));
+  }
+}
+
+/// The motion that breaks the ratings least, where none keeps them.
+void tell_least_breaking(const LeastBreaking& l, Run& run, Json& summary) {
+  std::string rating = l.rating;
+  std::replace(rating.begin(), rating.end(), '_', ' ');
+  run.warn(fmt::format("the motion that breaks them least: {}; its {} is {:.4g} {}, {:.3g} times the {:.4g} allowed",
+                       motion_words(l.motion), rating, l.demand, l.unit, l.excess(), l.limit));
+  summary["least_breaking"] = {{"motion", motion_json(l.motion)},
+                               {"rating", l.rating},
+                               {"unit", l.unit},
+                               {"demand", l.demand},
+                               {"limit", l.limit}};
+}
+
 /// Which deviations cost half of what the motion saves, or more.
 void warn_of_deviations(const Answer& a, Run& run) {
   std::string lost;
@@ -115,9 +151,8 @@ void warn_of_deviations(const Answer& a, Run& run) {
   }
   if (!lost.empty())
     run.warn(
-        fmt::format("the peak of {:.4g} m/s^2 becomes {}; held at -45 deg it is {}: half of what the motion saves, or "
-                    "more, is lost",
-                    a.peak(), lost, short_peak_words(a.held_peak())));
+        fmt::format("the peak of {:.4g} m/s^2 becomes {}; {} it is {}: half of what the motion saves, or more, is lost",
+                    a.peak(), lost, held_words(a), short_peak_words(a.held_peak())));
   if (!a.evidence->complete && a.evidence->work > kCheckWork && !interrupted())
     run.warn(fmt::format(
         "the landings of this scene are long ({} of them take {:.2g} steps or more): evidence is left out; --evidence "
@@ -130,6 +165,7 @@ void warn(const Answer& a, Run& run) {
   const ExecutionTolerance& box = a.scene.execution;
   warn_of(a.instability, a.actuator.sea.tau_max, run);
   if (!a.best.message.empty()) run.warn(a.best.message);
+  warn_of_edges(a, run);
   if (!a.best.verified) run.warn("there was no time to judge the motion at a tight accuracy: its peak is the search's");
   if (t.sampled > t.value)
     run.warn(fmt::format(
@@ -145,7 +181,6 @@ void warn(const Answer& a, Run& run) {
 Json summary_of(const Answer& a, Run& run) {
   const Optimum& o = a.best;
   Json s = Table::of(answer_quantities(a), a).object();
-  s["hold"]["phi_deg"] = std::lround(kHeld.phi_i * kDegrees);
   if (a.played()) s["peak_time"] = number(a.landing.t_peak);
   s["tolerant_sampled"] = {{"samples", o.tolerant.samples},
                            {"worst", o.tolerant.samples > 0 ? number(o.tolerant.sampled) : Json()}};
@@ -234,7 +269,7 @@ Report page_of(const Answer& a, const Run& run) {
   show({a.scene,
         a.actuator,
         {{"best motion", &a.landing, a.under_scatter ? a.under_scatter->shown : std::vector<Landing>{}},
-         {fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees), &a.held}},
+         {held_words(a), &a.held}},
         limit,
         "",
         figures_of(a)},
@@ -294,6 +329,7 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
     summary = {{"motion", nullptr},
                {"evaluations", a.best.evaluations},
                {"solver", a.options.solvers.empty() ? searched.solver : "compare"}};
+    if (a.least_breaking) tell_least_breaking(*a.least_breaking, run, summary);
   }
   summary["objective"] = kGoalNames[std::size_t(searched.goal)];
   if (a.best.found) summary.update(scatter_json(a));

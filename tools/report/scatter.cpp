@@ -166,12 +166,13 @@ void tell_scatter(const Answer& a, Run& run) {
     run.warn(fmt::format("in {} of {} drops the motion breaks a limit; each counts as {:g} m/s^2", u.broken,
                          u.planned.samples, a.options.robust.penalty));
   const double worst = u.planned.cvar90.value;
+  const bool cvar = a.scattered && a.options.robust.measure->kind == Measure::Kind::kCvar;
   if (!(worst <= u.held.cvar90.value) || !(worst <= u.posture.cvar90.value))
     run.warn(
         fmt::format("in the worst tenth of scattered drops the motion's peak is {} m/s^2; {} it is {}, held at {:.1f} "
-                    "deg {}: doing nothing is safer; --robust cvar plans for that",
+                    "deg {}: doing nothing is safer{}",
                     short_peak_words(worst), held_words(), short_peak_words(u.held.cvar90.value), posture,
-                    short_peak_words(u.posture.cvar90.value)));
+                    short_peak_words(u.posture.cvar90.value), cvar ? "" : "; --robust cvar plans for that"));
 }
 
 }  // namespace ukemi::tools
