@@ -3,28 +3,48 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
 
 namespace ukemi {
 
+std::pair<std::string, std::string> fault_of(const Uncertainty& u, const std::vector<std::string>& known,
+                                             const std::string& whom) {
+  for (auto name = u.order.begin(); name != u.order.end(); ++name) {
+    if (std::find(known.begin(), known.end(), *name) == known.end())
+      return {"order", quoted(*name) + ": not a constant of " + whom + hint(*name, known)};
+    if (std::find(u.order.begin(), name, *name) != name) return {"order", quoted(*name) + ": named twice"};
+  }
+  constexpr double kRounding = 1e-6;  // in parts of both standard errors
+  const Eigen::MatrixXd& c = u.covariance;
+  const auto n = long(u.order.size());
+  const auto wrong = [](const std::string& message) {
+    return std::pair<std::string, std::string>("covariance", message);
+  };
+  if (c.rows() != n) return wrong(fmt::format("{} rows: 'order' names {}", c.rows(), n));
+  if (c.cols() != n) return wrong(fmt::format("{} columns: 'order' names {}", c.cols(), n));
+  if (!c.allFinite()) return wrong("finite numbers are needed");
+  if ((c.diagonal().array() < 0).any()) return wrong("a variance below 0 on its diagonal");
+  for (long i = 0; i < n; ++i)
+    for (long j = 0; j < i; ++j)
+      if (std::abs(c(i, j) - c(j, i)) > kRounding * std::sqrt(c(i, i) * c(j, j)))
+        return wrong(fmt::format("{} in row {}, column {}, and {} in row {}, column {}: a symmetric matrix is needed",
+                                 shortest(c(i, j)), i + 1, j + 1, shortest(c(j, i)), j + 1, i + 1));
+  return {"", ""};
+}
+
 Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& whom) {
   const auto order = section.optional_texts("order");
-  const auto covariance = section.optional_matrix("covariance");
-  if (!order || !covariance) section.fail("order", "both 'order' and 'covariance' are needed");
-  if (covariance->size() != order->size())
-    section.fail("covariance", fmt::format("{} rows: 'order' names {}", covariance->size(), order->size()));
-  for (auto name = order->begin(); name != order->end(); ++name) {
-    if (std::find(known.begin(), known.end(), *name) == known.end())
-      section.fail("order", quoted(*name) + ": not a constant of " + whom + hint(*name, known));
-    if (std::find(order->begin(), name, *name) != name) section.fail("order", quoted(*name) + ": named twice");
-  }
-  const auto n = long(order->size());
+  const auto rows = section.optional_matrix("covariance");
+  if (!order || !rows) section.fail("order", "both 'order' and 'covariance' are needed");
+  const auto n = long(rows->size());
   Uncertainty out{*order, Eigen::MatrixXd(n, n)};
   for (long i = 0; i < n; ++i)
-    for (long j = 0; j < n; ++j) out.covariance(i, j) = (*covariance)[std::size_t(i)][std::size_t(j)];
-  if ((out.covariance.diagonal().array() < 0).any()) section.fail("covariance", "a variance below 0 on its diagonal");
+    for (long j = 0; j < n; ++j) out.covariance(i, j) = (*rows)[std::size_t(i)][std::size_t(j)];
+  if (const auto [key, message] = fault_of(out, known, whom); !message.empty()) section.fail(key, message);
   return out;
 }
 

@@ -14,6 +14,9 @@ struct Uncertainty {
   Eigen::MatrixXd covariance;  ///< of those, in their order, SI
 };
 
+/// The key that is wrong and what is wrong with it, see `check` of common/checks.hpp; both empty: nothing.
+std::pair<std::string, std::string> fault_of(const Uncertainty& uncertainty, const std::vector<std::string>& known,
+                                             const std::string& whom);
 /// `order` and `covariance`; each name once and one of `known`, which are constants of `whom`. Throws InputError with
 /// file:line:column.
 Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& whom);
