@@ -4,6 +4,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/files.hpp"
 #include "common/parallel.hpp"
@@ -16,6 +17,7 @@ void AtlasOptions::validate() const {
   grid.validate();
   shard.validate(grid);
   search.validate();
+  robust.validate();
 }
 
 long AtlasOptions::effort() const {
@@ -27,7 +29,7 @@ namespace {
 
 AtlasCell cell_of(const Optimum& best) {
   AtlasCell out{.state = AtlasCell::State::kNone};
-  if (!best.found) return out;
+  if (!best.found || best.landing.joint_lost) return out;
   out.state = AtlasCell::State::kPlanned;
   out.value = best.value, out.peak = best.landing.peak;
   out.tolerant_peak = best.tolerant.failed ? std::nan("") : best.tolerant.value;
@@ -76,7 +78,8 @@ std::string atlas_identity(const Scene& scene, const Actuator& actuator, const A
 }
 
 void plan_atlas(const Scene& scene, const Actuator& actuator, const AtlasOptions& options, std::span<AtlasCell> cells) {
-  options.validate();
+  options.validate(), scene.validate(), validate(actuator);
+  options.grid.check_cells(cells.size());
   const std::vector<std::size_t> blocks = options.shard.blocks(options.grid);
   const int dimension = ReferenceSpace(scene, actuator.sea).dimension();
   long open = 0, planned = 0;

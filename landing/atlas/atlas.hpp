@@ -17,7 +17,7 @@ namespace ukemi::landing {
 struct AtlasCell {
   enum class State : std::uint64_t {
     kOpen,     ///< not planned yet, or by another shard
-    kNone,     ///< no motion of the search range could be followed
+    kNone,     ///< no motion of the search range could be followed, or the drive loses the joint with the best
     kPlanned,  ///< what follows holds
   };
   State state = State::kOpen;

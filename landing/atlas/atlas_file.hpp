@@ -18,14 +18,14 @@ struct AtlasVariable {
 };
 
 struct AtlasHeader {
-  static constexpr std::uint32_t kVersion = 1, kLittleEndian = 0x01020304;
+  static constexpr std::uint32_t kVersion = 2, kLittleEndian = 0x01020304;
   char magic[8];          ///< "ukemiatl"
   std::uint32_t version;  ///< kVersion
   std::uint32_t order;    ///< kLittleEndian as the machine that wrote it stores it
   std::uint64_t size;     ///< of the file [bytes]
   char checksum[16];      ///< FNV-1a, 64 bits in hexadecimal digits, of all bytes behind it
   char identity[16];      ///< see atlas_identity
-  char robot[16];         ///< checksum of the texts of scene.toml and actuator.toml beside it
+  char robot[16];         ///< see robot_checksum
   std::uint64_t goal;     ///< Goal: what AtlasCell::value is
   std::uint64_t measure;  ///< under scatter, Measure::Kind, and its level
   double level;
@@ -45,6 +45,9 @@ struct Atlas {
   std::size_t open() const { return cells.size() - planned() - none(); }
 };
 
+/// What the motions were planned on: a checksum of the robot, its floor, its stops and detection, how exactly it plays,
+/// and its drive, each number to 9 digits; of neither the drop, nor the release, nor what is known of errors.
+[[nodiscard]] std::string robot_checksum(const Scene& scene, const SeaParameters<double>& sea);
 /// A header for what is to be planned; size and checksum follow when it is written.
 [[nodiscard]] AtlasHeader atlas_header(const Scene& scene, const Actuator& actuator, const AtlasOptions& options);
 /// Its bytes as a file has them.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
+#include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
 
@@ -16,10 +18,14 @@ AtlasReader::AtlasReader(const std::string& path, const Scene& scene, const SeaP
       options_(options),
       objective_(scene_, *space_, {.goal = options.goal, .accuracy = options.accuracy, .limits = options.limits}) {
   if (options.goal == Goal::kRobust) throw InputError("atlas: the goal of its reader is the peak or the tolerant peak");
+  scene.validate(), validate(sea);
+  if (!(options.deadline > 0)) throw InputError("deadline: " + shortest(options.deadline) + ": above 0 s is needed");
   const AtlasHeader& h = header();
   bool same = h.variables == std::size_t(space_->dimension());
   for (std::size_t k = 0; same && k < h.variables; ++k) same = space_->variables()[k].name == h.variable[k].name;
   if (!same) throw InputError({path}, "its motions have other variables than those of the scene");
+  if (robot_checksum(scene, sea) != std::string_view(h.robot, sizeof h.robot))
+    throw InputError({path}, "it was planned for another robot, floor or actuator than these");
   const auto cells = file_.cells();
   if (std::any_of(cells.begin(), cells.end(), [](auto& c) { return c.state == AtlasCell::State::kOpen; }))
     throw InputError({path}, "drops of it are not planned: a shard is merged with the others first");

@@ -34,8 +34,8 @@ class AtlasReader {
     double deadline = 1.5e-3;     ///< for playing; what is not played by then is no answer [s]
     Limits limits;                ///< what no landing may do
   };
-  /// Opens the file; all memory is taken here. Throws InputError for what is no whole atlas, and where the scene's
-  /// motions have other variables than the atlas's.
+  /// Opens the file; all memory is taken here. Throws InputError for what is no whole atlas, and where it was
+  /// planned for other motions, another robot, floor or drive than these.
   AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea, const Options& options);
   AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea)
       : AtlasReader(path, scene, sea, Options()) {}

@@ -32,6 +32,12 @@ void AtlasGrid::validate() const {
     throw InputError(fmt::format("atlas: {:.0f} drops: at most {} are planned", drops, kMostDrops));
 }
 
+void AtlasGrid::check_cells(std::size_t cells) const {
+  validate();
+  if (cells != size())
+    throw InputError(fmt::format("atlas: {} cells: {} are needed, one for each drop", cells, size()));
+}
+
 AtlasGrid::Place AtlasGrid::place(std::size_t index) const {
   const std::size_t row = index / axes[2].count;
   return {row / axes[1].count, row % axes[1].count, index % axes[2].count};

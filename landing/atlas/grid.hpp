@@ -31,6 +31,8 @@ struct AtlasGrid {
   /// Throws InputError for an axis that does not rise or has less than two values, a height below 0, or more than
   /// kMostDrops drops.
   void validate() const;
+  /// Throws InputError unless it is valid and has so many drops.
+  void check_cells(std::size_t cells) const;
   std::size_t size() const { return axes[0].count * axes[1].count * axes[2].count; }
   std::size_t index(const Place& at) const { return (at[0] * axes[1].count + at[1]) * axes[2].count + at[2]; }
   Place place(std::size_t index) const;

@@ -68,6 +68,7 @@ class Trials {
 
 SafestMotion safest_motion(const Scene& scene, const SeaParameters<double>& sea, const AtlasGrid& grid,
                            std::span<const AtlasCell> cells, int threads, const Monitor& monitor) {
+  grid.check_cells(cells.size());
   Trials trials(scene, sea, grid, cells, threads, monitor);
   SafestMotion best{.worst = kNoMotion};
   Scene there = scene;

@@ -100,7 +100,7 @@ class DifferentiatedLanding {
   template <class Observer>
   Outcome follow(double t, const State& start, Observer& observer) {
     Driver driver(system_, t, start,
-                  {.accuracy = options_.accuracy,
+                  {.accuracy = step_accuracy(options_.accuracy, plain_.sea),
                    .first_step = std::min(options_.max_step, schedule_.first_step()),
                    .max_step = options_.max_step});
     Outcome out;
@@ -150,7 +150,13 @@ class DifferentiatedLanding {
   bool cross(double t, Driver& driver, int event, Observer& observer) {
     integrate::Guards<System::kGuards, Jet> guards;
     system_.guards(t, driver.state(), driver.slope(), guards);
-    const Derivatives shift = integrate::event_shift(guards.value[event], value_of(guards.rate[event]));
+    const double rate = value_of(guards.rate[event]);
+    // At no speed the time of an event has no derivative, but by what the guard does not depend on: a robot that is
+    // released on the floor touches it at release, whatever its motion.
+    constexpr double kRounding = 1e-12;
+    const Derivatives shift = rate == 0 && guards.value[event].v.isZero(kRounding)
+                                  ? Derivatives(Derivatives::Zero())
+                                  : Derivatives(integrate::event_shift(guards.value[event], rate));
     if (!shift.allFinite()) return false;
     jump(t, driver, shift, event, observer, [&] {
       const Schedule::Crossing crossing = schedule_.cross(event, t, system_, Limits(), contacts_);

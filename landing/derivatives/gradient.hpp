@@ -78,8 +78,8 @@ struct PeakGradients {
 };
 
 /// The `most` largest local maxima with their gradients by the three numbers of Eq. 6. Of the options, accuracy,
-/// max_step, max_steps rest and over count: a run is never abandoned and knows no limits. A failure is a status, never
-/// an exception; what was found until then is kept.
+/// max_step, max_steps rest and over count: a run is never abandoned and knows no limits. A run that fails is a status;
+/// what was found until then is kept. Throws InputError as peak_acceleration does.
 [[nodiscard]] PeakGradients<kQuinticParameters> quintic_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                                               const Motion& motion, const SimulateOptions& options,
                                                               int most);

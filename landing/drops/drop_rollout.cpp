@@ -1,8 +1,9 @@
 #include "landing/drops/drop_rollout.hpp"
 
-#include <cassert>
 #include <cmath>
 
+#include "common/csv.hpp"
+#include "common/error.hpp"
 #include "landing/derivatives/differentiated_landing.hpp"
 
 namespace ukemi::landing {
@@ -93,8 +94,11 @@ DropRollout roll(const Scene& scene, const SeaParameters<double>& sea, const Mot
 
 DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                       const std::vector<double>& times, const SimulateOptions& options) {
+  validate(scene, sea, motion), options.validate();
   if (times.empty()) return {.complete = true};
-  assert(times.front() >= 0);
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (!(std::isfinite(times[i]) && times[i] >= (i > 0 ? times[i - 1] : 0)))
+      throw InputError("times: " + shortest(times[i]) + " s: finite times that do not decrease, from 0 on, are needed");
   Scene until = scene;
   until.t_end = times.back();
   SimulateOptions through = options;

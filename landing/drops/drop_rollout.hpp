@@ -47,7 +47,8 @@ struct DropRollout {
 
 /// The drop at `times` [s from release], which must not decrease and not be negative; a sample at an event's time is
 /// the left limit. Of the options, accuracy, max_step, max_steps and over count; the scene's t_end does not.
-/// Derivatives by the constants of an absent floor are 0. A failure is a status, never an exception.
+/// Derivatives by the constants of an absent floor are 0. A run that fails is a status. Throws InputError as
+/// peak_acceleration does, and for times that are none.
 [[nodiscard]] DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                     const std::vector<double>& times, const SimulateOptions& options = {});
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/error.hpp"
 
 namespace ukemi::landing {
@@ -157,7 +158,7 @@ Estimated promised(const Answer& a, const OptimizeOptions& search) {
 
 Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions& options) {
   OptimizeOptions searched = options.search;
-  searched.validate();
+  searched.validate(), options.robust.validate(), scene.validate(), validate(actuator);
   Answer a{.scene = scene, .actuator = actuator, .options = options};
   a.landing.end = a.held.end = End::kStopped;
   Timetable timetable(scene, actuator, options);

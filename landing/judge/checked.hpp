@@ -41,8 +41,6 @@ struct CheckedLanding {
 
   /// The peak moves with the tolerance and not with the scene: it is not that of the motion.
   bool wrong() const { return sensitivity.checked && !sensitivity.right && landing.end != End::kFailed; }
-  /// The joint turns by more than two turns: the drive does not hold it.
-  bool joint_lost() const { return landing.demands.phi_max - landing.demands.phi_min > 4 * 3.141592653589793; }
 };
 /// As `simulate`, with rate > 0 [Hz] a trajectory too.
 [[nodiscard]] CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, const Motion& motion,

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/degrees.hpp"
+#include "common/error.hpp"
 #include "landing/lanes/batch.hpp"
 
 namespace ukemi::landing {
@@ -101,6 +103,11 @@ class Beside {
 
 }  // namespace
 
+void EvidenceOptions::validate() const {
+  SimulateOptions{.accuracy = accuracy}.validate();
+  check_count("tolerance_samples", tolerance_samples, 0, 1'000'000'000);
+}
+
 Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                   const EvidenceOptions& options) {
   const ReferenceSpace space(scene, sea);
@@ -109,6 +116,10 @@ Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Mo
 
 Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinates& values,
                   const EvidenceOptions& options) {
+  options.validate(), scene.validate();
+  if (values.size() != space.dimension())
+    throw InputError("values: " + std::to_string(values.size()) + ": the motion has " +
+                     std::to_string(space.dimension()) + " variables");
   Evidence out;
   out.width.assign(std::size_t(space.dimension()), {Evidence::kUnknown, Evidence::kUnknown});
   Beside beside(scene, space, values, options);

@@ -17,6 +17,7 @@ struct EvidenceOptions {
   int threads = 0;            ///< 0: all cores; without influence on the result
   long work = kCheckWork;     ///< left out where it would take more, see Evidence::complete
   Monitor monitor;            ///< told of the landings
+  void validate() const;      ///< throws InputError
 };
 
 /// How the peak holds when one thing at a time is not as planned. A peak is infinite where the landing could not be

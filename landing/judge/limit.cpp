@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/checks.hpp"
 #include "common/parallel.hpp"
 #include "landing/run/simulate.hpp"
 
@@ -49,6 +50,7 @@ Smallest smallest(double low, double high, int threads, F&& f) {
 }  // namespace
 
 TouchdownLimit touchdown_limit(const Scene& scene, const SeaParameters<double>& sea, int threads) {
+  scene.validate(), validate(sea);
   if (!scene.touches()) return {};
   double low = scene.search.phi[0], high = scene.search.phi[1];
   if (scene.joint) low = std::max(low, (*scene.joint)[0]), high = std::min(high, (*scene.joint)[1]);

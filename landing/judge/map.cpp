@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
 #include "landing/search/population.hpp"
@@ -19,7 +20,9 @@ void MapOptions::validate() const {
   }
   if (points > 1e8) throw InputError("grid: more than 1e8 points");
   if (points < 2) throw InputError("grid: 2 points along some variable are needed");
-  if (polished < 1) throw InputError("polish: " + std::to_string(polished) + ": at least 1 is needed");
+  SimulateOptions{.accuracy = accuracy}.validate(), SimulateOptions{.accuracy = tight}.validate();
+  for (const double x : slice) check_finite("slice", x);
+  check_count("polish", polished, 1, 1'000'000);
 }
 
 std::size_t PeakMap::index(const Place& at) const {
@@ -146,7 +149,7 @@ PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions
       const LandingPeak& p = peaks[k];
       const bool none = no_landing(p.end) || p.end == End::kStopped;
       map.grid[first + k] = {none ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact,
-                             p.end};
+                             p.joint_lost, p.end};
     }
     options.monitor.progress(++rows, count);
   });
@@ -154,6 +157,9 @@ PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions
 }
 
 std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const PeakMap& map, const MapOptions& options) {
+  options.validate();
+  if (int(map.variables.size()) != space.dimension() || map.cells.size() != map.variables.size())
+    throw InputError("map: its variables are not those of the motion");
   if (options.monitor.stopped()) return {};
   std::vector<std::size_t> minima = local_minima(map);
   minima.resize(std::min(minima.size(), std::size_t(options.polished)));
@@ -182,6 +188,7 @@ std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const Pe
 
 std::vector<double> peak_slice(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                const MotionRange& x, const MotionRange& y, int cells, int threads) {
+  check_count("cells", cells, 2, 4096);
   std::vector<BatchCase> cases;
   for (int j = 0; j < cells; ++j)
     for (int i = 0; i < cells; ++i) {

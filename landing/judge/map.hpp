@@ -24,6 +24,7 @@ struct PeakMap {
     double peak;            ///< [m/s^2]; NaN where the landing could not be followed, or was stopped before
     ContactOrder contacts;  ///< in which the points touch
     int peak_contact;       ///< which of them made the peak; -1: none
+    bool joint_lost;        ///< see LandingPeak
     End end;                ///< kStopped: not played, as the monitor stopped the map
   };
   using Place = std::vector<int>;   ///< a number of a point along each variable
@@ -46,8 +47,8 @@ struct MotionRange {
   double Motion::*number;
   double low, high;
 };
-/// The peaks of a motion where two of its numbers go over their ranges, `cells` values each (>= 2), the others as they
-/// are; row by row, the first row at y.low [m/s^2]. NaN where a landing could not be followed.
+/// The peaks of a motion where two of its numbers go over their ranges, `cells` values each (2 to 4096), the others as
+/// they are; row by row, the first row at y.low [m/s^2]. NaN where a landing could not be followed.
 [[nodiscard]] std::vector<double> peak_slice(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                              const MotionRange& x, const MotionRange& y, int cells, int threads = 0);
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "common/checks.hpp"
 #include "common/error.hpp"
 #include "landing/judge/answer.hpp"
 #include "landing/scatter/scattered.hpp"
@@ -13,13 +14,11 @@
 
 namespace ukemi::landing {
 
-void RiskOptions::validate() const {
-  if (samples < 1 || samples > 10'000'000)
-    throw InputError("samples: " + std::to_string(samples) + ": 1 to 10000000 are needed");
-}
+void RiskOptions::validate() const { check_count("samples", samples, 1, 10'000'000); }
 
 namespace {
 
+constexpr double kAccuracy = 1e-6;   // at 1e-5 one peak in a hundred is off by up to 4e-3
 constexpr long kChunk = 16'384;      // landings that are held in memory at once
 constexpr long kHeldDrops = kChunk;  // that the held reference is played over: its tail is known to 1 % from so many
 
@@ -37,7 +36,7 @@ class Course {
   const std::vector<LandingPeak>& play(ScatteredLandings& landings, const Play& play,
                                        std::span<const ScatteredDrop> drops, const Limits& limits = {}) {
     const auto& out = landings.play({&play, 1}, drops,
-                                    {.accuracy = 1e-5,
+                                    {.accuracy = kAccuracy,
                                      .limits = limits,
                                      .threads = options_.threads,
                                      .over = options_.monitor.stop ? &options_.monitor.stop : nullptr});
@@ -127,14 +126,16 @@ class Census {
  public:
   Census(std::vector<RiskEvent>& events) : events_(events) {}
 
-  void add(long first, const std::vector<LandingPeak>& landed, const std::vector<LandingPeak>& held) {
+  void add(long first, std::span<const ScatteredDrop> drops, const std::vector<LandingPeak>& landed,
+           const std::vector<LandingPeak>& held) {
     for (const LandingPeak& l : held)
-      if (followed(l)) held_.push_back(l.peak);
+      if (followed(l)) held_.push_back(l.peak), held_lost_ += l.joint_lost;
+    for (const ScatteredDrop& d : drops) from_floor_ += d.from_floor;
     held_played_ += long(held.size());
     for (std::size_t i = 0; i < landed.size(); ++i) {
       const LandingPeak& l = landed[i];
       if (!followed(l)) continue;
-      peaks_.push_back(l.peak);
+      peaks_.push_back(l.peak), lost_ += l.joint_lost;
       worst_.emplace_back(-l.peak, first + long(i));
       const int n = l.peak_contact;
       ++contacts_[{n + 1, n < 0 ? -1 : int(l.contacts[n])}];
@@ -150,6 +151,7 @@ class Census {
   void finish(Risk& out) const {
     out.peaks = distribution(peaks_), out.held = distribution(held_);
     out.failed = played_ - long(peaks_.size()), out.held_failed = held_played_ - long(held_.size());
+    out.lost = lost_, out.held_lost = held_lost_, out.from_floor = from_floor_;
     for (const auto& [contact, drops] : contacts_) out.contacts.push_back({contact.first, contact.second, drops});
     std::stable_sort(out.contacts.begin(), out.contacts.end(), [](auto& a, auto& b) { return a.drops > b.drops; });
     out.histogram = histogram(peaks_, held_, out.peaks.q99.value);
@@ -162,7 +164,7 @@ class Census {
   std::vector<double> peaks_, held_;
   std::vector<std::pair<double, long>> worst_;
   std::map<std::pair<int, int>, long> contacts_;
-  long played_ = 0, held_played_ = 0;
+  long played_ = 0, held_played_ = 0, lost_ = 0, held_lost_ = 0, from_floor_ = 0;
 };
 
 /// Landings of the indices: n base points each of A and B, and of A with one group at a time from B.
@@ -224,7 +226,7 @@ void add_indices(Risk& out, const IndexPlan& plan, const Play& planned, const Ri
 }  // namespace
 
 Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion, const RiskOptions& options) {
-  options.validate();
+  options.validate(), validate(actuator), validate(motion);
   using WhyNone = Risk::WhyNone;
   const bool drawn = options.measured.empty(), scatters = !drawn || model.dimension() > 0;
   const long n = !drawn ? long(options.measured.size()) : scatters ? options.samples : 1;
@@ -247,7 +249,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
     const std::vector<LandingPeak>& landed_held = course.play(of_held, held, held_drops);
     const std::vector<LandingPeak>& landed = lander.land(drops, course);
     if (course.stopped()) break;
-    census.add(first, landed, landed_held);
+    census.add(first, drops, landed, landed_held);
     course.tell(count + long(held_drops.size()));
   }
   census.finish(out);

@@ -59,6 +59,8 @@ struct Risk {
 
   Distribution peaks, held;           ///< of the motion, of kHeld over the same drops, of drawn ones 16,384 at most
   long failed = 0, held_failed = 0;   ///< landings that could not be followed to the floor: they are left out
+  long lost = 0, held_lost = 0;       ///< of the others, those whose drive lost the joint: LandingPeak::joint_lost
+  long from_floor = 0;                ///< drops that would begin below the floor: they begin on it
   std::vector<PeakContact> contacts;  ///< most drops first
   std::vector<RiskEvent> events;      ///< of the drops that were followed
   std::vector<PeakBin> histogram;     ///< of the motion, beside it of kHeld

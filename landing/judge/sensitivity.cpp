@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "common/random.hpp"
 
 namespace ukemi::landing {
 
 Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                         const SimulateOptions& options, double peak, int draws, std::uint64_t seed) {
+  check_count("draws", draws, 0, 1'000'000);
   constexpr double kMove = 1e-6;
   Sensitivity out;
   SimulateOptions tighter = options;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/error.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 
@@ -80,6 +81,9 @@ Interval interval(double value, std::vector<double> draws) {
 std::vector<SobolIndex> sobol_indices(std::span<const double> f_a, std::span<const double> f_b,
                                       std::span<const std::vector<double>> f_ab, std::uint64_t seed, int threads) {
   constexpr int kDraws = 1000;
+  const auto as_long = [&](const auto& f) { return f.size() == f_a.size(); };
+  if (!as_long(f_b) || !std::all_of(f_ab.begin(), f_ab.end(), as_long))
+    throw InputError("sobol: values of " + std::to_string(f_a.size()) + " points: all must be as many");
   const Terms terms(f_a, f_b, f_ab);
   const std::size_t n = terms.points();
   constexpr Interval kUnknown{kNaN, kNaN, kNaN};

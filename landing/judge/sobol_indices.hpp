@@ -22,7 +22,8 @@ struct SobolIndex {
 /// at the points of A with the numbers of group g from B. First order after Saltelli et al. 2010 (Table 2, b), about
 /// the mean; total after Jansen 1999. Intervals: percentiles of 1000 bootstrap samples of the base points, drawn from
 /// the seed; points of a Sobol sequence do better than they say. A base point with a value that is not finite is left
-/// out. NaN where nothing varies or fewer than two points are left. `threads` has no influence on the result.
+/// out. NaN where nothing varies or fewer than two points are left; values that are not as many as each
+/// other: InputError. `threads` has no influence on the result.
 std::vector<SobolIndex> sobol_indices(std::span<const double> f_a, std::span<const double> f_b,
                                       std::span<const std::vector<double>> f_ab, std::uint64_t seed, int threads = 0);
 

@@ -1,7 +1,6 @@
 #include "landing/judge/speed.hpp"
 
-#include "common/csv.hpp"
-#include "common/error.hpp"
+#include "common/checks.hpp"
 
 namespace ukemi::landing {
 
@@ -9,8 +8,7 @@ namespace {
 
 void check(const char* what, const std::vector<double>& values) {
   if (values.empty()) throw InputError(std::string(what) + ": at least one value is needed");
-  for (const double v : values)
-    if (!(v > 0)) throw InputError(std::string(what) + ": " + shortest(v) + ": above 0 is needed");
+  for (const double v : values) check_positive(what, v);
 }
 
 }  // namespace

@@ -9,7 +9,8 @@ Survey survey(const Scene& scene, const MotionSpace& space, const SurveyOptions&
   const Stopwatch watch(Stopwatch::Time::kWall);
   out.map = map_peaks(scene, space, options.map);
   out.map_seconds = watch.seconds();
-  for (const PeakMap::Cell& c : out.map.grid) out.failed += no_landing(c.end), out.missing += c.end == End::kStopped;
+  for (const PeakMap::Cell& c : out.map.grid)
+    out.failed += no_landing(c.end), out.missing += c.end == End::kStopped, out.lost += c.joint_lost;
   MapOptions near = options.map;
   near.monitor = options.basins;
   const std::vector<Basin> found = basins(scene, space, out.map, near);

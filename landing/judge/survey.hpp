@@ -18,8 +18,9 @@ struct JudgedBasin {
 struct Survey {
   Scene scene;
   PeakMap map;
-  double map_seconds = 0;           ///< that the map took
-  long failed = 0, missing = 0;     ///< landings of the grid that could not be followed, that were not played
+  double map_seconds = 0;  ///< that the map took
+  /// Landings of the grid that could not be followed, that were not played, whose drive lost the joint.
+  long failed = 0, missing = 0, lost = 0;
   std::vector<JudgedBasin> basins;  ///< the best first
 };
 

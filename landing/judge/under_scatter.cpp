@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
+#include "common/error.hpp"
 #include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
@@ -23,13 +25,13 @@ class Players {
       for (const LandingPeak& l : landings_.play(
                {&p, 1}, drops.subspan(i, std::min(kPart, drops.size() - i)),
                {.accuracy = kAccuracy, .limits = limits, .threads = options_.threads, .over = &over_}, &space_)) {
-        broken += l.end == End::kBroken;
+        broken += l.end == End::kBroken, lost += l.joint_lost;
         out.push_back(counted(l, options_.penalty));
       }
     return out;
   }
   bool stopped() const { return over_(); }
-  long broken = 0;
+  long broken = 0, lost = 0;
 
  private:
   const MotionSpace& space_;
@@ -56,8 +58,24 @@ Scatter scatter_for(const std::optional<Scatter>& asked, const Scene& scene) {
   return asked ? *asked : scene.scatter.value_or(Scatter::assumed());
 }
 
+void RobustOptions::validate() const {
+  constexpr long kMost = 1'000'000;
+  check_count("samples", samples, 1, kMost), check_count("judging", judging, 1, kMost);
+  check_not_negative("inflate", inflate), check_not_negative("penalty", penalty);
+  if (measure) measure->validate();
+  if (scatter) scatter->validate();
+}
+
+void UnderScatterOptions::validate() const {
+  check_count("samples", samples, 1, 10'000'000);
+  measure.validate(), limits.validate();
+  check_not_negative("penalty", penalty), check_not_negative("rate", rate);
+}
+
 std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOptions& options, std::uint64_t seed) {
   constexpr std::uint64_t kApart = 0x9d6e5;  // the drops that judge are others than those that are searched on
+  options.validate();
+  if (!options.measure) throw InputError("robust: a measure is needed");
   auto robust = std::make_shared<Robust>();
   robust->measure = *options.measure, robust->penalty = options.penalty;
   robust->drops = model.even(options.samples, seed);
@@ -67,6 +85,7 @@ std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOp
 
 UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const Play& planned,
                            const UnderScatterOptions& options) {
+  options.validate();
   constexpr std::uint64_t kFresh = 0xf4e5a;  // seeds of searches are others
   const std::vector<ScatteredDrop> drops = model.independent(options.samples, options.seed ^ kFresh << 32);
   Players play(space, options);
@@ -75,7 +94,8 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
   if (model.scene().joint) limits.joint = *model.scene().joint;
   const std::vector<double> peaks = play.peaks(planned, drops, limits);
   out.planned = distribution(peaks), out.measured = estimated(options.measure, peaks);
-  out.broken = play.broken;
+  out.broken = play.broken, out.lost = play.lost;
+  out.from_floor = std::count_if(drops.begin(), drops.end(), [](const ScatteredDrop& d) { return d.from_floor; });
   if (options.nominal) {
     const std::vector<double> beside = play.peaks({*options.nominal, planned.sea}, drops, limits);
     out.nominal = distribution(beside);

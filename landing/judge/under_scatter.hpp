@@ -26,16 +26,17 @@ struct RobustOptions {
   std::optional<Scatter> scatter;    ///< see scatter_for
   std::vector<ScatteredDrop> drops;  ///< measured ones, in place of all that is drawn
   double inflate = 1;                ///< see DropModel::Options
-  long samples = 256;                ///< drops that are searched on
-  long judging = 2048;               ///< others, that the best few are judged on
-  double penalty = 1000;             ///< what a drop that breaks a limit counts [m/s^2]
+  long samples = 256;                ///< drops that are searched on, 1 to 1,000,000
+  long judging = 2048;               ///< others, that the best few are judged on; the same range
+  double penalty = 1000;             ///< what a drop that breaks a limit counts [m/s^2], >= 0
+  void validate() const;             ///< throws InputError
 };
 
-/// The goal of a search for such a plan, measure set: drops drawn for the search's seed.
+/// The goal of a search for such a plan, measure set (else InputError): drops drawn for the search's seed.
 std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOptions& options, std::uint64_t seed);
 
 struct UnderScatterOptions {
-  long samples = 4096;  ///< independent drops
+  long samples = 4096;  ///< independent drops, 1 to 10,000,000
   Measure measure;
   Limits limits;  ///< of the motion; the references are played without
   double penalty = 1000;
@@ -44,6 +45,7 @@ struct UnderScatterOptions {
   std::optional<Motion> nominal;  ///< another plan, over the same drops and within the same limits
   double rate = 0;                ///< rows a second of the landings that are shown [Hz]; 0: none is
   Monitor monitor;
+  void validate() const;  ///< throws InputError
 };
 
 struct UnderScatter {
@@ -51,6 +53,8 @@ struct UnderScatter {
   Estimated measured;      ///< UnderScatterOptions::measure of the planned motion
   double posture_phi = 0;  ///< the posture whose mean peak is the smallest [rad]
   long broken = 0;         ///< drops in which the motion broke a limit; each counts as the penalty
+  long lost = 0;           ///< in which its drive lost the joint, see LandingPeak::joint_lost
+  long from_floor = 0;     ///< that would begin below the floor: they begin on it
   bool complete = false;   ///< false where it was stopped
 
   std::optional<Distribution> nominal;  ///< of UnderScatterOptions::nominal

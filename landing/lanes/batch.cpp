@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
+#include "common/checks.hpp"
+#include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
 #include "landing/lanes/batch_entry.hpp"
@@ -40,7 +43,26 @@ void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet 
   }
 }
 
+void BatchOptions::validate() const {
+  const SimulateOptions same{.accuracy = accuracy, .max_steps = max_steps, .limits = limits};
+  same.validate();
+}
+
 namespace {
+
+void validate_all(std::span<const BatchCase> cases) {
+  const Scene* scene = nullptr;
+  const SeaParameters<double>* sea = nullptr;
+  for (const BatchCase& c : cases) {  // most have one scene, or one actuator, in a row
+    if (!c.scene || !c.sea) throw InputError("batch: a case without a scene or an actuator");
+    if (!(c.abandon_above >= 0))
+      throw InputError("abandon_above: " + shortest(c.abandon_above) + ": at least 0 is needed");
+    if (c.scene != std::exchange(scene, c.scene)) scene->validate();
+    if (c.sea != std::exchange(sea, c.sea)) validate(*sea);
+    validate(c.motion);
+  }
+}
+
 /// The cases in order, to whichever lane of whichever thread is free.
 class Queue : public BatchSource {
  public:
@@ -67,6 +89,10 @@ class Queue : public BatchSource {
 
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
                  int threads, InstructionSet set) {
+  options.validate(), validate_all(cases);
+  if (peaks.size() != cases.size())
+    throw InputError("batch: " + std::to_string(peaks.size()) + " peaks: " + std::to_string(cases.size()) +
+                     " are needed, one for each case");
   BatchOptions o = options;
   std::size_t motor_side = 0;
   for (const BatchCase& c : cases) {

@@ -33,13 +33,16 @@ class BatchSource {
 };
 
 struct BatchOptions {
-  double accuracy = 1e-5;                 ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
-  Limits limits;                          ///< see SimulateOptions
-  bool extended = false;                  ///< some actuator has friction, a stiffening spring or motor-side feedback
+  double accuracy = 1e-5;  ///< relative tolerance of each step, 1e-14..1e-2: the method is of order 5
+  Limits limits;           ///< see SimulateOptions
+  /// Some actuator has friction of the motor, a stiffening spring or motor-side feedback. Those with dry friction on
+  /// the output are followed by the scalar path.
+  bool extended = false;
   Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
   enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
   long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit
   const std::function<bool()>* over = nullptr;  ///< of batch_peaks: see SimulateOptions
+  void validate() const;                        ///< throws InputError
 };
 
 /// Instruction sets, and the widest that this machine has.
@@ -52,11 +55,12 @@ constexpr int lanes(InstructionSet s) { return 2 << int(s); }
 InstructionSet quickest_instruction_set(std::size_t landings);
 
 /// Runs a source until every lane is without work, or the source is over. `set` must be one that the machine has.
-/// Allocates nothing.
+/// Allocates nothing, and looks at nothing: the cases must be valid.
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
 
 /// The peaks of many landings, by the kernel that holds the terms of all of them; `threads` as everywhere: 0 for all
-/// cores, and without influence on the results. Those that `over` cut off come back with End::kStopped.
+/// cores, and without influence on the results. Those that `over` cut off come back with End::kStopped. Throws
+/// InputError for options or cases that are not valid, and for another number of peaks than of cases.
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
                  int threads = 1, InstructionSet set = widest_instruction_set());
 

@@ -66,7 +66,8 @@ class BatchEngine {
       }
       case_[i] = c;
       const Scene& scene = *c.scene;
-      if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || c.sea->feedback != options_.feedback) {
+      if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || c.sea->feedback != options_.feedback ||
+          needs_fine_steps(*c.sea)) {
         hand_over(i);
         continue;
       }
@@ -101,6 +102,7 @@ class BatchEngine {
       stop_.set(i, schedule.stop()), motion_part_.set(i, schedule.motion_part());
       abandon_square_.set(i, c.abandon_above * c.abandon_above), steps_.set(i, 0);
       active_.set(i, true), stale_.set(i, true), cut_.set(i, false), rejected_.set(i, false);
+      lost_.set(i, false);
       t_event_[i] = -1, immediate_[i] = 0, cuts_[i] = 0;
       return;
     }
@@ -116,7 +118,11 @@ class BatchEngine {
     const BatchCase& c = case_[i];
     const LandingPeak peak = peak_acceleration(
         *c.scene, *c.sea, c.motion,
-        {.accuracy = options_.accuracy, .abandon_above = c.abandon_above, .limits = options_.limits, .over = &over_});
+        {.accuracy = options_.accuracy,
+         .abandon_above = c.abandon_above,
+         .max_steps = options_.too_long == BatchOptions::Long::kFail ? options_.max_steps : SimulateOptions{}.max_steps,
+         .limits = options_.limits,
+         .over = &over_});
     if (peak.end != End::kStopped) source_.done(i, peak);
   }
 
@@ -127,7 +133,7 @@ class BatchEngine {
     } else {
       if (end == End::kFailed) out.failure = Failure::kSteps;
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
-      out.work.steps = long(steps_[i]);
+      out.work.steps = long(steps_[i]), out.joint_lost = lost_[i];
       for (int k = 0; k < kMechanical; ++k) out.state[k] = step_.y[k][i];
       source_.done(i, out);
     }
@@ -200,6 +206,7 @@ class BatchEngine {
     constexpr double kReach = 3e-4;  // of the step, however short it was cut: made up along the field
     constexpr int kMaxCuts = 12;
     if (!cut_[i]) cuts_[i] = 0;
+    if (cut_[i] && step_.h[i] == 0) return StepEnd::kEvent;  // cut to nothing: the guard falls from where it starts
     Zero c = first_zero(i);
     if (c.guard < 0 && cut_[i]) c = {target_[i], 1};  // the cubic placed it a little early
     if (c.guard < 0) return StepEnd::kPlain;
@@ -372,6 +379,7 @@ class BatchEngine {
     if (any(at_deadline))
       for (int i = 0; i < W; ++i)
         if (at_deadline[i]) end[i] = reached(i);
+    lost_ |= accepted_ & (abs(step_.y[kTheta1] - step_.y[kTheta0]) > T(kLostJoint));
     const M abandoned = accepted_ & (square_ > abandon_square_);
     M broken(false);
     if (options_.limits.within_steps()) {
@@ -411,7 +419,7 @@ class BatchEngine {
   typename System::GuardValues start_, end_;
   T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, stop_{0.0}, motion_part_{0.0}, abandon_square_{0.0};
   T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, rest_scale_{0.0}, steps_{0.0};
-  M active_, stale_, cut_, rejected_, accepted_, event_, last_;
+  M active_, stale_, cut_, rejected_, accepted_, event_, last_, lost_;
   std::array<T, kMechanical> unit_;
   std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step
   std::array<int, W> target_{}, immediate_{}, cuts_{};

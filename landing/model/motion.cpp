@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
+#include "common/csv.hpp"
+
 namespace ukemi::landing {
 
 namespace {
@@ -25,6 +28,22 @@ double shaped_rate(const ReferencePiece<double>& piece) {
 }
 
 }  // namespace
+
+void validate(const Motion& m) {
+  check_finite("phi_i", m.phi_i), check_finite("phi_f", m.phi_f);
+  check_positive("duration", m.duration);
+  for (const double b : m.bumps) check_finite("bumps", b);
+  check_not_negative("gain_p", m.gain_p), check_not_negative("gain_d", m.gain_d);
+  if (!m.reposition) return;
+  const Reposition& r = *m.reposition;
+  check_finite("reposition.phi", r.phi), check_finite("reposition.rate", r.rate);
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (r.from == kNever && r.to == kNever) return;
+  check_not_negative("reposition.from", r.from);
+  if (!(r.to > r.from && r.to < kNever))
+    throw InputError("reposition.to: " + shortest(r.to) + " s: later than `from`, at " + shortest(r.from) +
+                     " s, is needed");
+}
 
 bool moves_in_air(const Motion& m, double start) {
   return m.reposition && start > m.reposition->from && std::isfinite(start);

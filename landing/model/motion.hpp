@@ -43,6 +43,9 @@ struct MotionOf {
 };
 using Motion = MotionOf<double>;
 using Reposition = RepositionOf<double>;
+/// Throws InputError for a number that is not finite or outside the range that stands beside it. A move in the air that
+/// never begins has both times infinite.
+void validate(const Motion& motion);
 
 /// Where the reference stands: before a piece of it, in it, or after the landing motion.
 enum class Phase : unsigned char { kBefore, kMoving, kAfter };

@@ -22,6 +22,7 @@ struct Scatter {
   /// What is assumed where nothing is said: 1 deg, 1 cm, 3 cm/s.
   static constexpr Scatter assumed() { return {.pitch = 0.017453292519943295, .height = 0.01, .forward_speed = 0.03}; }
   bool any() const;
+  void validate() const;  ///< throws InputError for a deviation below 0 or not finite
 };
 
 /// One number of a scatter, as files and options name it.

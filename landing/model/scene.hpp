@@ -73,6 +73,8 @@ struct Scene {
   /// A run lasts at most this long after the first touchdown where t_end is absent [s].
   static constexpr double kFollow = 10;
 
+  /// Throws InputError for a number outside the range that stands beside it, or that read_scene refuses.
+  void validate() const;
   bool touches() const { return floor.has_value() && (contacts[kHip] || contacts[kKnee] || contacts[kFoot]); }
 };
 

@@ -48,7 +48,7 @@ class Follower {
       return finish(End::kNoContact, y);
     }
     Integrator integrator(system_, t_, y,
-                          {.accuracy = options_.accuracy,
+                          {.accuracy = step_accuracy(options_.accuracy, system_.sea),
                            .first_step = std::min(options_.max_step, schedule_.first_step()),
                            .max_step = options_.max_step});
     system_.turn(schedule_.opening(system_), motion_, t_);
@@ -96,7 +96,9 @@ class Follower {
     const double before = peak_.square;
     if (!peak_.step(system_, integrator)) return failed(Failure::kUnresolved);
     if (peak_.square != before) out_.peak_contact = out_.contacts.size() - 1;
-    if (options_.limits.within_steps() && breaks(system_, options_.limits, t_, integrator.state())) return End::kBroken;
+    const State& y = integrator.state();
+    out_.joint_lost = out_.joint_lost || std::abs(y[kTheta1] - y[kTheta0]) > kLostJoint;
+    if (options_.limits.within_steps() && breaks(system_, options_.limits, t_, y)) return End::kBroken;
     if constexpr (kReport) recorder_.step(system_, integrator);
     return std::nullopt;
   }

@@ -24,7 +24,7 @@ template <bool kReport>
 void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
               const SimulateOptions& options, LandingPeak& out, Landing* landing, double rate) {
   const auto with = [&]<LandingTerms kTerms>() {
-    if (options.accuracy >= kLowOrder)
+    if (step_accuracy(options.accuracy, sea) >= kLowOrder)
       Follower<LowOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
     else
       Follower<HighOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();

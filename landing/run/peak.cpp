@@ -6,6 +6,7 @@ namespace ukemi::landing {
 
 LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                               const SimulateOptions& options) {
+  validate(scene, sea, motion), options.validate();
   LandingPeak out;
   if (options.method == Method::kAuto)
     dispatch<false>(scene, sea, motion, options, out, nullptr, 0);
@@ -15,6 +16,7 @@ LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& s
 }
 
 double first_touchdown(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
+  validate(scene, sea, motion);
   constexpr double kNever = std::numeric_limits<double>::infinity();
   if (is_ballistic(scene.drop, motion.release_rate()) && !motion.reposition) {
     const double fall = fall_time(scene);

@@ -1,5 +1,6 @@
 #include "landing/run/simulate.hpp"
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/run/kernels.hpp"
@@ -42,15 +43,36 @@ const char* reason(const LandingPeak& landing) {
   return "?";
 }
 
+void Limits::validate() const {
+  const auto check = [](const char* what, double limit) {
+    if (!(limit >= 0))
+      throw InputError(std::string("limits.") + what + ": " + shortest(limit) + ": at least 0 is needed");
+  };
+  check("motor_speed", motor_speed), check("motor_torque", motor_torque), check("reference_rate", reference_rate);
+  if (!(joint[0] < joint[1]))
+    throw InputError("limits.joint: " + shortest(joint[0]) + " to " + shortest(joint[1]) +
+                     ": numbers that rise are needed");
+}
+
 void SimulateOptions::validate() const {
   if (!(accuracy >= 1e-14 && accuracy <= 1e-2))
     throw InputError("accuracy: " + shortest(accuracy) + ": a relative tolerance from 1e-14 to 1e-2 is needed");
   if (!(max_step > 0)) throw InputError("max_step: " + shortest(max_step) + ": above 0 is needed");
   if (max_steps < 1) throw InputError("max_steps: " + std::to_string(max_steps) + ": at least 1 is needed");
+  if (!(abandon_above >= 0)) throw InputError("abandon_above: " + shortest(abandon_above) + ": at least 0 is needed");
+  limits.validate();
+}
+
+void validate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
+  scene.validate(), validate(sea), validate(motion);
 }
 
 Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                  const SimulateOptions& options, double rate) {
+  validate(scene, sea, motion), options.validate();
+  constexpr double kMostRows = 2e7;
+  if (!(rate >= 0 && rate * flight_limit(scene, motion) <= kMostRows))
+    throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e7 rows");
   Landing out;
   dispatch<true>(scene, sea, motion, options, out, &out, rate);
   if (out.end != End::kFailed && !(out.energy_residual <= energy_tolerance(options.accuracy)))

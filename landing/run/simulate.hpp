@@ -43,16 +43,20 @@ using integrate::Method;
 /// A touchdown of a point within this time of its last lift-off is chatter: it opens no interval of Peak [s].
 inline constexpr double kChatter = 0.01;
 
+/// A joint that is so far from straight has turned right round: its drive has lost it [rad].
+inline constexpr double kLostJoint = 6.283185307179586;
+
 /// What a landing must not do. A run ends where it first does.
 struct Limits {
   std::array<bool, kPoints> forbidden{};                          ///< points that must never touch
-  double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s]
-  double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm]
+  double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s], >= 0
+  double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm], >= 0
   /// Of the joint angle phi_1 [rad].
   std::array<double, 2> joint{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   /// Of |dphi_ref| [rad/s]. A landing breaks it where the floor cuts the move in the air short and the motion from
   /// there is quicker; what is planned is known without a landing, see peak_reference_rate.
   double reference_rate = std::numeric_limits<double>::infinity();
+  void validate() const;  ///< throws InputError
   bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
   bool joint_stops() const { return std::isfinite(joint[0]) || std::isfinite(joint[1]); }
   bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
@@ -74,11 +78,12 @@ struct Limits {
 };
 
 struct SimulateOptions {
-  double accuracy = 1e-9;  ///< relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why
+  /// Relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why, and step_accuracy.
+  double accuracy = 1e-9;
   double abandon_above =
-      std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2]
+      std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2], >= 0
   long max_steps = 200'000;                     ///< steps and events before a run is given up
-  double max_step = 0.1;                        ///< longest step; the step of a fixed-step method [s]
+  double max_step = 0.1;                        ///< longest step; the step of a fixed-step method [s], > 0
   Limits limits;
   Method method = Method::kAuto;                          ///< `simulate` always uses auto
   std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
@@ -88,6 +93,17 @@ struct SimulateOptions {
   /// Asks `over` at every so many steps, some tens of microseconds.
   bool stopped(long step) const { return over && step % 32 == 31 && (*over)(); }
 };
+
+/// Whether dry friction acts on the output. It turns within kFrictionSpeed, so that an error of the joint's rate that
+/// no tolerance of the state sees is one of |ddr_0| there, and the peak would be the largest of such errors. The scalar
+/// path follows these landings at 1e-7 or finer, where stability and not accuracy bounds the steps anyway; lanes hand
+/// them over. Tests: test/property/batch.cpp, stability.cpp.
+inline bool needs_fine_steps(const SeaParameters<double>& sea) { return sea.output_friction != 0; }
+/// The accuracy that the steps of a landing keep where `asked` is asked.
+inline double step_accuracy(double asked, const SeaParameters<double>& sea) {
+  constexpr double kFine = 1e-7;
+  return needs_fine_steps(sea) ? std::min(asked, kFine) : asked;
+}
 
 /// The points in the order in which they touch, without chatter (kChatter); as many as fit.
 class ContactOrder {
@@ -124,8 +140,9 @@ struct LandingPeak {
   Failure failure = Failure::kNone;                        ///< with kFailed
   integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
   integrate::Counters work;
-  ContactOrder contacts;  ///< touchdowns
-  int peak_contact = -1;  ///< which of them opened the interval that holds the peak; -1: before the first
+  ContactOrder contacts;    ///< touchdowns
+  int peak_contact = -1;    ///< which of them opened the interval that holds the peak; -1: before the first
+  bool joint_lost = false;  ///< |phi_1| went beyond kLostJoint where a step ended: the peak is that of a whirling link
   Eigen::Matrix<double, kMechanical, 1> state =
       Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
 };
@@ -175,8 +192,13 @@ struct Landing : LandingPeak {
 /// The largest energy residual of a landing that counts as right: steps that keep to the accuracy stay far below it.
 inline double energy_tolerance(double accuracy) { return std::clamp(1e3 * accuracy, 1e-6, 1.0); }
 
+// What follows throws InputError for a scene, an actuator, a motion or options that break the ranges of their fields.
+
+/// What they throw for the first three.
+void validate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion);
+
 /// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are
-/// taken at right and left limits of events and inside steps. Deterministic. A failure is a status, never an exception.
+/// taken at right and left limits of events and inside steps. Deterministic. A run that fails is a status.
 [[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                             const SimulateOptions& options = {});
 
@@ -188,8 +210,8 @@ void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, co
                         const SimulateOptions& options, LandingPeak& out);
 
 /// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every
-/// 1/rate s from release and two at each event, its left and right limits. A run whose energy balance does not close
-/// has failed.
+/// 1/rate s from release, 2e7 at most, and two at each event, its left and right limits. A
+/// run whose energy balance does not close has failed.
 [[nodiscard]] Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                const SimulateOptions& options = {}, double rate = 0);
 

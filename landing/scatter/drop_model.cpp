@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/decompositions.hpp"
 #include "common/error.hpp"
@@ -43,7 +44,9 @@ Reposition standing_until_touchdown(double phi, double rate) {
 
 Play with(const ScatteredDrop& d, Play p) {
   std::array<double, kConstants> u = ukemi::constants(p.sea);
-  for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::max(0.0, u[k] + d.constants[k]);
+  constexpr double kLeast = 1e-12;  // an inertia of 0 is none
+  for (std::size_t k = 0; k < u.size(); ++k)
+    if (d.constants[k] != 0) u[k] = std::max(kLeast, u[k] + d.constants[k]);
   set_constants(p.sea, u);
   if (p.motion.reposition)
     p.motion.reposition->phi += d.phi, p.motion.reposition->rate += d.rate;
@@ -53,6 +56,7 @@ Play with(const ScatteredDrop& d, Play p) {
     p.motion.phi_i += d.phi;
   return p;
 }
+constexpr long kMostDrops = 1'000'000'000;
 bool exact(const Deviation& d) { return d.phi_i == 0 && d.phi_f == 0 && d.duration == 0; }
 
 }  // namespace
@@ -66,6 +70,8 @@ Play ScatteredDrop::played(const Play& planned) const {
 
 DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator& actuator, const Options& options)
     : scene_(scene), scatter_(scatter), inexact_(options.inexact) {
+  scene.validate(), scatter.validate(), check_not_negative("inflate", options.inflate);
+  if (!actuator.uncertain.empty() || actuator.covariance.size() > 0) validate(actuator);
   for (std::size_t k = 0; k < kScatterTerms.size(); ++k) {
     if (!(scatter.*kScatterTerms[k].deviation > 0)) continue;
     terms_.push_back(int(k));
@@ -108,6 +114,11 @@ void DropModel::add(const std::string& name, int count) {
 }
 
 ScatteredDrop DropModel::drop(std::span<const double> u) const {
+  if (u.size() != std::size_t(dimension_))
+    throw InputError("drop: " + std::to_string(u.size()) + " coordinates: " + std::to_string(dimension_) +
+                     " are needed");
+  for (const double x : u)
+    if (!(x >= 0 && x <= 1)) throw InputError("drop: coordinate " + shortest(x) + ": 0 to 1 is needed");
   ScatteredDrop d{.scene = scene_};
   std::size_t next = 0;
   Scatter z;
@@ -123,7 +134,8 @@ ScatteredDrop DropModel::drop(std::span<const double> u) const {
   }
   Drop& drop = d.scene.drop;
   drop.pitch += z.pitch, drop.forward_speed += z.forward_speed, drop.pitch_rate += z.pitch_rate;
-  drop.height = std::max(0.0, drop.height + z.height);
+  drop.height += z.height;
+  if (drop.height < 0) drop.height = 0, d.from_floor = true;
   d.phi = z.phi, d.rate = z.rate;
   if (auto& floor = d.scene.floor) {
     floor->stiffness *= std::exp(z.stiffness);
@@ -142,6 +154,7 @@ ScatteredDrop DropModel::drop(std::span<const double> u) const {
 }
 
 std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed, long first) const {
+  check_count("drops", count, 0, kMostDrops), check_count("first", first, 0, kMostDrops);
   if (!measured_.empty()) {
     const std::size_t n = std::min(measured_.size(), std::size_t(count));
     std::vector<ScatteredDrop> out;
@@ -158,6 +171,7 @@ std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed, long 
 }
 
 std::vector<ScatteredDrop> DropModel::independent(long count, std::uint64_t seed) const {
+  check_count("drops", count, 0, kMostDrops);
   if (!measured_.empty()) return measured_;
   std::vector<double> u(static_cast<std::size_t>(dimension_));
   std::vector<ScatteredDrop> out;

@@ -17,8 +17,9 @@ namespace ukemi::landing {
 struct ScatteredDrop {
   Scene scene;                                 ///< its drop, floor and detection
   double phi = 0, rate = 0;                    ///< of the joint at release, beside the planned [rad], [rad/s]
-  std::array<double, kConstants> constants{};  ///< beside the actuator's own; none falls below 0
+  std::array<double, kConstants> constants{};  ///< beside the actuator's own; none falls to 0
   Deviation deviation{};                       ///< of the motion, within the scene's execution tolerance
+  bool from_floor = false;                     ///< it would begin below the floor, and begins on it
 
   /// What is planned, as this drop plays it.
   Play played(const MotionSpace& space, const Play& planned) const;
@@ -36,10 +37,11 @@ class DropModel {
   struct Options {
     bool floor = true;     ///< the floor's constants scatter where the scene holds their covariance
     bool actuator = true;  ///< its constants scatter where its file holds their covariance
-    double inflate = 1;    ///< factor of their standard errors
+    double inflate = 1;    ///< factor of their standard errors, >= 0
     bool inexact = false;  ///< the motion is played anywhere in the execution box, uniformly
   };
-  /// Throws InputError for a covariance that is not positive semidefinite.
+  /// Throws InputError for a scene, a scatter or an actuator that is not valid, and for a covariance that is not
+  /// positive semidefinite.
   DropModel(const Scene& scene, const Scatter& scatter, const Actuator& actuator, const Options& options);
   DropModel(const Scene& scene, const Scatter& scatter) : DropModel(scene, scatter, Actuator{}, Options()) {}
 
@@ -56,7 +58,7 @@ class DropModel {
   int dimension() const { return dimension_; }
   const std::vector<ScatterGroup>& groups() const { return groups_; }
   const Scene& scene() const { return scene_; }
-  /// The drop of a point of the unit cube; normal numbers are cut at three deviations.
+  /// The drop of a point inside the unit cube, dimension() numbers; normal numbers are cut at three deviations.
   ScatteredDrop drop(std::span<const double> u) const;
 
   /// Scrambled Sobol points from point `first` on: for searches, which do best with a power of two of them. Of measured

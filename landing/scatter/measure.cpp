@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
 
@@ -38,7 +39,13 @@ double quantile_of(std::span<double> x, double level) {
 
 }  // namespace
 
+void Measure::validate() const {
+  if ((kind == Kind::kCvar || kind == Kind::kQuantile) && !(level > 0 && level < 1))
+    throw InputError("measure: level " + shortest(level) + ": a number between 0 and 1 is needed");
+}
+
 double Measure::of(std::span<double> peaks) const {
+  validate();
   if (peaks.empty()) return kNaN;
   switch (kind) {
     case Kind::kMean:
@@ -83,6 +90,7 @@ std::string Measure::name() const {
 }
 
 Estimated estimated(const Measure& measure, std::span<const double> peaks) {
+  measure.validate();
   std::vector<double> x(peaks.begin(), peaks.end());
   const double n = double(x.size());
   if (x.size() < 2) return {measure.of(x), kNaN};
@@ -131,9 +139,10 @@ Distribution distribution(std::span<const double> peaks) {
 std::vector<PeakBin> histogram(std::span<const double> peaks, std::span<const double> beside, double q99) {
   double low = std::numeric_limits<double>::infinity(), high = 0;
   for (const auto& all : {peaks, beside})
-    for (const double x : all) low = std::min(low, x), high = std::max(high, x);
+    for (const double x : all) check_finite("peak", x), low = std::min(low, x), high = std::max(high, x);
   std::vector<PeakBin> out;
   if (!(high > 0)) return out;
+  if (!peaks.empty()) check_finite("q99", q99);
   const double most = peaks.empty() ? 0 : q99 - *std::min_element(peaks.begin(), peaks.end());
   const double width = std::exp2(std::ceil(std::log2(std::max({most / 64, (high - low) / 512, 1e-5 * high}))));
   const double start = std::floor(low / width);

@@ -15,11 +15,12 @@ struct Measure {
     kQuantile,  ///< what `level` of all drops stay below
     kWorst,     ///< of the drops that were played
   } kind = Kind::kMean;
-  double level = 0.9;  ///< 0..1
+  double level = 0.9;  ///< of kCvar and kQuantile, between 0 and 1
   /// Of all drops, in so many a plan for it must keep the limits: all that it looks at; for the mean half. In more
   /// broken ones its value would be the penalty and no acceleration.
   double share() const { return kind == Kind::kMean ? 0.5 : kind == Kind::kWorst ? 1 : level; }
 
+  void validate() const;  ///< throws InputError for a level outside
   /// Of the peaks, which it puts in another order. NaN of none.
   double of(std::span<double> peaks) const;
   /// mean, cvar, quantile:Q, worst, as options have them. Throws InputError "OPTION: ...".
@@ -49,7 +50,7 @@ struct PeakBin {
   long drops = 0, beside = 0;  ///< of a motion, of what stands beside it
 };
 /// Bins whose width is a power of two: 32 to 64 from the smallest peak of the motion to its 99th percentile `q99`, and
-/// not more than 512 over both.
+/// not more than 512 over both. Throws InputError for numbers that are not finite.
 std::vector<PeakBin> histogram(std::span<const double> peaks, std::span<const double> beside, double q99);
 
 }  // namespace ukemi::landing

@@ -3,9 +3,11 @@
 #include "tools/bench/stability.hpp"
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
 
 #include "common/actuator.hpp"
 #include "landing/judge/sensitivity.hpp"
+#include "landing/lanes/batch.hpp"
 #include "landing/model/scene_file.hpp"
 
 using namespace ukemi;
@@ -66,6 +68,37 @@ TEST_CASE("stability: the scalar path, a hundred times tighter, and lanes give o
   CAPTURE(refused, sensitive);
   CHECK(refused <= 8);     // points that hover on y = 0 (tools/docs/limits.md)
   CHECK(sensitive <= 30);  // drives that whirl the robot for seconds
+}
+
+// A longer campaign: UKEMI_CAMPAIGN=100000 (a landing takes some 15 ms).
+TEST_CASE("stability: lanes as risk uses them give the peak of drives with every term, or the landing is sensitive") {
+  const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  const Scene paper = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const char* asked = std::getenv("UKEMI_CAMPAIGN");
+  const long landings = asked ? std::atol(asked) : 200;
+  constexpr std::uint64_t kSeed = 3;
+  constexpr double kRiskAccuracy = 1e-6;
+  long refused = 0, sensitive = 0, off = 0;
+  for (long i = 0; i < landings; ++i) {
+    const auto index = std::uint64_t(i);
+    const StabilityCase c = with_drive_terms(
+        i % 2 ? random_landing(paper, sea, kSeed, index) : random_motion(paper, sea, kSeed, index), kSeed, index);
+    const LandingPeak tight = peak_acceleration(c.scene, c.sea, c.motion, {.accuracy = 1e-11});
+    LandingPeak lane;
+    const BatchCase one{&c.scene, &c.sea, c.motion};
+    batch_peaks({&one, 1}, {&lane, 1}, {.accuracy = kRiskAccuracy});
+    if (tight.end == End::kFailed || lane.end == End::kFailed)
+      ++refused;
+    else if (std::abs(lane.peak / tight.peak - 1) > kCliff) {
+      const Sensitivity s = sensitivity(c.scene, c.sea, c.motion, {.accuracy = 1e-9}, tight.peak, 64);
+      ++(s.sensitive ? sensitive : off);
+      if (!s.sensitive) WARN(c.factor << " " << c.setting << ": lanes " << lane.peak << " for " << tight.peak);
+    }
+  }
+  CAPTURE(landings, refused, sensitive, off);
+  CHECK(off * 1000 <= landings);  // a touchdown beside another point's chatter may be met late
+  CHECK(refused * 20 <= landings);
+  CHECK(sensitive * 10 <= landings);
 }
 
 TEST_CASE("stability: only runs that are right earn a landing the word sensitive") {

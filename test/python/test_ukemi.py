@@ -217,6 +217,35 @@ def test_bad_options_are_input_errors(scene, actuator, tmp_path):
         ukemi.map(scene, actuator, grid=[4, 4])
 
 
+@pytest.mark.parametrize("call, said", [
+    (lambda s, a: s.dropped(height=np.nan), "height: nan"),
+    (lambda s, a: s.dropped(forward_speed=np.inf), "forward_speed: inf"),
+    (lambda s, a: s.dropped(pitch_deg=np.nan), "pitch_deg: nan"),
+    (lambda s, a: ukemi.Motion(-30, -80, 0.2, bumps_deg=[np.nan]), "bumps_deg: nan"),
+    (lambda s, a: ukemi.Motion(-30, -80, 0.2, gain_p=-1), "gain_p: -1"),
+    (lambda s, a: ukemi.simulate(s, a, ukemi.hold(-45), rate=np.nan), "rate: nan"),
+    (lambda s, a: ukemi.simulate(s, a, ukemi.hold(-45), accuracy=np.nan), "accuracy: nan"),
+    (lambda s, a: ukemi.simulate(s, a, ukemi.hold(-45), accuracy=1e3), "accuracy: 1000"),
+    (lambda s, a: ukemi.risk(s, a, ukemi.hold(-45), samples=-1), "samples: -1"),
+    (lambda s, a: ukemi.risk(s, a, ukemi.hold(-45), inflate=np.nan), "inflate: nan"),
+    (lambda s, a: ukemi.risk(s, a, ukemi.hold(-45), scatter="pitch_deg=nan"), "scatter"),
+    (lambda s, a: ukemi.map(s, a, grid=[0, 4, 4]), "grid: 0"),
+    (lambda s, a: ukemi.Planner(s, a).plan(0.4, forward_speed=np.nan), "forward_speed: nan"),
+    (lambda s, a: ukemi.Planner(s, a).plan(0.4, pitch_rate_deg=np.inf), "pitch_rate_deg: inf"),
+])
+def test_numbers_of_a_landing_that_are_none_are_input_errors(scene, actuator, call, said):
+    with pytest.raises(ukemi.InputError, match=said):
+        call(scene, actuator)
+
+
+def test_what_was_not_checked_or_lost_says_so(scene, actuator):
+    landing = ukemi.simulate(scene, actuator, ukemi.hold(-45))
+    assert landing.sensitive is False and landing.joint_lost is False
+    assert ukemi.optimize(scene, actuator, evaluations=50).landing.sensitive is None
+    on_floor = ukemi.risk(scene.dropped(height=0.001), actuator, ukemi.hold(-45), scatter="height=0.01", samples=256)
+    assert on_floor.peaks.samples == 256 and on_floor.failed == 0 and 64 < on_floor.from_floor < 192
+
+
 def test_ctrl_c_ends_a_long_call_soon(scene, actuator):
     timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))  # runs: the interpreter is free
     timer.start()

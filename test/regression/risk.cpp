@@ -75,9 +75,9 @@ TEST_CASE("risk: what is told adds up, and the worst drops are the worst") {
   REQUIRE(r.worst.size() == 100);
   CHECK(r.worst[0].peak == r.peaks.max);
   CHECK(std::is_sorted(r.worst.begin(), r.worst.end(), [](auto& a, auto& b) { return a.peak > b.peak; }));
-  const std::vector<double> own = peaks(kQuintic, model.even(2000, 1), 1e-5);
+  const std::vector<double> own = peaks(kQuintic, model.even(2000, 1), 1e-6);
   CHECK(std::count_if(own.begin(), own.end(), [&](double x) { return x >= r.worst[99].peak; }) == 100);
-  CHECK(peaks(kQuintic, {r.worst[7].drop}, 1e-5)[0] == Approx(r.worst[7].peak).epsilon(1e-3));
+  CHECK(peaks(kQuintic, {r.worst[7].drop}, 1e-6)[0] == Approx(r.worst[7].peak).epsilon(1e-3));
 
   // Each event, counted landing by landing.
   REQUIRE(r.events.size() == 4);
@@ -100,7 +100,7 @@ TEST_CASE("risk: what is told adds up, and the worst drops are the worst") {
   const Risk measured = risk(model, table2(), kQuintic, options);
   CHECK(measured.why_none == Risk::WhyNone::kMeasured);
   CHECK(measured.peaks.samples == 20);
-  CHECK(measured.peaks.mean.value == Approx(distribution(peaks(kQuintic, options.measured, 1e-5)).mean.value));
+  CHECK(measured.peaks.mean.value == Approx(distribution(peaks(kQuintic, options.measured, 1e-6)).mean.value));
 }
 
 TEST_CASE("risk: what is interrupted is of the drops that were played") {

@@ -263,6 +263,13 @@ TEST_CASE("atlas: a reader takes the best of the motions around, says what is ou
   Scene shaped = paper();
   shaped.freedom.bumps = 1;
   CHECK_THAT(refusal([&] { AtlasReader other(path, shaped, table2().sea); }), Contains("other variables"));
+  Scene heavier = paper(), elsewhere = paper();
+  heavier.robot.mass[1] *= 1.1, elsewhere.drop.height = 0.35;
+  SeaParameters<double> softer = table2().sea;
+  softer.k_sea *= 0.9;
+  CHECK_THAT(refusal([&] { AtlasReader other(path, heavier, table2().sea); }), Contains("another robot, floor or"));
+  CHECK_THAT(refusal([&] { AtlasReader other(path, paper(), softer); }), Contains("another robot, floor or actuator"));
+  CHECK(refusal([&] { AtlasReader same(path, elsewhere, table2().sea); }) == "");
   Atlas part = a;
   part.cells[3].state = AtlasCell::State::kOpen;
   CHECK_THAT(refusal([&] { AtlasReader other(f.write("part.bin", atlas_bytes(part)), paper(), table2().sea); }),

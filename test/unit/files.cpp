@@ -495,6 +495,10 @@ TEST_CASE("an actuator's [uncertainty] is validated by whoever reads the file") 
   SECTION("order alone") {
     CHECK_THAT(error("order = [\"k_p\"]\n"), Contains("both 'order' and 'covariance' are needed"));
   }
+  SECTION("not symmetric") {
+    CHECK_THAT(error("order = [\"k_p\", \"k_d\"]\ncovariance = [[1, 0.5], [0.1, 1]]\n"),
+               Contains("0.1 in row 2, column 1, and 0.5 in row 1, column 2: a symmetric matrix is needed"));
+  }
   SECTION("sizes differ") {
     CHECK_THAT(error("order = [\"k_p\"]\ncovariance = [[1, 0], [0, 1]]\n"), Contains("2 rows: 'order' names 1"));
   }

@@ -151,12 +151,14 @@ std::vector<Group> groups(const BenchArguments& a, std::uint64_t seed) {
     out.push_back({name, a.motions, [=](std::uint64_t i) { return random_motion(scene, sea, seed, i); }});
   }
   out.push_back({"random scenes", a.scenes, [=](std::uint64_t i) { return random_landing(paper, sea, seed, i); }});
+  out.push_back({"random scenes, every term of the drive", a.scenes,
+                 [=](std::uint64_t i) { return with_drive_terms(random_landing(paper, sea, seed, i), seed, i); }});
   return out;
 }
 
 /// Ordinary landings followed three ways: every difference is earned, or wrong.
 Json three_ways(const BenchArguments& a, Run& run, Report& report) {
-  const long total = a.motions * long(kShippedScenes.size()) + a.scenes;
+  const long total = a.motions * long(kShippedScenes.size()) + 2 * a.scenes;
   std::vector<Disagreement> differing;
   std::vector<Tally> tallies;
   Tally all;

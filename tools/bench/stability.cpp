@@ -210,6 +210,23 @@ StabilityCase random_landing(const Scene& base, const SeaParameters<double>& sea
   return c;
 }
 
+StabilityCase with_drive_terms(StabilityCase c, std::uint64_t seed, std::uint64_t index) {
+  constexpr std::uint64_t kApart = 0xd51fe;  // from the draws of the landing
+  Random r(seed ^ kApart << 32, index);
+  const auto maybe = [&](double& x, double value) {
+    if (r.uniform() < 0.5) x = value;
+  };
+  SeaParameters<double>& sea = c.sea;
+  maybe(sea.friction, r.uniform(0, 1)), maybe(sea.friction_asymmetry, r.uniform(-0.5, 0.5));
+  maybe(sea.output_friction, r.uniform(0, 2)), maybe(sea.output_friction_asymmetry, r.uniform(-0.5, 0.5));
+  maybe(sea.viscous, r.uniform(0, 0.2)), maybe(sea.output_viscous, r.uniform(0, 0.2));
+  maybe(sea.breakaway, r.uniform(0, 1)), maybe(sea.stribeck_speed, 0.05 * r.factor(4));
+  maybe(sea.spring_loss, r.uniform(0, 0.4)), maybe(sea.k_sea_cubic, r.uniform(0, 200));
+  if (r.uniform() < 0.5) sea.feedback = Feedback::kMotor;
+  c.factor += ", every term of the drive";
+  return c;
+}
+
 namespace {
 
 CrossCheck cross_check(const StabilityCase& c, const LandingPeak& lanes) {

@@ -63,6 +63,10 @@ StabilityCase random_motion(const Scene& scene, const SeaParameters<double>& sea
 StabilityCase random_landing(const Scene& base, const SeaParameters<double>& sea, std::uint64_t seed,
                              std::uint64_t index);
 
+/// The same landing with a drive that has each optional term of its model with probability 1/2: friction, Stribeck's
+/// and asymmetric, on both sides, the spring's loss and stiffening, feedback of the motor's side.
+StabilityCase with_drive_terms(StabilityCase c, std::uint64_t seed, std::uint64_t index);
+
 /// One landing followed three ways.
 struct CrossCheck {
   double scalar = 0;  ///< peak of the scalar path at its default accuracy, 1e-9 [m/s^2]

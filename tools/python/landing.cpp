@@ -196,8 +196,14 @@ void bind_landing_class(py::module_& m) {
           },
           "Estimated relative error of the peak [1], or None where it was not looked at.")
       .def_property_readonly(
-          "sensitive", [](const Played& p) { return p.sensitivity && p.sensitivity->sensitive; },
-          "Whether the motion stands beside a cliff of the objective.")
+          "sensitive",
+          [](const Played& p) {
+            return p.sensitivity && p.sensitivity->checked ? std::optional(p.sensitivity->sensitive) : std::nullopt;
+          },
+          "Whether the motion stands beside a cliff of the objective, or None where it was not looked at.")
+      .def_property_readonly(
+          "joint_lost", [](const Played& p) { return p.landing.joint_lost; },
+          "Whether the joint turned right round: the drive has lost it.")
       .def_property_readonly(
           "energy_residual", [](const Played& p) { return p.landing.energy_residual; },
           "Mismatch of the energy check over the energy turned over [1].")

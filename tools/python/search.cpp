@@ -27,6 +27,7 @@ Goal goal_of(const std::string& text) {
 Scatter scatter_of(const std::optional<std::string>& text, const Scene& scene) {
   return scatter_for(text ? std::optional(parse_scatter("scatter", *text)) : std::nullopt, scene);
 }
+double finite(const char* what, double value) { return checked(what, value, Range::any()); }
 double inflation(double inflate) { return checked("inflate", inflate, {0, 100, false, "0 to 100"}); }
 
 struct Asked {
@@ -191,6 +192,8 @@ void bind_risk(py::module_& m) {
       .def_readonly("peaks", &Risk::peaks, "Of the motion [m/s^2].")
       .def_readonly("held", &Risk::held, "Of the reference held at -45 deg over the same drops [m/s^2].")
       .def_readonly("failed", &Risk::failed, "Landings that could not be followed to the floor.")
+      .def_readonly("joint_lost", &Risk::lost, "Of the others, those whose drive lost the joint.")
+      .def_readonly("from_floor", &Risk::from_floor, "Drops that would begin below the floor: they begin on it.")
       .def_property_readonly(
           "histogram",
           [](const Risk& r) {
@@ -280,6 +283,7 @@ void bind_map(py::module_& m) {
           "The grid's values along each variable by its name [rad, s or 1].")
       .def_readonly("basins", &Survey::basins, "The distinct basins, the best first.")
       .def_readonly("failed", &Survey::failed, "Landings that could not be followed.")
+      .def_readonly("joint_lost", &Survey::lost, "Landings whose drive lost the joint.")
       .def("figure", &map_figure, py::arg("x") = 0, py::arg("y") = 1,
            "The smallest peak [m/s^2] over the variables that are not drawn.")
       .def(
@@ -380,9 +384,13 @@ void bind_planner(py::module_& m) {
           [](PythonPlanner& p, double height, double forward_speed, double pitch_deg, double pitch_rate_deg,
              double phi_deg, double rate_deg, double gone, std::optional<double> vertical_speed, double deadline,
              std::uint64_t seed) {
-            return p.plan(FallState{height, forward_speed, pitch_deg / kDegrees, pitch_rate_deg / kDegrees,
-                                    phi_deg / kDegrees, rate_deg / kDegrees, gone, vertical_speed},
-                          deadline, seed);
+            return p.plan(
+                FallState{finite("height", height), finite("forward_speed", forward_speed),
+                          finite("pitch_deg", pitch_deg) / kDegrees,
+                          finite("pitch_rate_deg", pitch_rate_deg) / kDegrees, finite("phi_deg", phi_deg) / kDegrees,
+                          finite("rate_deg", rate_deg) / kDegrees, checked("gone", gone, Range::non_negative()),
+                          checked("vertical_speed", vertical_speed, Range::any())},
+                deadline, seed);
           },
           py::arg("height"), py::arg("forward_speed"), py::arg("pitch_deg"), py::arg("pitch_rate_deg"),
           py::arg("phi_deg"), py::arg("rate_deg") = 0.0, py::arg("gone") = 0.0, py::arg("vertical_speed") = py::none(),

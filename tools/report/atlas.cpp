@@ -101,7 +101,8 @@ int report(const AtlasResult& r, Run& run) {
   const std::string said = fmt::format("{} drops: {} planned, {} without a motion; {} were planned before",
                                        r.drops.size(), atlas.planned(), atlas.none(), r.resumed);
   run.say(said);
-  if (atlas.none() > 0) run.warn(fmt::format("{} drops: no motion was found that can be followed", atlas.none()));
+  if (atlas.none() > 0)
+    run.warn(fmt::format("{} drops: no motion was found that can be followed with the joint held", atlas.none()));
   Json summary = {{"goal", goal_of(h)},         {"drops", r.drops.size()},
                   {"planned", atlas.planned()}, {"without_motion", atlas.none()},
                   {"resumed", r.resumed},       {"blocks", h.grid.blocks()},

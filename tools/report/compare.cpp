@@ -71,6 +71,9 @@ void warn(const Comparison& c, Run& run) {
   for (const ComparedMotion& m : c.motions)
     for (const std::optional<Landing>& l : m.landings)
       if (l && no_landing(l->end)) run.warn(failure_words(*l));
+  for (const ComparedMotion& m : c.motions)
+    for (std::size_t s = 0; s < 2; ++s)
+      if (m.landings[s]) warn_of(*m.landings[s], fmt::format("best for {}, with {}: ", m.set, kSets[s]), run);
 }
 
 /// What planning with the nominal constants would have cost on the identified actuator.

@@ -134,6 +134,13 @@ Json ratings_json(const Ratings& r) {
           {"unknown", unknown},
           {"phi_1_deg", {r.demands.phi_min * kDegrees, r.demands.phi_max * kDegrees}}};
 }
+void warn_of(const Landing& l, const std::string& whose, Run& run) {
+  if (l.joint_lost)
+    run.warn(
+        fmt::format("{}the joint turns from {:.4g} to {:.4g} deg: the drive has lost it, and the peak is that of a "
+                    "link that whirls",
+                    whose, l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees));
+}
 void warn_of(const Ratings& r, Run& run) {
   if (r.too_fast())
     run.warn(fmt::format(

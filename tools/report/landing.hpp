@@ -47,6 +47,8 @@ std::string contact_order(const landing::Landing& landing);
 std::string failure_words(const landing::LandingPeak& landing);
 
 Json ratings_json(const landing::Ratings& ratings);
+/// Warns where the drive lost the joint; `whose` stands in front.
+void warn_of(const landing::Landing& landing, const std::string& whose, Run& run);
 /// Warns where the actuator could not follow.
 void warn_of(const landing::Ratings& ratings, Run& run);
 /// Warns of an unstable drive; `tau_max` may end the growth.

@@ -68,17 +68,18 @@ Heatmap projection(const PeakMap& map, int x, int y) {
 int report(const Survey& s, Run& run) {
   const std::size_t points = s.map.grid.size();
   if (s.failed > 0) run.warn(fmt::format("{} of {} landings could not be followed", s.failed, points));
+  if (s.lost > 0)
+    run.warn(fmt::format("in {} of {} landings the drive loses the joint: their peaks are those of a link that whirls",
+                         s.lost, points));
   if (s.missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", s.missing, points));
   if (s.basins.empty() && s.missing == 0)
     run.warn("no landing of the grid could be followed to the floor: no basin was found");
   const Table basins(basin_quantities(s.map.variables, s.basins.empty() ? Motion{} : s.basins[0].basin.play.motion),
                      s.basins);
   run.add("map.csv", map_csv(run, s.map));
-  const Json summary = {{"grid", s.map.cells},
-                        {"landings", points - std::size_t(s.missing)},
-                        {"failed", s.failed},
-                        {"map_time_s", s.map_seconds},
-                        {"basins", basins.objects()}};
+  const Json summary = {{"grid", s.map.cells},         {"landings", points - std::size_t(s.missing)},
+                        {"failed", s.failed},          {"joint_lost", s.lost},
+                        {"map_time_s", s.map_seconds}, {"basins", basins.objects()}};
   if (s.basins.empty()) return run.finish(summary, kNumbers);
   run.add(
       "basins.csv",

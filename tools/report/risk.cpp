@@ -189,6 +189,14 @@ void warn(const RiskStudy& s, Run& run) {
   if (r.held_failed > 0)
     run.warn(fmt::format("{} of {} drops could not be followed with the reference {}: they are left out of its column",
                          r.held_failed, r.held.samples + r.held_failed, held_words()));
+  if (r.from_floor > 0)
+    run.warn(fmt::format("{} of {} drops would begin below the floor: they begin on it", r.from_floor, n));
+  if (r.lost > 0)
+    run.warn(fmt::format("in {} of {} drops the drive loses the joint: their peaks are those of a link that whirls",
+                         r.lost, n));
+  if (r.held_lost > 0)
+    run.warn(fmt::format("in {} of {} drops the drive loses the joint with the reference {}", r.held_lost,
+                         r.held.samples, held_words()));
   if (r.index_failed > 0)
     run.warn(fmt::format("{} of the {} landings of the indices could not be followed: their base points are left out",
                          r.index_failed, r.index_landings));
@@ -221,6 +229,9 @@ int report(const RiskStudy& s, Run& run) {
                   {"scatter_assumed", s.assumed},
                   {"failed", r.failed},
                   {"held_failed", r.held_failed},
+                  {"joint_lost", r.lost},
+                  {"held_joint_lost", r.held_lost},
+                  {"from_floor", r.from_floor},
                   {"motion", motion_json(s.motion)}};
   if (r.peaks.samples == 0) {
     run.warn("no drop could be followed to the floor: there is no distribution");

@@ -137,7 +137,9 @@ Json scatter_json(const Answer& a) {
                {"planned", json_of(u->planned)},
                {"held", json_of(u->held)},
                {"best_posture", json_of(u->posture)},
-               {"broken", u->broken}};
+               {"broken", u->broken},
+               {"joint_lost", u->lost},
+               {"from_floor", u->from_floor}};
     if (u->nominal) {
       scatter["nominal"] = json_of(*u->nominal);
       scatter["nominal"]["motion"] = motion_json(a.nominal->motion);
@@ -165,6 +167,14 @@ void tell_scatter(const Answer& a, Run& run) {
   if (u.broken > 0)
     run.warn(fmt::format("in {} of {} drops the motion breaks a limit; each counts as {:g} m/s^2", u.broken,
                          u.planned.samples, a.options.robust.penalty));
+  if (u.from_floor > 0)
+    run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
+                         u.planned.samples));
+  if (u.lost > 0)
+    run.warn(
+        fmt::format("in {} of {} scattered drops the drive loses the joint: their peaks are those of a link that "
+                    "whirls",
+                    u.lost, u.planned.samples));
   const double worst = u.planned.cvar90.value;
   const bool cvar = a.scattered && a.options.robust.measure->kind == Measure::Kind::kCvar;
   if (!(worst <= u.held.cvar90.value) || !(worst <= u.posture.cvar90.value))

@@ -23,8 +23,16 @@ const Quantities<CheckedLanding> kQuantities = {
     {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
     {"", "error_estimate", "estimated relative error", "{:.1g}",
      [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.error_estimate) : Json(); }},
-    {"", "sensitive", "sensitive", {}, [](auto& c) { return c.sensitivity.sensitive; }},
-    {"", "sensitivity", [](auto& c) { return c.sensitivity.change; }},
+    {"", "sensitive", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.sensitive) : Json(); }},
+    {"",
+     "",
+     "sensitive",
+     {},
+     [](auto& c) { return !c.sensitivity.checked    ? "not checked"
+                          : c.sensitivity.sensitive ? "yes"
+                                                    : "no"; }},
+    {"", "sensitivity", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.change) : Json(); }},
+    {"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }},
     {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing); }},
     {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
     {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
@@ -47,9 +55,7 @@ void warn(const CheckedLanding& c, Run& run) {
   if (l.end == End::kNoContact) run.warn(failure_words(l) + ": the peak is that of a flight");
   if (!c.sensitivity.checked && !failed)
     run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
-  if (c.joint_lost())
-    run.warn(fmt::format("the joint turns from {:.4g} to {:.4g} deg: the drive has lost it",
-                         l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees));
+  warn_of(l, "", run);
   if (const auto& stops = c.scene.joint; stops && (l.demands.phi_min < (*stops)[0] || l.demands.phi_max > (*stops)[1]))
     run.warn(fmt::format(
         "the joint leaves its stops: it moves from {:.4g} to {:.4g} deg, the stops are at {:.4g} and {:.4g}",
