@@ -25,9 +25,12 @@ class Row:
     length: float = 1
     softening: float = 0      # part by which the tangent stiffness falls at the largest deflection met
     tau_max: float = np.inf   # part of the largest spring torque that would be met without a limit
+    drive_max: float = np.inf  # limit of the drive's torque, part of k_p times the largest angle
+    backlash: float = 0       # rad, of the gear: the spring's play, from end to end
     friction: float = 0       # Nm, dry, on the motor; it sticks
     viscous: float = 0        # Nm/(rad/s), on the motor
     output_viscous: float = 0
+    force_filter: float = 0   # s, first-order lag of the load cell
     force_gain: float = 1     # logged force over the true one
     encoder_gain: float = 1   # logged angle over the true one
     time_shift: float = 0     # s, by which the true force comes later than logged
@@ -65,20 +68,22 @@ def stable(constants, row):
 class Plant:
     """Both inertias of some lanes, the spring and the drive's law: state phi, phi_m, their rates, the filtered rate."""
 
-    def __init__(self, constants, row, cubic=0.0, limit=np.inf):
+    def __init__(self, constants, row, cubic=0.0, limit=np.inf, drive_limit=np.inf):
         self.k_p, self.k_d, self.k_sea, self.c_sea, self.motor = constants.T
-        self.row, self.cubic, self.limit = row, cubic, limit
+        self.row, self.cubic, self.limit, self.drive_limit = row, cubic, limit, drive_limit
         self.link, self.arm = INERTIA * row.inertia, LENGTH * row.length
         self.slip = np.zeros(len(constants))  # sign of the motor's motion where it rubs; 0: stuck
 
     def spring(self, y):
         d = y[1] - y[0]
+        d = d - np.clip(d, -self.row.backlash / 2, self.row.backlash / 2)
         return np.clip(self.k_sea * d + self.cubic * d**3 + self.c_sea * (y[3] - y[2]), -self.limit, self.limit)
 
     def drive(self, y):
         """The torque that the drive works out of what it measures."""
         side = 1 if self.row.motor_feedback else 0
-        return -self.k_p * y[side] - self.k_d * (y[4] if self.row.velocity_filter else y[side + 2])
+        torque = -self.k_p * y[side] - self.k_d * (y[4] if self.row.velocity_filter else y[side + 2])
+        return np.clip(torque, -self.drive_limit, self.drive_limit)
 
     def field(self, y, force, torque):
         row, spring = self.row, self.spring(y)
@@ -166,6 +171,16 @@ class Hits:
         s = np.clip((t - 0.05) / self.seconds, 0, 1)
         return self.newton * np.sin(np.pi * s)
 
+    def measured(self):
+        """The load cell's answer at the samples."""
+        lag, out = self.row.force_filter, self.logged.copy()
+        if lag:
+            dt = self.t[1]
+            for i, (low, high) in enumerate(zip(self.logged, self.logged[1:])):
+                ramp = (high - low) / dt * lag
+                out[i + 1] = high - ramp + (out[i] - low + ramp) * np.exp(-dt / lag)
+        return out
+
     def __call__(self, t):
         """The force of each lane [N]; the log's clock is ahead by the row's time shift."""
         t = max(t - self.row.time_shift, 0)
@@ -200,18 +215,21 @@ def draws_of(name, row, count, h):
     ranges = np.log([row.hits or (SOFT if d % 2 else ORDINARY) for d in range(count) for _ in range(HITS)])
     wanted = np.exp(random.uniform(ranges[:, 0], ranges[:, 1]))
     seconds, sign = random.uniform(0.010, 0.030, len(lanes)), random.choice([-1, 1], len(lanes))
-    plain = dataclasses.replace(row, friction=0, smooth=False)
+    plain = dataclasses.replace(row, friction=0, smooth=False, backlash=0, force_filter=0)
     unit, bent = simulate(Plant(lanes, plain), Hits(plain, 1e-3 * sign, seconds), n, 5e-4)
     newton = sign * 1e-3 * wanted / np.abs(unit).max(axis=1)
     met = (np.abs(bent).max(axis=1) * np.abs(newton) / 1e-3).reshape(-1, HITS).max(axis=1).repeat(HITS)
     cubic = -row.softening * lanes[:, 2] / (3 * met**2)  # the tangent is k + 3 cubic d^2
     hits = Hits(row, newton, seconds)
-    phi, _ = simulate(Plant(lanes, row, cubic, row.tau_max * lanes[:, 2] * met), hits, n, h)
+    largest = wanted.reshape(-1, HITS).max(axis=1).repeat(HITS)
+    plant = Plant(lanes, row, cubic, row.tau_max * lanes[:, 2] * met, row.drive_max * lanes[:, 0] * largest)
+    phi, _ = simulate(plant, hits, n, h)
+    force = hits.measured()
     assert np.abs(phi).max() < 1, name
     return [Draw(row.other_way() if row.alternate and d % 2 else row, truths[d], hits.t,
-                 hits.logged[:, d * HITS:(d + 1) * HITS], phi[d * HITS:(d + 1) * HITS]) for d in range(count)]
+                 force[:, d * HITS:(d + 1) * HITS], phi[d * HITS:(d + 1) * HITS]) for d in range(count)]
 
 
 def step_of(row):
     """A step [s] at which the angles are right to 1 urad."""
-    return 5e-5 if row.friction or row.tau_max < np.inf else 2.5e-4
+    return 5e-5 if row.friction or row.backlash or min(row.tau_max, row.drive_max) < np.inf else 2.5e-4
