@@ -69,7 +69,8 @@ void set_estimates(const LeastSquaresSolution& s, const LeastSquaresProblem& pro
       out.nuisance.push_back(e);
       continue;
     }
-    sizes.push_back(std::max(std::abs(e.value), shared[g]->judged_size));
+    e.judged_size = shared[g]->judged_size;
+    sizes.push_back(std::max(std::abs(e.value), e.judged_size));
     e.verdict = judge(e, sizes.back());
     *std::find_if(out.parameters.begin(), out.parameters.end(), [&](const Estimate& q) { return q.name == e.name; }) =
         e;

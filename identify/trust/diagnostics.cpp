@@ -17,28 +17,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Residuals of one output of one trial, white but for the weight, and the log they are of.
-struct Series {
-  std::vector<double> residual;
-  const std::vector<double>* measured;
-};
-
-std::vector<Series> residuals(const Fit& fit, const std::vector<Trial>& trials) {
-  std::vector<Series> out;
-  for (std::size_t m = 0; m < trials.size(); ++m) {
-    const Trial& log = trials[m];
-    const TrialResult& r = fit.trials[m];
-    if (r.phi.empty() && r.phi_m.empty()) continue;
-    const Eigen::VectorXd all = white_residuals(log, r);
-    const double* from = all.data();
-    for (const std::vector<double>* measured : log.measured()) {
-      if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
-      from += measured->size();
-    }
-  }
-  return out;
-}
-
 /// The smallest step of a log: its quantum, where it is quantised.
 double smallest_step(const std::vector<double>& x) {
   double step = std::numeric_limits<double>::infinity();
@@ -54,10 +32,26 @@ void widen(Estimate& e, double variance, double half_width) {
 
 }  // namespace
 
-Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials) {
+std::vector<ResidualSeries> residual_series(const Fit& fit, const std::vector<Trial>& trials) {
+  std::vector<ResidualSeries> out;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const Trial& log = trials[m];
+    const TrialResult& r = fit.trials[m];
+    if (r.phi.empty() && r.phi_m.empty()) continue;
+    const Eigen::VectorXd all = white_residuals(log, r);
+    const double* from = all.data();
+    for (const std::vector<double>* measured : log.measured()) {
+      if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
+      from += measured->size();
+    }
+  }
+  return out;
+}
+
+Whiteness whiteness(const std::vector<ResidualSeries>& series) {
   Whiteness out;
   double q = 0, tested = 0;
-  for (const Series& s : residuals(fit, trials)) {
+  for (const ResidualSeries& s : series) {
     const double of_series = ljung_box(s.residual, kWhitenessLags);
     if (of_series == 0) continue;
     const std::vector<double>& r = s.residual;
@@ -71,10 +65,10 @@ Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials) {
   return out;
 }
 
-Normality normality(const Fit& fit, const std::vector<Trial>& trials) {
+Normality normality(const std::vector<ResidualSeries>& series) {
   Normality out;
   Moments pooled;
-  for (const Series& s : residuals(fit, trials)) {
+  for (const ResidualSeries& s : series) {
     if (smallest_step(*s.measured) > root_mean_square(s.residual)) {
       ++out.coarse;
       continue;
@@ -158,23 +152,28 @@ double ResidualTests::rms_with(const ScoreTest& test) const {
   return std::sqrt(std::max(score->variance - test.gain / samples, 0.0));
 }
 
-ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
+ResidualTests test_residuals(const std::vector<ResidualSeries>& series, std::optional<Score> score) {
   ResidualTests out;
-  out.samples = double(measurements(experiment.trials));
-  out.whiteness = whiteness(fit, experiment.trials);
-  out.normality = normality(fit, experiment.trials);
-  out.score = score_of(experiment, fit);
+  for (const ResidualSeries& s : series) out.samples += double(s.residual.size());
+  out.whiteness = whiteness(series);
+  out.normality = normality(series);
+  out.score = std::move(score);
   if (out.score) out.score_tests = score_tests_of(*out.score);
   std::vector<double> p{out.whiteness.p, out.normality.p};
   for (const ScoreTest& l : out.score_tests) p.push_back(l.p);
   const std::vector<bool> rejected = holm(p, kTestLevel);
   out.whiteness.rejected = rejected[0], out.normality.rejected = rejected[1];
   for (std::size_t i = 0; i < out.score_tests.size(); ++i) out.score_tests[i].rejected = rejected[i + 2];
+  return out;
+}
+
+ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
+  ResidualTests out = test_residuals(residual_series(fit, experiment.trials), score_of(experiment, fit));
   if (out.score) fit_gains(experiment, fit, out);
   return out;
 }
 
-void widen_errors(const ResidualTests& tests, Fit& fit) {
+void widen_errors(const ResidualTests& tests, Estimates& fit) {
   if (!tests.model_rejected()) return;
   if (tests.score) {
     const std::vector<int>& free = tests.score->free;
@@ -203,7 +202,7 @@ void widen_errors(const ResidualTests& tests, Fit& fit) {
     for (Estimate& e : fit.nuisance)
       if (e.trial >= 0 && e.std) widen(e, *e.std * *e.std * widest, fit.half_width);
     for (Estimate& e : fit.parameters)
-      if (e.verdict != Identifiability::kFixed) e.verdict = judge(e, std::abs(e.value));
+      if (e.verdict != Identifiability::kFixed) e.verdict = judge(e, std::max(std::abs(e.value), e.judged_size));
   }
   distrust(fit.parameters);
 }

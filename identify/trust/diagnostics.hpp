@@ -14,6 +14,13 @@ namespace ukemi::identify {
 /// Probability of a false alarm of all tests of the residuals together; of --diagnose's, of each.
 inline constexpr double kTestLevel = 0.01;
 
+/// Residuals of one output of one trial, made white but for the weight, and the log they are of.
+struct ResidualSeries {
+  std::vector<double> residual;
+  const std::vector<double>* measured;
+};
+[[nodiscard]] std::vector<ResidualSeries> residual_series(const Fit& fit, const std::vector<Trial>& trials);
+
 /// Ljung and Box's test over the lags 1 .. kWhitenessLags, the statistics of all trials and outputs summed. Coloured
 /// residuals: the standard errors, which take every sample for news, are too small.
 struct Whiteness {
@@ -22,7 +29,7 @@ struct Whiteness {
   bool rejected = false;   ///< see test_residuals
 };
 inline constexpr int kWhitenessLags = 20;
-[[nodiscard]] Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials);
+[[nodiscard]] Whiteness whiteness(const std::vector<ResidualSeries>& series);
 
 /// Jarque and Bera's test, each trial's residuals in units of its own standard deviation. A log that is quantised more
 /// coarsely than its residual is left out: its residuals are not normal, whatever the model.
@@ -33,7 +40,7 @@ struct Normality {
   int tested = 0;
   bool rejected = false;  ///< see test_residuals
 };
-[[nodiscard]] Normality normality(const Fit& fit, const std::vector<Trial>& trials);
+[[nodiscard]] Normality normality(const std::vector<ResidualSeries>& series);
 
 /// The tests of a fit's residuals: whiteness, normality, and the score test of every term that the fit lacks. Holm's
 /// procedure, over all of them, says which are rejected. Where several terms are, their gains are those of fits.
@@ -53,11 +60,14 @@ struct ResidualTests {
   /// rms of the residuals with that term, to first order [rad].
   double rms_with(const ScoreTest& test) const;
 };
+/// Of whatever was fitted; gains are linear.
+[[nodiscard]] ResidualTests test_residuals(const std::vector<ResidualSeries>& series, std::optional<Score> score);
+/// Of a fit of trials.
 [[nodiscard]] ResidualTests test_residuals(const Experiment& experiment, const Fit& fit);
 
 /// Where the model is rejected: standard errors and intervals from the sandwich estimate wherever it is wider (those of
 /// a trial's own terms by the largest such factor), and nothing is trusted. Else nothing changes.
-void widen_errors(const ResidualTests& tests, Fit& fit);
+void widen_errors(const ResidualTests& tests, Estimates& fit);
 
 /// The fit without one of its trials.
 struct LeftOut {

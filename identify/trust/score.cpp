@@ -61,24 +61,10 @@ std::optional<MatrixXd> columns_of(const LeastSquaresProblem& problem, int m, co
 
 }  // namespace
 
-std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
-  const auto failed = [](const TrialResult& r) { return r.status != RolloutStatus::kDone; };
-  if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
+std::optional<Score> score_at(const LeastSquaresProblem& problem, const Estimates& fit, std::vector<Term> shared,
+                              std::vector<Term> of_trial, double huber) {
   Score out;
-  FitOptions options = experiment.options;
-  // The absent ones come last among the globals and among the locals.
-  for (const RigTerm& t : options.terms.table)
-    if (absent(t, fit, experiment)) {
-      (t.scope == Scope::kShared ? out.shared : out.of_trial).push_back(t);
-      options.terms.nuisance.push_back(t.name);
-    }
-  const std::vector<PreparedTrial> prepared(experiment.trials.begin(), experiment.trials.end());
-  std::vector<Weighting> weights;
-  for (const TrialResult& r : fit.trials) weights.push_back(r.weighting);
-  const LeastSquaresProblem problem =
-      make_problem(experiment.rig, prepared, weights, fit.sea, suggest(experiment.rig, experiment.trials),
-                   RigLayout(options.terms), options, options.rollout());
-
+  out.shared = std::move(shared), out.of_trial = std::move(of_trial);
   std::vector<double> global;
   for (const Estimate* e : fit.globals()) {
     if (!e->at_bound) out.free.push_back(int(global.size()));  // one at its bound does not follow
@@ -96,7 +82,7 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
       if (e.trial == m) local.push_back(e.value);
     const int fitted_locals = int(local.size());
     for (const Term& t : out.of_trial) local.push_back(t.absent);
-    const auto columns = columns_of(problem, m, global, local, fitted_locals, out, options.huber, square);
+    const auto columns = columns_of(problem, m, global, local, fitted_locals, out, huber, square);
     if (!columns) return std::nullopt;
     const long n = columns->rows();
     count += double(n);
@@ -116,6 +102,25 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
     }
   out.variance = square / count;
   return out;
+}
+
+std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
+  const auto failed = [](const TrialResult& r) { return r.status != RolloutStatus::kDone; };
+  if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
+  FitOptions options = experiment.options;
+  std::vector<Term> shared, of_trial;
+  for (const RigTerm& t : options.terms.table)
+    if (absent(t, fit, experiment)) {
+      (t.scope == Scope::kShared ? shared : of_trial).push_back(t);
+      options.terms.nuisance.push_back(t.name);
+    }
+  const std::vector<PreparedTrial> prepared(experiment.trials.begin(), experiment.trials.end());
+  std::vector<Weighting> weights;
+  for (const TrialResult& r : fit.trials) weights.push_back(r.weighting);
+  const LeastSquaresProblem problem =
+      make_problem(experiment.rig, prepared, weights, fit.sea, suggest(experiment.rig, experiment.trials),
+                   RigLayout(options.terms), options, options.rollout());
+  return score_at(problem, fit, std::move(shared), std::move(of_trial), options.huber);
 }
 
 namespace {

@@ -51,7 +51,13 @@ struct Score {
   int trials() const { return int(parts.size()) / parts_of_trial; }
 };
 
-/// None where the fit has no minimum to look at.
+/// Of any least-squares problem at a minimum. Its globals are those that were fitted, in the order of
+/// Estimates::fitted, then `shared`, at their absence; its locals so with those of each block, `of_trial`. None where a
+/// block cannot be evaluated. Whatever fits a table of terms is tested by this.
+[[nodiscard]] std::optional<Score> score_at(const LeastSquaresProblem& problem, const Estimates& fit,
+                                            std::vector<Term> shared, std::vector<Term> of_trial, double huber = 0);
+
+/// Of a fit of trials, with every term of the table that it lacks. None where the fit has no minimum to look at.
 [[nodiscard]] std::optional<Score> score_of(const Experiment& experiment, const Fit& fit);
 
 /// Tests every term of the table that the fit lacks; those that what was fitted can do all of are left out.
