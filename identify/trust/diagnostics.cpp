@@ -133,8 +133,10 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
 }  // namespace
 
 bool ResidualTests::model_rejected() const {
-  return whiteness.rejected ||
-         std::any_of(score_tests.begin(), score_tests.end(), [](const ScoreTest& t) { return t.rejected; });
+  bool rejected = whiteness.rejected;
+  for (const ScoreTest& t : score_tests) rejected = rejected || t.rejected;
+  for (std::size_t m = 0; m < chow.size(); ++m) rejected = rejected || disagrees(m);
+  return rejected;
 }
 
 double ResidualTests::worth(const ScoreTest& test) const {

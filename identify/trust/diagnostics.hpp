@@ -48,11 +48,15 @@ struct ResidualTests {
   Whiteness whiteness;
   Normality normality;
   std::vector<ScoreTest> score_tests;
-  double samples = 0;          ///< measured angles
+  double samples = 0;          ///< that were measured
+  std::vector<double> chow;    ///< p of each trial's, see chow_tests_of; empty: not tested
   std::optional<Score> score;  ///< where the fit has a minimum to look at
 
-  /// Whether the model does not explain the logs: the residuals are not white, or ask for a term.
+  /// Whether the model does not explain the logs: the residuals are not white, or ask for a term, or a trial for
+  /// constants of its own.
   bool model_rejected() const;
+  /// Of trial m, by `chow`: at kTestLevel for all of them.
+  bool disagrees(std::size_t m) const { return chow[m] * double(chow.size()) < kTestLevel; }
   /// The fall of the cost by a term in units of the residual variance, less log(samples) for each parameter it takes.
   double worth(const ScoreTest& test) const;
   /// Of the terms that the residuals ask for, the one that is worth most.

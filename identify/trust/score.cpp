@@ -194,6 +194,30 @@ std::vector<ScoreTest> score_tests_of(const Score& s) {
   return out;
 }
 
+std::vector<double> chow_tests_of(const Score& s) {
+  constexpr double kAll = 1e-9;  // of a trial's information, what the others hold too
+  const int F = s.parameters(), M = s.trials();
+  const Solver solve(s.information);
+  const VectorXd step = solve(s.slope);
+  std::vector<double> out;
+  for (int m = 0; M > 1 && m < M; ++m) {
+    MatrixXd information = MatrixXd::Zero(F, F);
+    VectorXd slope = VectorXd::Zero(F);
+    for (int p = m * s.parts_of_trial; p < (m + 1) * s.parts_of_trial; ++p)
+      information += s.parts[std::size_t(p)].topLeftCorner(F, F), slope += s.parts[std::size_t(p)].topRightCorner(F, 1);
+    const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const SymmetricEigen rest =
+        symmetric_eigen(unit.asDiagonal() * (information - information * solve(information)) * unit.asDiagonal());
+    const VectorXd along = rest.vectors.transpose() * unit.cwiseProduct(slope - information * step);
+    double statistic = 0;
+    int degrees = 0;
+    for (int f = 0; f < F; ++f)
+      if (rest.values[f] > kAll) statistic += along[f] * along[f] / (rest.values[f] * s.variance), ++degrees;
+    out.push_back(degrees > 0 ? chi_squared_tail(statistic, degrees) : 1);
+  }
+  return out;
+}
+
 MatrixXd sandwich(const Score& s) {
   const int F = s.parameters();
   MatrixXd sum = MatrixXd::Zero(F, F);

@@ -63,6 +63,10 @@ struct Score {
 /// Tests every term of the table that the fit lacks; those that what was fitted can do all of are left out.
 [[nodiscard]] std::vector<ScoreTest> score_tests_of(const Score& score);
 
+/// Chow's test in its linear form, of each trial: the probability that it asks so much for constants of its own, the
+/// others following, where one set serves all. Empty with one trial.
+[[nodiscard]] std::vector<double> chow_tests_of(const Score& score);
+
 /// Covariance of what was fitted [score.free], whatever the correlation within each part: the delete-one-part jackknife
 /// in its linear form (a sandwich estimate of the kind HC3),
 ///
