@@ -7,6 +7,7 @@
 
 #include "common/csv.hpp"
 #include "common/uncertainty.hpp"
+#include "common/verdict.hpp"
 
 namespace ukemi {
 
@@ -81,11 +82,7 @@ Actuator read_actuator(const std::string& path) {
     a.uncertain = std::move(read.order), a.covariance = std::move(read.covariance);
     u->accept("std"), u->accept("ci95");  // follow from the covariance
   }
-  if (auto v = file.optional("verdict"))
-    for (const char* name : kConstantNames)
-      if (const auto verdict =
-              v->optional_choice(name, {"trusted", "weak", "not identifiable", "at its bound", "fixed"}))
-        a.verdicts.emplace_back(name, *verdict);
+  a.verdicts = read_verdicts(file, {kConstantNames.begin(), kConstantNames.end()});
   if (auto p = file.optional("provenance")) p->accept_all();
   file.finish();
   return a;
@@ -102,10 +99,7 @@ std::string to_toml(const Actuator& a, double half_width) {
   for (const OptionalConstant& c : optional_constants())
     if (const double v = a.sea.*c.at; v != c.absent) t += fmt::format("{} = {}  # {}\n", c.key, shortest(v), c.unit);
   t += fmt::format("feedback = \"{}\"\n", name(a.sea.feedback));
-  if (!a.verdicts.empty()) {
-    t += "\n[verdict]\n";
-    for (const auto& [constant, verdict] : a.verdicts) t += fmt::format("{} = \"{}\"\n", constant, verdict);
-  }
+  t += verdict_table(a.verdicts);
   if (!a.uncertain.empty()) {
     const auto list = [&](const char* key, auto&& item) {
       t += fmt::format("{} = [", key);

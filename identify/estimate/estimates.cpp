@@ -100,13 +100,14 @@ void set_estimates(const LeastSquaresSolution& s, const LeastSquaresProblem& pro
   out.eigenvalues = s.eigenvalues;
   std::vector<double> sizes;  // what the constants' intervals are measured against
   for (std::size_t g = 0; g < shared.size(); ++g) {
-    const Estimate e = estimate_of(problem.globals[g], s.globals[long(g)], NAN, out.half_width);
+    Estimate e = estimate_of(problem.globals[g], s.globals[long(g)], NAN, out.half_width);
     out.fitted.push_back(e.name);
     if (!shared[g]->is_constant()) {
       out.nuisance.push_back(e);
       continue;
     }
-    sizes.push_back(std::max(std::abs(e.value), shared[g]->judged_size));
+    e.judged_size = shared[g]->judged_size;
+    sizes.push_back(std::max(std::abs(e.value), e.judged_size));
     *std::find_if(out.parameters.begin(), out.parameters.end(), [&](const Estimate& q) { return q.name == e.name; }) =
         e;
   }

@@ -12,6 +12,16 @@ double chi_squared_tail(double x, double degrees) {
   return Eigen::numext::igammac(degrees / 2, x / 2);
 }
 
+double chi_squared_quantile(double level, double degrees) {
+  double low = 0, high = degrees;
+  while (chi_squared_tail(high, degrees) > level) high *= 2;
+  while (high - low > 1e-12 * high) {
+    const double middle = low + (high - low) / 2;
+    (chi_squared_tail(middle, degrees) > level ? low : high) = middle;
+  }
+  return high;
+}
+
 std::vector<bool> holm(const std::vector<double>& p, double level) {
   std::vector<std::size_t> order(p.size());
   std::iota(order.begin(), order.end(), std::size_t(0));

@@ -10,6 +10,9 @@ namespace ukemi::identify {
 /// P(X > x) of the chi-squared distribution with `degrees` > 0 degrees of freedom; 1 for x <= 0.
 double chi_squared_tail(double x, double degrees);
 
+/// The x > 0 that it is above with this probability, 0 < level < 1.
+double chi_squared_quantile(double level, double degrees);
+
 /// Which of several hypotheses are rejected so that, were all true, any would be with probability `level` at most: the
 /// k-th smallest p below level / (number - k + 1), and all smaller ones so too (Holm 1979).
 std::vector<bool> holm(const std::vector<double>& p, double level);

@@ -38,6 +38,7 @@ struct Estimate {
   bool at_bound = false, free = true;
   int trial = -1;                                     ///< of a nuisance term that each trial has; -1: one for all
   Identifiability verdict = Identifiability::kFixed;  ///< of a constant
+  double judged_size = 0;                             ///< Term::judged_size of a constant
 
   double half_width() const { return (ci_high - ci_low) / 2; }  ///< of the 95 % interval, with `std`
 };

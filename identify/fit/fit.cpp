@@ -186,7 +186,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
 }
 
 Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
-            const FitOptions& options) {
+            const FitOptions& options, const std::vector<Nuisance<double>>& own) {
   validate(rig, trials, options), ukemi::validate(sea);
   Fit out;
   out.warnings = check_logs(trials).warnings;
@@ -194,7 +194,8 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
   out.converged = out.identifiable = true;
   const RolloutOptions rollout_options{.accuracy = options.accuracy, .method = Method::kAuto, .escape = options.escape};
   for (const Trial& t : trials) {
-    out.trials.push_back(replay(rig, PreparedTrial(t), {sea}, rollout_options));
+    const RolloutInputs<double> inputs{sea, own.empty() ? Nuisance<double>{} : own[out.trials.size()]};
+    out.trials.push_back(replay(rig, PreparedTrial(t), inputs, rollout_options));
     const TrialResult& r = out.trials.back();
     if (r.status != RolloutStatus::kDone) {
       out.converged = false;

@@ -88,9 +88,9 @@ struct Fit : Estimates {
                       const FitOptions& options = {});
 
 /// The rig's motion for given constants (i_motor above 0) against the logs, nothing fitted. rms is 0 where nothing is
-/// measured.
+/// measured. `own`: what differs from trial to trial, one each; none: every trial starts at rest at its reference.
 [[nodiscard]] Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
-                          const FitOptions& options = {});
+                          const FitOptions& options = {}, const std::vector<Nuisance<double>>& own = {});
 
 /// The trials with the force between their samples linear or smooth (Trial::force_smooth), whichever these constants
 /// leave less of; as they are where none tells, or where one is smooth already.

@@ -81,21 +81,12 @@ MatrixXd Sensitivity::sum(int row, int column, int rows, int columns) const {
   return out;
 }
 
-std::optional<Sensitivity> sensitivity_of(const AtMinimum& at) {
-  Sensitivity out;
-  FitOptions options = at.options;
-  // The further ones come last among the globals and among the locals.
-  for (const RigTerm& t : further_terms(at)) {
-    (t.scope == Scope::kShared ? out.shared : out.of_trial).push_back(t);
-    options.terms.nuisance.push_back(t.name);
-  }
-  const std::vector<PreparedTrial> prepared(at.trials.begin(), at.trials.end());
-  const LeastSquaresProblem problem = make_problem(at.rig, prepared, at.weights, at.sea, suggest(at.rig, at.trials),
-                                                   RigLayout(options.terms), options, options.rollout());
+std::optional<Sensitivity> sensitivity_at(const LeastSquaresProblem& problem, const MinimumPoint& at, Sensitivity out,
+                                          double huber) {
   std::vector<double> global = at.globals;
   for (int g = 0; g < int(global.size()); ++g)
     if (!at.at_bound[std::size_t(g)]) out.free.push_back(g);  // one at its bound does not follow
-  for (const RigTerm& t : out.shared) global.push_back(t.value_in(at.sea));
+  global.insert(global.end(), at.further.begin(), at.further.end());
   const int F = out.parameters(), M = int(problem.blocks.size());
   constexpr int kSpare = 3;  // parts beyond parameters: fewer tell little of the errors
   out.parts_of_trial = M >= F + kSpare ? 1 : (2 * F + kSpare) / M + 1;
@@ -105,7 +96,7 @@ std::optional<Sensitivity> sensitivity_of(const AtMinimum& at) {
     std::vector<double> local = at.locals[std::size_t(m)];
     const int fitted_locals = int(local.size());
     for (const RigTerm& t : out.of_trial) local.push_back(t.absent);
-    const auto columns = columns_of(problem, m, global, local, fitted_locals, out, options.huber, square);
+    const auto columns = columns_of(problem, m, global, local, fitted_locals, out, huber, square);
     if (!columns) return std::nullopt;
     count += double(columns->rows());
     add_parts(*columns, out);
@@ -118,6 +109,22 @@ std::optional<Sensitivity> sensitivity_of(const AtMinimum& at) {
     }
   out.variance = square / count;
   return out;
+}
+
+std::optional<Sensitivity> sensitivity_of(const AtMinimum& at) {
+  Sensitivity further;
+  FitOptions options = at.options;
+  // The further ones come last among the globals and among the locals.
+  for (const RigTerm& t : further_terms(at)) {
+    (t.scope == Scope::kShared ? further.shared : further.of_trial).push_back(t);
+    options.terms.nuisance.push_back(t.name);
+  }
+  const std::vector<PreparedTrial> prepared(at.trials.begin(), at.trials.end());
+  const LeastSquaresProblem problem = make_problem(at.rig, prepared, at.weights, at.sea, suggest(at.rig, at.trials),
+                                                   RigLayout(options.terms), options, options.rollout());
+  MinimumPoint point{at.globals, at.at_bound, at.locals, {}};
+  for (const RigTerm& t : further.shared) point.further.push_back(t.value_in(at.sea));
+  return sensitivity_at(problem, point, std::move(further), options.huber);
 }
 
 bool states_errors(const AtMinimum& at) {

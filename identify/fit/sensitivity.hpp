@@ -29,6 +29,19 @@ struct Sensitivity {
   Eigen::MatrixXd sum(int row, int column, int rows, int columns) const;
 };
 
+/// Where a fit ended.
+struct MinimumPoint {
+  std::vector<double> globals;              ///< as Estimates::fitted
+  std::vector<bool> at_bound;               ///< of these
+  std::vector<std::vector<double>> locals;  ///< of each block
+  std::vector<double> further;              ///< values of the further terms that all share
+};
+/// Of any least-squares problem there: its globals are those that were fitted, then the further shared terms; its
+/// locals those of each block, then its further ones, at their absence. `further` holds these terms. None where a block
+/// cannot be evaluated.
+[[nodiscard]] std::optional<Sensitivity> sensitivity_at(const LeastSquaresProblem& problem, const MinimumPoint& point,
+                                                        Sensitivity further, double huber);
+
 /// A minimum: what was fitted, how, and where it ended. What it names must outlive it.
 struct AtMinimum {
   const Rig& rig;

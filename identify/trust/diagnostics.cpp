@@ -16,28 +16,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Residuals of one output of one trial, white but for the weight, and the log they are of.
-struct Series {
-  std::vector<double> residual;
-  const std::vector<double>* measured;
-};
-
-std::vector<Series> residuals(const Fit& fit, const std::vector<Trial>& trials) {
-  std::vector<Series> out;
-  for (std::size_t m = 0; m < trials.size(); ++m) {
-    const Trial& log = trials[m];
-    const TrialResult& r = fit.trials[m];
-    if (r.phi.empty() && r.phi_m.empty()) continue;
-    const Eigen::VectorXd all = white_residuals(log, r);
-    const double* from = all.data();
-    for (const std::vector<double>* measured : log.measured()) {
-      if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
-      from += measured->size();
-    }
-  }
-  return out;
-}
-
 /// The smallest step of a log: its quantum, where it is quantised.
 double smallest_step(const std::vector<double>& x) {
   double step = std::numeric_limits<double>::infinity();
@@ -47,7 +25,7 @@ double smallest_step(const std::vector<double>& x) {
 }
 
 /// Whether the log is quantised more coarsely than its residual, which is then the quantum's: neither white nor normal.
-bool is_coarse(const Series& s) { return smallest_step(*s.measured) > root_mean_square(s.residual); }
+bool is_coarse(const ResidualSeries& s) { return smallest_step(*s.measured) > root_mean_square(s.residual); }
 
 /// So many samples of a series count as one: 1 + 2 sum of its autocorrelations, to the first that is not above 0
 /// (Geyer's initial positive sequence).
@@ -63,9 +41,9 @@ double correlation_time(const std::vector<double>& r) {
 }
 
 /// By how much coarse logs raise the variance of a sum over residuals; 1 where none is coarse.
-double inflation(const Fit& fit, const std::vector<Trial>& trials) {
+double inflation(const std::vector<ResidualSeries>& series) {
   double raised = 0, plain = 0;
-  for (const Series& s : residuals(fit, trials)) {
+  for (const ResidualSeries& s : series) {
     const double square = std::inner_product(s.residual.begin(), s.residual.end(), s.residual.begin(), 0.0);
     plain += square, raised += square * (is_coarse(s) ? correlation_time(s.residual) : 1);
   }
@@ -74,10 +52,26 @@ double inflation(const Fit& fit, const std::vector<Trial>& trials) {
 
 }  // namespace
 
-Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials) {
+std::vector<ResidualSeries> residual_series(const Fit& fit, const std::vector<Trial>& trials) {
+  std::vector<ResidualSeries> out;
+  for (std::size_t m = 0; m < trials.size(); ++m) {
+    const Trial& log = trials[m];
+    const TrialResult& r = fit.trials[m];
+    if (r.phi.empty() && r.phi_m.empty()) continue;
+    const Eigen::VectorXd all = white_residuals(log, r);
+    const double* from = all.data();
+    for (const std::vector<double>* measured : log.measured()) {
+      if (!measured->empty()) out.push_back({{from, from + measured->size()}, measured});
+      from += measured->size();
+    }
+  }
+  return out;
+}
+
+Whiteness whiteness(const std::vector<ResidualSeries>& series) {
   Whiteness out;
   double q = 0, tested = 0;
-  for (const Series& s : residuals(fit, trials)) {
+  for (const ResidualSeries& s : series) {
     if (is_coarse(s)) continue;
     const double of_series = ljung_box(s.residual, kWhitenessLags);
     if (of_series == 0) continue;
@@ -92,10 +86,10 @@ Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials) {
   return out;
 }
 
-Normality normality(const Fit& fit, const std::vector<Trial>& trials) {
+Normality normality(const std::vector<ResidualSeries>& series) {
   Normality out;
   Moments pooled;
-  for (const Series& s : residuals(fit, trials)) {
+  for (const ResidualSeries& s : series) {
     if (is_coarse(s)) {
       ++out.coarse;
       continue;
@@ -159,8 +153,10 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
 }  // namespace
 
 bool ResidualTests::model_rejected() const {
-  return whiteness.rejected ||
-         std::any_of(score_tests.begin(), score_tests.end(), [](const ScoreTest& t) { return t.rejected; });
+  bool rejected = whiteness.rejected;
+  for (const ScoreTest& t : score_tests) rejected = rejected || t.rejected;
+  for (std::size_t m = 0; m < chow.size(); ++m) rejected = rejected || disagrees(m);
+  return rejected;
 }
 
 double ResidualTests::worth(const ScoreTest& test) const {
@@ -178,29 +174,34 @@ double ResidualTests::rms_with(const ScoreTest& test) const {
   return std::sqrt(std::max(score->variance - test.gain / samples, 0.0));
 }
 
-ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
-  experiment.validate(fit);
+ResidualTests test_residuals(const std::vector<ResidualSeries>& series, std::optional<Sensitivity> score) {
   ResidualTests out;
-  out.samples = double(measurements(experiment.trials));
-  out.whiteness = whiteness(fit, experiment.trials);
-  out.normality = normality(fit, experiment.trials);
-  out.score = score_of(experiment, fit);
+  for (const ResidualSeries& s : series) out.samples += double(s.residual.size());
+  out.whiteness = whiteness(series);
+  out.normality = normality(series);
+  out.score = std::move(score);
   if (out.score) {
-    Sensitivity score = *out.score;
-    out.inflation = inflation(fit, experiment.trials);
-    score.variance *= out.inflation;
-    out.score_tests = score_tests_of(score);
+    Sensitivity inflated = *out.score;
+    out.inflation = inflation(series);
+    inflated.variance *= out.inflation;
+    out.score_tests = score_tests_of(inflated);
   }
   std::vector<double> p{out.whiteness.p, out.normality.p};
   for (const ScoreTest& l : out.score_tests) p.push_back(l.p);
   const std::vector<bool> rejected = holm(p, kTestLevel);
   out.whiteness.rejected = rejected[0], out.normality.rejected = rejected[1];
   for (std::size_t i = 0; i < out.score_tests.size(); ++i) out.score_tests[i].rejected = rejected[i + 2];
+  return out;
+}
+
+ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
+  experiment.validate(fit);
+  ResidualTests out = test_residuals(residual_series(fit, experiment.trials), score_of(experiment, fit));
   if (out.score) fit_gains(of_noise(experiment), fit, out);
   return out;
 }
 
-void widen_errors(const ResidualTests& tests, Fit& fit) {
+void widen_errors(const ResidualTests& tests, Estimates& fit) {
   if (!tests.model_rejected() && !(tests.inflation > 1)) return;
   if (tests.score) {
     const std::vector<int>& free = tests.score->free;
@@ -222,12 +223,17 @@ void widen_errors(const ResidualTests& tests, Fit& fit) {
     fit.half_width = std::max(fit.half_width, t_quantile_975(parts - 1));
     std::vector<double> sizes;
     for (const Estimate& e : fit.parameters)
-      if (e.free) sizes.push_back(std::abs(e.value));
+      if (e.free) sizes.push_back(std::max(std::abs(e.value), e.judged_size));
     set_errors(noise, sizes, fit);
     for (Estimate& e : fit.nuisance)
       if (e.trial >= 0 && e.std) set_error(e, *e.std * *e.std * widest, *e.std * *e.std * widest, fit.half_width);
   }
-  if (tests.model_rejected() || fit.far_above_noise || fit.flawed_logs) distrust(fit.parameters);
+  if (tests.model_rejected()) distrust(fit.parameters);
+}
+
+void widen_errors(const ResidualTests& tests, Fit& fit) {
+  widen_errors(tests, static_cast<Estimates&>(fit));
+  if (fit.far_above_noise || fit.flawed_logs) distrust(fit.parameters);
 }
 
 std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {

@@ -14,6 +14,13 @@ namespace ukemi::identify {
 /// Probability of a false alarm of all tests of the residuals together; of --diagnose's, of each.
 inline constexpr double kTestLevel = 0.01;
 
+/// Residuals of one output of one trial, made white but for the weight, and the log they are of.
+struct ResidualSeries {
+  std::vector<double> residual;
+  const std::vector<double>* measured;
+};
+[[nodiscard]] std::vector<ResidualSeries> residual_series(const Fit& fit, const std::vector<Trial>& trials);
+
 /// Ljung and Box's test over the lags 1 .. kWhitenessLags, the statistics of all trials and outputs summed. Coloured
 /// residuals: the standard errors, which take every sample for news, are too small. A log that is quantised more
 /// coarsely than its residual is left out, and score tests then count correlated samples as one.
@@ -23,7 +30,7 @@ struct Whiteness {
   bool rejected = false;   ///< see test_residuals
 };
 inline constexpr int kWhitenessLags = 20;
-[[nodiscard]] Whiteness whiteness(const Fit& fit, const std::vector<Trial>& trials);
+[[nodiscard]] Whiteness whiteness(const std::vector<ResidualSeries>& series);
 
 /// Jarque and Bera's test, each trial's residuals in units of its own standard deviation. Coarse logs are left out:
 /// their residuals are not normal, whatever the model.
@@ -34,7 +41,7 @@ struct Normality {
   int tested = 0;
   bool rejected = false;  ///< see test_residuals
 };
-[[nodiscard]] Normality normality(const Fit& fit, const std::vector<Trial>& trials);
+[[nodiscard]] Normality normality(const std::vector<ResidualSeries>& series);
 
 /// The tests of a fit's residuals: whiteness, normality, and the score test of every term that the fit lacks. Holm's
 /// procedure, over all of them, says which are rejected. Where several terms are, their gains are those of fits.
@@ -42,12 +49,16 @@ struct ResidualTests {
   Whiteness whiteness;
   Normality normality;
   std::vector<ScoreTest> score_tests;
-  double samples = 0;                ///< measured angles
+  double samples = 0;                ///< that were measured
   double inflation = 1;              ///< of the variance of a sum over residuals, where logs are coarse
+  std::vector<double> chow;          ///< p of each trial's, see chow_tests_of; empty: not tested
   std::optional<Sensitivity> score;  ///< where the fit has a minimum to look at
 
-  /// Whether the model does not explain the logs: the residuals are not white, or ask for a term.
+  /// Whether the model does not explain the logs: the residuals are not white, or ask for a term, or a trial for
+  /// constants of its own.
   bool model_rejected() const;
+  /// Of trial m, by `chow`: at kTestLevel for all of them.
+  bool disagrees(std::size_t m) const { return chow[m] * double(chow.size()) < kTestLevel; }
   /// The fall of the cost by a term in units of the residual variance, less log(samples) for each parameter it takes.
   double worth(const ScoreTest& test) const;
   /// Of the terms that the residuals ask for, the one that is worth most.
@@ -55,10 +66,15 @@ struct ResidualTests {
   /// rms of the residuals with that term, to first order [rad].
   double rms_with(const ScoreTest& test) const;
 };
+/// Of whatever was fitted; gains are linear.
+[[nodiscard]] ResidualTests test_residuals(const std::vector<ResidualSeries>& series, std::optional<Sensitivity> score);
+/// Of a fit of trials.
 [[nodiscard]] ResidualTests test_residuals(const Experiment& experiment, const Fit& fit);
 
 /// Where the model is rejected or logs are coarse: standard errors and intervals from the sandwich estimate wherever it
 /// is wider (those of a trial's own terms by the largest such factor). Of a rejected model nothing is trusted.
+void widen_errors(const ResidualTests& tests, Estimates& fit);
+/// The same; what else is wrong with a fit of trials stays so.
 void widen_errors(const ResidualTests& tests, Fit& fit);
 
 /// The fit without one of its trials.

@@ -44,6 +44,19 @@ std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit
   return sensitivity_of(at);
 }
 
+std::optional<Sensitivity> score_at(const LeastSquaresProblem& problem, const Estimates& fit,
+                                    const std::vector<Term>& shared, const std::vector<Term>& of_trial, double huber) {
+  MinimumPoint at;
+  for (const Estimate* e : fit.globals()) at.globals.push_back(e->value), at.at_bound.push_back(e->at_bound);
+  at.locals.resize(problem.blocks.size());
+  for (const Estimate& e : fit.nuisance)
+    if (e.trial >= 0) at.locals[std::size_t(e.trial)].push_back(e.value);
+  Sensitivity further;
+  for (const Term& t : shared) further.shared.push_back({t}), at.further.push_back(t.absent);
+  for (const Term& t : of_trial) further.of_trial.push_back({t});
+  return sensitivity_at(problem, at, std::move(further), huber);
+}
+
 namespace {
 
 /// Of term `a` of the shared ones. None where the others can do all that it does.
@@ -110,6 +123,30 @@ std::vector<ScoreTest> score_tests_of(const Sensitivity& s) {
       out.push_back(std::move(*test));
   for (std::size_t b = 0; b < s.of_trial.size(); ++b)
     if (auto test = s.of_trial[b].tested ? test_of_trials(s, step, b) : std::nullopt) out.push_back(std::move(*test));
+  return out;
+}
+
+std::vector<double> chow_tests_of(const Sensitivity& s) {
+  constexpr double kAll = 1e-9;  // of a trial's information, what the others hold too
+  const int F = s.parameters(), M = s.trials();
+  const ScaledSolver solve(s.information);
+  const VectorXd step = solve(s.slope);
+  std::vector<double> out;
+  for (int m = 0; M > 1 && m < M; ++m) {
+    MatrixXd information = MatrixXd::Zero(F, F);
+    VectorXd slope = VectorXd::Zero(F);
+    for (int p = m * s.parts_of_trial; p < (m + 1) * s.parts_of_trial; ++p)
+      information += s.parts[std::size_t(p)].topLeftCorner(F, F), slope += s.parts[std::size_t(p)].topRightCorner(F, 1);
+    const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const SymmetricEigen rest =
+        symmetric_eigen(unit.asDiagonal() * (information - information * solve(information)) * unit.asDiagonal());
+    const VectorXd along = rest.vectors.transpose() * unit.cwiseProduct(slope - information * step);
+    double statistic = 0;
+    int degrees = 0;
+    for (int f = 0; f < F; ++f)
+      if (rest.values[f] > kAll) statistic += along[f] * along[f] / (rest.values[f] * s.variance), ++degrees;
+    out.push_back(degrees > 0 ? chi_squared_tail(statistic, degrees) : 1);
+  }
   return out;
 }
 

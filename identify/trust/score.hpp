@@ -46,11 +46,22 @@ struct ScoreTest {
 /// 0.
 inline constexpr double kFarFromAbsence = 4;
 
+/// Of any least-squares problem at a minimum. Its globals are those that were fitted, in the order of
+/// Estimates::fitted, then `shared`, at their absence; its locals so with those of each block, `of_trial`. None where a
+/// block cannot be evaluated. Whatever fits a table of terms is tested by this.
+[[nodiscard]] std::optional<Sensitivity> score_at(const LeastSquaresProblem& problem, const Estimates& fit,
+                                                  const std::vector<Term>& shared, const std::vector<Term>& of_trial,
+                                                  double huber = 0);
+
 /// By every term that the fit lacks. None where the fit has no minimum to look at.
 [[nodiscard]] std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit);
 
 /// Tests every term of the table that the fit lacks; those that what was fitted can do all of are left out.
 [[nodiscard]] std::vector<ScoreTest> score_tests_of(const Sensitivity& score);
+
+/// Chow's test in its linear form, of each trial: the probability that it asks so much for constants of its own, the
+/// others following, where one set serves all. Empty with one trial.
+[[nodiscard]] std::vector<double> chow_tests_of(const Sensitivity& score);
 
 /// Covariance of what was fitted [score.free], whatever the correlation within each part: the delete-one-part jackknife
 /// in its linear form (a sandwich estimate of the kind HC3),

@@ -84,6 +84,7 @@ DropRollout roll(const Scene& scene, const SeaParameters<double>& sea, const Mot
   const auto outcome = landing.run(observer);
   DropRollout out = std::move(observer.out);
   out.status = outcome.status;
+  out.steps = outcome.work.steps + outcome.work.rejected;
   out.complete = out.samples.size() == times.size();
   for (DropSample& s : out.samples)
     for (DropDerivatives& d : s.slope) d.array() /= landing.unit();

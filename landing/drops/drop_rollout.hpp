@@ -43,6 +43,7 @@ struct DropRollout {
   std::vector<double> jumps;        ///< touchdowns and lift-offs, where ddr_0 may jump, from release [s], in order
   integrate::Status status = integrate::Status::kStepped;  ///< why it failed, where it did
   bool complete = false;                                   ///< every time has its sample
+  long steps = 0;                                          ///< integrated, taken or rejected
 };
 
 /// The drop at `times` [s from release], which must not decrease and not be negative; a sample at an event's time is

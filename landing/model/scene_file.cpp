@@ -24,7 +24,8 @@ std::array<double, 2> rising(const TomlSection& section, const std::string& key,
   return {v[0], v[1]};
 }
 
-/// [motion], [release], [joint], [uncertainty], [scatter] and [detection]: what this scene has beside the paper's.
+/// [motion], [release], [joint], [uncertainty], [verdict], [scatter] and [detection]: what this scene has beside the
+/// paper's.
 void read_freedom(TomlFile& file, Scene& scene) {
   if (auto motion = file.optional("motion")) {
     scene.freedom.bumps = int(motion->optional_count("bumps", 0, kMostBumps).value_or(0));
@@ -41,6 +42,7 @@ void read_freedom(TomlFile& file, Scene& scene) {
   }
   if (auto uncertainty = file.optional("uncertainty"))
     scene.uncertainty = read_uncertainty(*uncertainty, {kUncertainNames.begin(), kUncertainNames.end()}, "the scene");
+  (void)read_verdicts(file, {kUncertainNames.begin(), kUncertainNames.end()});  // see read_floor_verdicts
   if (auto scatter = file.optional("scatter")) scene.scatter = read_scatter(*scatter);
   if (auto detection = file.optional("detection")) {
     constexpr double kLatest = 0.1;  // [s]
@@ -115,6 +117,11 @@ Scene read_scene(const std::string& path) {
   read_freedom(file, scene);
   file.finish();
   return scene;
+}
+
+Verdicts read_floor_verdicts(const std::string& path) {
+  TomlFile file(path);
+  return read_verdicts(file, {kUncertainNames.begin(), kUncertainNames.end()});
 }
 
 Motion read_motion(const std::string& path) {

@@ -75,6 +75,8 @@ TEST_CASE("calibrate writes its files and keys, and every verb reads the scene t
   CHECK(s["correlation"].size() == 4);
   CHECK(s["warnings"].empty());
   CHECK(s["drops"].size() == 3);
+  CHECK(s["diagnostics"]["model_rejected"] == false);
+  CHECK(s["diagnostics"]["chow"].size() == 3);
   CHECK(s["outputs"]["acc"]["rms"].get<double>() == Approx(2).epsilon(0.03));
   CHECK(s["outputs"]["acc"]["noise"].get<double>() == Approx(2).epsilon(0.2));
   CHECK(s["outputs"]["phi_0"]["unit"] == "rad");
@@ -93,8 +95,8 @@ TEST_CASE("calibrate writes its files and keys, and every verb reads the scene t
   CHECK(rows == 3 * 4 * 1001);
 
   const std::string scene = read(f.at("out/scene.toml"));
-  CHECK_THAT(scene,
-             Contains("source = \"calibrated from drop logs by ukemi\"") && Contains("± ") && Contains("trusted"));
+  CHECK_THAT(scene, Contains("source = \"calibrated from drop logs by ukemi\"") && Contains("± ") &&
+                        Contains("[verdict]\nstiffness = \"trusted\"\n"));
   const Result again =
       run({"simulate", "out/scene.toml", "--actuator", kTable2, "--motion", kHold, "-o", "sim"}, f.at(""));
   CHECK(again.code == 0);
@@ -170,4 +172,23 @@ TEST_CASE("calibrate refuses bad options") {
   check_refused(
       f, Arguments{"calibrate", kDrop1, "--scene", "scene.toml", "--actuator", kTable2, "--motion", kHold} + kOut,
       {"no [floor]"});
+}
+
+TEST_CASE("every verb that plans on a floor says what its calibration did not trust") {
+  const Folder f;
+  f.write("scene.toml", read(kPaper) + "\n[verdict]\nstiffness = \"weak\"\npitch = \"trusted\"\n");
+  const Arguments common = {"scene.toml", "--actuator", kTable2, "--no-report"};
+  for (const Arguments& verb :
+       {Arguments{"simulate"} + common + Arguments{"--hold", "-45"},
+        Arguments{"risk"} + common + Arguments{"--hold", "-45", "--samples", "100"},
+        Arguments{"optimize"} + common + Arguments{"--evaluations", "50"},
+        Arguments{"compare", "--nominal", kTable2, "--identified", kTable2, "--scene", "scene.toml", "--no-report"}}) {
+    const Result r = run(verb + kOut, f.at(""));
+    INFO(verb[0] << r.err);
+    CHECK_THAT(r.err, Contains("scene.toml: not trusted by the fit that wrote it: stiffness is weak"));
+    CHECK_THAT(summary(f)["warnings"].dump(), Contains("stiffness is weak"));
+  }
+  f.write("wrong.toml", read(kPaper) + "\n[verdict]\nstiffness = \"sure\"\n");
+  check_refused(f, Arguments{"simulate", "wrong.toml", "--actuator", kTable2, "--hold", "-45"} + kOut,
+                {"wrong.toml:", "stiffness", "'sure'"});
 }

@@ -150,7 +150,7 @@ def test_risk_map_and_calibrate(scene, actuator):
     assert survey.basins[0].peak <= np.nanmin(survey.peak) * 1.001
 
 
-def test_calibrate_finds_the_floor_of_simulated_drops(scene, actuator):
+def test_calibrate_finds_the_floor_of_simulated_drops(scene, actuator, tmp_path):
     motion = ukemi.hold(-45)
     landing = ukemi.simulate(scene, actuator, motion, rate=1000)
     keep = np.concatenate([[True], np.diff(landing.t) > 1e-9]) & (landing.t < 0.45)
@@ -159,6 +159,21 @@ def test_calibrate_finds_the_floor_of_simulated_drops(scene, actuator):
     assert found.converged and found.fitted == ["stiffness"]
     assert found.parameters["stiffness"].value == pytest.approx(6880, rel=1e-3)
     assert found.rms["phi_0"] < 1e-4 and set(found.rms) == {"acc", "phi_0"}
+    found.save(str(tmp_path / "scene.toml"))
+    assert '[verdict]' in (tmp_path / "scene.toml").read_text()
+    assert ukemi.read_scene(str(tmp_path / "scene.toml")).pitch == scene.pitch
+
+
+def test_predict_judges(actuator):
+    rig = ukemi.Rig(length=0.3, inertia=0.024225, tau_max=20)
+    trial = simulated_trial(actuator, rig, "a", 1e-4, 1)
+    assert ukemi.predict([trial], rig, actuator).error_factor <= 1
+    shifted = ukemi.predict([trial], rig, actuator, start_angle=0.05)
+    assert shifted.error_factor > 1.5
+    fitted = ukemi.predict([trial], rig, actuator, start_angle="fit")
+    assert fitted.error_factor <= 1 and abs(fitted.nuisance["initial_angle[0]"].value) < 1e-3
+    with pytest.raises(ukemi.InputError, match="start_angle"):
+        ukemi.predict([trial], rig, actuator, start_angle="rest")
 
 
 def test_a_planner_answers_by_its_deadline(scene, actuator):

@@ -197,13 +197,13 @@ TEST_CASE("coloured and heavy-tailed noise are said, quantised logs are no outli
   }
   const Fit c = refit(rig(), coloured, truth(), {}), h = refit(rig(), heavy, truth(), {}),
             q = refit(rig(), quantised, truth(), {});
-  CHECK(whiteness(c, coloured).p < kTestLevel);
-  CHECK(whiteness(c, coloured).correlation == Approx(0.3).epsilon(0.15));
-  CHECK(whiteness(h, heavy).p > kTestLevel);
-  CHECK(normality(h, heavy).p < kTestLevel);
-  CHECK(normality(h, heavy).kurtosis > 1);
-  CHECK(normality(q, quantised).coarse == 8);
-  CHECK(normality(q, quantised).p > kTestLevel);
+  CHECK(whiteness(residual_series(c, coloured)).p < kTestLevel);
+  CHECK(whiteness(residual_series(c, coloured)).correlation == Approx(0.3).epsilon(0.15));
+  CHECK(whiteness(residual_series(h, heavy)).p > kTestLevel);
+  CHECK(normality(residual_series(h, heavy)).p < kTestLevel);
+  CHECK(normality(residual_series(h, heavy)).kurtosis > 1);
+  CHECK(normality(residual_series(q, quantised)).coarse == 8);
+  CHECK(normality(residual_series(q, quantised)).p > kTestLevel);
 }
 
 TEST_CASE("a trial whose force reads 3 % high is named when it is left out, and none is where all are right") {

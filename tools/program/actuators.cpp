@@ -6,15 +6,15 @@
 
 namespace ukemi::tools {
 
+void warn_of_doubts(const std::string& path, const Verdicts& verdicts, Run& run) {
+  if (const std::string doubted = doubts(verdicts); !doubted.empty())
+    run.warn(fmt::format("{}: not trusted by the fit that wrote it: {}; what follows rests on it", path, doubted));
+}
+
 Actuator actuator_of(const std::string& path, Run& run) {
   Actuator actuator = read_actuator(path);
   run.input(path);
-  std::string doubts;
-  for (const auto& [constant, verdict] : actuator.verdicts)
-    if (verdict != "trusted" && verdict != "fixed")
-      doubts += fmt::format("{}{} is {}", doubts.empty() ? "" : ", ", constant, verdict);
-  if (!doubts.empty())
-    run.warn(fmt::format("{}: not trusted by the fit that wrote it: {}; what follows rests on it", path, doubts));
+  warn_of_doubts(path, actuator.verdicts, run);
   return actuator;
 }
 

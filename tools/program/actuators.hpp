@@ -5,9 +5,13 @@
 
 #include "common/actuator.hpp"
 #include "common/error.hpp"
+#include "common/verdict.hpp"
 #include "tools/program/output.hpp"
 
 namespace ukemi::tools {
+
+/// Warns of what the fit or the calibration that wrote a file did not trust.
+void warn_of_doubts(const std::string& path, const Verdicts& verdicts, Run& run);
 
 /// Reads the file, lists it among the run's inputs, and warns of every constant that its fit did not trust.
 Actuator actuator_of(const std::string& path, Run& run);

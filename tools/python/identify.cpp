@@ -55,6 +55,7 @@ std::vector<Trial> prepared(std::vector<Trial> trials, const Rig& rig, std::opti
 struct Identified {
   IdentifyQuestion question;
   Identification found;
+  std::optional<Judgement> judgement = {};  ///< of a prediction
 };
 
 Figure trial_figure(const Identified& i, std::size_t trial) {
@@ -84,8 +85,21 @@ Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, con
   return out;
 }
 
+/// None: at the reference; a number [rad]; "fit".
+InitialState initial_state(const py::object& start_angle) {
+  using Kind = InitialState::Kind;
+  if (start_angle.is_none()) return {};
+  if (py::isinstance<py::str>(start_angle)) {
+    if (const auto text = start_angle.cast<std::string>(); text != "fit")
+      throw InputError("start_angle: " + quoted(text) + ": a number [rad], \"fit\" or None is needed");
+    return {Kind::kFitted};
+  }
+  return {Kind::kGiven, *checked("start_angle", std::optional(start_angle.cast<double>()), Range::any())};
+}
+
 Identified predict_trials(const std::vector<Trial>& trials, const Rig& rig, const Actuator& actuator, double accuracy,
-                          std::optional<double> force_noise, bool multi_turn) {
+                          std::optional<double> force_noise, bool multi_turn, const py::object& start_angle) {
+  const InitialState start = initial_state(start_angle);
   Identified out{{.verb = IdentifyQuestion::Verb::kPredict,
                   .rig = rig,
                   .trials = prepared(trials, rig, force_noise),
@@ -98,7 +112,10 @@ Identified predict_trials(const std::vector<Trial>& trials, const Rig& rig, cons
   const py::gil_scoped_release release;
   out.question.trials = identify::with_nearer_force(rig, out.question.trials, out.question.base, out.question.options);
   if (!trials.empty()) out.found.force_smooth = out.question.trials.front().force_smooth;
-  out.found.fit = identify::predict(rig, out.question.trials, out.question.base, out.question.options);
+  Actuator mounted = actuator;
+  mounted.sea = out.question.base;
+  Prediction prediction = identify::predict({rig, out.question.trials, out.question.options}, mounted, start);
+  out.found.fit = std::move(prediction.fit), out.judgement = std::move(prediction.judgement);
   return out;
 }
 
@@ -248,6 +265,12 @@ void bind_identify(py::module_& m) {
             return out;
           },
           "Each trial as predicted, a TrialFit.")
+      .def_property_readonly(
+          "error_factor",
+          [](const Identified& i) { return i.judgement ? std::optional(i.judgement->factor) : std::nullopt; },
+          "Of a prediction: its error over what the logs' noise and the constants' errors allow for; at most 1: it "
+          "holds. "
+          "None of a fit, NaN where too little is measured.")
       .def("figure", &trial_figure, py::arg("trial") = 0,
            "Angles of a trial [rad] over time [s], measured and predicted.")
       .def(
@@ -285,8 +308,9 @@ void bind_identify(py::module_& m) {
       "huber "
       "[rad]; force_noise [N]; threads 0: all cores.");
   m.def("predict", &predict_trials, py::arg("trials"), py::arg("rig"), py::arg("actuator"), py::arg("accuracy") = 1e-9,
-        py::arg("force_noise") = py::none(), py::arg("multi_turn") = false,
-        "The rig's motion for given constants [rad] beside each trial's log, nothing fitted; as `ukemi predict`.");
+        py::arg("force_noise") = py::none(), py::arg("multi_turn") = false, py::arg("start_angle") = py::none(),
+        "The rig's motion for given constants [rad] beside each trial's log, and whether it holds (error_factor); as "
+        "`ukemi predict`. start_angle: None, a number [rad], or \"fit\".");
 }
 
 }  // namespace ukemi::python

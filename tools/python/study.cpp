@@ -5,6 +5,7 @@
 
 #include "common/actuator.hpp"
 #include "common/csv.hpp"
+#include "common/files.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/python/bind.hpp"
 #include "tools/study/calibration.hpp"
@@ -108,6 +109,12 @@ void bind_study(py::module_& m) {
   bind_estimates(
       c, +[](const Calibration& x) -> const identify::Estimates& { return x; });
   c.def_readonly("scene", &Calibration::scene, "The given scene with the fitted constants.")
+      .def(
+          "save", [](const Calibration& x, const std::string& path) { write_file(path, x.scene_toml("")); },
+          py::arg("path"), "Writes the scene's file, with the constants' verdicts.")
+      .def_property_readonly(
+          "model_rejected", [](const Calibration& x) { return x.tests.model_rejected(); },
+          "Whether the residuals speak against the floor.")
       .def_readonly("drops", &Calibration::drops, "Each drop beside its log.")
       .def_property_readonly(
           "rms",

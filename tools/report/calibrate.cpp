@@ -63,28 +63,13 @@ std::string samples_csv(const Run& run, const CalibratedDrops& c) {
   return csv.text();
 }
 
-/// Of the constants that were fitted, as far as it is known.
-std::optional<Uncertainty> uncertainty_of(const Calibration& c) {
-  std::vector<int> known;
-  Uncertainty out;
-  for (std::size_t i = 0; i < c.fitted.size(); ++i)
-    if (std::find(kUncertainNames.begin(), kUncertainNames.end(), c.fitted[i]) != kUncertainNames.end() &&
-        std::isfinite(c.covariance(long(i), long(i))))
-      known.push_back(int(i)), out.order.push_back(c.fitted[i]);
-  if (known.empty()) return std::nullopt;
-  out.covariance = c.covariance(known, known);
-  return out;
-}
-
 /// The scene with the fitted constants.
 std::string scene_toml(const Run& run, const Calibration& c) {
   std::string comments = run.provenance_text();
   for (const auto& e : c.parameters)
     comments += fmt::format("{}: {}: {}\n", e.name, value_words(e), identify::name(e.verdict));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
-  Scene scene = c.scene;
-  if (c.converged) scene.uncertainty = uncertainty_of(c);
-  return to_toml(scene, comments);
+  return c.scene_toml(comments);
 }
 
 /// A drop's outputs side by side, drop_1 or validation_1, measured and simulated; lines where the simulation touches
@@ -115,6 +100,36 @@ Figure drop_figure(const LoggedDrop& drop, const DropResult& result, const char*
   return out;
 }
 
+/// What the tests of the floor find, a sentence each.
+std::vector<std::string> findings(const Calibration& c) {
+  std::vector<std::string> out;
+  const identify::ResidualTests& tests = c.tests;
+  if (const identify::ScoreTest* missed = tests.missing()) {
+    const std::string& term = missed->term;
+    const bool held = std::any_of(c.parameters.begin(), c.parameters.end(), [&](auto& e) { return e.name == term; });
+    out.push_back(fmt::format(
+        "the drops ask for {}{} (score test, p {}): of what was not fitted it explains most of the residuals, their "
+        "rms "
+        "would fall from {:.4g} to {:.4g} standard deviations: try {}",
+        held ? "another value of " : "", term, probability_words(missed->p), std::sqrt(tests.score->variance),
+        tests.rms_with(*missed), held ? "--free with it" : "--nuisance " + term));
+  }
+  if (tests.whiteness.rejected)
+    out.push_back(fmt::format("the residuals are not white (Ljung-Box, p {}; neighbours correlate by {:.2f})",
+                              probability_words(tests.whiteness.p), tests.whiteness.correlation));
+  for (std::size_t m = 0; m < tests.chow.size(); ++m)
+    if (tests.disagrees(m))
+      out.push_back(fmt::format("{} disagrees with the other drops (Chow's test, p {}): it asks for a floor of its own",
+                                c.drops[m].file, probability_words(tests.chow[m])));
+  if (tests.model_rejected())
+    out.push_back(fmt::format(
+        "the floor does not explain these drops: no constant is trusted, and the errors are widened to what "
+        "the residuals say (tests at {:g} % together); the true ones may be larger still. Every plan on "
+        "this scene rests on it",
+        100 * identify::kTestLevel));
+  return out;
+}
+
 /// "outputs" and "drops" of the summary, as tables and, drop by drop, as figures.
 void tell_drops(const CalibratedDrops& c, const char* set, Report& report, Json& summary, Run& run) {
   const Table outputs(output_quantities(c.result), measured(c.result));
@@ -131,6 +146,7 @@ void tell_drops(const CalibratedDrops& c, const char* set, Report& report, Json&
 int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run) {
   const Calibration& c = fitted.result;
   for (const std::string& w : c.warnings) run.warn(w);
+  for (const std::string& finding : findings(c)) run.warn(finding);
   if (!c.converged && !interrupted())
     run.warn("not converged: " + c.message + "; try another start in the scene, --prior, or fewer --free constants");
   Report report("Calibration");
@@ -142,6 +158,9 @@ int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& 
   }
   begin(c, constant_quantities(), report, summary, run);
   summary["trusted"] = c.trusted();
+  summary["steps"] = c.steps;
+  report.heading("Does the floor explain the drops?");
+  tell_tests(c.tests, "standard deviations", report, summary["diagnostics"]);
   report.heading("Fitted drops");
   tell_drops(fitted, "drop", report, summary, run);
   if (validation) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/estimate/estimates.hpp"
+#include "identify/trust/diagnostics.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/table.hpp"
 
@@ -22,5 +22,12 @@ Json nuisance_json(const std::vector<identify::Estimate>& nuisance);
 /// Begins the report, the summary and the lines on the terminal.
 void begin(const identify::Estimates& fit, const Quantities<identify::Estimate>& quantities, Report& report,
            Json& summary, Run& run);
+
+// --- what the residuals say against a fit, trust.cpp ---
+
+/// A probability for a reader.
+std::string probability_words(double p);
+/// "diagnostics" of the summary, and the tables of the tests; `unit` is that of the residuals.
+void tell_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& diagnostics);
 
 }  // namespace ukemi::tools

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -25,43 +26,6 @@ Quantities<identify::Minimum> minimum_quantities() {
   for (std::size_t k = 0; k < kConstants; ++k)
     out.push_back({"", kConstantNames[k], kConstantNames[k], "{:.5g}", [k](auto& m) { return constants(m.sea)[k]; }});
   return out;
-}
-
-const Quantities<identify::TrialResult> kTrialQuantities = {
-    {"", "file", "file", {}, &identify::TrialResult::file},
-    {"", "samples", "samples", {}, &identify::TrialResult::samples},
-    {"", "t_origin", &identify::TrialResult::t_origin},
-    {"", "rms", "residual rms [rad]", "{:.4g}", &identify::TrialResult::rms},
-    {"", "rms_rate", "of its rate [rad/s]", "{:.4g}", &identify::TrialResult::rms_rate},
-    {"", "rms_torque", "of its torque [Nm]", "{:.4g}", &identify::TrialResult::rms_torque},
-    {"", "noise", "log's own noise [rad]", "{:.4g}", &identify::TrialResult::noise},
-    {"", "", "rollout", {}, [](auto& t) { return name(t.status); }},
-};
-
-std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit& fit) {
-  CsvWriter csv = run.csv();
-  bool motor = false, torque = false;
-  for (const Trial& t : trials) motor = motor || !t.phi_motor.empty(), torque = torque || !t.torque.empty();
-  csv.comment("residual = phi_sim - phi; trial counts from 1, t from its first row. Units: s, rad, Nm.");
-  for (std::size_t m = 0; m < trials.size(); ++m)
-    if (trials[m].t_origin != 0)
-      csv.comment(fmt::format("trial {}: t = 0 at {} s of its log", m + 1, shortest(trials[m].t_origin)));
-  std::vector<std::string> header = {"trial", "t", "phi", "phi_sim", "residual"};
-  if (motor) header.insert(header.end(), {"phi_motor", "phi_motor_sim", "residual_motor"});
-  if (torque) header.insert(header.end(), {"torque", "torque_sim", "residual_torque"});
-  csv.header(header);
-  const auto at = [](const std::vector<double>& v, std::size_t i) { return v.empty() ? NAN : v[i]; };
-  for (std::size_t m = 0; m < trials.size(); ++m) {
-    const Trial& t = trials[m];
-    const identify::TrialResult& r = fit.trials[m];
-    for (std::size_t i = 0; i < t.samples(); ++i) {
-      csv.cell(long(m + 1)).cell(t.t[i]).cell(at(t.phi, i)).cell(at(r.phi, i)).cell(at(r.phi, i) - at(t.phi, i));
-      if (motor) csv.cell(at(t.phi_motor, i)).cell(at(r.phi_m, i)).cell(at(r.phi_m, i) - at(t.phi_motor, i));
-      if (torque) csv.cell(at(t.torque, i)).cell(at(r.torque, i)).cell(at(r.torque, i) - at(t.torque, i));
-      csv.end_row();
-    }
-  }
-  return csv.text();
 }
 
 /// The rung that predicts the trials best that were left out of its fit; none where that was not computed.
@@ -92,7 +56,6 @@ std::string model_to_take(const identify::Ladder& ladder) {
 /// What the reader can do with it, a sentence each.
 std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::Identification& found) {
   const Fit& fit = found.fit;
-  if (q.verb == IdentifyQuestion::Verb::kPredict) return {};
   if (!found.trust) return {"Nothing was found: give a --start, or more trials."};
   std::vector<std::string> out;
   if (fit.flawed_logs) out.emplace_back("Mend the logs first: the warnings say where.");
@@ -110,25 +73,6 @@ std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::I
                               found.force_smooth > 0 ? " --force-curve smooth" : ""));
   if (fit.trusted()) out.emplace_back("Plan with it: `ukemi optimize SCENE.toml --actuator actuator.toml`.");
   return out;
-}
-
-/// Where the torque limit and the feedback come from.
-std::string assumptions(const IdentifyQuestion& q, const identify::Identification& found) {
-  using Kind = identify::Drive::Kind;
-  if (q.rig.drive.kind != Kind::kGains)
-    return q.rig.drive.kind == Kind::kCommand
-               ? "the motor's torque is k_t times the logged command: no k_p, no k_d"
-               : fmt::format("the motor's torque is k_t times the rig's own controller{}: no k_p, no k_d",
-                             q.rig.drive.by_command() ? ", which is fed the logged angle" : "");
-  return fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
-                     std::isfinite(q.base.tau_max)
-                         ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
-                         : std::string("no limit (neither rig nor actuator names one)"),
-                     ukemi::name(found.fit.sea.feedback),
-                     q.rig.feedback   ? "rig"
-                     : found.feedback ? "the better fit of both sides"
-                     : q.given        ? "actuator"
-                                      : "default");
 }
 
 /// What the fit's errors do to a landing.
@@ -152,18 +96,91 @@ void tell(const LandingOfFit& l, const Fit& fit, Report& report, Json& summary, 
     run.warn(fmt::format("landing: {} of the drawn actuators gave none that could be followed", l.failed));
 }
 
-void warn(const IdentifyQuestion& q, const identify::Identification& found, Run& run) {
+void warn(const identify::Identification& found, Run& run) {
   const Fit& fit = found.fit;
-  const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
   for (const std::string& w : fit.warnings) run.warn(w);
-  if (!fit.converged && predict) run.warn(fit.message);
-  if (!fit.converged && !predict && !fit.interrupted)
+  if (!fit.converged && !fit.interrupted)
     run.warn("not converged: " + fit.message + "; try another --start, more trials, or fewer --free constants");
-  if (!predict && !found.trust) run.warn("nothing was found: no actuator.toml is written");
+  if (!found.trust) run.warn("nothing was found: no actuator.toml is written");
   if (found.trust && !fit.interrupted) warn(*found.trust, fit, run);
 }
 
 }  // namespace
+
+std::string assumptions(const IdentifyQuestion& q, const identify::Identification* found) {
+  using Kind = identify::Drive::Kind;
+  if (q.rig.drive.kind != Kind::kGains)
+    return q.rig.drive.kind == Kind::kCommand
+               ? "the motor's torque is k_t times the logged command: no k_p, no k_d"
+               : fmt::format("the motor's torque is k_t times the rig's own controller{}: no k_p, no k_d",
+                             q.rig.drive.by_command() ? ", which is fed the logged angle" : "");
+  return fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
+                     std::isfinite(q.base.tau_max)
+                         ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
+                         : std::string("no limit (neither rig nor actuator names one)"),
+                     ukemi::name(found ? found->fit.sea.feedback : q.base.feedback),
+                     q.rig.feedback              ? "rig"
+                     : found && found->feedback ? "the better fit of both sides"
+                     : q.given                   ? "actuator"
+                                                 : "default");
+}
+
+Quantities<identify::TrialResult> trial_quantities() {
+  return {
+      {"", "file", "file", {}, &identify::TrialResult::file},
+      {"", "samples", "samples", {}, &identify::TrialResult::samples},
+      {"", "t_origin", &identify::TrialResult::t_origin},
+      {"", "rms", "residual rms [rad]", "{:.4g}", &identify::TrialResult::rms},
+      {"", "rms_rate", "of its rate [rad/s]", "{:.4g}", &identify::TrialResult::rms_rate},
+      {"", "rms_torque", "of its torque [Nm]", "{:.4g}", &identify::TrialResult::rms_torque},
+      {"", "noise", "log's own noise [rad]", "{:.4g}", &identify::TrialResult::noise},
+      {"", "", "rollout", {}, [](auto& t) { return name(t.status); }},
+  };
+}
+
+std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit& fit,
+                    const identify::Judgement* judged) {
+  // Each output of a trial, measured, predicted, and half of its band; an output that no trial measured has no columns.
+  struct Column {
+    const char *name, *band;
+    std::vector<double> Trial::*measured;
+    std::vector<double> identify::TrialResult::*predicted;
+    std::vector<double> identify::JudgedTrial::*half;
+  };
+  std::vector<Column> columns = {
+      {"phi", "band", &Trial::phi, &identify::TrialResult::phi, &identify::JudgedTrial::phi},
+      {"phi_motor", "band_motor", &Trial::phi_motor, &identify::TrialResult::phi_m, &identify::JudgedTrial::phi_m},
+      {"torque", "band_torque", &Trial::torque, &identify::TrialResult::torque, &identify::JudgedTrial::torque}};
+  const auto logged = [&](const Column& c) {
+    return std::any_of(trials.begin(), trials.end(), [&](const Trial& t) { return !(t.*c.measured).empty(); });
+  };
+  std::erase_if(columns, [&](const Column& c) { return c.measured != &Trial::phi && !logged(c); });
+  CsvWriter csv = run.csv();
+  csv.comment(std::string("residual = phi_sim - phi; trial counts from 1, t from its first row. Units: s, rad, Nm.") +
+              (judged ? " band: half of the 95 % band about the prediction." : ""));
+  for (std::size_t m = 0; m < trials.size(); ++m)
+    if (trials[m].t_origin != 0)
+      csv.comment(fmt::format("trial {}: t = 0 at {} s of its log", m + 1, shortest(trials[m].t_origin)));
+  std::vector<std::string> header = {"trial", "t"};
+  for (const Column& c : columns) {
+    const std::string name = c.name, residual = "residual" + std::string(c.band).substr(4);
+    header.insert(header.end(), {name, name + "_sim", residual});
+    if (judged) header.emplace_back(c.band);
+  }
+  csv.header(header);
+  const auto at = [](const std::vector<double>& v, std::size_t i) { return v.empty() ? NAN : v[i]; };
+  for (std::size_t m = 0; m < trials.size(); ++m)
+    for (std::size_t i = 0; i < trials[m].samples(); ++i) {
+      csv.cell(long(m + 1)).cell(trials[m].t[i]);
+      for (const Column& c : columns) {
+        const double measured = at(trials[m].*c.measured, i), predicted = at(fit.trials[m].*c.predicted, i);
+        csv.cell(measured).cell(predicted).cell(predicted - measured);
+        if (judged) csv.cell(at(judged->trials[m].*c.half, i));
+      }
+      csv.end_row();
+    }
+  return csv.text();
+}
 
 SeaParameters<double> base_of(const identify::Rig& rig, const std::optional<Actuator>& given) {
   return rig.mounted(given ? given->sea : SeaParameters<double>{});
@@ -217,16 +234,15 @@ std::vector<Series> angle_curves(const Trial& t, const identify::TrialResult& pr
 
 int report(const IdentifyQuestion& q, const identify::Identification& found, const std::optional<LandingOfFit>& landing,
            Doubt doubt, Json summary, Run& run) {
-  const bool predict = q.verb == IdentifyQuestion::Verb::kPredict;
   const Fit& fit = found.fit;
-  warn(q, found, run);
-  Report report(predict ? "Prediction" : "Identification");
-  begin(fit, predict ? estimate_quantities() : constant_quantities(), report, summary, run);
-  run.say(assumptions(q, found));
-  if (const std::string unknown = fitted_actuator(q, fit).unknown_ratings(); !predict && !unknown.empty())
+  warn(found, run);
+  Report report("Identification");
+  begin(fit, constant_quantities(), report, summary, run);
+  run.say(assumptions(q, &found));
+  if (const std::string unknown = fitted_actuator(q, fit).unknown_ratings(); !unknown.empty())
     run.say("the motor's ratings are unknown (" + unknown + "): --speed-max, --motor-torque-max, or the rig's keys");
-  if (!predict) report.figure(constants_figure(fit.parameters));
-  const Table minima(minimum_quantities(), fit.minima), trials(kTrialQuantities, fit.trials);
+  report.figure(constants_figure(fit.parameters));
+  const Table minima(minimum_quantities(), fit.minima), trials(trial_quantities(), fit.trials);
   if (q.options.explore > 0) run.say(fmt::format("{} starts", fit.starts)), say(minima, run);
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, q.trials.size()));
   if (fit.correlation.rows() > 1) {
@@ -241,13 +257,13 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   summary["force_curve"] = found.force_smooth > 0 ? "smooth" : "linear";
   summary["rms"] = number(fit.rms);
   summary["identifiable"] = fit.identifiable;
-  if (!predict) summary["trusted"] = fit.trusted();
-  if (!predict) tell_error_budget(q.rig, fit, report, summary, run);
+  summary["trusted"] = fit.trusted();
+  tell_error_budget(q.rig, fit, report, summary, run);
   if (found.trust) tell(*found.trust, fit, report, summary, run);
   if (found.trust && found.trust->ladder) run.say(model_to_take(*found.trust->ladder));
   if (landing) tell(*landing, fit, report, summary, run);
   summary["minima"] = minima.objects();
-  summary["assumed"] = assumptions(q, found);
+  summary["assumed"] = assumptions(q, &found);
   summary["trials"] = trials.objects();
   report.heading("Trials");
   report.table(trials);
@@ -256,11 +272,6 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   if (const std::vector<std::string> next = next_steps(q, found); !next.empty())
     report.heading("What to do next"), report.list(next);
   const RigLink link{q.rig.length, q.rig.inertia};
-  if (predict) {
-    Actuator mounted = *q.given;
-    mounted.sea = q.base;
-    for (auto& [name, content] : exported(q.exports, mounted, link, run)) run.add(name, content);
-  }
   if (found.trust) {
     Actuator actuator = fitted_actuator(q, fit);
     for (auto& [name, content] : exported(q.exports, actuator, link, run)) run.add(name, content);
@@ -270,7 +281,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   }
   run.add("fit.csv", fit_csv(run, q.trials, fit));
   report.write(run);
-  const bool doubted = !predict && doubt == Doubt::kFail && !fit.trusted();
+  const bool doubted = doubt == Doubt::kFail && !fit.trusted();
   return run.finish(summary, fit.converged && !doubted ? kDone : kNumbers);
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/actuator.hpp"
 #include "identify/trust/identification.hpp"
+#include "identify/trust/prediction.hpp"
 #include "tools/program/output.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/exports.hpp"
@@ -39,6 +40,18 @@ std::vector<Series> angle_curves(const identify::Trial& trial, const identify::T
 /// errors do to a landing, where that was asked for.
 int report(const IdentifyQuestion& question, const identify::Identification& found,
            const std::optional<LandingOfFit>& landing, Doubt doubt, Json summary, Run& run);
+/// The same of a prediction, predict.cpp; with Doubt::kFail one that does not hold is exit 1.
+int report(const IdentifyQuestion& question, const identify::Prediction& prediction, Doubt doubt, Json summary,
+           Run& run);
+
+// --- what both tell ---
+
+/// Where the torque limit and the feedback come from; `found`: of a fit.
+std::string assumptions(const IdentifyQuestion& question, const identify::Identification* found = nullptr);
+Quantities<identify::TrialResult> trial_quantities();
+/// Of each sample what was measured and predicted, and where it was judged the band.
+std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, const identify::Fit& fit,
+                    const identify::Judgement* judged = nullptr);
 
 // --- where its errors come from, error_budget.cpp ---
 

@@ -33,7 +33,8 @@ void add(Panel& p, const std::string& name, const std::vector<double>& t, const 
   if (!y.empty() && y.size() == t.size()) p.series.push_back({name, t, y, look, colour});
 }
 
-std::vector<Panel> force_angle_residual(const Trial& t, const identify::TrialResult& r, std::size_t number) {
+std::vector<Panel> force_angle_residual(const Trial& t, const identify::TrialResult& r, std::size_t number,
+                                        const identify::JudgedTrial* judged) {
   const std::string file = t.file.substr(t.file.rfind('/') + 1);
   constexpr std::size_t kLetters = 24;
   Panel force = panel_of(fmt::format("{}: {}", number, file.size() > kLetters ? file.substr(0, kLetters) : file), "",
@@ -43,9 +44,13 @@ std::vector<Panel> force_angle_residual(const Trial& t, const identify::TrialRes
   if (t.force.empty()) force.y_label = "phi_ref [rad]", add(force, "", t.t, t.phi_ref, Series::Look::kLine, 2);
   add(angle, "", t.t, t.phi, Series::Look::kPoints, 0);
   add(angle, "", t.t, r.phi, Series::Look::kLine, 1);
-  std::vector<double> milli = residual(t, r);
-  for (double& x : milli) x *= 1e3;
-  add(rest, "", t.t, milli, Series::Look::kLine, 0);
+  const auto milli = [&](std::vector<double> values, double factor, Series::Look look, int colour) {
+    for (double& x : values) x *= factor * 1e3;
+    add(rest, "", t.t, values, look, colour);
+  };
+  milli(residual(t, r), 1, Series::Look::kLine, 0);
+  for (const double side : {-1.0, 1.0})
+    if (judged) milli(judged->phi, side, Series::Look::kDashed, 1);
   for (Panel* p : {&force, &angle, &rest}) p->x_range = {{t.t.front(), t.t.back()}};
   return {force, angle, rest};
 }
@@ -63,7 +68,7 @@ double autocorrelation(const std::vector<double>& values, std::size_t lag) {
   return products / squares;
 }
 
-Figure trials_figure(const std::vector<Trial>& trials, const Fit& fit) {
+Figure trials_figure(const std::vector<Trial>& trials, const Fit& fit, const identify::Judgement* judged) {
   Figure out;
   out.name = "trials", out.width = Figure::Width::kWhole, out.panel_height = 150;
   const std::size_t shown = std::min(trials.size(), kMostTrials);
@@ -71,15 +76,15 @@ Figure trials_figure(const std::vector<Trial>& trials, const Fit& fit) {
   for (std::size_t first = 0; first < shown; first += kSideBySide) {
     std::vector<std::vector<Panel>> beside;
     for (std::size_t m = first; m < std::min(first + kSideBySide, shown); ++m)
-      beside.push_back(force_angle_residual(trials[m], fit.trials[m], m + 1));
+      beside.push_back(force_angle_residual(trials[m], fit.trials[m], m + 1, judged ? &judged->trials[m] : nullptr));
     beside.resize(std::size_t(out.columns));
     for (std::size_t row = 0; row < 3; ++row)
       for (std::vector<Panel>& trial : beside) out.panels.push_back(trial.empty() ? Panel() : trial[row]);
   }
   out.caption = fmt::format(
       "Each trial: what drove it; the angle, measured (points) and predicted (line); the residual (predicted - "
-      "measured) on its own scale.{} "
-      "All samples: fit.csv.",
+      "measured) on its own scale{}.{} All samples: fit.csv.",
+      judged ? ", dashed the 95 % band of the noise and the constants' errors" : "",
       shown < trials.size() ? fmt::format(" The first {} of {}.", shown, trials.size()) : "");
   return out;
 }

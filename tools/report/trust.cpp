@@ -25,7 +25,7 @@ std::size_t most_moved(const LeftOut& l) {
   return most;
 }
 
-std::string small(double p) { return p < 1e-16 ? "below 1e-16" : fmt::format("{:.2g}", p); }
+std::string small(double p) { return probability_words(p); }
 
 std::string interval(const identify::Profile& p) {
   const auto end = [](const std::optional<double>& x) { return x ? fmt::format("{:.6g}", *x) : "beyond the grid"; };
@@ -91,7 +91,7 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
 }
 
 /// The score test of a term that the model may lack.
-Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& tests) {
+Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& tests, const std::string& unit) {
   using Test = identify::ScoreTest;
   const auto of_shared = [](double Test::*value, double factor = 1) {
     return [=](const Test& t) { return t.scope == identify::Scope::kShared ? Json(factor * t.*value) : Json(); };
@@ -106,7 +106,7 @@ Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& 
       {"", "size", &Test::size},
       {"", "rejected", "rejected", {}, &Test::rejected},
       {"", "missed", [&](auto& t) { return &t == tests.missing(); }},
-      {"", "rms_with", "rms with the term [rad]", "{:.4g}", [&](auto& t) { return tests.rms_with(t); }},
+      {"", "rms_with", "rms with the term [" + unit + "]", "{:.4g}", [&](auto& t) { return tests.rms_with(t); }},
       {"", "bias", of_shared(&Test::bias)},
       // Below 3 of its own standard errors a term escapes its test more often than not.
       {"", "", "bias that may hide [standard errors]", "{:.2g}", of_shared(&Test::bias, 3)},
@@ -148,29 +148,6 @@ Quantities<LeftOut> left_out_quantities() {
   out.push_back({"", "p", "p", small, &LeftOut::p});
   out.push_back({"", "disagrees", "disagrees", {}, &LeftOut::disagrees});
   return out;
-}
-
-void tell_residuals(const identify::ResidualTests& tests, Report& report, Json& j) {
-  const Table missing(score_quantities(tests), tests.score_tests);
-  j["level"] = kTestLevel;
-  j["model_rejected"] = tests.model_rejected();
-  j["whiteness"] = {{"p", number(tests.whiteness.p)},
-                    {"lags", identify::kWhitenessLags},
-                    {"correlation", number(tests.whiteness.correlation)},
-                    {"rejected", tests.whiteness.rejected}};
-  j["normality"] = {{"p", number(tests.normality.p)},
-                    {"skewness", number(tests.normality.skewness)},
-                    {"kurtosis", number(tests.normality.kurtosis)},
-                    {"rejected", tests.normality.rejected},
-                    {"coarse_logs_left_out", tests.normality.coarse}};
-  j["missing_terms"] = missing.objects();
-  const auto result = [](bool rejected) { return rejected ? "rejected" : "not rejected"; };
-  report.table({"hypothesis", "p", ""},
-               {{"residuals are white (Ljung-Box)", small(tests.whiteness.p), result(tests.whiteness.rejected)},
-                {tests.normality.tested > 0 ? "residuals are normal (Jarque-Bera)"
-                                            : "residuals are normal: not tested, the logs are coarsely quantised",
-                 small(tests.normality.p), result(tests.normality.rejected)}});
-  report.table(missing);
 }
 
 /// The rungs as rows: what each leaves of its own trials, and of those that it did not see.
@@ -253,6 +230,32 @@ Figure weakest_figure(const identify::Weakest& w) {
 
 }  // namespace
 
+std::string probability_words(double p) { return p < 1e-16 ? "below 1e-16" : fmt::format("{:.2g}", p); }
+
+void tell_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& j) {
+  const Table missing(score_quantities(tests, unit), tests.score_tests);
+  j["level"] = kTestLevel;
+  j["model_rejected"] = tests.model_rejected();
+  j["whiteness"] = {{"p", number(tests.whiteness.p)},
+                    {"lags", identify::kWhitenessLags},
+                    {"correlation", number(tests.whiteness.correlation)},
+                    {"rejected", tests.whiteness.rejected}};
+  j["normality"] = {{"p", number(tests.normality.p)},
+                    {"skewness", number(tests.normality.skewness)},
+                    {"kurtosis", number(tests.normality.kurtosis)},
+                    {"rejected", tests.normality.rejected},
+                    {"coarse_logs_left_out", tests.normality.coarse}};
+  j["missing_terms"] = missing.objects();
+  const auto result = [](bool rejected) { return rejected ? "rejected" : "not rejected"; };
+  report.table({"hypothesis", "p", ""},
+               {{"residuals are white (Ljung-Box)", small(tests.whiteness.p), result(tests.whiteness.rejected)},
+                {tests.normality.tested > 0 ? "residuals are normal (Jarque-Bera)"
+                                            : "residuals are normal: not tested, the logs are coarsely quantised",
+                 small(tests.normality.p), result(tests.normality.rejected)}});
+  report.table(missing);
+  if (!tests.chow.empty()) j["chow"] = tests.chow;
+}
+
 void warn(const Trust& trust, const Fit& fit, Run& run) {
   for (const std::string& constant : trust.not_profiled) run.warn(constant + " has no standard error: no profile");
   for (const std::string& finding : findings(trust, fit)) run.warn(finding);
@@ -279,7 +282,7 @@ void tell(const Trust& t, const Fit& fit, Report& report, Json& summary, Run& ru
       summary["weakest"]["relative_change"][name] = number(relative);
   }
   Json& j = summary["diagnostics"];
-  tell_residuals(t.tests, report, j);
+  tell_tests(t.tests, "rad", report, j);
   j["rivals"] = Table(rival_quantities, t.rivals).objects();
   if (t.ladder) tell_ladder(*t.ladder, report, j, run);
   if (!t.left_out.empty()) tell_left_out(t.left_out, report, j, run);

@@ -11,6 +11,7 @@
 #include "common/random.hpp"
 #include "identify/estimate/multi_start.hpp"
 #include "landing/model/release.hpp"
+#include "landing/model/scene_file.hpp"
 #include "tools/study/drop_residuals.hpp"
 
 namespace ukemi::tools {
@@ -27,17 +28,22 @@ constexpr std::array<double, 9> kAfter = {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3
 constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
 /// Standard deviation, in a constant's size, of what holds it to the start there.
 constexpr double kPartStd = 0.3;
+/// Integrated steps, of a drop, after which a start is ended where it stands: those of datasets/drops take 1.3e4 in
+/// all. And starts that may take so many before no other is tried.
+constexpr double kStepsOfStart = 2e5, kStarts = 4;
 
 /// A fit of all drops by one layout.
 struct Problem {
   const DropLayout layout;
   const CalibrationOptions& options;
   std::vector<DropResiduals> models;
+  mutable long steps = 0, parts = 0;  ///< integrated, and done, so far
+  mutable bool spent = false;         ///< a start was ended, for its work was spent
 
   Problem(const Scene& scene, const SeaParameters<double>& sea, const std::vector<LoggedDrop>& drops, DropLayout l,
           const CalibrationOptions& o)
       : layout(std::move(l)), options(o) {
-    for (const LoggedDrop& d : drops) models.emplace_back(scene, sea, d, layout, o);
+    for (const LoggedDrop& d : drops) models.emplace_back(scene, sea, d, layout, o, steps);
   }
   Problem(const Problem&) = delete;
 
@@ -61,22 +67,35 @@ struct Problem {
     }
     return p;
   }
-  /// From `start`, part by part. Where the monitor stops it: the last part that was done, not converged.
-  LeastSquaresSolution solve_in_parts(Scene start, const PerOutput& sigma,
-                                      const std::function<void()>& done_part) const {
+  /// The work that a start may take [integrated steps].
+  double work_of_start() const { return kStepsOfStart * double(models.size()); }
+  LeastSquaresSolution solve(const LeastSquaresProblem& p, int iterations, long until) const {
+    const auto stop = [&, until] {
+      options.monitor.progress(parts, long(kAfter.size()) * (1 + options.restarts) + 1);
+      return steps > until || options.monitor.stopped();
+    };
+    return identify::solve(p, {.max_iterations = iterations, .stop = stop});
+  }
+  /// From `start`, part by part. Where the monitor stops it or its work is spent: the last part that was done, not
+  /// converged; of parts that are not the whole no cost is comparable.
+  LeastSquaresSolution solve_in_parts(Scene start, const PerOutput& sigma) const {
     LeastSquaresSolution done;
+    const long from = steps, until = from + long(work_of_start());
     for (const double after : kAfter) {
-      const int iterations =
-          std::isfinite(after) ? std::min(kPartIterations, options.max_iterations) : options.max_iterations;
-      LeastSquaresSolution s = identify::solve(problem(start, sigma, after), {.max_iterations = iterations});
-      if (options.monitor.stopped()) {
+      const bool whole = !std::isfinite(after);
+      LeastSquaresSolution s =
+          solve(problem(start, sigma, after),
+                whole ? options.max_iterations : std::min(kPartIterations, options.max_iterations), until);
+      if (options.monitor.stopped() || (steps > until && !(whole && s.usable))) {
         done.converged = false;
+        if (steps > until) spent = true, done.cost = std::numeric_limits<double>::infinity();
         break;
       }
       if (s.usable) start = scene_at(s, start);
       done = std::move(s);
-      done_part();
+      ++parts;
     }
+    done.work = double(steps - from);
     return done;
   }
   /// `scene` with the solution's constants.
@@ -110,15 +129,12 @@ LeastSquaresSolution search(const Problem& problem, const Scene& scene, const Ca
   constexpr double kLevel = identify::kFarAboveNoise * identify::kFarAboveNoise;
   identify::MultiStart starts(
       {.believed = [](const LeastSquaresSolution& s) { return s.cost <= kLevel * double(s.residuals); },
+       .work = kStarts * problem.work_of_start(),
        .same = options.restarts + 2,  // so few starts are no reason to end early
        .at_once = 1,
        .threads = 1,
        .monitor = {{}, options.monitor.stop}});
-  long parts = 0;
-  const auto from = [&](const Scene& start) {
-    return problem.solve_in_parts(
-        start, out.noise, [&] { options.monitor.progress(++parts, long(kAfter.size()) * (starts.starts() + 1) + 1); });
-  };
+  const auto from = [&](const Scene& start) { return problem.solve_in_parts(start, out.noise); };
   starts.search_all(1, [&](int) { return from(scene); });
   starts.search_until_believed(
       options.restarts, [&](int i) { return from(problem.drawn(scene, Random(options.seed, std::uint64_t(i)))); });
@@ -149,6 +165,61 @@ void report(const LeastSquaresSolution& s, const Problem& fitted, const LeastSqu
           fmt::format("{} of drop {} ended at its bound {}", e.name, e.trial + 1, shortest(e.value)));
 }
 
+/// Tests the floor, see calibrate. `sigma` as in the fit.
+identify::ResidualTests test_floor(const SeaParameters<double>& sea, const std::vector<LoggedDrop>& drops,
+                                   const CalibrationOptions& options, const PerOutput& sigma, const Calibration& c) {
+  const DropLayout fitted(options.terms);
+  DropLayout layout = fitted;
+  std::vector<identify::Term> shared, of_drop;
+  for (const DropTerm& t : options.terms.table) {
+    // What moves the same as a fitted term is that term, or Chow's test.
+    bool covered = options.terms.fits(t.name);
+    for (const auto* list : {&fitted.shared, &fitted.own})
+      for (const DropTerm* other : *list) covered = covered || t.moves_what(*other);
+    if (covered) continue;
+    identify::Term absent = t;
+    if (t.is_constant()) {  // it may be more or less than what it is held at
+      absent.absent = t.value_in(c.scene), absent.lower = -identify::Term::kInfinity;
+    }
+    const bool each = t.scope == identify::Scope::kEach;
+    (each ? of_drop : shared).push_back(std::move(absent)), (each ? layout.own : layout.shared).push_back(&t);
+  }
+  constexpr double kExact = 1e-6;  // of an output: below it a residual is the rollout's, not the log's
+  std::vector<identify::ResidualSeries> series;
+  for (std::size_t m = 0; m < drops.size(); ++m)
+    for (std::size_t o = 0; o < kOutputs; ++o) {
+      const std::vector<double>& measured = drops[m].log.output[o];
+      const DropResult& r = c.drops[m];
+      double largest = 0;
+      for (const double x : measured)
+        if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+      if (!(r.rms[o] > kExact * largest)) continue;
+      series.push_back({{}, &measured});
+      for (std::size_t i = 0; i < measured.size(); ++i)
+        if (r.used[o][i]) series.back().residual.push_back(r.value[o][i] - measured[i]);
+    }
+  const Problem problem(c.scene, sea, drops, layout, options);
+  std::optional<identify::Sensitivity> score;
+  if (c.converged && !series.empty())
+    score = identify::score_at(problem.problem(c.scene, sigma, kWhole), c, shared, of_drop);
+  identify::ResidualTests out = identify::test_residuals(series, std::move(score));
+  if (out.score) out.chow = identify::chow_tests_of(*out.score);
+  return out;
+}
+
+/// Of the constants that were fitted, as far as it is known.
+std::optional<Uncertainty> uncertainty_of(const Calibration& c) {
+  std::vector<int> known;
+  Uncertainty out;
+  for (std::size_t i = 0; i < c.fitted.size(); ++i)
+    if (std::find(kUncertainNames.begin(), kUncertainNames.end(), c.fitted[i]) != kUncertainNames.end() &&
+        std::isfinite(c.covariance(long(i), long(i))))
+      known.push_back(int(i)), out.order.push_back(c.fitted[i]);
+  if (known.empty()) return std::nullopt;
+  out.covariance = c.covariance(known, known);
+  return out;
+}
+
 /// Says where the residual stays above the logs' own noise. A model that does not explain the logs has no error bars:
 /// nothing fitted by it is trusted.
 void compare_with_noise(Calibration& out) {
@@ -166,15 +237,19 @@ void compare_with_noise(Calibration& out) {
 
 void CalibrationOptions::validate() const {
   terms.validate();
-  Scene scene;
-  scene.floor.emplace();
   for (const std::string& constant : terms.free)
     for (const std::string& nuisance : terms.nuisance)
-      if (!terms[nuisance].shifts_log() && terms[constant].field(scene) == terms[nuisance].field(scene))
+      if (terms[constant].moves_what(terms[nuisance]))
         throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
   if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
     throw InputError(
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
+}
+
+std::string Calibration::scene_toml(const std::string& comments) const {
+  Verdicts verdicts;
+  for (const Estimate& e : parameters) verdicts.emplace_back(e.name, identify::name(e.verdict));
+  return to_toml(scene, comments) + verdict_table(verdicts);
 }
 
 void check_drops(const Scene& scene, const std::vector<LoggedDrop>& drops) {
@@ -203,6 +278,11 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   out.scene = scene;
   out.noise = noise_of(drops);
   LeastSquaresSolution best = search(problem, scene, options, out);
+  if (problem.spent)
+    out.warnings.push_back(
+        fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: are the "
+                    "drop's height, speed and pitch right, is t = 0 the release?",
+                    double(problem.steps)));
   if (!best.usable) {
     out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
                                             : "no start could be followed through the drops: " + best.message;
@@ -214,16 +294,22 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   PerOutput sigma = rms_of(problem.replay(best));
   for (std::size_t o = 0; o < kOutputs; ++o) sigma[o] = std::max(sigma[o], 1e-3 * out.noise[o]);
   const LeastSquaresProblem last = problem.problem(problem.scene_at(best, scene), sigma, kWhole);
-  if (LeastSquaresSolution s = identify::solve(last, {.max_iterations = options.max_iterations});
+  if (LeastSquaresSolution s =
+          problem.solve(last, options.max_iterations, problem.steps + long(problem.work_of_start()));
       s.usable && !options.monitor.stopped())
     best = std::move(s);
   best.converged = best.converged && !options.monitor.stopped();
   out.scene = problem.scene_at(best, scene);
+  out.steps = problem.steps;
   if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
   report(best, problem, last, out);
   out.drops = problem.replay(best);
   out.rms = rms_of(out.drops);
   compare_with_noise(out);
+  out.tests = test_floor(sea, drops, options, sigma, out);
+  identify::widen_errors(out.tests, out);
+  if (!out.converged) identify::distrust(out.parameters);
+  if (out.converged) out.scene.uncertainty = uncertainty_of(out);
   return out;
 }
 

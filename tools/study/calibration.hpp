@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "common/monitor.hpp"
-#include "identify/estimate/estimates.hpp"
+#include "identify/trust/diagnostics.hpp"
 #include "landing/drops/drop_log.hpp"
 #include "tools/study/drop_terms.hpp"
 
@@ -57,10 +57,16 @@ struct DropResult {
 
 /// The four constants, and the nuisance terms drop by drop.
 struct Calibration : identify::Estimates {
-  landing::Scene scene;                           ///< the given one with the fitted constants
+  landing::Scene scene;  ///< the given one with the fitted constants and their covariance
+  /// What the residuals say against the floor: see calibrate. Nothing of `validate`.
+  identify::ResidualTests tests;
   std::array<double, landing::kOutputs> noise{};  ///< sigma_o of the logs themselves; NaN: not measured
   std::array<double, landing::kOutputs> rms{};    ///< over all drops; `cost` is the sum above, with sigma_o = rms
   std::vector<DropResult> drops;
+  long steps = 0;  ///< integrated for the fit
+
+  /// The text of the scene's file, with the constants' verdicts; `comments` as landing::to_toml.
+  std::string scene_toml(const std::string& comments) const;
 };
 
 /// Drops and what became of them.
@@ -73,7 +79,10 @@ struct CalibratedDrops {
 /// value or ends before its first touchdown.
 void check_drops(const landing::Scene& scene, const std::vector<LoggedDrop>& drops);
 
-/// Fits the constants of `scene` to the drops. Throws InputError as check_drops; never throws on numbers: see
+/// Fits the constants of `scene` to the drops. The residuals then test the floor as those of trials test a rig: they
+/// are white, ask for no term of the table that was not fitted (a constant that is held: at another value), and no drop
+/// asks for constants of its own. Where they speak up the floor is rejected: errors are widened
+/// (identify::widen_errors) and nothing is trusted. Throws InputError as check_drops; never throws on numbers: see
 /// Calibration::converged.
 [[nodiscard]] Calibration calibrate(const landing::Scene& scene, const SeaParameters<double>& sea,
                                     const std::vector<LoggedDrop>& drops, const CalibrationOptions& options = {});

@@ -17,17 +17,19 @@ using identify::ResidualBlock;
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr long kMostSteps = 20'000;  ///< of one drop: ten times what any of datasets/drops takes
 
 }  // namespace
 
 DropResiduals::DropResiduals(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
-                             const DropLayout& layout, const CalibrationOptions& options)
+                             const DropLayout& layout, const CalibrationOptions& options, long& steps)
     : scene_(scene),
       sea_(sea),
       drop_(drop),
       layout_(layout),
       monitor_(options.monitor),
-      options_{.accuracy = options.accuracy} {
+      steps_(steps),
+      options_{.accuracy = options.accuracy, .max_steps = kMostSteps} {
   const std::vector<double>& t = drop.log.t;
   bool shifted = false;
   for (const auto* list : {&layout.shared, &layout.own})
@@ -164,6 +166,7 @@ bool DropResiduals::roll(const double* shared, const double* own, std::size_t en
   std::vector<double> times;
   for (std::size_t i = first_; i < end; ++i) times.push_back(std::max(0.0, drop_.log.t[i] + out.shift));
   out.rollout = roll_drop(scene, sea_, drop_.motion, times, options);
+  steps_ += out.rollout.steps;
   return out.rollout.complete;
 }
 

@@ -13,11 +13,11 @@ using PerOutput = std::array<double, landing::kOutputs>;
 using DropLayout = identify::Layout<DropTerm>;
 using identify::Prior;
 
-/// What it is made from must outlive it.
+/// What it is made from must outlive it. `steps` counts what it integrates.
 class DropResiduals {
  public:
   DropResiduals(const landing::Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
-                const DropLayout& layout, const CalibrationOptions& options);
+                const DropLayout& layout, const CalibrationOptions& options, long& steps);
 
   const LoggedDrop& drop() const { return drop_; }
 
@@ -51,6 +51,7 @@ class DropResiduals {
   const LoggedDrop& drop_;
   const DropLayout& layout_;
   const Monitor& monitor_;
+  long& steps_;
   landing::SimulateOptions options_;
   std::size_t first_ = 0;  ///< rows before it are left out
   PerOutput interval_{};   ///< an output's sampling interval [s]

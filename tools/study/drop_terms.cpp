@@ -12,6 +12,12 @@ identify::Parameter DropTerm::column(const Scene& start, const identify::Choice&
   return identify::parameter_of(*this, at, is_constant() && lower >= 0 ? std::max(at, size) : size, choice);
 }
 
+bool DropTerm::moves_what(const DropTerm& other) const {
+  Scene scene;
+  scene.floor.emplace();
+  return field && other.field && field(scene) == other.field(scene);
+}
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;

@@ -17,6 +17,8 @@ struct DropTerm : identify::Term {
   double spread = 2;  ///< of drawn starts about the scene's: a factor either way, or where it has a sign, an amount
 
   bool shifts_log() const { return field == nullptr; }
+  /// Whether both change the same number of a scene.
+  bool moves_what(const DropTerm& other) const;
   double value_in(landing::Scene scene) const { return is_constant() ? *field(scene) : absent; }
   void set_in(landing::Scene& scene, double value) const {
     if (field) *field(scene) = is_constant() ? value : *field(scene) + value;

@@ -17,7 +17,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   std::optional<landing::Scene> scene;
   if (!a.scene.empty()) warn_of_unknown_ratings(sets[1], a.identified, run);
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");
-  if (!a.scene.empty()) scene = landing::read_scene(a.scene), run.input(a.scene);
+  if (!a.scene.empty()) scene = scene_of(a.scene, run);
   Json summary;
   if (!a.trials.empty()) {
     const identify::Rig rig = rig_of(a.rig, a.reading);

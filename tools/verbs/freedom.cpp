@@ -7,6 +7,7 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
+#include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/output.hpp"
 
@@ -63,9 +64,15 @@ void apply(const FreedomArguments& a, Scene& scene) {
 
 }  // namespace
 
-Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run) {
+Scene scene_of(const std::string& path, Run& run) {
   Scene scene = read_scene(path);
   run.input(path);
+  warn_of_doubts(path, read_floor_verdicts(path), run);
+  return scene;
+}
+
+Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run) {
+  Scene scene = scene_of(path, run);
   apply(arguments, scene);
   return scene;
 }

@@ -17,7 +17,9 @@ struct FreedomArguments {
   std::optional<double> release_phi, release_rate, from;  ///< deg, deg/s, s
 };
 void add_freedom(CLI::App& verb, FreedomArguments& arguments);
-/// The scene of a file, an input of the run, with the arguments in place of what it says. Throws InputError.
+/// The scene of a file, an input of the run, with a warning of what its calibration did not trust. Throws InputError.
+landing::Scene scene_of(const std::string& path, Run& run);
+/// The same, with the arguments in place of what it says. Throws InputError.
 landing::Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run);
 
 }  // namespace ukemi::tools

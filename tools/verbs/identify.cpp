@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "common/checks.hpp"
 #include "common/error.hpp"
@@ -111,6 +112,17 @@ TrialNeeds needs_of(const IdentifyQuestion& q) {
   return needs;
 }
 
+/// --start-angle: a number of rad, or "fit"; empty: at the reference.
+identify::InitialState initial_state(const std::string& text) {
+  using Kind = identify::InitialState::Kind;
+  if (text.empty()) return {};
+  if (text == "fit") return {Kind::kFitted};
+  const double angle = to_number("--start-angle", text);
+  if (!(std::abs(angle) <= 2 * std::numbers::pi))
+    throw InputError("--start-angle: " + quoted(text) + ": an angle within 2 pi rad, or fit, is needed");
+  return {Kind::kGiven, angle};
+}
+
 /// The landing that the fit is for, read before any work.
 struct AskedLanding {
   landing::Scene scene;
@@ -122,8 +134,7 @@ std::optional<AskedLanding> asked_landing(const IdentifyArguments& a, const Iden
   if (a.scene.empty()) throw InputError("--motion, --hold: --scene is needed with them");
   if (!q.options.terms.fits("k_p") && q.base.k_p == 0)
     throw InputError("--scene: a landing needs K_p and K_d, and this drive is identified by its command (k_t)");
-  AskedLanding out{.scene = landing::read_scene(a.scene), .motion = {}};
-  run.input(a.scene);
+  AskedLanding out{.scene = scene_of(a.scene, run), .motion = {}};
   out.motion = motion_of(a.motion, "identify --scene", run);
   return out;
 }
@@ -142,6 +153,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
     check_positive("--motor-torque-max", *a.motor_torque_max), q.rig.motor_torque_max = a.motor_torque_max;
   if (predict) q.given = actuator_of(a.actuator, run);
   if (!a.start.empty()) q.given = read_actuator(a.start), run.input(a.start);
+  const identify::InitialState initial = initial_state(a.start_angle);
   q.options = fit_options(a, common);
   q.options.monitor = run.monitor("identify");
   check(a, q);
@@ -154,6 +166,12 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   const std::optional<AskedLanding> asked = asked_landing(a, q, run);
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));
+  if (predict) {
+    Actuator mounted = *q.given;
+    mounted.sea = q.base;
+    return report(q, identify::predict({q.rig, q.trials, q.options}, mounted, initial), a.doubt,
+                  std::move(inputs.summary), run);
+  }
   const auto start = q.given ? std::optional(q.given->sea) : std::nullopt;
   using Force = identify::TrustOptions::Force;
   const bool by_residuals = a.reading.force_curve == TrialArguments::ForceCurve::kByResiduals;
@@ -161,10 +179,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
                                      .force = by_residuals ? Force::kByResiduals : Force::kAsSet,
                                      .profiles = split(a.profile),
                                      .threads = common.threads};
-  const identify::Identification found =
-      predict ? identify::Identification{.fit = identify::predict(q.rig, q.trials, q.base, q.options),
-                                         .force_smooth = q.trials.front().force_smooth}
-              : identify::identify({q.rig, q.trials, q.options}, start, q.base, depth);
+  const identify::Identification found = identify::identify({q.rig, q.trials, q.options}, start, q.base, depth);
   std::optional<LandingOfFit> landing;
   if (asked && found.trust)
     landing = landing_of_fit(asked->scene, fitted_actuator(q, found.fit), asked->motion, common.seed, common.threads);
@@ -184,7 +199,14 @@ void add_identify(CLI::App& app, Action& chosen) {
     if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
     add_trial_options(*verb, args->reading);
     verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
-    if (!predict) {
+    if (predict) {
+      verb->add_option(
+          "--start-angle", args->start_angle,
+          "angle that every trial starts at, at rest [rad], or fit: angle and rate of each trial are fitted "
+          "to it [at rest at its reference]");
+      verb->add_flag_callback(
+          "--strict", [args] { args->doubt = Doubt::kFail; }, "exit 1 where the prediction does not hold");
+    } else {
       verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
       verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");
       verb->add_option("--motor-torque-max", args->motor_torque_max,

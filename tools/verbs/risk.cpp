@@ -12,6 +12,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/risk.hpp"
+#include "tools/verbs/freedom.hpp"
 #include "tools/verbs/given_motion.hpp"
 #include "tools/verbs/scattering.hpp"
 #include "tools/verbs/verbs.hpp"
@@ -54,8 +55,7 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
 
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
   Run run("risk", common);
-  const Scene scene = read_scene(a.scene);
-  run.input(a.scene);
+  const Scene scene = scene_of(a.scene, run);
   const Actuator actuator = rated_actuator_of(a.actuator, run);
   const Motion motion = motion_of(a.motion, "risk", run);
   RiskOptions options = options_of(a, common, run);

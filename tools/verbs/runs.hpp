@@ -21,6 +21,7 @@ namespace ukemi::tools {
 struct IdentifyArguments {
   std::vector<std::string> trials;
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
+  std::string start_angle;           ///< predict: [rad], or "fit"
   std::string free, nuisance, prior, lower, upper, loss = "none";
   identify::FitOptions::Weights weights = identify::FitOptions::Weights::kEqual;
   TrialArguments reading;

@@ -12,6 +12,7 @@
 #include "tools/program/actuators.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/exporting.hpp"
+#include "tools/verbs/freedom.hpp"
 #include "tools/verbs/given_motion.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -46,8 +47,7 @@ ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuato
 
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   Run run("simulate", common);
-  Scene scene = read_scene(a.scene);
-  run.input(a.scene);
+  Scene scene = scene_of(a.scene, run);
   Actuator actuator = rated_actuator_of(a.actuator, run);
   Motion motion = motion_of(a.motion, "simulate", run);
   const double rate = a.rate.value_or(1000);

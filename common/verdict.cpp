@@ -1,0 +1,31 @@
+#include "common/verdict.hpp"
+
+#include <fmt/format.h>
+
+namespace ukemi {
+
+Verdicts read_verdicts(TomlFile& file, const std::vector<std::string>& constants) {
+  Verdicts out;
+  if (auto section = file.optional("verdict"))
+    for (const std::string& name : constants)
+      if (const auto verdict =
+              section->optional_choice(name, {"trusted", "weak", "not identifiable", "at its bound", "fixed"}))
+        out.emplace_back(name, *verdict);
+  return out;
+}
+
+std::string verdict_table(const Verdicts& verdicts) {
+  std::string t = verdicts.empty() ? "" : "\n[verdict]\n";
+  for (const auto& [constant, verdict] : verdicts) t += fmt::format("{} = \"{}\"\n", constant, verdict);
+  return t;
+}
+
+std::string doubts(const Verdicts& verdicts) {
+  std::string t;
+  for (const auto& [constant, verdict] : verdicts)
+    if (verdict != "trusted" && verdict != "fixed")
+      t += fmt::format("{}{} is {}", t.empty() ? "" : ", ", constant, verdict);
+  return t;
+}
+
+}  // namespace ukemi

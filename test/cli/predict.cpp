@@ -1,0 +1,72 @@
+// ukemi predict: its verdict, as a script reads it.
+#include <catch2/catch.hpp>
+
+#include "test/cli/refused.hpp"
+
+using namespace cli;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kHeldOut = dataset("impact_validation/trial_9.csv"), kRig9 = dataset("rigs/paper.toml");
+Arguments predict(const std::string& actuator) {
+  return Arguments{"predict", kHeldOut, "--rig", kRig9, "--actuator", actuator, "--strict", "--no-report"} + kOut;
+}
+
+}  // namespace
+
+TEST_CASE("predict: a held-out trial holds on the identified actuator, with a band; another actuator's does not") {
+  const Folder f;
+  Arguments fit = {"identify"};
+  for (int i = 1; i <= 8; ++i) fit.push_back(dataset("impact/trial_" + std::to_string(i) + ".csv"));
+  REQUIRE(run(fit + Arguments{"--rig", kRig9, "--no-report", "-o", "fit"}, f.at("")).code == 0);
+  const Result good = run(predict("fit/actuator.toml"), f.at(""));
+  INFO(good.out + good.err);
+  CHECK(good.code == 0);
+  CHECK_THAT(good.out, Contains("the prediction holds"));
+  CHECK(summary(f)["verdict"] == "holds");
+  CHECK(summary(f)["factor"].get<double>() <= 1);
+  CHECK(summary(f)["by_noise_alone"] == false);
+  CHECK(summary(f)["trials"][0]["verdict"] == "holds");
+  CHECK_THAT(read(f.at("out/fit.csv")), Contains("trial,t,phi,phi_sim,residual,band\n"));
+
+  const Result bad = run(predict(dataset("actuators/x8-9_nominal.toml")), f.at(""));
+  CHECK(bad.code == 1);
+  CHECK_THAT(bad.err, Contains("does not hold") && Contains("no covariance"));
+  CHECK(summary(f)["verdict"] == "does not hold");
+  CHECK(summary(f)["by_noise_alone"] == true);
+}
+
+TEST_CASE("predict: --start-angle is an angle in rad, or fit") {
+  const Arguments plain = {"predict", kHeldOut, "--rig", kRig9, "--actuator", kTable2};
+  check_refused(Folder(), plain + Arguments{"--start-angle", "10"} + kOut,
+                {"--start-angle: '10': ", "2 pi rad, or fit"});
+  check_refused(Folder(), plain + Arguments{"--start-angle", "fits"} + kOut, {"--start-angle: 'fits': "});
+  const Folder f;
+  const Result r = done(f, plain + Arguments{"--start-angle", "fit", "--no-report"} + kOut);
+  CHECK(summary(f)["nuisance"]["initial_angle"].size() == 1);
+  CHECK(std::abs(summary(f)["nuisance"]["initial_angle"][0]["value"].get<double>()) < 1e-3);
+  done(f, plain + Arguments{"--start-angle", "0.2", "--no-report"} + kOut);
+  CHECK(summary(f)["verdict"] == "does not hold");
+}
+
+TEST_CASE("predict: friction does not carry over on the measured flexible drive, and the prediction says so") {
+  const auto output = lab_file("flexible_drive/p_output_050.csv"), motor = lab_file("flexible_drive/p_motor_270.csv");
+  if (!output || !motor) return;
+  // Fitted to the run that feeds back the load cart, predicting the one that feeds back the motor cart.
+  const Folder f;
+  const std::string head = "[rig]\nlength = 1\ninertia_joint = 1\n[drive]\ncommand_limit = 8\n";
+  f.write("output.toml", head + "command_gain = 50\nfeedback = \"output\"\n");
+  f.write("motor.toml", head + "command_gain = 270\nfeedback = \"motor\"\n");
+  const std::string columns = "t=t_s,phi=0.001*x2_mm,phi_motor=0.001*x1_mm,phi_ref=0.001*xr_mm";
+  (void)run({"identify", *output, "--rig", "output.toml", "--columns", columns, "--nuisance",
+             "friction,output_friction,viscous,output_viscous", "--no-report", "-o", "fit"},
+            f.at(""));
+  const Result r = run(Arguments{"predict", *motor, "--rig", "motor.toml", "--columns", columns, "--actuator",
+                                 "fit/actuator.toml", "--strict", "--no-report"} +
+                           kOut,
+                       f.at(""));
+  INFO(r.out + r.err);
+  CHECK(r.code == 1);
+  CHECK(summary(f)["verdict"] == "does not hold");
+}
