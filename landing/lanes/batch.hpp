@@ -38,6 +38,7 @@ struct BatchOptions {
   /// Some actuator has friction of the motor, a stiffening spring or motor-side feedback. Those with dry friction on
   /// the output are followed by the scalar path.
   bool extended = false;
+  bool late = false;                      ///< some actuator's drive is late; else the scalar path follows it
   Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
   enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
   long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit
