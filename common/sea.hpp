@@ -110,6 +110,12 @@ T spring_torque(const SeaParameters<T>& p, const SeaState<T>& s) {
   return torque;
 }
 
+/// Whether a spring that softens, bent by d, no longer resists: its tangent stiffness K_SEA + 3 K_3 d^2 is not above 0.
+/// No run follows it there.
+inline bool gives_way(double k_sea, double k_sea_cubic, double d) {
+  return k_sea_cubic < 0 && k_sea + 3 * k_sea_cubic * d * d <= 0;
+}
+
 /// d tau'/dt for given accelerations of both sides [Nm/s]; locates the torque limit in time.
 template <SeaTerms kTerms, Scalar T>
 T spring_torque_rate(const SeaParameters<T>& p, const SeaState<T>& s, const T& ddphi, const T& ddphi_m) {

@@ -23,9 +23,9 @@ void hang(const System& rig, const Drive& drive, double phi, const T& offset, St
     using U = std::decay_t<decltype(x[0])>;
     system.input = {};
     system.input.phi_ref = phi;
-    auto y = x;
-    system.steady(0.0, y);
-    const std::array<U, kSides> torque = system.torques(0.0, y);
+    auto still = x;
+    system.steady(0.0, still);
+    const std::array<U, kSides> torque = system.torques(0.0, still);
     return Eigen::Matrix<U, 2, 1>(
         torque[kOutputSide], by_command ? U(x[System::kPhi] - angle) : U(torque[kOutputSide] + torque[kMotorSide]));
   };

@@ -154,12 +154,6 @@ class Roll {
   void record_torque(std::size_t sample, const State& y) {
     if (torque_) (*torque_)[sample] = nuisance_.torque_gain * system_.spring_on_output(y) + nuisance_.torque_bias;
   }
-  /// Whether a spring that softens has been bent to where it no longer resists: its tangent stiffness is at 0.
-  bool gives_way(const State& y) const {
-    if constexpr (!kTerms.extended) return false;
-    const double cubic = value_of(system_.sea.k_sea_cubic), d = value_of(y[System::kPhiM]) - value_of(y[System::kPhi]);
-    return cubic < 0 && value_of(system_.sea.k_sea) + 3 * cubic * d * d <= 0;
-  }
   /// kDone while the link is within its bounds.
   RolloutStatus bounds(double angle) const {
     if (std::abs(angle - trial_.phi_start) < options_.escape) return RolloutStatus::kDone;
@@ -264,7 +258,11 @@ class Roll {
         }
       }
       const RolloutStatus status = bounds(value_of(driver_.state()[System::kPhi]));
-      if (gives_way(driver_.state())) return RolloutStatus::kEscaped;
+      if constexpr (kTerms.extended) {
+        const Values y = values(driver_.state());
+        if (gives_way(plain_.sea.k_sea, plain_.sea.k_sea_cubic, y[System::kPhiM] - y[System::kPhi]))
+          return RolloutStatus::kEscaped;
+      }
       if (status != RolloutStatus::kDone) return status;
       if (outcome.event >= 0) {
         if (!cross(outcome.event)) return RolloutStatus::kDiverged;

@@ -80,7 +80,7 @@ class DifferentiatedLanding {
 
   static Values values(const State& y) {
     Values v;
-    for (int k = 0; k < kMechanical; ++k) v[k] = value_of(y[k]);
+    for (int k = 0; k < System::kStates; ++k) v[k] = value_of(y[k]);
     return v;
   }
   /// ddr_0 with its derivatives at a fixed time.
@@ -90,8 +90,8 @@ class DifferentiatedLanding {
   /// ddr_0 with its rate.
   Vec2<Dual> acceleration_rate(double t, const Values& y, const Values& dy) const {
     const LandingSystem<kTerms, false, Dual, double> dual(plain_);
-    Eigen::Matrix<Dual, kMechanical, 1> x, dx;
-    for (int k = 0; k < kMechanical; ++k) x[k].a = y[k], x[k].v[0] = dy[k];
+    Eigen::Matrix<Dual, System::kStates, 1> x, dx;
+    for (int k = 0; k < System::kStates; ++k) x[k].a = y[k], x[k].v[0] = dy[k];
     dual.derivative(Dual(t, 0), x, dx);
     return thigh_acceleration(dual.link, dual.pose(x), {dx[kVx], dx[kVy], dx[kOmega0], dx[kOmega1]});
   }
@@ -188,5 +188,13 @@ class DifferentiatedLanding {
   Derivatives touchdown_ = Derivatives::Zero();  ///< dt_0/dp of the first
   ContactOrder contacts_;
 };
+
+/// f<the terms of the kernel that an actuator needs>().
+template <class F>
+auto with_terms(const SeaParameters<double>& sea, F&& f) {
+  if (is_late(sea)) return f.template operator()<LandingTerms{SeaTerms{true, true, true}}>();
+  if (is_extended(sea)) return f.template operator()<LandingTerms{SeaTerms{true, true}}>();
+  return f.template operator()<LandingTerms{SeaTerms{true, false}}>();
+}
 
 }  // namespace ukemi::landing

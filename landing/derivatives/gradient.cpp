@@ -158,9 +158,7 @@ PeakGradients<P> peaks_of(const Scene& scene, const SeaParameters<double>& sea, 
 template <int P>
 PeakGradients<P> differentiate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                const SimulateOptions& options, int most) {
-  constexpr LandingTerms kLimited{SeaTerms{true, false}}, kExtended{SeaTerms{true, true}};
-  if (is_extended(sea)) return peaks_of<P, kExtended>(scene, sea, motion, options, most);
-  return peaks_of<P, kLimited>(scene, sea, motion, options, most);
+  return with_terms(sea, [&]<LandingTerms kTerms>() { return peaks_of<P, kTerms>(scene, sea, motion, options, most); });
 }
 
 }  // namespace

@@ -99,9 +99,7 @@ DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, cons
   until.t_end = times.back();
   SimulateOptions through = options;
   through.rest = SimulateOptions::Rest::kIgnore;
-  constexpr LandingTerms kLimited{SeaTerms{true, false}}, kExtended{SeaTerms{true, true}};
-  if (is_extended(sea)) return roll<kExtended>(until, sea, motion, times, through);
-  return roll<kLimited>(until, sea, motion, times, through);
+  return with_terms(sea, [&]<LandingTerms kTerms>() { return roll<kTerms>(until, sea, motion, times, through); });
 }
 
 }  // namespace ukemi::landing

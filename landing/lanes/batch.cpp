@@ -70,7 +70,7 @@ void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks,
   BatchOptions o = options;
   std::size_t motor_side = 0;
   for (const BatchCase& c : cases) {
-    o.extended = o.extended || is_extended(*c.sea);
+    o.extended = o.extended || is_extended(*c.sea), o.late = o.late || is_late(*c.sea);
     motor_side += c.sea->feedback == Feedback::kMotor;
   }
   o.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;

@@ -36,6 +36,7 @@ struct BatchOptions {
   double accuracy = 1e-5;                 ///< relative tolerance of each step, 1e-7..1e-2: the method is of order 5
   Limits limits;                          ///< see SimulateOptions
   bool extended = false;                  ///< some actuator has friction, a stiffening spring or motor-side feedback
+  bool late = false;                      ///< some actuator's drive is late; else the scalar path follows it
   Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
   enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
   long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit

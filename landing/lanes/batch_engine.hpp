@@ -32,7 +32,7 @@ class BatchEngine {
   using Single = LandingSystem<kTerms, false, double>;
   using State = typename System::State;
   using Node = integrate::Node;
-  static constexpr int kGuards = System::kGuards;
+  static constexpr int kGuards = System::kGuards, kStates = System::kStates;
   static constexpr integrate::StepControl kControl{};
 
  public:
@@ -66,7 +66,8 @@ class BatchEngine {
       }
       case_[i] = c;
       const Scene& scene = *c.scene;
-      if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || c.sea->feedback != options_.feedback) {
+      if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || (is_late(*c.sea) && !kTerms.sea.late) ||
+          c.sea->feedback != options_.feedback || c.sea->k_sea_cubic < 0) {
         hand_over(i);
         continue;
       }
@@ -78,7 +79,7 @@ class BatchEngine {
       square_.set(i, schedule.ballistic() ? g * g : 0), t_peak_.set(i, 0);
       if (schedule.ballistic()) fly(single, scene, t, y);
       if (schedule.flies_on()) {
-        out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y;
+        out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y.template head<kMechanical>();
         source_.done(i, out);
         continue;
       }
@@ -86,12 +87,13 @@ class BatchEngine {
       TwoLinkDynamics<T>::for_each(system_.link, single.link, set);
       Floor<T>::for_each(system_.floor, single.floor, set);
       SeaParameters<T>::for_each(system_.sea, single.sea, set);
+      if constexpr (kTerms.sea.late) system_.lag = typename System::Lag(system_.sea);
       system_.shaped = system_.shaped || has_bumps(c.motion);
       single.turn(schedule.opening(single), c.motion, t);
       ReferencePiece<T>::for_each(system_.piece, single.piece, set);
       for (int j = 0; j < kPoints; ++j) system_.present[j].set(i, single.present[j]);
       system_.set_lane(i, single);
-      for (int k = 0; k < kMechanical; ++k) {
+      for (int k = 0; k < kStates; ++k) {
         step_.y[k].set(i, y[k]);
         unit_[k].set(i, single.tolerance_unit(k));
       }
@@ -108,7 +110,7 @@ class BatchEngine {
 
   /// A state for a lane without a landing that costs its neighbours nothing: angles that are no numbers, or large, do.
   void empty(int i) {
-    for (int k = 0; k < kMechanical; ++k) step_.y[k].set(i, 0), step_.slope[k].set(i, 0), unit_[k].set(i, 1);
+    for (int k = 0; k < kStates; ++k) step_.y[k].set(i, 0), step_.slope[k].set(i, 0), unit_[k].set(i, 1);
   }
 
   /// The scalar path follows the lane's landing.
@@ -238,7 +240,7 @@ class BatchEngine {
       field(step_.t, step_.y, dy);
       guards(step_.t, step_.y, dy, g);
       M violated(false);
-      for (int k = 0; k < kMechanical; ++k) assign(step_.slope[k], stale_, dy[k]);
+      for (int k = 0; k < kStates; ++k) assign(step_.slope[k], stale_, dy[k]);
       for (int k = 0; k < kGuards; ++k) {
         assign(start_.value[k], stale_, g.value[k]), assign(start_.rate[k], stale_, g.rate[k]);
         violated |= stale_ & (g.value[k] <= T(0.0)) & (g.rate[k] < T(0.0));
@@ -280,12 +282,12 @@ class BatchEngine {
   UKEMI_BATCH_STAGE void judge() {
     const State e = step_.error_rate();
     T sum(0.0), check(0.0);
-    for (int k = 0; k < kMechanical; ++k) {
+    for (int k = 0; k < kStates; ++k) {
       const T size = unit_[k] + max(abs(step_.y[k]), abs(step_.y_end[k])), r = e[k] / size;
       sum += r * r;
       check += step_.slope_end[k];
     }
-    const T error2 = sum * step_.h * step_.h * T(1 / (double(kMechanical) * options_.accuracy * options_.accuracy));
+    const T error2 = sum * step_.h * step_.h * T(1 / (double(kStates) * options_.accuracy * options_.accuracy));
     accepted_ = active_ & (error2 <= T(1.0)) & finite(check);
     const T factor =
         select(finite(error2), T(kControl.safety) * inverse_tenth_root(max(error2, T(1e-24))), T(kControl.broken));
@@ -360,7 +362,7 @@ class BatchEngine {
   UKEMI_BATCH_STAGE void move_on() {
     const T h = step_.h + shift_;
     assign(step_.t, accepted_, step_.t + h);
-    for (int k = 0; k < kMechanical; ++k) {
+    for (int k = 0; k < kStates; ++k) {
       assign(step_.y[k], accepted_, step_.y_end[k] + shift_ * step_.slope_end[k]);
       assign(step_.slope[k], accepted_, step_.slope_end[k]);
     }
@@ -376,7 +378,7 @@ class BatchEngine {
     M broken(false);
     if (options_.limits.within_steps()) {
       const SeaState<T> s = System::sea_state(step_.y);
-      broken = accepted_ & options_.limits.broken_by(s, system_.motor_torque_of(s, system_.reference(step_.t)));
+      broken = accepted_ & options_.limits.broken_by(s, system_.motor_torque_of(step_.t, step_.y));
     }
     const M rest = plain & at_rest(system_, step_.y, square_, rest_scale_);
     const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
@@ -407,12 +409,12 @@ class BatchEngine {
   const std::function<bool()> over_ = [this] { return source_.over(); };
   System system_{TwoLink<T>{{T(1.0), T(1.0)}, {T(1.0), T(1.0)}, T(1.0), T(0.0)}, Floor<T>{T(1.0), T(0.0), T(0.0)},
                  SeaParameters<T>{T(0.0), T(0.0), T(0.0), T(0.0), T(1.0)}, MotionOf<T>{T(0.0), T(0.0), T(1.0)}};
-  integrate::Step<integrate::DormandPrince54, T, kMechanical> step_;
+  integrate::Step<integrate::DormandPrince54, T, kStates> step_;
   typename System::GuardValues start_, end_;
   T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, stop_{0.0}, motion_part_{0.0}, abandon_square_{0.0};
   T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, rest_scale_{0.0}, steps_{0.0};
   M active_, stale_, cut_, rejected_, accepted_, event_, last_;
-  std::array<T, kMechanical> unit_;
+  std::array<T, kStates> unit_;
   std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step
   std::array<int, W> target_{}, immediate_{}, cuts_{};
   std::array<double, W> t_event_{};  ///< the instant that immediate_ counts at

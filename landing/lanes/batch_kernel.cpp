@@ -27,7 +27,9 @@ namespace ukemi::landing {
 
 template <>
 void run_lanes<UKEMI_BATCH_LANES>(BatchSource& source, const BatchOptions& options) {
-  if (options.extended)
+  if (options.late)
+    BatchEngine<LandingTerms(SeaTerms{true, true, true}), UKEMI_BATCH_LANES>(source, options).run();
+  else if (options.extended)
     BatchEngine<LandingTerms(SeaTerms{true, true}), UKEMI_BATCH_LANES>(source, options).run();
   else
     BatchEngine<LandingTerms(SeaTerms{true, false}), UKEMI_BATCH_LANES>(source, options).run();

@@ -1,6 +1,6 @@
 // The landing robot as a hybrid system: Eq. 1 with the actuator of Eq. 2-4 and the floor of Sec. 2.4, one smooth mode
-// at a time (mode.hpp). State: see Component; with kAccounts three further components integrate the work of the joint
-// torque, of the floor and on the motor, for the energy check.
+// at a time (mode.hpp). State: see Component, then of a drive that is late the states of DriveLag; with kAccounts three
+// further components integrate the work of the joint torque, of the floor and on the motor, for the energy check.
 #pragma once
 
 #include "common/integrate/hybrid.hpp"
@@ -9,9 +9,6 @@
 #include "landing/model/scene.hpp"
 
 namespace ukemi::landing {
-
-/// Work accounts behind the mechanical components [J].
-enum Account { kWorkJoint = kMechanical, kWorkFloor, kWorkMotor, kWithAccounts };
 
 /// Which terms a kernel is compiled with. A kernel without a term pays nothing for it.
 struct LandingTerms {
@@ -28,8 +25,11 @@ class LandingSystem : public ModeOf<T>::type {
  public:
   using Mode = typename ModeOf<T>::type;
   using Mode::contact, Mode::saturation, Mode::phase;
-  static constexpr int kControlled = kMechanical, kPositions = kVx, kGuards = kLandingGuards;
-  using State = Eigen::Matrix<T, kAccounts ? int(kWithAccounts) : int(kMechanical), 1>;
+  using Lag = std::conditional_t<kTerms.late, DriveLag<T>, NoLag<T>>;
+  static constexpr int kLags = Lag::kStates, kStates = kMechanical + kLags;
+  static constexpr int kControlled = kStates, kPositions = kVx, kGuards = kLandingGuards;
+  enum Account { kWorkJoint = kStates, kWorkFloor, kWorkMotor, kWithAccounts };  ///< work [J]
+  using State = Eigen::Matrix<T, kAccounts ? int(kWithAccounts) : kStates, 1>;
   using Lane = typename MaskOf<T>::type;
   using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
   using GuardValues = integrate::Guards<kGuards, Value>;
@@ -38,7 +38,7 @@ class LandingSystem : public ModeOf<T>::type {
   struct Field {
     Pose<T> pose;
     SeaState<T> sea;
-    T tau_sea;
+    T tau_sea, tau_mot;
     Reference<T> reference;
     std::array<Vec2<T>, kPoints> force;
   };
@@ -51,7 +51,7 @@ class LandingSystem : public ModeOf<T>::type {
   /// With constants that may carry derivatives; no point may touch until `present` says so.
   LandingSystem(const TwoLink<Constant>& robot, const Floor<T>& f, const SeaParameters<T>& actuator,
                 const MotionOf<T>& motion)
-      : link(robot), floor(f), sea(actuator), piece(standing_at(motion.release_phi())) {
+      : link(robot), floor(f), sea(actuator), lag(actuator), piece(standing_at(motion.release_phi())) {
     if constexpr (kTerms.torque_limit && !kIsPack<T>)
       if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
   }
@@ -63,6 +63,7 @@ class LandingSystem : public ModeOf<T>::type {
         link(o.link.template cast<Constant>()),
         floor(o.floor.template cast<T>()),
         sea(o.sea.template cast<T>()),
+        lag(o.lag),
         piece(o.piece.template cast<T>()),
         shaped(o.shaped),
         present(o.present) {}
@@ -70,6 +71,7 @@ class LandingSystem : public ModeOf<T>::type {
   TwoLinkDynamics<Constant> link;
   Floor<T> floor;
   SeaParameters<T> sea;
+  [[no_unique_address]] Lag lag;
   ReferencePiece<T> piece;  ///< of the reference, at present
   bool shaped = false;      ///< it has bumps
   std::array<Lane, kPoints> present{};
@@ -138,7 +140,13 @@ class LandingSystem : public ModeOf<T>::type {
     const Accelerations<T> acc = solve(link, p, turning, load);
     for (int i = 0; i < kVx; ++i) dy[i] = y[kVx + i];
     dy[kVx] = acc.x, dy[kVy] = acc.y, dy[kOmega0] = acc.theta0, dy[kOmega1] = acc.theta1;
-    dy[kOmegaM] = motor_acceleration<kTerms>(sea, joint, reference(t), tau);
+    if constexpr (kTerms.late) {
+      const T ask = asked(t, y);
+      dy[kOmegaM] = motor_acceleration<kTerms>(sea, joint.dphi_m, lag.torque(ask, lags(y)), tau);
+      dy.template segment<kLags>(kMechanical) = lag.derivative(ask, joint, lags(y));
+    } else {
+      dy[kOmegaM] = motor_acceleration<kTerms>(sea, joint, reference(t), tau);
+    }
     if constexpr (kAccounts) {
       dy[kWorkJoint] = turning * joint.dphi;
       dy[kWorkFloor] = floor_power;
@@ -160,7 +168,7 @@ class LandingSystem : public ModeOf<T>::type {
 
   /// The torques and forces of a state, for reports.
   Field evaluate(double t, const State& y) const {
-    Field f{pose(y), sea_state(y), T(0), reference(t), {}};
+    Field f{pose(y), sea_state(y), T(0), motor_torque_of(t, y), reference(t), {}};
     for (int j = 0; j < kPoints; ++j) f.force[j] = below(contact[j]) ? force(f.pose, j) : Vec2<T>(T(0), T(0));
     f.tau_sea = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, f.sea), saturation);
     return f;
@@ -172,13 +180,29 @@ class LandingSystem : public ModeOf<T>::type {
     using std::abs;
     const SeaState<T> still{y[kTheta1] - y[kTheta0], y[kPhiM], T(0), T(0)};
     const Reference<T> held = standing();
-    const T torque = abs(T(motor_torque<kTerms>(sea, still, held) - spring_torque<kTerms>(sea, still)));
+    const T held_torque = motor_torque<kTerms>(sea, still, held);
+    T torque = abs(T(held_torque - spring_torque<kTerms>(sea, still)));
+    if constexpr (kTerms.late) torque += abs(T(lag.torque(held_torque, lags(y)) - held_torque));  // still under way
     if constexpr (!kTerms.extended) return torque;
     const T held_back = sea.friction * (T(1) - abs(sea.friction_asymmetry));
     return select(torque > held_back, T(torque - held_back), T(0));
   }
 
-  T motor_torque_of(const SeaState<T>& s, const Reference<T>& r) const { return motor_torque<kTerms>(sea, s, r); }
+  /// tau_mot of a state, as late as the drive is [Nm].
+  template <class Time>
+  T motor_torque_of(const Time& t, const State& y) const {
+    if constexpr (kTerms.late)
+      return lag.torque(asked(t, y), lags(y));
+    else
+      return asked(t, y);
+  }
+  /// The drive has seen the rates of y, and asked for the torque that it asks for, for ever.
+  void steady([[maybe_unused]] State& y) const {
+    if constexpr (kTerms.late) {
+      const SeaState<T> s = sea_state(y);
+      y.template segment<kLags>(kMechanical) = lag.steady(motor_torque<kTerms>(sea, s, standing()), s);
+    }
+  }
 
   /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y. The driver asks for their
   /// values alone; in a T they keep their derivatives.
@@ -217,9 +241,12 @@ class LandingSystem : public ModeOf<T>::type {
     }
   }
 
-  /// Sizes below which a component need not be relatively exact: a link's length, 1 rad, and those at 10 1/s.
+  /// Sizes below which a component need not be relatively exact: a link's length, 1 rad, and those at 10 1/s; of the
+  /// drive's torques what Eq. 3 makes of a tenth of them.
   Value tolerance_unit(int i) const {
     constexpr double kRate = 10;
+    if (i >= kMechanical && i != kMechanical + int(DriveLag<T>::kRate))
+      return Value(0.1) * (value_of(sea.k_p) + Value(kRate) * value_of(sea.k_d)) + Value(1e-6);
     const Value length = Value(2) * value_of(link.a);
     const Value unit = i == kX || i == kY || i == kVx || i == kVy ? length : Value(1);
     return i >= kVx ? unit * Value(kRate) : unit;
@@ -230,6 +257,14 @@ class LandingSystem : public ModeOf<T>::type {
   T motor_energy(const State& y) const { return T(0.5) * sea.i_motor * y[kOmegaM] * y[kOmegaM]; }
 
  private:
+  static auto lags(const State& y) { return y.template segment<kLags>(kMechanical); }
+  /// What the drive asks for now, Eq. 3 of what it sees [Nm].
+  template <class Time>
+  T asked(const Time& t, const State& y) const {
+    SeaState<T> s = sea_state(y);
+    if constexpr (kTerms.late) s = lag.seen(s, lags(y));
+    return motor_torque<kTerms>(sea, s, reference(t));
+  }
   Reference<T> standing() const { return {select(after(phase), piece.b, piece.a), T(0)}; }
 
   mutable T theta0_{std::numeric_limits<double>::quiet_NaN()}, theta1_{};

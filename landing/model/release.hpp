@@ -32,6 +32,7 @@ typename System::State released(const System& system, const Scene& scene, const 
       lowest = select(h < lowest, h, lowest);
     }
   y[kY] = drop.height - lowest;
+  system.steady(y);
   return y;
 }
 

@@ -17,7 +17,7 @@ namespace ukemi::landing {
 template <class System>
 bool breaks(const System& system, const Limits& limits, double t, const typename System::State& y) {
   const SeaState<double> s = system.sea_state(y);
-  return limits.broken_by(s, system.motor_torque_of(s, system.reference(t)));
+  return limits.broken_by(s, system.motor_torque_of(t, y));
 }
 
 /// Follows one landing with `Method` and the kernel of `kTerms`; with kReport, everything that a report needs.
@@ -95,6 +95,10 @@ class Follower {
   std::optional<End> look(Integrator& integrator) {
     const double before = peak_.square;
     if (!peak_.step(system_, integrator)) return failed(Failure::kUnresolved);
+    if constexpr (kTerms.sea.extended) {
+      const SeaState<double> s = system_.sea_state(integrator.state());
+      if (gives_way(system_.sea.k_sea, system_.sea.k_sea_cubic, s.phi_m - s.phi)) return failed(Failure::kGivesWay);
+    }
     if (peak_.square != before) out_.peak_contact = out_.contacts.size() - 1;
     if (options_.limits.within_steps() && breaks(system_, options_.limits, t_, integrator.state())) return End::kBroken;
     if constexpr (kReport) recorder_.step(system_, integrator);

@@ -19,6 +19,7 @@ inline constexpr LandingTerms kFlight{SeaTerms{true, true}, false};  ///< nothin
 inline constexpr LandingTerms kPlain{SeaTerms{false, false}};        ///< no torque limit
 inline constexpr LandingTerms kLimited{SeaTerms{true, false}};       ///< the paper's scene
 inline constexpr LandingTerms kExtended{SeaTerms{true, true}};       ///< friction, stiffening or motor-side feedback
+inline constexpr LandingTerms kLate{SeaTerms{true, true, true}};     ///< and a drive that is late
 
 template <bool kReport>
 void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
@@ -29,7 +30,9 @@ void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion
     else
       Follower<HighOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
   };
-  if (!scene.touches())
+  if (is_late(sea))
+    with.template operator()<kLate>();
+  else if (!scene.touches())
     with.template operator()<kFlight>();
   else if (is_extended(sea))
     with.template operator()<kExtended>();

@@ -7,8 +7,13 @@ namespace ukemi::landing {
 
 void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                         const SimulateOptions& options, LandingPeak& out) {
-  constexpr LandingTerms kAll{SeaTerms{true, true}};
-  const auto with = [&]<class M>() { Follower<M, kAll, false>(scene, sea, motion, options, out, nullptr, 0).follow(); };
+  const auto with = [&]<class M>() {
+    if (is_late(sea))
+      Follower<M, LandingTerms{SeaTerms{true, true, true}}, false>(scene, sea, motion, options, out, nullptr, 0)
+          .follow();
+    else
+      Follower<M, LandingTerms{SeaTerms{true, true}}, false>(scene, sea, motion, options, out, nullptr, 0).follow();
+  };
   switch (options.method) {
     case Method::kSemiImplicitEuler:
       return with.template operator()<integrate::SemiImplicitEuler>();

@@ -47,14 +47,15 @@ class Recorder {
     (void)touch_.step(system, integrator);  // the run has judged the step
     const auto& step = integrator.step();
     for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0})
-      observe(system.evaluate(step.t + s * step.h, integrator.dense().at(s)), system);
+      observe(system.evaluate(step.t + s * step.h, integrator.dense().at(s)));
     for (; rate_ > 0 && next_row() <= step.t + step.h; ++rows_)
       if (next_row() >= step.t) row(system, next_row(), integrator.dense().at(step.place_of(next_row())));
-    for (int i = kWorkJoint; i < kWithAccounts; ++i) turned_ += std::abs(step.y_end[i] - work_[i - kWorkJoint]);
+    for (int i = System::kWorkJoint; i < System::kWithAccounts; ++i)
+      turned_ += std::abs(step.y_end[i] - work_[i - System::kWorkJoint]);
     work_ = step.y_end.template tail<3>();
-    const double links =
-        system.link_energy(step.y_end) - energy_start_ - step.y_end[kWorkJoint] - step.y_end[kWorkFloor];
-    const double motor = system.motor_energy(step.y_end) - motor_start_ - step.y_end[kWorkMotor];
+    const double links = system.link_energy(step.y_end) - energy_start_ - step.y_end[System::kWorkJoint] -
+                         step.y_end[System::kWorkFloor];
+    const double motor = system.motor_energy(step.y_end) - motor_start_ - step.y_end[System::kWorkMotor];
     mismatch_ = std::max({mismatch_, std::abs(links), std::abs(motor)});
   }
 
@@ -108,7 +109,7 @@ class Recorder {
     interval_ = {0, 0, next};
   }
 
-  void observe(const typename System::Field& f, const System& system) {
+  void observe(const typename System::Field& f) {
     for (int j = 0; j < kPoints; ++j)
       if (open_[j] >= 0) {
         double& peak = out_.touches[open_[j]].peak_force;
@@ -116,7 +117,7 @@ class Recorder {
       }
     Demands& d = out_.demands;
     d.motor_speed = std::max(d.motor_speed, std::abs(f.sea.dphi_m));
-    d.motor_torque = std::max(d.motor_torque, std::abs(system.motor_torque_of(f.sea, f.reference)));
+    d.motor_torque = std::max(d.motor_torque, std::abs(f.tau_mot));
     d.sea_torque = std::max(d.sea_torque, std::abs(f.tau_sea));
     d.phi_min = std::min(d.phi_min, f.sea.phi), d.phi_max = std::max(d.phi_max, f.sea.phi);
   }

@@ -36,6 +36,8 @@ const char* reason(const LandingPeak& landing) {
       return "the run needs more steps than are allowed (is the scene stiff?)";
     case Failure::kUnresolved:
       return "the acceleration inside a step is far above its ends: the steps do not resolve it";
+    case Failure::kGivesWay:
+      return "the spring softens until it no longer resists (k_sea_cubic)";
     case Failure::kUnbalanced:
       return "the energy balance does not close";
   }

@@ -35,6 +35,7 @@ enum class Failure : unsigned char {
   kIntegration,  ///< the integrator stopped; LandingPeak::status says why
   kSteps,        ///< more than SimulateOptions::max_steps
   kUnresolved,   ///< |ddr_0| inside a step is far above its ends: a peak that the step does not resolve
+  kGivesWay,     ///< a spring that softens was bent to where it no longer resists
   kUnbalanced,   ///< the energy balance does not close: motion and forces do not belong together
 };
 

@@ -24,7 +24,7 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
       space_(space),
       options_(options) {
   const Play middle = space.play(space.values(space.centre()));
-  extended_ = is_extended(middle.sea), feedback_ = middle.sea.feedback;
+  extended_ = is_extended(middle.sea), late_ = is_late(middle.sea), feedback_ = middle.sea.feedback;
   if (scene.joint) options_.limits.joint = *scene.joint;
   const Limits& limits = options_.limits;
   limited_ = limits.any_forbidden() || limits.within_steps() || (limits.any() && middle.motion.reposition);
@@ -157,6 +157,7 @@ void Objective::evaluate(std::span<Candidate> points, Goal goal) {
   const BatchOptions batch{.accuracy = options_.accuracy,
                            .limits = options_.limits,
                            .extended = extended_,
+                           .late = late_,
                            .feedback = feedback_,
                            .too_long = patient_ ? BatchOptions::Long::kScalar : BatchOptions::Long::kFail,
                            .max_steps = patient_ ? BatchOptions().max_steps : max_steps_};

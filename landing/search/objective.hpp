@@ -120,7 +120,7 @@ class Objective {
   bool too_quick(const Play& play) const;
   void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
   bool limited_;  ///< a landing may break a limit
-  bool extended_;
+  bool extended_, late_;
   Feedback feedback_;
   bool patient_ = false;  ///< landings may be as long as they like
   long max_steps_ = 0;

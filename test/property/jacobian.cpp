@@ -51,6 +51,7 @@ void check_landing() {
     if (kTerms.sea.extended)
       sea.output_friction = 0.2, sea.breakaway = 0.5, sea.spring_loss = 0.05, sea.output_viscous = 0.1,
       sea.friction = 0.3, sea.k_sea_cubic = 50, sea.feedback = i % 2 ? Feedback::kMotor : Feedback::kOutput;
+    if (kTerms.sea.late) sea.control_delay = i % 3 ? 2e-3 : 0, sea.velocity_filter = i % 3 ? i % 2 * 3e-3 : 3e-3;
     const Motion motion{r.uniform(-1.5, 0), r.uniform(-1.5, 0), 0.3};
     LandingSystem<kTerms, kAccounts> system(scene, sea, motion);
     for (Contact& c : system.contact) c = Contact(int(r.uniform(0, 3)));
@@ -68,15 +69,17 @@ void check_landing() {
 TEST_CASE("jacobian: the landing robot's is exact, in every mode") {
   check_landing<landing::LandingTerms{SeaTerms{true, false}}, false>();
   check_landing<landing::LandingTerms{SeaTerms{true, true}}, true>();
+  check_landing<landing::LandingTerms{SeaTerms{true, true, true}}, true>();
 }
 
-TEST_CASE("jacobian: the rig's is exact") {
-  using System = identify::OneLinkSystem<SeaTerms{true, true}, double>;
+TEMPLATE_TEST_CASE_SIG("jacobian: the rig's is exact", "", ((bool kLate), kLate), false, true) {
+  using System = identify::OneLinkSystem<SeaTerms{true, true, kLate}, double>;
   for (std::uint64_t i = 0; i < 200; ++i) {
     Random r(kSeed, i);
-    System system(
-        {r.uniform(0, 100), r.uniform(0, 3), r.uniform(1, 200), r.uniform(0, 3), r.uniform(0.01, 0.2), 20, 0.2, 30},
-        {.length = 0.3, .inertia = 0.024, .gravity = {r.uniform(0, 5), r.uniform(-1, 1)}});
+    SeaParameters<double> sea{
+        r.uniform(0, 100), r.uniform(0, 3), r.uniform(1, 200), r.uniform(0, 3), r.uniform(0.01, 0.2), 20, 0.2, 30};
+    if (kLate) sea.control_delay = 1e-3, sea.velocity_filter = 2e-3;
+    System system(sea, {.length = 0.3, .inertia = 0.024, .gravity = {r.uniform(0, 5), r.uniform(-1, 1)}});
     system.input = {.t = 0.1,
                     .pushed = true,
                     .curved = i % 2 == 0,
@@ -86,8 +89,8 @@ TEST_CASE("jacobian: the rig's is exact") {
                     .dphi_ref = 0.5,
                     .dphi_ref_rate = 2};
     system.mode.saturation = int(i % 3) - 1;
-    System::State y;
-    for (int k = 0; k < 4; ++k) y[k] = r.uniform(-1, 1) * (k < 2 ? 1 : 5);
+    typename System::State y;
+    for (int k = 0; k < y.size(); ++k) y[k] = r.uniform(-1, 1) * (k < 2 ? 1 : 5);
     CAPTURE(i);
     CHECK(disagreement(system, 0.11, y) < 1e-7);
   }

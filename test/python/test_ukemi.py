@@ -180,6 +180,7 @@ def test_a_planner_answers_by_its_deadline(scene, actuator):
     (lambda: ukemi.Trial([0, 1, 2], phi=[0, 0, 0]), "at least one excitation"),
     (lambda: ukemi.Rig(length=-0.3, inertia=1), "length: -0.3: must be above 0"),
     (lambda: ukemi.Actuator(1, 1, 1, 1, 0), "i_motor: 0: must be above 0"),
+    (lambda: ukemi.Actuator(1, 1, 1, 1, 1, control_delay=-1e-3), "control_delay: -0.001: must be from 0 to 0.1 s"),
     (lambda: ukemi.identify([], ukemi.Rig(0.3, 0.02)), "at least one"),
 ])
 def test_bad_input_is_an_input_error(call, said):
