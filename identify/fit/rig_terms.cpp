@@ -104,7 +104,10 @@ RigTerm lag(const char* name, const char* error, const char* words, F field) {
 /// Of a rig with other numbers than its file's.
 RigTerm of_rig(const char* name, const char* words, double Rig::*at) {
   RigTerm t{{.name = name, .unit = "1", .words = words}};
-  t.change = [at](double value, Rig& rig, Sea&, Trial& log) { (log.rig ? *log.rig : rig).*at *= value; };
+  t.change = [at](double value, Rig& rig, Sea&, Trial& log) {
+    Rig& its = log.rig ? *log.rig : rig;  // by name: GCC 12 multiplies a copy where both stand in one expression
+    its.*at *= value;
+  };
   return bounded(t, 0.01, 100, 1);
 }
 /// For force_gain does all that it does, or all but a trace.

@@ -47,8 +47,9 @@ std::vector<Rival> rivals(const Explanation& of, const Experiment& experiment, c
     const double y = x * across / square;
     const double bic = x * x * (self - across * across / square) / variance + surprise(other, y, experiment.rig) -
                        surprise(of.term, x, experiment.rig);
-    if (!(bic < kToldApart) || (other.one_sided() && y < 0)) continue;
-    Rival r{of.term.name, other.name, other.absent + y, bic, std::vector<double>(fit.fitted.size(), 0.0)};
+    const double value = other.value_in(fit.sea) + y;
+    if (!(bic < kToldApart) || value < other.lower || value > other.upper) continue;
+    Rival r{of.term.name, other.name, value, bic, std::vector<double>(fit.fitted.size(), 0.0)};
     for (std::size_t i = 0; i < of.rest.size(); ++i)
       r.shift[std::size_t(s.free[std::size_t(of.rest[i])])] = theirs[long(i)] * y - own[long(i)] * x;
     out.push_back(std::move(r));

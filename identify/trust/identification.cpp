@@ -127,9 +127,11 @@ Fit fit_sides(const Experiment& e, const std::optional<SeaParameters<double>>& s
 
 /// What was held is said; where the logs do not tell the sides apart nothing is trusted.
 void conclude(const Terms<RigTerm>& terms, Identification& out) {
+  std::vector<std::string> held;
   for (const HeldTerm& h : out.held)
-    out.fit.warnings.push_back(fmt::format("these trials cannot tell {} from {}: {} is held at {:g}", h.term,
-                                           fmt::join(h.others, " and "), h.term, terms[h.term].absent));
+    held.push_back(fmt::format("these trials cannot tell {} from {}: {} is held at {:g}", h.term,
+                               fmt::join(h.others, " and "), h.term, terms[h.term].absent));
+  out.fit.warnings.insert(out.fit.warnings.begin(), held.begin(), held.end());
   if (!out.feedback) return;
   const FeedbackFound& f = *out.feedback;
   out.fit.warnings.push_back(fmt::format(

@@ -567,7 +567,7 @@ TEST_CASE("a rig's errors: parts, percentages, seconds; exact is alone") {
   CHECK_THAT(error("delay = \"1%\"\n"), Contains("a number is needed"));
   for (const char* bad : {"\"-1%\"", "\"1\"", "\"1 kg%\"", "\"%\"", "\"nan%\"", "\"\"", "-0.1", "true"}) {
     INFO(bad);
-    CHECK_THAT(error("inertia = " + std::string(bad) + "\n"), StartsWith("a.toml:5:11: inertia: "));
+    CHECK_THAT(error("inertia = " + std::string(bad) + "\n"), StartsWith("a.toml:5:11: [errors] inertia: "));
   }
   CHECK_THAT(error("inertiaa = 1\n"), StartsWith("a.toml:5:1: ") && Contains("did you mean \"inertia\"?"));
 }
