@@ -40,7 +40,6 @@ void validate(const Rig& rig, const std::vector<Trial>& trials, const FitOptions
   rig.validate(), options.validate();
   for (const Trial& t : trials) {
     t.validate();
-    check_not_negative(t.file + ": command_delay", t.command_delay);
     if (!(t.force_smooth >= 0 && t.force_smooth <= 1))
       throw InputError(fmt::format("{}: force_smooth: {}: 0 to 1 is needed", t.file, shortest(t.force_smooth)));
   }

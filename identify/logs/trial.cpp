@@ -146,7 +146,7 @@ void Trial::validate() const {
   if (!dphi_ref.empty() && phi_ref.empty()) throw InputError(what + ": dphi_ref without phi_ref");
   check_not_negative(what + ": force_noise", force_noise), check_finite(what + ": force_rest", force_rest);
   // Differences by these two step over their bounds: `fit` holds the bounds.
-  check_finite(what + ": command_delay", command_delay), check_finite(what + ": force_smooth", force_smooth);
+  check_finite(what + ": force_smooth", force_smooth);
   if (rig) rig->validate();
 }
 

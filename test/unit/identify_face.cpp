@@ -97,7 +97,6 @@ std::vector<std::pair<std::string, Place>> places() {
       {"trial.phi_ref", [](auto& in, double x) { in.trial.phi_ref.assign(in.trial.t.size(), x); }},
       {"trial.phi_motor", [](auto& in, double x) { in.trial.phi_motor = in.trial.phi, in.trial.phi_motor[9] = x; }},
       {"trial.torque", [](auto& in, double x) { in.trial.torque = in.trial.phi, in.trial.torque[9] = x; }},
-      {"trial.command_delay", [](auto& in, double x) { in.trial.command_delay = x; }},
       {"trial.force_smooth", [](auto& in, double x) { in.trial.force_smooth = x; }},
       {"trial.force_noise", [](auto& in, double x) { in.trial.force_noise = x; }},
       {"trial.force_rest", [](auto& in, double x) { in.trial.force_rest = x; }},
