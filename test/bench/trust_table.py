@@ -56,6 +56,7 @@ ROWS = {
     'motor_feedback_and_friction': Row(motor_feedback=True, friction=0.2, rig=''),
     'eccentric_encoder': Row(ripple=(5e-3, 1)),
     'limit_untold': Row(tau_max=0.8, hits=(0.05, 0.25)),
+    'friction_softer': Row(friction=0.3, hits=(0.008, 0.04)),
     'drive_limit_untold': Row(drive_max=0.6, hits=(0.05, 0.25)),
     'backlash': Row(backlash=2e-3),
     'force_filter_1ms': Row(force_filter=1e-3),
