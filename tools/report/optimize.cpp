@@ -165,7 +165,7 @@ void warn(const Answer& a, Run& run) {
   const TolerantPeak& t = a.best.tolerant;
   const ExecutionTolerance& box = a.scene.execution;
   warn_of(a.instability, a.actuator.sea.tau_max, run);
-  warn_of(a.landing, "", run), warn_of(a.held, held_words() + ": ", run);
+  warn_of(a.landing, "", run), warn_of(a.held, held_words(a) + ": ", run);
   if (!a.best.message.empty()) run.warn(a.best.message);
   warn_of_edges(a, run);
   if (!a.best.verified) run.warn("there was no time to judge the motion at a tight accuracy: its peak is the search's");
