@@ -101,6 +101,7 @@ std::optional<Score> score_of(const Experiment& experiment, const Fit& fit) {
     if (!e->at_bound) out.free.push_back(int(global.size()));  // one at its bound does not follow
     global.push_back(e->value);
   }
+  if (out.free.empty()) return std::nullopt;
   for (const Term& t : out.shared) global.push_back(t.absent);
   const int F = out.parameters(), M = int(problem.blocks.size());
   constexpr int kSpare = 3;  // parts beyond parameters: fewer tell little of the errors

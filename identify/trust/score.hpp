@@ -52,7 +52,7 @@ struct Score {
   int trials() const { return int(parts.size()) / parts_of_trial; }
 };
 
-/// None where the fit has no minimum to look at.
+/// None where the fit has no minimum to look at, or every constant stands at a bound.
 [[nodiscard]] std::optional<Score> score_of(const Experiment& experiment, const Fit& fit);
 
 /// Tests every term of the table that the fit lacks; those that what was fitted can do all of are left out.
