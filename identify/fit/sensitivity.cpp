@@ -86,6 +86,7 @@ std::optional<Sensitivity> sensitivity_at(const LeastSquaresProblem& problem, co
   std::vector<double> global = at.globals;
   for (int g = 0; g < int(global.size()); ++g)
     if (!at.at_bound[std::size_t(g)]) out.free.push_back(g);  // one at its bound does not follow
+  if (out.free.empty()) return std::nullopt;
   global.insert(global.end(), at.further.begin(), at.further.end());
   const int F = out.parameters(), M = int(problem.blocks.size());
   constexpr int kSpare = 3;  // parts beyond parameters: fewer tell little of the errors

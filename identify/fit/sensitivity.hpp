@@ -38,7 +38,7 @@ struct MinimumPoint {
 };
 /// Of any least-squares problem there: its globals are those that were fitted, then the further shared terms; its
 /// locals those of each block, then its further ones, at their absence. `further` holds these terms. None where a block
-/// cannot be evaluated.
+/// cannot be evaluated, or nothing is off its bounds.
 [[nodiscard]] std::optional<Sensitivity> sensitivity_at(const LeastSquaresProblem& problem, const MinimumPoint& point,
                                                         Sensitivity further, double huber);
 

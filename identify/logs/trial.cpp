@@ -132,13 +132,15 @@ void Trial::validate() const {
   };
   check_times("t", t);
   if (!force_t.empty()) check_times("force_t", force_t);
+  constexpr double kMost = 1e12;  // its square, summed, is a number
   const auto check = [&](const char* name, const std::vector<double>& column, std::size_t rows) {
     if (!column.empty() && column.size() != rows)
       throw InputError(
           fmt::format("{}: {}: {} values: {} are needed, one for each time", what, name, column.size(), rows));
     for (std::size_t i = 0; i < column.size(); ++i)
-      if (!std::isfinite(column[i]))
-        throw InputError(fmt::format("{}: {}[{}]: {}: a finite number is needed", what, name, i, shortest(column[i])));
+      if (!(std::abs(column[i]) <= kMost))
+        throw InputError(fmt::format("{}: {}[{}]: {}: a finite number within {:g} is needed", what, name, i,
+                                     shortest(column[i]), kMost));
   };
   check("phi", phi, t.size()), check("phi_motor", phi_motor, t.size()), check("torque", torque, t.size());
   check("phi_ref", phi_ref, t.size()), check("dphi_ref", dphi_ref, t.size()), check("command", command, t.size());

@@ -14,7 +14,7 @@ TEST_CASE("words: help VERB is VERB --help, and help alone is --help") {
   check_refused(f, {"help", "optimise"}, {"'optimise'", "no such verb", "\"optimize\""});
 }
 
-TEST_CASE("words: a number that is none is refused with option, value and rule; numbers are decimal") {
+TEST_CASE("words: a number that is none is refused with option, value and rule, and numbers are decimal") {
   const Arguments base = {"optimize", kPaper, "--actuator", kTable2, "-o", "out"};
   for (const char* bad : {"50ms", "0x10", "nan", "1e999", "1 2"})
     check_refused(Folder(), base + Arguments{"--deadline", bad}, {"--deadline: ", "a finite number is needed"});
