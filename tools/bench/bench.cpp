@@ -3,7 +3,6 @@
 
 #include <memory>
 
-
 namespace ukemi::tools {
 
 void add_bench(CLI::App& app, Action& chosen) {

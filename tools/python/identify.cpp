@@ -132,9 +132,9 @@ double error_of(const py::handle& name, const py::handle& value) {
 }
 
 void bind_inputs(py::module_& m) {
-  py::class_<RigErrors> errors(m, "RigErrors",
-                               "Standard deviations of what a rig states: terms that are not fitted count with them.");
-  errors
+  py::class_<RigErrors> bound(m, "RigErrors",
+                              "Standard deviations of what a rig states: terms that are not fitted count with them.");
+  bound
       .def(py::init([](const py::kwargs& given) {
              RigErrors out;
              for (const auto& [name, value] : given) out.*error_named(py::str(name)) = error_of(name, value);
@@ -144,7 +144,7 @@ void bind_inputs(py::module_& m) {
            "given: 0.01, 0.005, 0.01, 0.001, 1e-3, 1e-3, 0.")
       .def_static("exact", &RigErrors::exact, "All are 0: simulated logs.");
   for (const RigErrorKey& k : rig_error_keys())
-    errors.def_readonly(
+    bound.def_readonly(
         k.key, k.at,
         k.unit == RigErrorKey::Unit::kPart ? "Standard deviation [part of the value]." : "Standard deviation [s].");
   py::class_<Rig>(m, "Rig", "The rig of the impact tests: one link on a fixed base, in the horizontal plane.")

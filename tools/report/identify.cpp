@@ -119,10 +119,10 @@ std::string assumptions(const IdentifyQuestion& q, const identify::Identificatio
                          ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
                          : std::string("no limit (neither rig nor actuator names one)"),
                      ukemi::name(found ? found->fit.sea.feedback : q.base.feedback),
-                     q.rig.feedback              ? "rig"
+                     q.rig.feedback             ? "rig"
                      : found && found->feedback ? "the better fit of both sides"
-                     : q.given                   ? "actuator"
-                                                 : "default");
+                     : q.given                  ? "actuator"
+                                                : "default");
 }
 
 Quantities<identify::TrialResult> trial_quantities() {

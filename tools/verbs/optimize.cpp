@@ -114,7 +114,8 @@ void add_optimize(CLI::App& app, Action& chosen) {
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
   std::string names;
   for (const std::string& n : solver_names()) names += n + ", ";
-  verb->add_option("--solver", args->solver, names + "or compare: all of them, side by side, each with its part of a --deadline [auto]");
+  verb->add_option("--solver", args->solver,
+                   names + "or compare: all of them, side by side, each with its part of a --deadline [auto]");
   verb->add_option_function<std::string>(
       "--objective",
       [args](const std::string& s) {
