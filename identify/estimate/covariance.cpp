@@ -8,10 +8,47 @@
 
 namespace ukemi::identify {
 
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Of the globals off their bounds, by units that make the information's diagonal 1: d are its roots. Fills in what the
+/// solution tells of them.
+Eigen::MatrixXd covariance_of_free(const LeastSquaresProblem& problem, const Eigen::MatrixXd& information,
+                                   const std::vector<long>& free, Eigen::VectorXd& d, LeastSquaresSolution& out) {
+  const long F = long(free.size());
+  // Unit diagonal first: eigenvalues then speak of directions, not of units.
+  Eigen::MatrixXd m = information(free, free);
+  d = m.diagonal().cwiseMax(0).cwiseSqrt();
+  for (long i = 0; i < F; ++i)
+    for (long j = 0; j < F; ++j) m(i, j) = d[i] * d[j] > 0 ? m(i, j) / (d[i] * d[j]) : 0;
+  const SymmetricEigen eigen = symmetric_eigen(m);
+  const double largest = eigen.values[F - 1];
+  out.eigenvalues = largest > 0 ? Eigen::VectorXd(eigen.values / largest) : Eigen::VectorXd::Zero(F);
+  constexpr double kSingular = 1e-13;  // below the rounding of J'J nothing is determined
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(F, F);
+  std::vector<bool> determined(free.size(), true);
+  for (long e = 0; e < F; ++e) {
+    const auto v = eigen.vectors.col(e);
+    if (out.eigenvalues[e] > kSingular)
+      covariance += v * v.transpose() / eigen.values[e];
+    else
+      for (long i = 0; i < F; ++i) determined[std::size_t(i)] = determined[std::size_t(i)] && !(v[i] * v[i] > 1e-6);
+  }
+  const auto scale = [&](long i) { return problem.globals[std::size_t(free[std::size_t(i)])].scale; };
+  for (long i = 0; i < F; ++i)
+    for (long j = 0; j < F; ++j)
+      if (determined[std::size_t(i)] && determined[std::size_t(j)])
+        out.global_covariance(free[std::size_t(i)], free[std::size_t(j)]) =
+            covariance(i, j) / (d[i] * d[j]) * scale(i) * scale(j);
+  return covariance;
+}
+
+}  // namespace
+
 void add_covariances(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& squares,
                      LeastSquaresSolution& out) {
   const int G = int(problem.globals.size()), L = int(problem.locals.size()), B = int(problem.blocks.size());
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(G, G);
   std::vector<Eigen::MatrixXd> cross, inverse;
   for (const Eigen::MatrixXd* square : squares) {
@@ -35,31 +72,9 @@ void add_covariances(const LeastSquaresProblem& problem, const std::vector<const
   out.free_parameters = F + long(B) * L;
   out.global_covariance.setConstant(G, G, kNaN);
   out.local_variance.setConstant(B, L, kNaN);
-  if (F == 0) return;
-  // Unit diagonal first: eigenvalues then speak of directions, not of units.
-  Eigen::MatrixXd m = information(free, free);
-  const Eigen::VectorXd d = m.diagonal().cwiseMax(0).cwiseSqrt();
-  for (long i = 0; i < F; ++i)
-    for (long j = 0; j < F; ++j) m(i, j) = d[i] * d[j] > 0 ? m(i, j) / (d[i] * d[j]) : 0;
-  const SymmetricEigen eigen = symmetric_eigen(m);
-  const double largest = eigen.values[F - 1];
-  out.eigenvalues = largest > 0 ? Eigen::VectorXd(eigen.values / largest) : Eigen::VectorXd::Zero(F);
-  constexpr double kSingular = 1e-13;  // below the rounding of J'J nothing is determined
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(F, F);
-  std::vector<bool> determined(free.size(), true);
-  for (long e = 0; e < F; ++e) {
-    const auto v = eigen.vectors.col(e);
-    if (out.eigenvalues[e] > kSingular)
-      covariance += v * v.transpose() / eigen.values[e];
-    else
-      for (long i = 0; i < F; ++i) determined[std::size_t(i)] = determined[std::size_t(i)] && !(v[i] * v[i] > 1e-6);
-  }
-  const auto scale = [&](long i) { return problem.globals[std::size_t(free[std::size_t(i)])].scale; };
-  for (long i = 0; i < F; ++i)
-    for (long j = 0; j < F; ++j)
-      if (determined[std::size_t(i)] && determined[std::size_t(j)])
-        out.global_covariance(free[std::size_t(i)], free[std::size_t(j)]) =
-            covariance(i, j) / (d[i] * d[j]) * scale(i) * scale(j);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(F, F);  // by unit diagonals d
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(F);
+  if (F > 0) covariance = covariance_of_free(problem, information, free, d, out);
   for (std::size_t b = 0; b < cross.size(); ++b) {
     Eigen::MatrixXd of_free = cross[b](free, Eigen::all);
     for (long i = 0; i < F; ++i) of_free.row(i) /= d[i] > 0 ? d[i] : 1;

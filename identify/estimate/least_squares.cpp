@@ -356,7 +356,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   out.message = summary.message;
   out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
   set_point(problem, x, locals, out);
-  if (!out.usable || all_held) return out;
+  if (!out.usable) return out;
+  if (all_held) out.at_bound.assign(problem.globals.size(), true);  // the locals alone have errors
   std::vector<const Eigen::MatrixXd*> squares;
   for (std::size_t b = 0; b < costs.size(); ++b) {
     const double* at[2] = {x.data(), locals[b].data()};

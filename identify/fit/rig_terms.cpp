@@ -19,7 +19,7 @@ double RigTerm::value_in(const SeaParameters<double>& sea) const {
 
 void RigTerm::set_in(SeaParameters<double>& sea, double value) const {
   RolloutInputs<double> in{sea};
-  field.of(in) = value;
+  field.of(in) = std::clamp(value, lower, upper);
   sea = in.sea;
 }
 

@@ -65,13 +65,9 @@ void fly(const System& system, const Scene& scene, double t, typename System::St
   using T = typename System::State::Scalar;
   const T g(system.link.gravity), v = y[kVy];
   T fallen = T(0.5) * g * T(t) * T(t) - v * T(t);
-  const bool on_floor = t == fall_time(scene);
-  if (on_floor) fallen += T(scene.drop.height - value_of(fallen));  // free of rounding
+  if (t == fall_time(scene)) fallen += T(scene.drop.height - value_of(fallen));  // free of rounding
   y[kX] += y[kVx] * T(t), y[kVy] = v - g * T(t);
   y[kY] -= fallen;
-  // A robot that is released on the floor, at rest, falls: what touches must be on its way down for an event.
-  constexpr double kFalling = 1e-300;  // [m/s], nothing beside any other speed
-  if (on_floor && value_of(y[kVy]) == 0) y[kVy] -= T(kFalling);
 }
 
 }  // namespace ukemi::landing

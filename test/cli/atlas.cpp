@@ -55,7 +55,9 @@ TEST_CASE("atlas: shards put together are the single run, byte for byte, whateve
   check_refused(f, merge + Arguments{"s1", "other"} + kOut, {"other/atlas.bin: a part of another atlas"});
   check_refused(f, merge + Arguments{"s1", "none"} + kOut, {"none/atlas.bin: no such file"});
   check_refused(f, merge + Arguments{"s1", "s2", "s3", "-o", "s1"}, {"s1/atlas.bin: this run would write over it"});
-  f.write("s1/scene.toml", read(f.at("s1/scene.toml")) + "# changed\n");
+  std::string changed = read(f.at("s1/scene.toml"));
+  changed.replace(changed.find("link_length = 0.3"), 17, "link_length = 0.4");
+  f.write("s1/scene.toml", changed);
   check_refused(f, merge + Arguments{"s1", "s2", "s3"} + kOut, {"s1/scene.toml: ", "not those of the atlas"});
 }
 

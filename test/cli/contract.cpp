@@ -205,7 +205,7 @@ TEST_CASE("identify writes its files and keys, and finds the constants the trial
 
   // fit.csv: residual = phi_sim - phi, and `cost` is the plain sum of its squares.
   const Table fit = table(f, "out/fit.csv");
-  CHECK(fit.header == "trial,t,phi,phi_sim,residual");
+  CHECK(fit.header == "trial,t,phi,phi_sim,residual,band");
   REQUIRE(fit.rows.size() == 8 * 1001);
   CHECK(fit.rows.front()[0] == "1");
   CHECK(fit.rows.back()[0] == "8");

@@ -115,7 +115,7 @@ TEST_CASE("design refuses bad options and files") {
   check_options({"--width", "0.02", "0.01"}, {"width: 0.01: the longest pulse must be at least the shortest, 0.02 s"});
   check_options({"--width", "0"}, {"width: 0: must be above 0 s"});
   check_options({"--angle", "3.5"}, {"angle: 3.5: must lie between 0 and pi rad"});
-  check_options({"--angle", "nan"}, {"angle: nan: "});
+  check_options({"--angle", "nan"}, {"--angle: 'nan': a finite number is needed"});
   check_options({"--hits", "0"}, {"hits: 0: must lie between 1 and 20"});
   check_options({"--criterion", "wurst"}, {"--criterion: 'wurst': ", "worst, d or e", "\"worst\""});
   check_options({"--directions", "bith"}, {"--directions: 'bith': ", "both or positive", "\"both\""});

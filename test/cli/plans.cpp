@@ -70,7 +70,7 @@ TEST_CASE("an answer on the edge of its search box is said") {
   CHECK(warned(s, "duration lies on the upper edge of its search range, 1 s") == (at > 0.9999));
 }
 
-TEST_CASE("a robot that starts on the floor has an answer; one that starts beyond the sky is refused") {
+TEST_CASE("a robot that starts on the floor has an answer, one that starts beyond the sky is refused") {
   const Folder f;
   f.write("floor.toml", replaced(read(kPaper), "height = 0.4 ", "height = 0 "));
   done(f, {"optimize", "floor.toml", "--actuator", kTable2, "--evaluations", "1000", "-o", "out"});

@@ -15,7 +15,7 @@ Arguments predict(const std::string& actuator) {
 
 }  // namespace
 
-TEST_CASE("predict: a held-out trial holds on the identified actuator, with a band; another actuator's does not") {
+TEST_CASE("predict: a held-out trial holds on the identified actuator, with a band, another actuator's does not") {
   const Folder f;
   Arguments fit = {"identify"};
   for (int i = 1; i <= 8; ++i) fit.push_back(dataset("impact/trial_" + std::to_string(i) + ".csv"));

@@ -64,7 +64,8 @@ TEST_CASE("ratings: tau_max limits the spring and rates no motor") {
   f.write("weak.toml", replaced(read(kTable2), "motor_torque_max = 20", "motor_torque_max = 1"));
   done(f, {"simulate", kPaper, "--actuator", "weak.toml", "--hold", "-45", "-o", "out"});
   CHECK(warned(summary(f), "the robot could not follow: motor torque"));
-  f.write("soft.toml", replaced(read(kTable2), "tau_max = 20", "tau_max = 1"));
+  f.write("soft.toml", replaced(replaced(read(kTable2), "motor_torque_max = 20", "motor_torque_max = 1000"),
+                                "tau_max = 20", "tau_max = 1"));
   done(f, {"simulate", kPaper, "--actuator", "soft.toml", "--hold", "-45", "-o", "out"});
   CHECK(!warned(summary(f), "motor torque"));
 }

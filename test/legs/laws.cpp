@@ -111,7 +111,7 @@ TEST_CASE("legs: the paper's two links are an instance: accelerations within 1e-
   }
 }
 
-TEST_CASE("legs: random trees keep their energy; a free one its momentum, and falls as a stone does") {
+TEST_CASE("legs: random trees keep their energy, a free one its momentum, and falls as a stone does") {
   for (const Base base : {Base::kFree, Base::kRail, Base::kPinned})
     for (int n = 0; n < 20; ++n) {
       Random r(kSeed, std::uint64_t(100 * int(base) + n));

@@ -202,7 +202,7 @@ TEST_CASE("hold: an answer on the edge of its search box says so") {
 
 TEST_CASE("a robot that starts on the floor is a scene like any other") {
   const SeaParameters<double> sea = table2().sea;
-  for (const char* name : {"paper", "paper_soft", "tilted"}) {
+  for (const char* name : {"paper", "paper_soft", "straight"}) {
     INFO(name);
     Scene scene = read_scene(std::string(UKEMI_DATASETS "/scenes/") + name + ".toml");
     scene.drop.height = 0;

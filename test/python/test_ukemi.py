@@ -204,7 +204,7 @@ def test_the_best_posture_to_hold_is_told(scene, actuator):
 @pytest.mark.parametrize("call, said", [
     (lambda: ukemi.read_scene("nowhere.toml"), "nowhere.toml"),
     (lambda: ukemi.Motion(-30, -80, 0), "duration: 0: must be above 0"),
-    (lambda: ukemi.Trial([0, 1, 1], force=[0, 1, 0]), r"t\[2\]: 1: finite times that increase"),
+    (lambda: ukemi.Trial([0, 1, 1], force=[0, 1, 0]), r"t\[2\]: 1: time must increase"),
     (lambda: ukemi.Trial([0, 1, 2], force=[0, 1]), "force: 2 values: 3 are needed"),
     (lambda: ukemi.Trial([0, 1, 2], phi=[0, np.nan, 0], force=[0, 1, 0]), r"phi\[1\]: nan: a finite number"),
     (lambda: ukemi.Trial([0, 1, 2], phi=[0, 7, 0], force=[0, 1, 0]), r"phi\[1\]: 7: an angle within 2 pi"),
@@ -246,8 +246,6 @@ def test_bad_options_are_input_errors(scene, actuator, tmp_path):
     (lambda s, a: ukemi.risk(s, a, ukemi.hold(-45), inflate=np.nan), "inflate: nan"),
     (lambda s, a: ukemi.risk(s, a, ukemi.hold(-45), scatter="pitch_deg=nan"), "scatter"),
     (lambda s, a: ukemi.map(s, a, grid=[0, 4, 4]), "grid: 0"),
-    (lambda s, a: ukemi.Planner(s, a).plan(0.4, forward_speed=np.nan), "forward_speed: nan"),
-    (lambda s, a: ukemi.Planner(s, a).plan(0.4, pitch_rate_deg=np.inf), "pitch_rate_deg: inf"),
 ])
 def test_numbers_of_a_landing_that_are_none_are_input_errors(scene, actuator, call, said):
     with pytest.raises(ukemi.InputError, match=said):

@@ -112,7 +112,7 @@ TEST_CASE("a term that a test adds: bounds, priors and derivatives come with the
   CHECK(std::abs(e->value - 15) < 4 * *e->std);
   CHECK(f.sea.tau_max == e->value);
   const ResidualTests tests = test_residuals({rig(), clipped, exact}, f);  // 16 columns: more than a Jet has slots
-  CHECK(tests.score_tests.size() == 13);
+  CHECK(tests.score_tests.size() == 15);
   CHECK_FALSE(tests.model_rejected());
 }
 

@@ -542,7 +542,7 @@ TEST_CASE("a rig's inertia is given about the joint, or as mass and inertia abou
   CHECK_THAT(error("length = 0.3\ninertia_joint = 1\ngear_ratio = 0\n"), Contains("gear_ratio: 0: must be above 0"));
 }
 
-TEST_CASE("a rig's errors: parts, percentages, seconds; exact is alone") {
+TEST_CASE("a rig's errors: parts, percentages, seconds, exact is alone") {
   const Folder f;
   const std::string rig = "[rig]\nlength = 0.3\ninertia_joint = 1\n";
   const auto errors = [&](const std::string& keys) { return identify::read_rig(f.write("a.toml", rig + keys)).errors; };

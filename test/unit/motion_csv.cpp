@@ -114,7 +114,7 @@ TEST_CASE("rows that are no such motion are refused, each with its place") {
   };
   MotionRows rows = rows_of(kShaped, kNever, 1000);
   rows.phi[80] += 2e-3;
-  CHECK_THAT(error(rows), StartsWith("m.csv:83:6: column 'phi_ref': ") && Contains("rad from the nearest motion") &&
+  CHECK_THAT(error(rows), StartsWith("m.csv:84:6: column 'phi_ref': ") && Contains("rad from the nearest motion") &&
                               Contains("at most 0.0001 rad is needed"));
   rows = rows_of(kShaped, kNever, 1000);
   for (double& x : rows.dphi) x *= 57.3;

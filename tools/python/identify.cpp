@@ -165,7 +165,7 @@ void bind_inputs(py::module_& m) {
            "Without feedback identify fits both sides.",
            py::arg("length"), py::arg("inertia"), py::arg("tau_max") = py::none(), py::arg("gear_ratio") = py::none(),
            py::arg("feedback") = py::none(), py::arg("speed_max") = py::none(),
-           py::arg("motor_torque_max") = py::none(), py::arg("errors") = RigErrors{})
+           py::arg("motor_torque_max") = py::none(), py::arg_v("errors", RigErrors{}, "RigErrors()"))
       .def_readonly("length", &Rig::length, "From the joint to where the force acts [m].")
       .def_readonly("inertia", &Rig::inertia, "Of the link about the joint [kg m^2].")
       .def_readonly("errors", &Rig::errors, "Of what it states.")
@@ -249,7 +249,7 @@ void bind_identify(py::module_& m) {
             for (const ErrorBudget& b : error_budget(i.found.fit)) out[b.constant] = {b.shares.begin(), b.shares.end()};
             return out;
           },
-          "Of each constant the shares of its variance: noise, and what the rig states an error of.")
+          "Of each constant the shares of its variance [1]: noise, and what the rig states an error of.")
       .def_property_readonly(
           "feedback", [](const Identified& i) { return i.found.fit.sea.feedback; },
           "What the drive feeds back: the rig's, else the side whose fit is better.")

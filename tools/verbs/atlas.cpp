@@ -170,9 +170,9 @@ int run_merge(const AtlasArguments& a, const CommonOptions& common) {
   const std::string scene = in(a.merge[0], "scene.toml"), actuator = in(a.merge[0], "actuator.toml");
   run.input(scene), run.input(actuator);
   r.scene_toml = read_text_file(scene), r.actuator_toml = read_text_file(actuator);
-  if (checksum(r.scene_toml + r.actuator_toml) != std::string_view(r.atlas.header.robot, sizeof r.atlas.header.robot))
-    throw InputError({scene}, "scene.toml or actuator.toml beside it are not those of the atlas");
   r.scene = read_scene(scene), r.actuator = read_actuator(actuator);
+  if (robot_checksum(r.scene, r.actuator.sea) != std::string_view(r.atlas.header.robot, sizeof r.atlas.header.robot))
+    throw InputError({scene}, "scene.toml or actuator.toml beside it are not those of the atlas");
   r.drops = all_drops(r.atlas.header.grid);
   r.resumed = r.atlas.cells.size();
   find_safest(r, common, run);
