@@ -87,8 +87,9 @@ TEST_CASE("export: an actuator that is given goes by its terms, its feedback and
       "viscous_friction = 0.3\noutput_friction = 0.1\noutput_viscous = 0.02\nk_sea_cubic = 9\nfeedback = \"motor\"\n"
       "tau_max = 25\nmotor_torque_max = 20\nspeed_max = 3\n");
   f.write("rig.toml", "[rig]\nlength = 0.3\ninertia_joint = 0.024225\n");  // says nothing of feedback
-  done(f, {"predict", kTrial1, "--rig", "rig.toml", "--no-report", "-o", "out", "--actuator", "a.toml", "--joint",
-           "leg/knee"} + kBoth);
+  done(f, Arguments{"predict", kTrial1, "--rig", "rig.toml", "--no-report", "-o", "out", "--actuator", "a.toml",
+                    "--joint", "leg/knee"} +
+              kBoth);
   const std::string mjcf = read(f.at("out/actuator.mjcf.xml")), urdf = read(f.at("out/actuator.urdf.xml"));
   check_well_formed(mjcf), check_well_formed(urdf);
   CHECK(value(mjcf, "<position", "kp") == 50);

@@ -86,7 +86,7 @@ TEST_CASE("right predictions are above a factor of 1 in 1 % of draws, whether th
 }
 
 TEST_CASE(
-    "a held-out trial is predicted in 19 of 20 draws; constants off by more than their errors do not predict it") {
+    "a held-out trial is predicted in 19 of 20 draws, constants off by more than their errors do not predict it") {
   const auto exact = simulated(shipped(), truth()), unseen = simulated({held_out()}, truth());
   int holds = 0, off_holds = 0;
   for (std::uint64_t d = 0; d < 20; ++d) {

@@ -268,7 +268,7 @@ void bind_identify(py::module_& m) {
       .def_property_readonly(
           "error_factor",
           [](const Identified& i) { return i.judgement ? std::optional(i.judgement->factor) : std::nullopt; },
-          "Of a prediction: its error over what the logs' noise and the constants' errors allow for; at most 1: it "
+          "Of a prediction [1]: its error over what the logs' noise and the constants' errors allow for; at most 1: it "
           "holds. "
           "None of a fit, NaN where too little is measured.")
       .def("figure", &trial_figure, py::arg("trial") = 0,
