@@ -10,7 +10,8 @@ namespace {
 void check(const char* what, const std::vector<double>& values) {
   if (values.empty()) throw InputError(std::string(what) + ": at least one value is needed");
   for (const double v : values)
-    if (!(v > 0)) throw InputError(std::string(what) + ": " + shortest(v) + ": above 0 is needed");  // infinite: no limit
+    if (!(v > 0))
+      throw InputError(std::string(what) + ": " + shortest(v) + ": above 0 is needed");  // infinite: no limit
 }
 
 }  // namespace

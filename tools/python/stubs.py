@@ -38,6 +38,8 @@ def class_(name, c):
             words = value.__doc__ or words
             result = signature.rpartition("-> ")[2] or "object"
             out += f'    @property\n    def {key}(self) -> {result}:\n        """{words}"""\n'
+        elif isinstance(value, staticmethod):
+            out += "    @staticmethod\n" + function(key, getattr(c, key).__doc__, "    ")
         elif callable(value) and (not key.startswith("__") or key == "__init__" or key == "__float__"):
             if value.__doc__ and "->" in value.__doc__:
                 out += function(key, value.__doc__, "    ")
