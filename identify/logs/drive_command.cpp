@@ -21,7 +21,7 @@ std::vector<double> drive_command(const Trial& trial, const Drive& drive) {
   if (drive.kind == Drive::Kind::kCommand) {
     require(trial, out, "command", "--drive command, or a [drive] without command_gain,");
   } else {
-    const bool motor = drive.feedback == Feedback::kMotor;
+    const bool motor = drive.feedback.value_or(Feedback::kOutput) == Feedback::kMotor;
     const std::vector<double>& angle = motor ? trial.phi_motor : trial.phi;
     require(trial, angle, motor ? "phi_motor" : "phi", "[drive] angle = \"logged\"");
     out.resize(trial.samples());

@@ -9,14 +9,6 @@
 
 namespace ukemi::identify {
 
-SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
-  sea.tau_max = tau_max.value_or(sea.tau_max);
-  sea.feedback = feedback.value_or(sea.feedback);
-  sea.control_delay = drive.control_delay.value_or(sea.control_delay);
-  sea.velocity_filter = drive.velocity_filter.value_or(sea.velocity_filter);
-  return sea;
-}
-
 void Rig::validate() const {
   check_positive("rig: length", length), check_positive("rig: inertia", inertia);
   if (tau_max) check_not_negative("rig: tau_max", *tau_max);
@@ -32,7 +24,7 @@ void Rig::validate() const {
 
 namespace {
 
-Drive read_drive(TomlSection& s, Feedback feedback) {
+Drive read_drive(TomlSection& s, std::optional<Feedback> feedback) {
   Drive out{.kind = Drive::Kind::kCommand};
   out.control_delay = s.optional_number("control_delay", lateness());
   out.velocity_filter = s.optional_number("velocity_filter", lateness());
@@ -44,7 +36,7 @@ Drive read_drive(TomlSection& s, Feedback feedback) {
   const auto angle = s.optional_choice("angle", {"predicted", "logged"});
   for (const auto& [key, given] : {std::pair("feedback", side.has_value()), {"angle", angle.has_value()}})
     if (given && out.kind == Drive::Kind::kCommand) s.fail(key, "without command_gain it has no say");
-  out.feedback = side.value_or(feedback);
+  out.feedback = side ? side : feedback;
   if (angle == "logged") out.angle = Drive::Angle::kLogged;
   if (const auto rate = s.optional_number("command_rate", Range::positive())) {
     if (!out.by_command())
@@ -103,7 +95,7 @@ Rig read_rig(const std::string& path) {
   const auto hanging = s.optional_number("hanging_deg", Range{-360, 360, false, "degrees from -360 to 360"});
   if (hanging && !moment) s.fail("hanging_deg", "without gravity_moment it has no say");
   rig.gravity = {moment.value_or(0), hanging.value_or(0) / kDegrees};
-  if (auto drive = file.optional("drive")) rig.drive = read_drive(*drive, rig.feedback.value_or(Feedback::kOutput));
+  if (auto drive = file.optional("drive")) rig.drive = read_drive(*drive, rig.feedback);
   if (auto errors = file.optional("errors")) rig.errors = read_errors(*errors);
   file.finish();
   return rig;

@@ -22,7 +22,7 @@ struct Drive {
   double limit = std::numeric_limits<double>::infinity();  ///< of its command [V or A], > 0
   double rate =
       std::numeric_limits<double>::infinity();  ///< of a command that is known: its largest change [V/s or A/s], > 0
-  Feedback feedback = Feedback::kOutput;        ///< the side that it feeds back
+  std::optional<Feedback> feedback = {};        ///< the side that a controller feeds back, where it is known
   /// Which angle of that side: the one that the rollout predicts, or the logged one, as a drive sees its encoder. The
   /// command of the latter is known before the rig's motion is, sampled, and may be delayed and limited in its rate.
   enum class Angle { kPredicted, kLogged } angle = Angle::kPredicted;
@@ -69,7 +69,18 @@ struct Rig {
   RigErrors errors = {};                        ///< of all this
 
   /// An actuator as it is on this rig: limit, feedback and how late its drive is are the rig's, where it names them.
-  SeaParameters<double> mounted(SeaParameters<double> sea) const;
+  template <class T = double>
+  SeaParameters<T> mounted(SeaParameters<T> sea) const {
+    if (tau_max) sea.tau_max = T(*tau_max);
+    if (const auto side = drive.kind == Drive::Kind::kController ? drive.feedback : feedback) sea.feedback = *side;
+    if (drive.control_delay) sea.control_delay = T(*drive.control_delay);
+    if (drive.velocity_filter) sea.velocity_filter = T(*drive.velocity_filter);
+    return sea;
+  }
+  /// Whether its drive feeds back an angle that is predicted, of a side that is not stated.
+  bool feedback_unknown() const {
+    return !drive.by_command() && !(drive.kind == Drive::Kind::kController ? drive.feedback : feedback);
+  }
   void validate() const;  ///< throws InputError
 };
 

@@ -8,11 +8,12 @@
 namespace ukemi::identify {
 
 template <class T>
-RolloutStatus rollout(const Rig& common, const SeaParameters<T>& sea, const Nuisance<T>& nuisance,
+RolloutStatus rollout(const Rig& common, const SeaParameters<T>& actuator, const Nuisance<T>& nuisance,
                       const PreparedTrial& trial, const RolloutOptions& options, std::vector<T>& phi,
                       std::vector<T>& phi_m, std::vector<T>* torque) {
   options.validate();
   const Rig& rig = trial.trial->rig_or(common);
+  const SeaParameters<T> sea = trial.trial->rig ? rig.mounted(actuator) : actuator;
   const bool late = !rig.drive.by_command() && is_late(sea);
   const bool extended = late || rig.drive.kind != Drive::Kind::kGains || present(sea.friction) ||
                         present(sea.viscous) || present(sea.output_friction) || present(sea.output_viscous) ||

@@ -120,7 +120,7 @@ class Roll {
     if (drive.kind == Drive::Kind::kGains) return sea;
     const bool controller = !drive.by_command();
     sea.k_p = controller ? T(sea.k_t * T(drive.gain)) : T(0), sea.k_d = T(0);
-    if (controller) sea.feedback = drive.feedback;
+    if (controller && drive.feedback) sea.feedback = *drive.feedback;
     return sea;
   }
   State start(const Gravity& gravity) const {

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+
+#include "identify/trust/diagnostics.hpp"
 
 namespace ukemi::identify {
 
@@ -25,7 +29,9 @@ struct Explanation {
   std::vector<int> rest;
 };
 
-std::vector<Rival> rivals(const Explanation& of, const Experiment& experiment, const Fit& fit, const Sensitivity& s) {
+/// In a line. All that explain a part of what the term explains, at least `share`, or within kToldApart all of it.
+std::vector<Rival> rivals(const Explanation& of, const Experiment& experiment, const Fit& fit, const Sensitivity& s,
+                          double share = 1) {
   const MatrixXd squares = s.sum(0, 0, s.columns(), s.columns());
   const ScaledSolver solve(s.information(of.rest, of.rest));
   const auto follows = [&](int column) -> VectorXd { return -solve(squares(of.rest, std::vector{column})); };
@@ -48,11 +54,37 @@ std::vector<Rival> rivals(const Explanation& of, const Experiment& experiment, c
     const double bic = x * x * (self - across * across / square) / variance + surprise(other, y, experiment.rig) -
                        surprise(of.term, x, experiment.rig);
     const double value = other.value_in(fit.sea) + y;
-    if (!(bic < kToldApart) || value < other.lower || value > other.upper) continue;
+    if (!(bic < std::max(kToldApart, (1 - share) * x * x * self / variance))) continue;
+    if (value < other.lower || value > other.upper) continue;
     Rival r{of.term.name, other.name, value, bic, std::vector<double>(fit.fitted.size(), 0.0)};
     for (std::size_t i = 0; i < of.rest.size(); ++i)
       r.shift[std::size_t(s.free[std::size_t(of.rest[i])])] = theirs[long(i)] * y - own[long(i)] * x;
     out.push_back(std::move(r));
+  }
+  return out;
+}
+
+/// The same by a fit with the other in the term's place, which starts where the line ends; none where that finds
+/// nothing, or the logs tell the two apart.
+std::optional<Rival> refitted(const Rival& r, const Experiment& experiment, const Fit& fit) {
+  FitOptions options = experiment.options;
+  std::replace(options.terms.nuisance.begin(), options.terms.nuisance.end(), r.term, r.other);
+  SeaParameters<double> from = fit.sea;
+  options.terms[r.term].set_in(from, options.terms[r.term].absent);
+  options.terms[r.other].set_in(from, r.value);
+  const Fit with = refit(experiment.rig, experiment.trials, from, options);
+  if (!with.converged) return std::nullopt;
+  const auto value_in = [](const Fit& f, const std::string& name) {
+    for (const Estimate* e : f.globals())
+      if (e->name == name) return e->value;
+    return std::numeric_limits<double>::quiet_NaN();
+  };
+  Rival out{r.term, r.other, value_in(with, r.other), 0, {}};
+  out.bic = deviance(with, experiment.trials, options) - deviance(fit, experiment.trials, options);
+  if (!(out.bic < kToldApart)) return std::nullopt;
+  for (const std::string& name : fit.fitted) {
+    const double moved = value_in(with, name) - value_in(fit, name);
+    out.shift.push_back(std::isfinite(moved) ? moved : 0);  // the term itself is gone
   }
   return out;
 }
@@ -70,6 +102,10 @@ std::vector<Rival> rivals_of(const Experiment& experiment, const Fit& fit, const
 }
 
 std::vector<Rival> rivals_of_fitted(const Experiment& experiment, const Fit& fit, const Sensitivity& s) {
+  constexpr double kLeastShare = 0.5;
+  constexpr std::size_t kMostFits = 4;
+  const bool doubt = std::any_of(fit.parameters.begin(), fit.parameters.end(),
+                                 [](const Estimate& e) { return e.verdict == Identifiability::kTrusted; });
   const std::vector<const Estimate*> globals = fit.globals();
   std::vector<Rival> out;
   for (int f = 0; f < s.parameters(); ++f) {
@@ -79,7 +115,15 @@ std::vector<Rival> rivals_of_fitted(const Experiment& experiment, const Fit& fit
     std::vector<int> rest;
     for (int g = 0; g < s.parameters(); ++g)
       if (g != f) rest.push_back(g);
-    for (Rival& r : rivals({term, f, e.value - term.absent, rest}, experiment, fit, s)) out.push_back(std::move(r));
+    std::vector<Rival> found = rivals({term, f, e.value - term.absent, rest}, experiment, fit, s, kLeastShare);
+    std::sort(found.begin(), found.end(), [](const Rival& a, const Rival& b) { return a.bic < b.bic; });
+    std::size_t fits = 0;
+    for (Rival& r : found) {
+      if (r.bic < kToldApart)
+        out.push_back(std::move(r));
+      else if (doubt && fits++ < kMostFits)
+        if (auto again = refitted(r, of_noise(experiment), fit)) out.push_back(std::move(*again));
+    }
   }
   return out;
 }

@@ -11,8 +11,7 @@ namespace ukemi::identify {
 /// By how much BIC must be better for one explanation to be told from another.
 inline constexpr double kToldApart = 10;
 
-/// A term that would explain the residuals in another's place, to first order: of the fitted terms freed, both columns
-/// are all but parallel, and what the rig states of their errors does not part them.
+/// A term that would explain the residuals in another's place as well, what the rig states of their errors counted.
 struct Rival {
   std::string term;  ///< that is looked at
   std::string other;
@@ -21,10 +20,11 @@ struct Rival {
   std::vector<double> shift;  ///< of each Fit::fitted, were it the other
 };
 
-/// Of a term that the fit lacks, `size` beyond its absence.
+/// Of a term that the fit lacks, `size` beyond its absence: to first order, the fitted terms following.
 [[nodiscard]] std::vector<Rival> rivals_of(const Experiment& experiment, const Fit& fit, const Sensitivity& score,
                                            const std::string& lacking, double size);
-/// Of every shared term that was fitted beside the constants and is needed.
+/// Of every shared term that was fitted beside the constants and is needed: to first order and, where constants would
+/// be trusted, by a fit with each of the few in its place that explain half of what it explains or more.
 [[nodiscard]] std::vector<Rival> rivals_of_fitted(const Experiment& experiment, const Fit& fit,
                                                   const Sensitivity& score);
 /// No constant is trusted that a rival would move out of its interval.

@@ -113,7 +113,8 @@ bool ask_for_smooth_force(const ResidualTests& tests, const std::vector<Trial>& 
 Fit fit_sides(const Experiment& e, const std::optional<SeaParameters<double>>& start, SeaParameters<double> base,
               std::optional<FeedbackFound>& found) {
   Fit first = fit(e.rig, e.trials, start, base, e.options);
-  if (e.rig.feedback || e.rig.drive.kind != Drive::Kind::kGains || first.interrupted) return first;
+  const auto unknown = [&](const Trial& t) { return t.rig_or(e.rig).feedback_unknown(); };
+  if (first.interrupted || std::none_of(e.trials.begin(), e.trials.end(), unknown)) return first;
   base.feedback = base.feedback == Feedback::kMotor ? Feedback::kOutput : Feedback::kMotor;
   Fit second = fit(e.rig, e.trials, start, base, e.options);
   if (first.fitted.empty() || (second.converged && (!first.converged || second.cost < first.cost)))

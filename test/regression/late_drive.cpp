@@ -90,6 +90,10 @@ TEST_CASE("late drives: a delay that is known and stands in the rig leaves the c
   const Fit without = fit(rig(), logs, off(kOther), limited(), with({}));
   REQUIRE(without.converged);
   CHECK(std::abs(without.sea.k_sea - kOther[2]) > 10 * *found(without, "k_sea").std);
+  // The same where each trial has a rig of its own that states it, and the common one does not.
+  std::vector<Trial> own = logs;
+  for (Trial& t : own) t.rig = known;
+  check_constants(fit(rig(), own, off(kOther), limited(), with({})), kOther);
 }
 
 TEST_CASE("a spring that softens, and a limit that the hits meet, are found") {

@@ -197,6 +197,31 @@ TEST_CASE("a drive that feeds back the motor, of a rig that does not say so: the
   CHECK_FALSE(found.fit.trusted());
 }
 
+TEST_CASE("a controller that is known but for the side that it feeds back: the side is found") {
+  Rig known = rig(), silent = rig();
+  known.drive = {.kind = Drive::Kind::kController, .gain = 20, .feedback = Feedback::kMotor};
+  silent.drive = {.kind = Drive::Kind::kController, .gain = 20};
+  silent.feedback.reset();
+  SeaParameters<double> sea = limited({0, 0, 120, 0.8, 0.03});
+  sea.k_t = 1.5, sea.viscous = 0.6;
+  std::vector<Trial> logs = shipped();
+  for (Trial& t : logs) {
+    std::vector<double> phi_m;
+    REQUIRE(rollout<double>(known, sea, {}, PreparedTrial(t), {}, t.phi, phi_m) == RolloutStatus::kDone);
+  }
+  FitOptions options;
+  options.terms.free = {"k_sea", "c_sea", "i_motor"};
+  options.terms.nuisance = {"k_t", "viscous_friction"};
+  SeaParameters<double> start = sea;
+  start.k_sea *= 1.2, start.k_t *= 0.9;
+  const Identification found = identify::identify({silent, noisy(logs, 8), options}, start, start, {});
+  INFO(told(found));
+  REQUIRE(found.feedback);
+  CHECK(found.feedback->side == Feedback::kMotor);
+  CHECK(found.feedback->clear());
+  CHECK(found.fit.sea.k_sea == Approx(120).epsilon(0.02));
+}
+
 TEST_CASE("force_gain and the link's inertia explain the same: said, and not trusted") {
   const auto logs = logs_of({.inertia = 1.05, .strength = 0.2}, 5);  // far from the torque limit, which parts them
   FitOptions with;
