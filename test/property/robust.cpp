@@ -1,21 +1,18 @@
 // Plans under scatter: what is promised holds over drops that no search has seen, and costs what it says.
 #include <catch2/catch.hpp>
 
-#include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "landing/judge/answer.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
 #include "test/folder.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }
 
 AnswerOptions robust(const Measure& measure, long landings, int threads = 2) {
   AnswerOptions o;

@@ -166,13 +166,8 @@ TEST_CASE("hebi: one module of several is chosen by name, family and name, or nu
   CHECK(choose_module(log, "Knee").port == 101);
   CHECK(choose_module(log, "Leg/Hip").port == 100);
   CHECK(choose_module(log, "2").port == 101);
-  const auto error = [&](const HebiLog& l, const std::string& module) {
-    try {
-      choose_module(l, module);
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-    return std::string("no error");
+  const auto error = [](const HebiLog& l, const std::string& module) {
+    return refusal([&] { choose_module(l, module); });
   };
   const std::string list = "1 'Hip' of 'Leg' (10.0.0.1:100); 2 'Knee' of 'Leg' (10.0.0.1:101)";
   CHECK_THAT(error(log, ""), EndsWith("2 modules: --module NAME or number is needed: " + list));

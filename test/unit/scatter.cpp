@@ -10,11 +10,11 @@
 #include "common/random.hpp"
 #include "landing/judge/sobol_indices.hpp"
 #include "landing/model/scatter_file.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "landing/scatter/measure.hpp"
 #include "landing/scatter/sobol.hpp"
 #include "test/folder.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -22,9 +22,6 @@ using namespace test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }
 
 /// Every number of [scatter], none of them round.
 Scatter every_scatter() {
