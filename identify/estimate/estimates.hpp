@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/uncertainty.hpp"
 #include "identify/estimate/term.hpp"
 #include "identify/estimate/uncertainty.hpp"
 
@@ -19,7 +20,7 @@ struct Estimates {
   Eigen::MatrixXd noise_covariance;    ///< the part of it that is the logs' noise
   std::vector<Considered> considered;  ///< what was not fitted and is not exact
   Eigen::VectorXd eigenvalues;         ///< of the scaled information, ascending, largest 1
-  double half_width = 1.96;            ///< 95 % interval in standard errors (Student's t)
+  double half_width = kNormal975;      ///< 95 % interval in standard errors (Student's t)
   std::optional<Weakest> weakest;      ///< the combination of constants that the data know least
   double cost = 0;                     ///< the sum of squares; weighted or robust where asked for
   bool converged = false;

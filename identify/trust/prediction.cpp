@@ -106,9 +106,10 @@ JudgedTrial judge(const Experiment& experiment, const Actuator& actuator, const 
     for (auto* columns : {&c.by_constants, &c.by_own})
       for (long i = 0; i < columns->cols(); ++i) weighting.whiten(columns->col(i));
     weighting.whiten(c.residual);
+    error = prediction_error(c, level);
   }
-  out.factor = prediction_error(c, level).factor;
-  set_bands(1.959963984540054 * variance.cwiseSqrt(), log, out);
+  out.factor = error.factor;
+  set_bands(kNormal975 * variance.cwiseSqrt(), log, out);
   return out;
 }
 

@@ -116,7 +116,7 @@ std::vector<ScatteredDrop> read_drops(const std::string& path, const Scene& scen
     const Range range = c.range();
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const double x = table.columns[std::size_t(column)][row];
-      if (!(range.low_open ? x > range.low : x >= range.low))
+      if (!range.holds(x))
         throw InputError(table.at(column, row),
                          fmt::format("{}: {}: must be {}", quoted(c.name), shortest(x), range.rule));
       rows[row].*c.number = x * c.unit;

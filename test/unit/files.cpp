@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/files.hpp"
@@ -512,6 +513,42 @@ TEST_CASE("an actuator's [uncertainty] is validated by whoever reads the file") 
     CHECK_THAT(error("order = [\"k_p\"]\ncovariance = [[1]]\ncovarianze = 3\n"),
                StartsWith("a.toml:11:1: ") && Contains("did you mean \"covariance\"?"));
   }
+}
+
+TEST_CASE("whatever an actuator's file may hold the library takes, and what the file may not it refuses") {
+  Actuator a;
+  a.name = "a", a.sea = {50, 1, 65, 1.6, 0.085, 20};
+  a.speed_max = 5, a.motor_torque_max = 30;
+  for (const OptionalConstant& c : optional_constants()) a.sea.*c.at = c.range.holds(0.05) ? 0.05 : c.absent;
+  a.uncertain = uncertain_constants();
+  CHECK(a.uncertain.size() == kConstants + 1 + optional_constants().size());
+  a.covariance = 1e-6 * Eigen::MatrixXd::Identity(long(a.uncertain.size()), long(a.uncertain.size()));
+  const File f("a.toml", to_toml(a));
+  const Actuator b = read_actuator(f.path);
+  CHECK(b.uncertain == a.uncertain);
+  CHECK_NOTHROW(validate(b));
+  a.motor_torque_max = -30;
+  CHECK_THROWS_WITH(validate(a), "motor_torque_max: -30: must be above 0");
+  a.motor_torque_max = 30, a.uncertain.back() = "speed_max";
+  CHECK_THROWS_WITH(validate(a), StartsWith("order: 'speed_max': not a constant of the actuator"));
+}
+
+TEST_CASE("a range holds its ends unless it is open below, and no number that is not finite") {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Range part{-1, 1, false, ""}, open{-1, 1, true, ""};
+  CHECK((part.holds(-1) && part.holds(0) && part.holds(1)));
+  CHECK((!open.holds(-1) && open.holds(0) && open.holds(1)));
+  CHECK((!part.holds(-1.1) && !part.holds(1.1)));
+  CHECK((!Range::positive().holds(0) && Range::non_negative().holds(0) && Range::any().holds(-1e300)));
+  for (const double x : {kInfinity, -kInfinity, std::nan("")})
+    for (const Range& r : {part, open, Range::any(), Range::positive(), Range::non_negative()}) CHECK(!r.holds(x));
+}
+
+TEST_CASE("doubted is what is neither trusted nor fixed") {
+  const Verdicts all = {{"k_p", "trusted"}, {"k_d", "weak"}, {"k_sea", "fixed"}, {"c_sea", "at its bound"}};
+  CHECK(doubted(all) == Verdicts{all[1], all[3]});
+  CHECK(doubts(all) == "k_d is weak, c_sea is at its bound");
+  CHECK(doubts({}).empty());
 }
 
 // ---- rigs
