@@ -78,7 +78,7 @@ DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator&
     add(kScatterTerms[k].name, 1);
   }
   if (options.floor && scene.uncertainty) scatter_floor(*scene.uncertainty);
-  scene_.uncertainty.reset();
+  scene_.uncertainty.reset(), scene_.verdicts.clear();  // of the planned floor
   if (options.actuator && options.inflate > 0 && actuator.covariance.size() > 0) {
     std::vector<int> known;
     for (std::size_t i = 0; i < actuator.uncertain.size(); ++i)

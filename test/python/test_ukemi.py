@@ -161,6 +161,9 @@ def test_calibrate_finds_the_floor_of_simulated_drops(scene, actuator, tmp_path)
     assert found.rms["phi_0"] < 1e-4 and set(found.rms) == {"acc", "phi_0"}
     found.save(str(tmp_path / "scene.toml"))
     assert '[verdict]' in (tmp_path / "scene.toml").read_text()
+    found.scene.save(str(tmp_path / "scene.toml"))
+    known = ukemi.read_scene(str(tmp_path / "scene.toml")).verdicts
+    assert known == {name: e.verdict for name, e in found.parameters.items()}
     assert ukemi.read_scene(str(tmp_path / "scene.toml")).pitch == scene.pitch
 
 

@@ -174,7 +174,7 @@ TEST_CASE("calibrate: a floor of another law, under the sensors' noise, is rejec
     rejected += !x.found.converged || x.found.tests.model_rejected();
     trusted += x.found.trusted();
     log += told(x.found);
-    CHECK(x.found.scene_toml("").find("\"trusted\"") == std::string::npos);
+    CHECK(to_toml(x.found.scene, "").find("\"trusted\"") == std::string::npos);
     if (!x.found.converged || !x.found.scene.uncertainty) continue;
     // What is planned with is what was widened.
     for (std::size_t k = 0; k < x.found.scene.uncertainty->order.size(); ++k) {

@@ -80,6 +80,24 @@ TEST_CASE("Sobol points: the same seed, the same points, from any of them on, an
   }
 }
 
+TEST_CASE("a drop on another floor than the scene's has no verdicts of it") {
+  Scene scene = paper();
+  scene.verdicts = {{"stiffness", "trusted"}};
+  const DropModel model(scene, every_scatter());
+  CHECK(model.even(2, 1)[0].scene.verdicts.empty());
+  const File f("drops.csv", "stiffness\n5000\n");
+  CHECK(read_drops(f.path, scene, table2().sea)[0].scene.verdicts.empty());
+}
+
+TEST_CASE("drops do not scatter where the covariance is of constants alone that no landing draws") {
+  Actuator a = table2();
+  a.sea.friction = 0.1, a.sea.tau_max = 20;
+  for (const char* name : {"friction", "tau_max"}) {
+    a.uncertain = {name}, a.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);
+    CHECK_FALSE(DropModel(paper(), Scatter{}, a, {}).scatters());
+  }
+}
+
 TEST_CASE("a normal number that is cut at three") {
   CHECK(cut_normal(0.5) == Approx(0).margin(1e-15));
   CHECK(cut_normal(0) == Approx(-3));
