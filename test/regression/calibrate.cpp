@@ -217,6 +217,22 @@ TEST_CASE("calibrate: a robot that is not the scene's is not trusted") {
   CHECK(c.warnings.size() >= 1);
 }
 
+TEST_CASE("calibrate: its scene holds the verdicts, and what was worked is told wherever it ends") {
+  CalibrationOptions options;
+  options.restarts = 0;
+  const Calibration whole = calibrate(first_guess(), table2_sea(), fitted(), options);
+  REQUIRE(whole.scene.verdicts.size() == kCalibrated);
+  for (std::size_t k = 0; k < kCalibrated; ++k)
+    CHECK(whole.scene.verdicts[k] == std::pair(whole.parameters[k].name, std::string("trusted")));
+  long asked = 0;
+  options.monitor.stop = [&] { return ++asked > 2; };
+  const Calibration ended = calibrate(first_guess(), table2_sea(), fitted(), options);
+  CHECK_FALSE(ended.converged);
+  CHECK(ended.steps > 0);
+  CHECK(ended.steps < whole.steps);
+  CHECK(ended.scene.verdicts[0] == std::pair(std::string("stiffness"), std::string("not identifiable")));
+}
+
 TEST_CASE("calibrate: logs and options that cannot be fitted are refused") {
   using Catch::Matchers::Contains;
   const std::vector<LoggedDrop> drops = {fitted()[0]};

@@ -122,17 +122,21 @@ struct Problem {
   }
 };
 
+/// Whether it leaves no more than the logs' noise, about.
+bool believed(const LeastSquaresSolution& s) {
+  constexpr double kLevel = identify::kFarAboveNoise * identify::kFarAboveNoise;
+  return s.usable && s.cost <= kLevel * double(s.residuals);
+}
+
 /// The best solution from the scene and from starts drawn about it, while none is believed.
 LeastSquaresSolution search(const Problem& problem, const Scene& scene, const CalibrationOptions& options,
                             Calibration& out) {
-  constexpr double kLevel = identify::kFarAboveNoise * identify::kFarAboveNoise;
-  identify::MultiStart starts(
-      {.believed = [](const LeastSquaresSolution& s) { return s.cost <= kLevel * double(s.residuals); },
-       .work = kStarts * problem.work_of_start(),
-       .same = options.restarts + 2,  // so few starts are no reason to end early
-       .at_once = 1,
-       .threads = 1,
-       .monitor = {{}, options.monitor.stop}});
+  identify::MultiStart starts({.believed = believed,
+                               .work = kStarts * problem.work_of_start(),
+                               .same = options.restarts + 2,  // so few starts are no reason to end early
+                               .at_once = 1,
+                               .threads = 1,
+                               .monitor = {{}, options.monitor.stop}});
   const auto from = [&](const Scene& start) { return problem.solve_in_parts(start, out.noise); };
   starts.search_all(1, [&](int) { return from(scene); });
   starts.search_until_believed(
@@ -277,7 +281,8 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   out.scene = scene;
   out.noise = noise_of(drops);
   LeastSquaresSolution best = search(problem, scene, options, out);
-  if (problem.spent)
+  out.steps = problem.steps;
+  if (problem.spent && !believed(best))
     out.warnings.push_back(
         fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: are the "
                     "drop's height, speed and pitch right, is t = 0 the release?",
