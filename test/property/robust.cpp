@@ -160,6 +160,44 @@ TEST_CASE("robust: a drop that breaks a limit counts as the penalty, and is coun
   CHECK(a.best.message == "no motion of the search range was found that keeps the limits in 50 % of the drops");
 }
 
+TEST_CASE("robust: a drop that was not played is not one that keeps the limits") {
+  const Scene scene = paper();
+  const SeaParameters<double> sea = table2().sea;
+  auto r = std::make_shared<Robust>();
+  r->drops = DropModel(scene, Scatter::assumed()).even(64, 1);
+  const ReferenceSpace space(scene, sea);
+  Limits limits;
+  limits.motor_speed = 0.775;  // about what the scene's own drop needs [rad/s]
+  Objective o(scene, space, {.goal = Goal::kRobust, .limits = limits, .robust = r});
+  const Coordinates held = space.unit(space.values_of({-0.785, -0.785, 1}));
+  Candidate whole{held}, few{held}, late{held};
+  CHECK_FALSE(o.keeps_limits(whole));
+  o.evaluate({&whole, 1}, Goal::kRobust);
+  CHECK(whole.played == 64);
+  int broken = 0;
+  for (const ScatteredDrop& d : r->drops) {
+    const Play p = d.played(space, space.play(space.values(held)));
+    broken += peak_acceleration(d.scene, p.sea, p.motion, {.accuracy = 1e-6, .limits = limits}).end == End::kBroken;
+  }
+  CHECK(std::abs(whole.broken - broken) <= 1);
+  CHECK(o.keeps_limits(whole) == (64 - whole.broken >= 32));
+  // As many as are needed, but for the one that asks: nothing is played for it.
+  const long landings = o.landings(), work = o.work();
+  whole.broken = 32;
+  CHECK(o.keeps_limits(whole));
+  whole.broken = 33;
+  CHECK_FALSE(o.keeps_limits(whole));
+  CHECK((o.landings() == landings && o.work() == work));
+  o.evaluate_scattered({&few, 1}, 16);
+  few.broken = 0;
+  CHECK_FALSE(o.keeps_limits(few));
+  o.deadline = 0;
+  o.evaluate({&late, 1}, Goal::kRobust);
+  CHECK(late.value >= kNoMotion);
+  CHECK(late.played == 0);
+  CHECK_FALSE(o.keeps_limits(late));
+}
+
 TEST_CASE("robust: a covariance moves the actuator, and one that is none is refused") {
   Actuator a = table2();
   a.uncertain = {"k_p", "c_sea"};
