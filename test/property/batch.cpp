@@ -35,7 +35,7 @@ bool same(const LandingPeak& a, const LandingPeak& b) {
 }  // namespace
 
 TEST_CASE("batch: the field in a lane is the field of a double, in every mode") {
-  constexpr LandingTerms kAll{SeaTerms{true, true}};
+  constexpr LandingTerms kAll = kExtendedTerms;
   constexpr int W = 4;
   using Lanes = LandingSystem<kAll, false, Pack<W>>;
   using Single = LandingSystem<kAll, false, double>;
