@@ -71,8 +71,8 @@ struct Wording {
 /// hardly told apart.
 void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
                    const std::vector<const Term*>& shared, const Wording& wording, Estimates& out);
-/// Covariances, standard errors, intervals and verdicts of what was fitted for all, from the noise's covariance and
-/// `out.considered`; `sizes` of the constants fitted, what their intervals are measured against.
-void set_errors(const Eigen::MatrixXd& noise, const std::vector<double>& sizes, Estimates& out);
+/// Covariances, standard errors, intervals and verdicts of what was fitted for all, from the noise's covariance, in the
+/// order of `out.fitted`, and `out.considered`.
+void set_errors(const Eigen::MatrixXd& noise, Estimates& out);
 
 }  // namespace ukemi::identify
