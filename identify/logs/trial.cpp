@@ -122,6 +122,11 @@ void count_from_first(Trial& trial) {
   trial.t_origin += first;
 }
 
+std::string Trial::own_time(double at) const {
+  constexpr double kMicro = 1e6;
+  return shortest(std::round((t_origin + at) * kMicro) / kMicro);
+}
+
 void Trial::validate() const {
   const std::string what = file.empty() ? "trial" : file;
   const auto check_times = [&](const char* name, const std::vector<double>& times) {

@@ -28,6 +28,9 @@ void Rig::validate() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (drive.limit != kNone) check_positive("rig: command_limit", drive.limit);
   if (drive.rate != kNone) check_positive("rig: command_rate", drive.rate);
+  if (drive.control_delay) check_range("rig: control_delay", *drive.control_delay, lateness());
+  if (drive.velocity_filter) check_range("rig: velocity_filter", *drive.velocity_filter, lateness());
+  for (const RigErrorKey& k : rig_error_keys()) check_not_negative(std::string("rig: errors: ") + k.key, errors.*k.at);
 }
 
 namespace {
