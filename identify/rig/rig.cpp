@@ -18,7 +18,7 @@ SeaParameters<double> Rig::mounted(SeaParameters<double> sea) const {
 }
 
 void Rig::validate() const {
-  check_positive("rig: length", length), check_positive("rig: inertia", inertia);
+  check_range("rig: length", length, Range::link_length()), check_positive("rig: inertia", inertia);
   if (tau_max) check_not_negative("rig: tau_max", *tau_max);
   if (gear_ratio) check_positive("rig: gear_ratio", *gear_ratio);
   if (speed_max) check_positive("rig: speed_max", *speed_max);
@@ -88,7 +88,7 @@ Rig read_rig(const std::string& path) {
   TomlFile file(path);
   TomlSection s = file.require("rig");
   Rig rig;
-  rig.length = s.number("length", Range::positive());
+  rig.length = s.number("length", Range::link_length());
   const auto joint = s.optional_number("inertia_joint", Range::positive());
   const auto mass = s.optional_number("mass", Range::positive());
   const auto com = s.optional_number("inertia_com", Range::positive());

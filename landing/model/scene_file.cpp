@@ -73,7 +73,7 @@ Scene read_scene(const std::string& path) {
   scene.name = std::filesystem::path(path).stem().string();
 
   TomlSection robot = file.require("robot");
-  scene.robot.link_length = robot.number("link_length", Range::positive());
+  scene.robot.link_length = robot.number("link_length", Range::link_length());
   const auto mass = robot.numbers("mass", 2, Range::positive());
   const auto inertia = robot.numbers("inertia_com", 2, Range::positive());
   scene.robot.mass = {mass[0], mass[1]};
