@@ -1,9 +1,8 @@
 // Errors, arrays, figures and the actuator for Python.
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/files.hpp"
 #include "tools/program/output.hpp"

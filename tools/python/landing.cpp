@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "common/files.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/arguments.hpp"

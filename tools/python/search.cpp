@@ -1,7 +1,6 @@
 // The best motion, its risk, the map and the planner for Python.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <mutex>
 
 #include "landing/judge/answer.hpp"
