@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "common/csv.hpp"
-#include "common/uncertainty.hpp"
-#include "common/verdict.hpp"
 
 namespace ukemi {
 
@@ -39,6 +37,16 @@ const std::vector<OptionalConstant>& optional_constants() {
       {"control_delay", &Sea::control_delay, "s", late},
       {"velocity_filter", &Sea::velocity_filter, "s", late},
   };
+  return list;
+}
+
+const std::vector<std::string>& uncertain_constants() {
+  static const std::vector<std::string> list = [] {
+    std::vector<std::string> out(kConstantNames.begin(), kConstantNames.end());
+    out.emplace_back("tau_max");
+    for (const OptionalConstant& c : optional_constants()) out.emplace_back(c.key);
+    return out;
+  }();
   return list;
 }
 
@@ -75,10 +83,7 @@ Actuator read_actuator(const std::string& path) {
   a.speed_max = s.optional_number("speed_max", Range::positive());
   a.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
   if (auto u = file.optional("uncertainty")) {
-    std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
-    known.emplace_back("tau_max");
-    for (const OptionalConstant& c : optional_constants()) known.emplace_back(c.key);
-    Uncertainty read = read_uncertainty(*u, known, "the actuator");
+    Uncertainty read = read_uncertainty(*u, uncertain_constants(), "the actuator");
     a.uncertain = std::move(read.order), a.covariance = std::move(read.covariance);
     u->accept("std"), u->accept("ci95");  // follow from the covariance
   }

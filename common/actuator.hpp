@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,8 @@
 
 #include "common/sea.hpp"
 #include "common/toml.hpp"
+#include "common/uncertainty.hpp"
+#include "common/verdict.hpp"
 
 namespace ukemi {
 
@@ -41,6 +44,8 @@ struct OptionalConstant {
   double absent = 0;  ///< its value in a file without it
 };
 const std::vector<OptionalConstant>& optional_constants();
+/// What an actuator's [uncertainty] may name: the five, tau_max, the optional ones.
+const std::vector<std::string>& uncertain_constants();
 
 struct Actuator {
   std::string name;
@@ -49,9 +54,9 @@ struct Actuator {
   std::optional<double> motor_torque_max;  ///< rated motor torque at the output [Nm]; sea.tau_max limits the spring
   std::vector<std::string> uncertain;      ///< [uncertainty] order: the constants that were fitted
   Eigen::MatrixXd covariance;              ///< of those, in their order
-  /// [verdict]: constant and how far the fit that found it may be relied on ("trusted", "weak", "not identifiable", "at
-  /// its bound", "fixed"), in the order of kConstantNames; empty where the file says nothing.
-  std::vector<std::pair<std::string, std::string>> verdicts;
+  /// [verdict]: how far the fit that found a constant may be relied on, in the order of kConstantNames; empty where the
+  /// file says nothing.
+  Verdicts verdicts;
   std::vector<std::pair<std::string, std::string>> provenance;  ///< written as text
 
   /// Keys of the ratings that are not known, "speed_max, motor_torque_max"; empty where both are.
@@ -69,7 +74,7 @@ Actuator read_actuator(const std::string& path);
 /// The file's text: [actuator], with verdicts [verdict], with a covariance [uncertainty] (order, std, ci95,
 /// covariance), and [provenance]. `half_width` is the factor from a standard error to the half width of the 95 %
 /// interval.
-std::string to_toml(const Actuator& actuator, double half_width = 1.959963984540054);
+std::string to_toml(const Actuator& actuator, double half_width = kNormal975);
 
 /// Reads `feedback = "output" | "motor"` of a section.
 std::optional<Feedback> read_feedback(TomlSection& section);

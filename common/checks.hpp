@@ -8,8 +8,9 @@
 
 namespace ukemi {
 
-/// Each throws InputError "WHAT: VALUE: RULE" unless the value is finite; above 0; at least 0. Nothing is allocated
-/// where it is.
+/// Each throws InputError "WHAT: VALUE: RULE" unless the value is within the range; finite; above 0; at least 0.
+/// Nothing is allocated where it is.
+void check_range(std::string_view what, double value, const Range& range);
 void check_finite(std::string_view what, double value);
 void check_positive(std::string_view what, double value);
 void check_not_negative(std::string_view what, double value);
@@ -20,7 +21,7 @@ void check_count(std::string_view what, long value, long least, long most);
 /// covariance is a symmetric matrix of their size, finite, without a variance below 0.
 void check(const Uncertainty& uncertainty, const std::vector<std::string>& known, const std::string& whom);
 
-/// Throws InputError for a constant outside its range; tau_max may be infinite. With an Actuator, for its rating and
+/// Throws InputError for a constant outside its range; tau_max may be infinite. With an Actuator, for its ratings and
 /// its covariance too: whatever read_actuator refuses.
 void validate(const SeaParameters<double>& sea);
 void validate(const Actuator& actuator);

@@ -29,10 +29,18 @@
 
 namespace ukemi {
 
+bool Range::holds(double value) const {
+  return std::isfinite(value) && (low_open ? value > low : value >= low) && value <= high;
+}
+
 Range Range::any() {
-  return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false, "a number"};
+  return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false, "a finite number"};
 }
 Range Range::positive() { return {0, std::numeric_limits<double>::infinity(), true, "above 0"}; }
+const Range& Range::link_length() {
+  static const Range range{0, 10, true, "above 0 and at most 10: lengths are in m"};
+  return range;
+}
 Range Range::non_negative() { return {0, std::numeric_limits<double>::infinity(), false, "at least 0"}; }
 
 struct TomlFile::Data {
@@ -219,11 +227,6 @@ std::vector<TomlSection> TomlSection::sections(const std::string& key) {
   }
   return out;
 }
-std::vector<std::string> TomlSection::keys() const {
-  std::vector<std::string> out;
-  for (const auto& [key, value] : as_table(table_)) out.emplace_back(key.str());
-  return out;
-}
 bool TomlSection::has(const std::string& key) const { return as_table(table_).contains(key); }
 void TomlSection::accept_all() { data_->all.insert(name_); }
 
@@ -241,8 +244,7 @@ double TomlSection::checked(const std::string& key, const void* n, const Range& 
   if (!std::isfinite(*value)) fail(key, shortest(*value) + ": a finite number is needed");
   if (const auto* whole = as_node(n)->as_integer(); whole && whole->flags() != toml::value_flags::none)
     fail(key, show(*as_node(n)) + ": a decimal number is needed");
-  if (*value < range.low || *value > range.high || (range.low_open && *value <= range.low))
-    fail(key, shortest(*value) + ": must be " + range.rule);
+  if (!range.holds(*value)) fail(key, shortest(*value) + ": must be " + range.rule);
   return *value;
 }
 

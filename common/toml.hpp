@@ -18,9 +18,13 @@ struct Range {
   bool low_open = false;
   std::string rule;  ///< the rule in words, for the message
 
+  /// Whether it is finite and within both ends.
+  bool holds(double value) const;
+
   static Range any();
   static Range positive();
   static Range non_negative();
+  static const Range& link_length();  ///< in m: above 0 and at most 10; what is longer was meant in mm
 };
 
 class TomlSection;
@@ -76,8 +80,6 @@ class TomlSection {
   std::optional<TomlSection> optional_section(const std::string& key);
   /// Tables in [[ ]], in their order; empty where the key is omitted.
   std::vector<TomlSection> sections(const std::string& key);
-  /// The keys that stand in it.
-  std::vector<std::string> keys() const;
   /// A key that is known and not read.
   void accept(const std::string& key) { node(key); }
   /// Accepts whatever else the table holds (provenance).

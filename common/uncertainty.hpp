@@ -9,6 +9,9 @@
 
 namespace ukemi {
 
+/// From a normal number's mean to its 97.5 % quantile, in standard deviations: half of its 95 % interval.
+inline constexpr double kNormal975 = 1.959963984540054;
+
 struct Uncertainty {
   std::vector<std::string> order;
   Eigen::MatrixXd covariance;  ///< of those, in their order, SI

@@ -20,11 +20,17 @@ std::string verdict_table(const Verdicts& verdicts) {
   return t;
 }
 
+Verdicts doubted(const Verdicts& verdicts) {
+  Verdicts out;
+  for (const auto& of : verdicts)
+    if (of.second != "trusted" && of.second != "fixed") out.push_back(of);
+  return out;
+}
+
 std::string doubts(const Verdicts& verdicts) {
   std::string t;
-  for (const auto& [constant, verdict] : verdicts)
-    if (verdict != "trusted" && verdict != "fixed")
-      t += fmt::format("{}{} is {}", t.empty() ? "" : ", ", constant, verdict);
+  for (const auto& [constant, verdict] : doubted(verdicts))
+    t += fmt::format("{}{} is {}", t.empty() ? "" : ", ", constant, verdict);
   return t;
 }
 

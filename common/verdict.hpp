@@ -17,7 +17,9 @@ using Verdicts = std::vector<std::pair<std::string, std::string>>;
 Verdicts read_verdicts(TomlFile& file, const std::vector<std::string>& constants);
 /// The table as a file has it; empty where there is no verdict.
 std::string verdict_table(const Verdicts& verdicts);
-/// "k_sea is weak, c_sea is not identifiable": those that are neither trusted nor fixed.
+/// Those that are neither trusted nor fixed.
+Verdicts doubted(const Verdicts& verdicts);
+/// The doubted in words: "k_sea is weak, c_sea is not identifiable".
 std::string doubts(const Verdicts& verdicts);
 
 }  // namespace ukemi

@@ -70,18 +70,24 @@ struct File {
   File(const std::string& name, const std::string& bytes) : path(folder.write(name, bytes)) {}
 };
 
-/// The message of the InputError that `act` throws, without the folder's name; "no error" where it throws none.
+/// The text of the InputError that `act` throws; empty where it throws none.
 template <class Act>
-std::string error_of(const Folder& folder, Act&& act) {
+std::string refusal(Act&& act) {
   try {
     act();
   } catch (const ukemi::InputError& e) {
-    std::string text = e.what();
-    const std::string prefix = folder.at("");
-    for (std::size_t i; (i = text.find(prefix)) != std::string::npos;) text.erase(i, prefix.size());
-    return text;
+    return e.what();
   }
-  return "no error";
+  return "";
+}
+/// The same without the folder's name; "no error" where it throws none.
+template <class Act>
+std::string error_of(const Folder& folder, Act&& act) {
+  std::string text = refusal(act);
+  if (text.empty()) return "no error";
+  const std::string prefix = folder.at("");
+  for (std::size_t i; (i = text.find(prefix)) != std::string::npos;) text.erase(i, prefix.size());
+  return text;
 }
 
 /// A measured file that is not shipped; none, and a warning, where UKEMI_LAB_DATA does not name its folder.

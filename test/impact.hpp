@@ -1,8 +1,10 @@
 // The rig of the paper and its simulated trials: what made them is known (Table 2, normal noise).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,36 @@ inline std::vector<Trial> noisy(std::vector<Trial> trials, std::uint64_t seed) {
     for (double& x : trials[m].phi) x += kNoise * random.normal();
   }
   return trials;
+}
+
+/// What a fit found for a term of all trials.
+inline const Estimate& estimate(const Fit& fit, const std::string& name) {
+  for (const Estimate* e : fit.globals())
+    if (e->name == name) return *e;
+  FAIL(name + " was not fitted");
+  return fit.parameters.front();
+}
+/// The largest error of a constant in its own standard errors, of those that have one.
+inline double worst_error(const Fit& fit, const std::array<double, kConstants>& truth = kTruth) {
+  double out = 0;
+  for (std::size_t k = 0; k < kConstants; ++k)
+    if (const Estimate& e = fit.parameters[k]; e.std) out = std::max(out, std::abs(e.value - truth[k]) / *e.std);
+  return out;
+}
+
+/// How far a derivative is off the difference of a function at +-h and +-2h from there, and how large it is.
+struct SlopeError {
+  double worst = 0, size = 0;
+};
+template <class Function, class Derivative>
+SlopeError slope_error(double h, Function&& moved_by, Derivative&& derivative) {
+  const std::vector<double> up = moved_by(h), down = moved_by(-h), far = moved_by(2 * h), below = moved_by(-2 * h);
+  SlopeError out;
+  for (std::size_t i = 0; i < up.size(); ++i) {
+    const double slope = (8 * (up[i] - down[i]) - (far[i] - below[i])) / (12 * h);
+    out.size = std::max(out.size, std::abs(slope)), out.worst = std::max(out.worst, std::abs(derivative(i) - slope));
+  }
+  return out;
 }
 
 /// How many draws a statistical test takes; the full run: UKEMI_DRAWS=200.

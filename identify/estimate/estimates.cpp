@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -15,35 +14,36 @@ namespace ukemi::identify {
 
 namespace {
 
-/// f(estimate) of what was fitted for all, in that order.
-template <class Lists, class F>
-void for_each_global(const std::vector<std::string>& fitted, const Lists& lists, F&& f) {
-  for (const std::string& name : fitted)
-    for (auto* list : lists)
-      for (auto& e : *list)
-        if (e.name == name && e.trial < 0) f(e);
+enum class Kind { kConstant, kNuisance };
+
+/// f(estimate, kind) of what was fitted for all, in the order of `fitted`.
+template <class AnyEstimates, class F>
+void for_each_global(AnyEstimates& of, F&& f) {
+  const auto among = [&](auto& list, const std::string& name, Kind kind) {
+    for (auto& e : list)
+      if (e.name == name && e.trial < 0) f(e, kind);
+  };
+  for (const std::string& name : of.fitted)
+    among(of.parameters, name, Kind::kConstant), among(of.nuisance, name, Kind::kNuisance);
 }
 
 }  // namespace
 
 std::vector<const Estimate*> Estimates::globals() const {
   std::vector<const Estimate*> out;
-  for_each_global(fitted, std::array{&parameters, &nuisance}, [&](const Estimate& e) { out.push_back(&e); });
+  for_each_global(*this, [&](const Estimate& e, Kind) { out.push_back(&e); });
   return out;
 }
 
-void set_errors(const Eigen::MatrixXd& noise, const std::vector<double>& sizes, Estimates& out) {
+void set_errors(const Eigen::MatrixXd& noise, Estimates& out) {
   out.noise_covariance = out.covariance = noise;
   for (const Considered& c : out.considered) out.covariance += c.shift * c.shift.transpose();
   out.correlation = correlation_of(out.covariance);
-  std::size_t g = 0;
-  for_each_global(out.fitted, std::array{&out.parameters, &out.nuisance}, [&](Estimate& e) {
-    const long i = long(g);
+  long i = 0;
+  for_each_global(out, [&](Estimate& e, Kind kind) {
     set_error(e, out.covariance(i, i), noise(i, i), out.half_width);
-    e.verdict = g < sizes.size() ? judge(e, sizes[g])
-                : e.at_bound     ? Identifiability::kAtBound
-                                 : Identifiability::kFitted;
-    ++g;
+    e.verdict = kind == Kind::kConstant ? judge(e) : e.at_bound ? Identifiability::kAtBound : Identifiability::kFitted;
+    ++i;
   });
 }
 
@@ -107,11 +107,11 @@ void set_estimates(const LeastSquaresSolution& s, const LeastSquaresProblem& pro
       continue;
     }
     e.judged_size = shared[g]->judged_size;
-    sizes.push_back(std::max(std::abs(e.value), e.judged_size));
+    sizes.push_back(e.size());
     *std::find_if(out.parameters.begin(), out.parameters.end(), [&](const Estimate& q) { return q.name == e.name; }) =
         e;
   }
-  set_errors(s.global_covariance * variance, sizes, out);
+  set_errors(s.global_covariance * variance, out);
   for (std::size_t l = 0; l < problem.locals.size(); ++l)
     for (long b = 0; b < long(problem.blocks.size()); ++b)
       out.nuisance.push_back(estimate_of(problem.locals[l], s.locals(b, long(l)),

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/uncertainty.hpp"
 #include "identify/estimate/term.hpp"
 #include "identify/estimate/uncertainty.hpp"
 
@@ -19,7 +20,7 @@ struct Estimates {
   Eigen::MatrixXd noise_covariance;    ///< the part of it that is the logs' noise
   std::vector<Considered> considered;  ///< what was not fitted and is not exact
   Eigen::VectorXd eigenvalues;         ///< of the scaled information, ascending, largest 1
-  double half_width = 1.96;            ///< 95 % interval in standard errors (Student's t)
+  double half_width = kNormal975;      ///< 95 % interval in standard errors (Student's t)
   std::optional<Weakest> weakest;      ///< the combination of constants that the data know least
   double cost = 0;                     ///< the sum of squares; weighted or robust where asked for
   bool converged = false;
@@ -70,8 +71,8 @@ struct Wording {
 /// hardly told apart.
 void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
                    const std::vector<const Term*>& shared, const Wording& wording, Estimates& out);
-/// Covariances, standard errors, intervals and verdicts of what was fitted for all, from the noise's covariance and
-/// `out.considered`; `sizes` of the constants fitted, what their intervals are measured against.
-void set_errors(const Eigen::MatrixXd& noise, const std::vector<double>& sizes, Estimates& out);
+/// Covariances, standard errors, intervals and verdicts of what was fitted for all, from the noise's covariance, in the
+/// order of `out.fitted`, and `out.considered`.
+void set_errors(const Eigen::MatrixXd& noise, Estimates& out);
 
 }  // namespace ukemi::identify

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <unsupported/Eigen/SpecialFunctions>
 
+#include "common/uncertainty.hpp"
+
 namespace ukemi::identify {
 
 double chi_squared_tail(double x, double degrees) {
@@ -82,7 +84,7 @@ double jarque_bera(const Moments& m) { return m.count * (m.skewness * m.skewness
 double t_quantile_975(long dof) {
   // Cornish-Fisher expansion of Student's t about the normal quantile; exact enough (1e-3) from 3 degrees of freedom
   // on.
-  constexpr double z = 1.959963984540054;
+  constexpr double z = kNormal975;
   if (dof < 3) return dof == 2 ? 4.302652729911275 : 12.706204736432095;
   const double n = double(dof), z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
   return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) +

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/decompositions.hpp"
 
@@ -28,11 +27,11 @@ void set_error(Estimate& e, double variance, double of_noise, double half_width)
   e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
 }
 
-Identifiability judge(const Estimate& e, double size) {
+Identifiability judge(const Estimate& e) {
   if (!e.free) return Identifiability::kFixed;
   if (e.at_bound) return Identifiability::kAtBound;
   if (!e.std) return Identifiability::kNotIdentifiable;
-  const double width = e.half_width();
+  const double width = e.half_width(), size = e.size();
   return width <= kTrustedWidth * size ? Identifiability::kTrusted
          : width <= kWeakWidth * size  ? Identifiability::kWeak
                                        : Identifiability::kNotIdentifiable;

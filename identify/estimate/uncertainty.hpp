@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -41,6 +43,8 @@ struct Estimate {
   double judged_size = 0;                             ///< Term::judged_size of a constant
 
   double half_width() const { return (ci_high - ci_low) / 2; }  ///< of the 95 % interval, with `std`
+  /// What a constant's interval is measured against.
+  double size() const { return std::max(std::abs(value), judged_size); }
 };
 
 /// What a parameter came to, at its bound where the value is.
@@ -59,9 +63,8 @@ struct Considered {
   Eigen::MatrixXd shift;  ///< s d, by row as Estimates::fitted; a column for each independent draw of the term
 };
 
-/// The verdict by the widths above; `size` > 0 is what the interval is measured against, |value| unless that is
-/// meaningless.
-[[nodiscard]] Identifiability judge(const Estimate& e, double size);
+/// The verdict by the widths above.
+[[nodiscard]] Identifiability judge(const Estimate& e);
 
 /// Whether every constant that was fitted is trusted.
 [[nodiscard]] bool all_trusted(const std::vector<Estimate>& parameters);

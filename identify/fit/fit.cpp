@@ -187,6 +187,8 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
 Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& sea,
             const FitOptions& options, const std::vector<Nuisance<double>>& own) {
   validate(rig, trials, options), ukemi::validate(sea);
+  if (!own.empty() && own.size() != trials.size())
+    throw InputError(fmt::format("own terms of {} trials: {} are needed, one each", own.size(), trials.size()));
   Fit out;
   out.warnings = check_logs(trials).warnings;
   out.sea = sea;

@@ -106,21 +106,19 @@ double attach_force(Trial& trial, const ForceLog& log, const Rig& rig, ForceCloc
   const double shift = clock == ForceClock::kOwn ? align(trial, log, rig) : log.t_origin - trial.t_origin;
   const double begin = log.t.front() + shift, end = log.t.back() + shift;
   if (end <= trial.t.front() || begin >= trial.t.back())
-    throw InputError(
-        {log.file}, fmt::format("the force runs from {} to {} s, the angle in {} from {} to {} s: they do "
-                                "not overlap; a clock of its own? then --force-clock own",
-                                shortest(begin + trial.t_origin), shortest(end + trial.t_origin), trial.file,
-                                shortest(trial.t.front() + trial.t_origin), shortest(trial.t.back() + trial.t_origin)));
+    throw InputError({log.file}, fmt::format("the force runs from {} to {} s, the angle in {} from {} to {} s: they do "
+                                             "not overlap; a clock of its own? then --force-clock own",
+                                             trial.own_time(begin), trial.own_time(end), trial.file,
+                                             trial.own_time(trial.t.front()), trial.own_time(trial.t.back())));
   trial.force = log.force;
   trial.force_t = log.t;
   for (double& t : trial.force_t) t += shift;
   const double missing = std::max(begin - trial.t.front(), trial.t.back() - end),
                interval = (trial.t.back() - trial.t.front()) / double(trial.samples() - 1);
   if (missing > 3 * interval)
-    trial.notes.push_back(
-        fmt::format("the force in {} covers {:.6g} to {:.6g} s of {:.6g} to {:.6g} s: taken as 0 "
-                    "outside",
-                    log.file, begin, end, trial.t.front(), trial.t.back()));
+    trial.notes.push_back(fmt::format("the force in {} covers {} to {} s of {} to {} s: taken as 0 outside", log.file,
+                                      trial.own_time(begin), trial.own_time(end), trial.own_time(trial.t.front()),
+                                      trial.own_time(trial.t.back())));
   const std::vector<double>& r = trial.phi_ref;
   if (clock == ForceClock::kOwn && std::adjacent_find(r.begin(), r.end(), std::not_equal_to<>()) != r.end())
     trial.notes.push_back("the reference moves too: the onset that the force in " + log.file +

@@ -27,14 +27,14 @@ bool warn_of_gaps(const std::vector<Trial>& trials, std::vector<std::string>& wa
       if (g.place != Gap::Place::kInHit || in_hit) continue;
       in_hit = any_in_hit = true;
       warnings.push_back(
-          fmt::format("{}: a gap of {:.3g} ms at {:.6g} s, in a hit: what the force did there is lost; no "
+          fmt::format("{}: a gap of {:.3g} ms at {} s, in a hit: what the force did there is lost; no "
                       "constant is trusted",
-                      t.file, 1e3 * g.length, g.t));
+                      t.file, 1e3 * g.length, t.own_time(g.t)));
     }
     if (longest && !in_hit)
-      warnings.push_back(fmt::format("{}: {} in the log, the longest of {:.3g} ms at {:.6g} s", t.file,
+      warnings.push_back(fmt::format("{}: {} in the log, the longest of {:.3g} ms at {} s", t.file,
                                      all.size() == 1 ? "a gap" : fmt::format("{} gaps", all.size()),
-                                     1e3 * longest->length, longest->t));
+                                     1e3 * longest->length, t.own_time(longest->t)));
   }
   return any_in_hit;
 }

@@ -9,6 +9,7 @@
 
 #include "common/checks.hpp"
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/median.hpp"
 #include "identify/logs/columns.hpp"
 #include "identify/logs/hits.hpp"
@@ -36,6 +37,13 @@ bool constant(const std::vector<double>& x) {
 }
 bool zero(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return v == 0; });
+}
+
+/// How to say that a column which is read as radians holds degrees; empty where it is read as something else.
+std::string advice_on_unit(const std::string& name, const Source& s) {
+  if (std::abs(s.scale) != 1) return "";
+  return fmt::format("are these degrees? then name the column {}_deg, or give --columns {}={}*{}; ", name, name,
+                     shortest(s.scale * kDegree), s.column);
 }
 
 /// Names what looks like a quantity that is in no column: an error where only the case is wrong, else a note.
@@ -79,9 +87,8 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
       out[i] = column[i] * s.scale / gear;
       if (one_turn && std::abs(out[i]) > 2 * std::numbers::pi)
         throw InputError(table.at(c, i),
-                         fmt::format("column '{}': {}: an angle beyond 2 pi rad; are these degrees? then name "
-                                     "the column {}_deg (or --columns {}=..._deg); --multi-turn if it is meant",
-                                     s.column, shortest(column[i]), which.name, which.name));
+                         fmt::format("column '{}': {}: an angle beyond 2 pi rad; {}--multi-turn if it is meant",
+                                     s.column, shortest(column[i]), advice_on_unit(which.name, s)));
     }
   };
   std::vector<double> dphi, dphi_motor;
@@ -120,6 +127,11 @@ void count_from_first(Trial& trial) {
   for (std::vector<double>* times : {&trial.t, &trial.force_t})
     for (double& t : *times) t -= first;
   trial.t_origin += first;
+}
+
+std::string Trial::own_time(double at) const {
+  constexpr double kMicro = 1e6;
+  return shortest(std::round((t_origin + at) * kMicro) / kMicro);
 }
 
 void Trial::validate() const {

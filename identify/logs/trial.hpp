@@ -36,8 +36,10 @@ struct Trial {
   /// The outputs that a fit compares; those that were not logged are empty.
   std::array<const std::vector<double>*, 3> measured() const { return {&phi, &phi_motor, &torque}; }
   /// How many samples of them.
-  void validate() const;  ///< throws InputError naming the file, the column and the sample
   std::size_t measurements() const { return phi.size() + phi_motor.size() + torque.size(); }
+  /// What the file's own clock read at t = `at`, to a microsecond, "1700000000.25" [s]: where a reader finds it.
+  std::string own_time(double at) const;
+  void validate() const;  ///< throws InputError naming the file, the column and the sample
 };
 /// How many rad count as much as 1 Nm of a logged torque: the angles' noise over the torque's, so that each residual
 /// weighs by its own noise [rad/Nm]; 0 where none is logged.

@@ -10,7 +10,7 @@
 namespace ukemi::identify {
 
 void Rig::validate() const {
-  check_positive("rig: length", length), check_positive("rig: inertia", inertia);
+  check_range("rig: length", length, Range::link_length()), check_positive("rig: inertia", inertia);
   if (tau_max) check_not_negative("rig: tau_max", *tau_max);
   if (gear_ratio) check_positive("rig: gear_ratio", *gear_ratio);
   if (speed_max) check_positive("rig: speed_max", *speed_max);
@@ -20,6 +20,9 @@ void Rig::validate() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (drive.limit != kNone) check_positive("rig: command_limit", drive.limit);
   if (drive.rate != kNone) check_positive("rig: command_rate", drive.rate);
+  if (drive.control_delay) check_range("rig: control_delay", *drive.control_delay, lateness());
+  if (drive.velocity_filter) check_range("rig: velocity_filter", *drive.velocity_filter, lateness());
+  for (const RigErrorKey& k : rig_error_keys()) check_not_negative(std::string("rig: errors: ") + k.key, errors.*k.at);
 }
 
 namespace {
@@ -77,7 +80,7 @@ Rig read_rig(const std::string& path) {
   TomlFile file(path);
   TomlSection s = file.require("rig");
   Rig rig;
-  rig.length = s.number("length", Range::positive());
+  rig.length = s.number("length", Range::link_length());
   const auto joint = s.optional_number("inertia_joint", Range::positive());
   const auto mass = s.optional_number("mass", Range::positive());
   const auto com = s.optional_number("inertia_com", Range::positive());

@@ -57,7 +57,7 @@ struct RigErrorKey {
 const std::vector<RigErrorKey>& rig_error_keys();
 
 struct Rig {
-  double length;                                ///< l, from the joint to where the force acts [m], > 0
+  double length;                                ///< l, from the joint to where the force acts [m], > 0, <= 10
   double inertia;                               ///< M, of the link about the joint [kg m^2], > 0
   std::optional<double> tau_max;                ///< torque limit of the spring [Nm]
   std::optional<double> gear_ratio;             ///< a log's phi_motor is divided by it

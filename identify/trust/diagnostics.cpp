@@ -221,10 +221,7 @@ void widen_errors(const ResidualTests& tests, Estimates& fit) {
       }
     const long parts = long(tests.score->parts.size());
     fit.half_width = std::max(fit.half_width, t_quantile_975(parts - 1));
-    std::vector<double> sizes;
-    for (const Estimate& e : fit.parameters)
-      if (e.free) sizes.push_back(std::max(std::abs(e.value), e.judged_size));
-    set_errors(noise, sizes, fit);
+    set_errors(noise, fit);
     for (Estimate& e : fit.nuisance)
       if (e.trial >= 0 && e.std) set_error(e, *e.std * *e.std * widest, *e.std * *e.std * widest, fit.half_width);
   }

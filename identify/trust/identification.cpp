@@ -127,7 +127,7 @@ Fit fit_sides(const Experiment& e, const std::optional<SeaParameters<double>>& s
 }
 
 /// What was held is said; where the logs do not tell the sides apart nothing is trusted.
-void conclude(const Terms<RigTerm>& terms, Identification& out) {
+void tell_choices(const Terms<RigTerm>& terms, Identification& out) {
   std::vector<std::string> held;
   for (const HeldTerm& h : out.held)
     held.push_back(fmt::format("these trials cannot tell {} from {}: {} is held at {:g}", h.term,
@@ -181,24 +181,33 @@ Pointed fit_where_tests_point(const Experiment& e, const std::vector<std::string
   return out;
 }
 
+bool doubtful(const Identification& i) {
+  return !i.fit.converged || i.fit.far_above_noise || i.trust->tests.model_rejected();
+}
+
+/// What a second look came to, in words; empty where there is nothing to say.
+struct SecondLook {
+  std::string better;   ///< a better minimum was found
+  std::string in_vain;  ///< none was that explains the logs
+};
+
 /// A fit with terms of the actuator whose residuals the model does not explain may have ended at a minimum of no
 /// account. Looks where the score tests of the model without them point and, where their promise is not met there
 /// either, from kMoreStarts drawn starts.
-void look_again(const Experiment& e, const std::optional<SeaParameters<double>>& start, SeaParameters<double> base,
-                Identification& out) {
+SecondLook look_again(const Experiment& e, const std::optional<SeaParameters<double>>& start,
+                      SeaParameters<double> base, Identification& out) {
   constexpr int kMoreStarts = 20;
   constexpr double kMet = 0.5;  // of the fall that is promised, which is to first order
   std::vector<std::string> terms;
   for (const std::string& name : e.options.terms.nuisance)
     if (const RigTerm& t = e.options.terms[name]; is_actuator_s(t) && std::isfinite(t.absent)) terms.push_back(name);
-  const auto doubtful = [&] {
-    return !out.fit.converged || out.fit.far_above_noise || out.trust->tests.model_rejected();
-  };
-  if (terms.empty() || out.fit.interrupted || e.options.explore > 0 || !doubtful()) return;
+  SecondLook said;
+  if (terms.empty() || out.fit.interrupted || e.options.explore > 0 || !doubtful(out)) return said;
+  const double first = out.fit.rms;
   const auto adopt = [&](Fit f, const std::string& where) {
     if (!better(f, out.fit)) return void(out.fit.starts += f.starts);
-    f.warnings.push_back(fmt::format("the first minimum found, {:.4g} rad rms, was not the best: {:.4g} rad {}",
-                                     out.fit.rms, f.rms, where));
+    said.better =
+        fmt::format("the first minimum found, {:.4g} rad rms, was not the best: {:.4g} rad {}", first, f.rms, where);
     take(std::move(f), out.fit);
     out.trust = tested(e, out.fit);
   };
@@ -206,14 +215,36 @@ void look_again(const Experiment& e, const std::optional<SeaParameters<double>>&
   Pointed pointed = fit_where_tests_point(e, terms, start, base);
   adopt(std::move(pointed.fit), "where the score tests point");
   const bool met = pointed.gain > 0 && out.fit.cost <= pointed.plain - kMet * pointed.gain;
-  if (!doubtful() || (met && !out.fit.far_above_noise)) return;
+  if (!doubtful(out) || (met && !out.fit.far_above_noise)) return said;
   FitOptions explore = e.options;
   explore.explore = kMoreStarts;
   adopt(fit(e.rig, e.trials, start, base, explore), fmt::format("from {} drawn starts", kMoreStarts));
-  if (doubtful())
-    out.fit.warnings.push_back(fmt::format(
+  if (doubtful(out))
+    said.in_vain = fmt::format(
         "{}: where its score test points and {} drawn starts found nothing better: the model lacks something else",
-        fmt::join(terms, " and "), kMoreStarts));
+        fmt::join(terms, " and "), kMoreStarts);
+  return said;
+}
+
+/// Takes the fit with a smooth force between the samples where the residuals ask for one and it leaves less; then the
+/// trials with that force.
+std::optional<std::vector<Trial>> take_smooth_force(const Experiment& e, Identification& out) {
+  if (!ask_for_smooth_force(out.trust->tests, e.trials)) return std::nullopt;
+  std::vector<Trial> smooth = e.trials;
+  for (Trial& t : smooth) t.force_smooth = 1;
+  Fit again = refit(e.rig, smooth, out.fit.sea, e.options);
+  if (!(again.converged && again.rms < out.fit.rms)) return std::nullopt;
+  take(std::move(again), out.fit), out.force_smooth = 1;
+  out.trust = tested({e.rig, smooth, e.options}, out.fit);
+  return smooth;
+}
+
+/// Says what was done on the way to the fit of `fitted`, and looks into it as deep as asked for.
+void finish(const Experiment& fitted, const SecondLook& look, const TrustOptions& options, Identification& out) {
+  if (!look.better.empty()) out.fit.warnings.push_back(look.better);
+  if (!look.in_vain.empty() && doubtful(out)) out.fit.warnings.push_back(look.in_vain);
+  tell_choices(fitted.options.terms, out);
+  deepen(fitted, out.fit, options, *out.trust);
 }
 
 }  // namespace
@@ -234,22 +265,10 @@ Identification identify(const Experiment& experiment, const std::optional<SeaPar
   hold_redundant(told_apart, out);
   out.force_smooth = trials.front().force_smooth;
   out.trust = tested(told_apart, out.fit);
-  look_again(told_apart, start, base, out);
-  if (options.force == TrustOptions::Force::kByResiduals && ask_for_smooth_force(out.trust->tests, trials)) {
-    std::vector<Trial> smooth = trials;
-    for (Trial& t : smooth) t.force_smooth = 1;
-    Fit again = refit(experiment.rig, smooth, out.fit.sea, told_apart.options);
-    if (again.converged && again.rms < out.fit.rms) {
-      take(std::move(again), out.fit), out.force_smooth = 1;
-      const Experiment smoothed{experiment.rig, smooth, told_apart.options};
-      out.trust = tested(smoothed, out.fit);
-      conclude(told_apart.options.terms, out);
-      deepen(smoothed, out.fit, options, *out.trust);
-      return out;
-    }
-  }
-  conclude(told_apart.options.terms, out);
-  deepen(told_apart, out.fit, options, *out.trust);
+  const SecondLook look = look_again(told_apart, start, base, out);
+  std::optional<std::vector<Trial>> smooth;
+  if (options.force == TrustOptions::Force::kByResiduals) smooth = take_smooth_force(told_apart, out);
+  finish({experiment.rig, smooth ? *smooth : trials, told_apart.options}, look, options, out);
   return out;
 }
 

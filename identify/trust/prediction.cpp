@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/checks.hpp"
 #include "identify/estimate/prediction_error.hpp"
 #include "identify/estimate/statistics.hpp"
 #include "identify/fit/trial_problem.hpp"
@@ -18,20 +19,25 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 /// Measured on normal numbers; test/regression/predict.cpp.
 constexpr double kNoiseLevelVariance = 10.3;
 
+/// The term that actuator.toml has by this name. Throws InputError where the table lacks it.
+const RigTerm& stored_as(const std::string& key, const std::vector<RigTerm>& table) {
+  const auto term = std::find_if(table.begin(), table.end(), [&](const RigTerm& t) { return t.key == key; });
+  if (term == table.end()) throw InputError(quoted(key) + ": uncertain, and no term of the fit");
+  return *term;
+}
+
 /// All trials as one problem: its globals are the constants that the actuator's file calls uncertain, its locals each
 /// trial's initial state.
 struct Predicted {
   Predicted(const Experiment& e, const Actuator& a)
       : options(e.options), prepared(e.trials.begin(), e.trials.end()), unweighted(e.trials.size()) {
-    options.terms.priors.clear();
-    for (const std::string& key : a.uncertain)
-      layout.shared.push_back(&*std::find_if(options.terms.table.begin(), options.terms.table.end(),
-                                             [&](const RigTerm& t) { return t.key == key; }));
+    for (const std::string& key : a.uncertain) layout.shared.push_back(&stored_as(key, options.terms.table));
     if (layout.shared.empty()) layout.shared.push_back(&options.terms["i_motor"]);  // the solver wants one, if held
     for (const char* name : {"initial_angle", "initial_rate"}) layout.own.push_back(&options.terms[name]);
     problem = make_problem(e.rig, prepared, unweighted, a.sea,
                            {.centre = {1, 1, 1, 1, 1}, .spread_gains = 1, .spread_rest = 1}, layout, options,
                            options.rollout());
+    problem.priors.clear();  // they pull what is held
     for (std::size_t g = 0; g < layout.shared.size(); ++g) {
       constants.push_back(layout.shared[g]->value_in(a.sea));
       problem.globals[g].start = constants.back();
@@ -99,16 +105,18 @@ JudgedTrial judge(const Experiment& experiment, const Actuator& actuator, const 
                    .noise = noise,
                    .noise_variance = kNoiseLevelVariance};
   const double level = kTestLevel / double(experiment.trials.size());
-  VectorXd variance = prediction_error(c, level).std.cwiseAbs2();
+  PredictionError error = prediction_error(c, level);
+  VectorXd variance = error.std.cwiseAbs2();
   if (weighting.u.size() > 0) {
     const VectorXd s2 = (1 - weighting.shrink.array()).square().inverse() - 1;
     variance += noise * noise * weighting.u.cwiseAbs2() * s2;
     for (auto* columns : {&c.by_constants, &c.by_own})
       for (long i = 0; i < columns->cols(); ++i) weighting.whiten(columns->col(i));
     weighting.whiten(c.residual);
+    error = prediction_error(c, level);
   }
-  out.factor = prediction_error(c, level).factor;
-  set_bands(1.959963984540054 * variance.cwiseSqrt(), log, out);
+  out.factor = error.factor;
+  set_bands(kNormal975 * variance.cwiseSqrt(), log, out);
   return out;
 }
 
@@ -121,6 +129,8 @@ Verdict verdict_of(double factor) {
 
 Prediction predict(const Experiment& experiment, const Actuator& actuator, const InitialState& start) {
   using Kind = InitialState::Kind;
+  experiment.rig.validate(), experiment.options.validate();
+  validate(actuator), check_finite("initial angle", start.angle);
   Predicted p(experiment, actuator);
   std::vector<Estimate> initial;
   bool followed = true;

@@ -48,6 +48,7 @@ struct Prediction {
 
 /// `predict` of the experiment's trials, and the verdict on it. The noise is each log's own (TrialResult::noise), and
 /// the force's (Trial::force_noise). `actuator` as it is mounted: its `sea` is followed, its covariance counts.
+/// Throws InputError where any of the arguments cannot be.
 [[nodiscard]] Prediction predict(const Experiment& experiment, const Actuator& actuator,
                                  const InitialState& start = {});
 

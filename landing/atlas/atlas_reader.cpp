@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
@@ -18,7 +17,6 @@ AtlasReader::AtlasReader(const std::string& path, const Scene& scene, const SeaP
       options_(options),
       objective_(scene_, *space_, {.goal = options.goal, .accuracy = options.accuracy, .limits = options.limits}) {
   if (options.goal == Goal::kRobust) throw InputError("atlas: the goal of its reader is the peak or the tolerant peak");
-  scene.validate(), validate(sea);
   if (!(options.deadline > 0)) throw InputError("deadline: " + shortest(options.deadline) + ": above 0 s is needed");
   const AtlasHeader& h = header();
   bool same = h.variables == std::size_t(space_->dimension());

@@ -198,9 +198,9 @@ class DifferentiatedLanding {
 /// f<the terms of the kernel that an actuator needs>().
 template <class F>
 auto with_terms(const SeaParameters<double>& sea, F&& f) {
-  if (is_late(sea)) return f.template operator()<LandingTerms{SeaTerms{true, true, true}}>();
-  if (is_extended(sea)) return f.template operator()<LandingTerms{SeaTerms{true, true}}>();
-  return f.template operator()<LandingTerms{SeaTerms{true, false}}>();
+  if (is_late(sea)) return f.template operator()<kLateTerms>();
+  if (is_extended(sea)) return f.template operator()<kExtendedTerms>();
+  return f.template operator()<kLimitedTerms>();
 }
 
 }  // namespace ukemi::landing

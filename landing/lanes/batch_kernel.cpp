@@ -28,11 +28,11 @@ namespace ukemi::landing {
 template <>
 void run_lanes<UKEMI_BATCH_LANES>(BatchSource& source, const BatchOptions& options) {
   if (options.late)
-    BatchEngine<LandingTerms(SeaTerms{true, true, true}), UKEMI_BATCH_LANES>(source, options).run();
+    BatchEngine<kLateTerms, UKEMI_BATCH_LANES>(source, options).run();
   else if (options.extended)
-    BatchEngine<LandingTerms(SeaTerms{true, true}), UKEMI_BATCH_LANES>(source, options).run();
+    BatchEngine<kExtendedTerms, UKEMI_BATCH_LANES>(source, options).run();
   else
-    BatchEngine<LandingTerms(SeaTerms{true, false}), UKEMI_BATCH_LANES>(source, options).run();
+    BatchEngine<kLimitedTerms, UKEMI_BATCH_LANES>(source, options).run();
 }
 
 }  // namespace ukemi::landing

@@ -16,6 +16,12 @@ struct LandingTerms {
   bool floor;  ///< contact points that may touch
   constexpr LandingTerms(SeaTerms s, bool f = true) : sea(s), floor(f) {}
 };
+/// Of the kernels that are compiled. A scene runs the first that holds all of its own.
+inline constexpr LandingTerms kFlightTerms{SeaTerms{.torque_limit = true, .extended = true}, false},  ///< no floor
+    kPlainTerms{SeaTerms{.torque_limit = false}},                                ///< no torque limit
+    kLimitedTerms{SeaTerms{.torque_limit = true}},                               ///< the paper's scene
+    kExtendedTerms{SeaTerms{.torque_limit = true, .extended = true}},            ///< see is_extended
+    kLateTerms{SeaTerms{.torque_limit = true, .extended = true, .late = true}};  ///< and a drive that is late
 
 /// `Constant` is the scalar of the robot's constants: a double spares a T that carries no derivatives by them.
 template <LandingTerms kAllTerms, bool kAccounts, Scalar T = double, Scalar Constant = T>

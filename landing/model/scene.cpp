@@ -26,7 +26,7 @@ void Scatter::validate() const {
 void Scene::validate() const {
   for (const double m : robot.mass) check_positive("mass", m);
   for (const double i : robot.inertia_com) check_positive("inertia_com", i);
-  check_positive("link_length", robot.link_length), check_not_negative("gravity", robot.gravity);
+  check_range("link_length", robot.link_length, Range::link_length()), check_not_negative("gravity", robot.gravity);
   if (floor) {
     check_positive("stiffness", floor->stiffness);
     check_not_negative("damping_normal", floor->damping_normal);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/uncertainty.hpp"
+#include "common/verdict.hpp"
 #include "landing/model/floor.hpp"
 #include "landing/model/scatter.hpp"
 #include "landing/model/two_link.hpp"
@@ -63,6 +64,7 @@ struct Scene {
   std::optional<Release> release;              ///< absent: released at phi_I
   std::optional<std::array<double, 2>> joint;  ///< stops of the joint angle phi_1 [rad]
   std::optional<Uncertainty> uncertainty;      ///< of stiffness, damping_normal, damping_tangential, pitch
+  Verdicts verdicts;                           ///< of those, by the calibration that wrote them; empty: it says nothing
   std::optional<Scatter> scatter;              ///< of its drops; absent: nothing is said
   double detection_delay = 0;                  ///< from the first touchdown to the motion's start [s], >= 0
   SearchRange search;

@@ -42,7 +42,7 @@ void read_freedom(TomlFile& file, Scene& scene) {
   }
   if (auto uncertainty = file.optional("uncertainty"))
     scene.uncertainty = read_uncertainty(*uncertainty, {kUncertainNames.begin(), kUncertainNames.end()}, "the scene");
-  (void)read_verdicts(file, {kUncertainNames.begin(), kUncertainNames.end()});  // see read_floor_verdicts
+  scene.verdicts = read_verdicts(file, {kUncertainNames.begin(), kUncertainNames.end()});
   if (auto scatter = file.optional("scatter")) scene.scatter = read_scatter(*scatter);
   if (auto detection = file.optional("detection")) {
     constexpr double kLatest = 0.1;  // [s]
@@ -73,7 +73,7 @@ Scene read_scene(const std::string& path) {
   scene.name = std::filesystem::path(path).stem().string();
 
   TomlSection robot = file.require("robot");
-  scene.robot.link_length = robot.number("link_length", Range::positive());
+  scene.robot.link_length = robot.number("link_length", Range::link_length());
   const auto mass = robot.numbers("mass", 2, Range::positive());
   const auto inertia = robot.numbers("inertia_com", 2, Range::positive());
   scene.robot.mass = {mass[0], mass[1]};
@@ -117,11 +117,6 @@ Scene read_scene(const std::string& path) {
   read_freedom(file, scene);
   file.finish();
   return scene;
-}
-
-Verdicts read_floor_verdicts(const std::string& path) {
-  TomlFile file(path);
-  return read_verdicts(file, {kUncertainNames.begin(), kUncertainNames.end()});
 }
 
 Motion read_motion(const std::string& path) {
@@ -226,7 +221,7 @@ std::string to_toml(const Scene& s, const std::string& comments) {
     text += "\n[run]\n";
     line("t_end", shortest(*s.t_end), "s");
   }
-  return text + tables_beyond_the_paper(s);
+  return text + tables_beyond_the_paper(s) + verdict_table(s.verdicts);
 }
 
 std::string to_toml(const Motion& m, const std::string& comments) {

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "common/verdict.hpp"
 #include "landing/model/motion.hpp"
 #include "landing/model/scene.hpp"
 
@@ -13,9 +12,6 @@ namespace ukemi::landing {
 /// [release], [joint], [detection], [uncertainty], [verdict], [scatter] optional; an absent table or key is an absent
 /// term. Throws InputError with file:line:column.
 Scene read_scene(const std::string& path);
-/// What the calibration that wrote the scene's floor says of it: [verdict], of kUncertainNames; empty where the file
-/// has none. Nothing that a landing takes.
-Verdicts read_floor_verdicts(const std::string& path);
 
 /// What is wrong with a scene's release.
 struct ReleaseFault {

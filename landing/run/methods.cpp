@@ -9,10 +9,9 @@ void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, co
                         const SimulateOptions& options, LandingPeak& out) {
   const auto with = [&]<class M>() {
     if (is_late(sea))
-      Follower<M, LandingTerms{SeaTerms{true, true, true}}, false>(scene, sea, motion, options, out, nullptr, 0)
-          .follow();
+      Follower<M, kLateTerms, false>(scene, sea, motion, options, out, nullptr, 0).follow();
     else
-      Follower<M, LandingTerms{SeaTerms{true, true}}, false>(scene, sea, motion, options, out, nullptr, 0).follow();
+      Follower<M, kExtendedTerms, false>(scene, sea, motion, options, out, nullptr, 0).follow();
   };
   switch (options.method) {
     case Method::kSemiImplicitEuler:

@@ -40,6 +40,7 @@ constexpr std::array<DropColumn, 18> kColumns = {{
 /// The other way of `numbers`.
 ScatteredDrop drop_of(const DropNumbers& n, const Scene& scene, const SeaParameters<double>& sea) {
   ScatteredDrop out{.scene = scene, .phi = n.phi_off, .rate = n.rate_off};
+  out.scene.uncertainty.reset(), out.scene.verdicts.clear();  // of the planned floor
   Drop& drop = out.scene.drop;
   drop.height = n.height, drop.forward_speed = n.forward_speed, drop.pitch = n.pitch, drop.pitch_rate = n.pitch_rate;
   if (auto& floor = out.scene.floor) *floor = {n.stiffness, n.damping_normal, n.damping_tangential};
@@ -116,7 +117,7 @@ std::vector<ScatteredDrop> read_drops(const std::string& path, const Scene& scen
     const Range range = c.range();
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const double x = table.columns[std::size_t(column)][row];
-      if (!(range.low_open ? x > range.low : x >= range.low))
+      if (!range.holds(x))
         throw InputError(table.at(column, row),
                          fmt::format("{}: {}: must be {}", quoted(c.name), shortest(x), range.rule));
       rows[row].*c.number = x * c.unit;

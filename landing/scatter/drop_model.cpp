@@ -78,14 +78,16 @@ DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator&
     add(kScatterTerms[k].name, 1);
   }
   if (options.floor && scene.uncertainty) scatter_floor(*scene.uncertainty);
-  scene_.uncertainty.reset();
+  scene_.uncertainty.reset(), scene_.verdicts.clear();  // of the planned floor
   if (options.actuator && options.inflate > 0 && actuator.covariance.size() > 0) {
     std::vector<int> known;
     for (std::size_t i = 0; i < actuator.uncertain.size(); ++i)
       for (int k = 0; k < kConstants; ++k)
         if (actuator.uncertain[i] == kConstantNames[std::size_t(k)]) known.push_back(int(i)), constants_.push_back(k);
-    root_ = options.inflate * root_of(actuator.covariance(known, known));
-    if (!constants_.empty()) add("actuator", int(constants_.size()));
+    if (!known.empty()) {
+      root_ = options.inflate * root_of(actuator.covariance(known, known));
+      add("actuator", int(known.size()));
+    }
   }
   if (inexact_) add("execution", 3);
 }

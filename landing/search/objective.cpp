@@ -65,7 +65,7 @@ class Objective::Race : public BatchSource {
   Race(const Objective& o, std::span<Candidate> points, Goal goal, long granted)
       : o_(o), points_(points), granted_(granted), goal_(goal), corners_(o.points(goal)) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      points[i].value = 0;
+      points[i].value = 0, points[i].played = points[i].broken = 0;
       if (const Play play = o.play(points[i]); o.too_quick(play))
         fail(i, kNoMotion * (1 + peak_reference_rate(play.motion)));
     }

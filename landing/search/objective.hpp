@@ -36,7 +36,8 @@ struct Candidate {
   double bound = kNoMotion;  ///< what the caller still cares for: landings are abandoned above it
   /// Under scatter: values over the first drops (0: not known); before it is played, of the motion that has the bound.
   std::array<double, kScatteredStages> early{};
-  int worst = 0;  ///< which point of the execution box gave the value, and is tried first next time
+  int worst = 0;               ///< which point of the execution box gave the value, and is tried first next time
+  int played = 0, broken = 0;  ///< under scatter: the drops of the value, and those of them that broke a limit
   bool operator<(const Candidate& o) const { return value < o.value; }
 };
 
@@ -74,8 +75,9 @@ class Objective {
   void judge_scattered(std::span<Candidate> points);
   /// Under scatter: room for so many motions at once over the drops that are searched on; they allocate nothing then.
   void reserve_scattered(std::size_t motions);
-  /// Under scatter: whether a motion keeps the limits in as many of the drops that judge as Measure::share asks for.
-  bool keeps_limits(const Candidate& p);
+  /// Under scatter: whether a motion, as it was last played, kept the limits in as many of the drops as Measure::share
+  /// asks for; of all that are searched on or judge, whichever are fewer. A drop that was not played was not kept.
+  bool keeps_limits(const Candidate& p) const;
   double deadline;  ///< on `watch` [s]
   Stopwatch watch;
   std::function<bool()> stop;  ///< asked often, from any thread, if set; true: no time is left

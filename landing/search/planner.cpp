@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
@@ -22,8 +23,7 @@ namespace {
 std::shared_ptr<Robust> robust_of(const Scene& scene, const Planner::Options& options) {
   if (options.goal != Goal::kRobust) return nullptr;
   const auto& o = options.under_scatter;
-  if (!(o.drops >= 1 && o.drops <= 4096))
-    throw InputError("planner: drops: " + std::to_string(o.drops) + ": 1 to 4096 are needed");
+  check_count("planner: drops", o.drops, 1, 4096);
   auto out = std::make_shared<Robust>();
   out->measure = o.measure, out->penalty = o.penalty;
   out->drops = DropModel(scene, o.scatter).even(o.drops, 1);

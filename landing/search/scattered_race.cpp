@@ -38,16 +38,14 @@ void Objective::reserve_scattered(std::size_t motions) {
   s.plays.reserve(motions), s.open.reserve(motions), s.sorted.reserve(drops);
 }
 
-bool Objective::keeps_limits(const Candidate& p) {
+bool Objective::keeps_limits(const Candidate& p) const {
   if (!options_.limits.any()) return true;
+  constexpr double kRounding = 1e-9;
   const Robust& robust = *options_.robust;
-  const auto& drops = robust.judging.empty() ? robust.drops : robust.judging;
-  const Play planned = play(p);
-  const auto& landings = scattered_->landings.play(
-      {&planned, 1}, drops,
-      {.accuracy = options_.accuracy, .limits = options_.limits, .threads = options_.threads, .over = &over_}, &space_);
-  const auto broken = std::count_if(landings.begin(), landings.end(), [](auto& l) { return l.end == End::kBroken; });
-  return double(broken) <= (1 - robust.measure.share()) * double(drops.size());
+  const std::size_t fewest =
+      robust.judging.empty() ? robust.drops.size() : std::min(robust.drops.size(), robust.judging.size());
+  const double drops = double(std::max(fewest, std::size_t(p.played)));
+  return double(p.played - p.broken) >= (robust.measure.share() - kRounding) * drops;
 }
 
 void Objective::race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching) {
@@ -59,7 +57,7 @@ void Objective::race_over(std::span<Candidate> points, std::span<const Scattered
   s.peaks.assign(points.size() * n, 0.0);
   s.open.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i].value = 0, points[i].worst = 0;
+    points[i].value = 0, points[i].worst = points[i].played = points[i].broken = 0;
     if (const Play p = play(points[i]); too_quick(p))
       points[i].value = kNoMotion * (1 + peak_reference_rate(p.motion));
     else
@@ -81,7 +79,9 @@ void Objective::race_over(std::span<Candidate> points, std::span<const Scattered
     for (std::size_t m = 0; m < s.open.size(); ++m)
       for (std::size_t k = from; k < to; ++k) {
         const LandingPeak& landing = landings[m * (to - from) + k - from];
+        Candidate& p = points[s.open[m]];
         s.peaks[s.open[m] * n + k] = counted(landing, robust.penalty);
+        p.played += landing.end != End::kStopped, p.broken += landing.end == End::kBroken;
         work_ += work_of(landing.work), flights_ += landing.end == End::kNoContact;
       }
     landings_ += long(landings.size());

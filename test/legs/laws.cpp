@@ -85,7 +85,7 @@ TEST_CASE("legs: the paper's two links are an instance: accelerations within 1e-
   robot.peak = {0.15, 0};
   System leg(robot, 0);
   leg.piece[0] = standing_at(-0.8);
-  LandingSystem<LandingTerms(SeaTerms{true, true}), false> two(scene, sea, {-0.8, -0.8, 0.3});
+  LandingSystem<kExtendedTerms, false> two(scene, sea, {-0.8, -0.8, 0.3});
   Random r(kSeed, 1);
   for (int n = 0; n < 1000; ++n) {
     Eigen::Matrix<double, kMechanical, 1> y;

@@ -1,22 +1,20 @@
 // The move in the air and what comes before a landing: nothing but gravity acts from outside.
 #include <catch2/catch.hpp>
 
-#include "common/actuator.hpp"
 #include "common/random.hpp"
 #include "landing/judge/limit.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/model/release.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
 
 constexpr std::uint64_t kSeed = 20261123;
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 
 Motion draw(std::uint64_t i) {
   Random r(kSeed, i);
@@ -54,7 +52,7 @@ TEST_CASE("air: the centre of mass falls freely and the angular momentum stays, 
     Random r(kSeed, 100 + i);
     scene.drop.pitch_rate = i % 2 ? r.uniform(-2, 2) : 0;
     scene.drop.vertical_speed = i % 3 ? 0 : r.uniform(-1, 0.5);
-    const Landing l = simulate(scene, table2(), draw(i), {.accuracy = 1e-13}, 1000);
+    const Landing l = simulate(scene, table2_sea(), draw(i), {.accuracy = 1e-13}, 1000);
     REQUIRE(!l.touches.empty());
     INFO("seed " << kSeed << ", draw " << i);
     const Momentum first = momentum(scene.robot, l.trajectory[0]);
@@ -73,7 +71,7 @@ TEST_CASE("air: the centre of mass falls freely and the angular momentum stays, 
 
 TEST_CASE("air: a move over no distance is no move, in the scalar path and in lanes") {
   const Scene scene = paper();
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   for (std::uint64_t i = 0; i < 10; ++i) {
     Motion still = draw(i), moved = still;
     still.reposition.reset();
@@ -94,7 +92,7 @@ TEST_CASE("air: a floor that comes first is followed truly, the reference never 
   m.reposition = Reposition{-1.1, 0, 0.2, 0.6};  // touchdown at some 0.29 s
   for (const double delay : {0.0, 0.01}) {
     scene.detection_delay = delay;
-    const Landing l = simulate(scene, table2(), m, {.accuracy = 1e-11}, 20'000);
+    const Landing l = simulate(scene, table2_sea(), m, {.accuracy = 1e-11}, 20'000);
     REQUIRE(!l.touches.empty());
     const double start = l.touches[0].t_touchdown + delay;
     double before = l.trajectory[0].phi_ref, at_start = 0;
@@ -111,7 +109,7 @@ TEST_CASE("air: a floor that comes first is followed truly, the reference never 
 
 TEST_CASE("air: landing gains act from the first touchdown on, gains of 1 are none, a late start is late") {
   const Scene scene = paper();
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   Motion m{-0.6, -1.1, 0.3};
   const double plain = peak_acceleration(scene, sea, m).peak;
   m.gain_p = 0.5, m.gain_d = 2;
@@ -133,10 +131,10 @@ TEST_CASE("air: landing gains act from the first touchdown on, gains of 1 are no
 TEST_CASE("air: no motion without a move in the air is below the limit of the first touchdown") {
   for (const char* name : {"paper", "paper_soft", "tilted"}) {
     const Scene scene = read_scene(std::string(UKEMI_DATASETS "/scenes/") + name + ".toml");
-    const TouchdownLimit limit = touchdown_limit(scene, table2());
+    const TouchdownLimit limit = touchdown_limit(scene, table2_sea());
     REQUIRE(limit.found);
     CHECK(limit.first_contact >= limit.jump);
-    std::vector<SeaParameters<double>> sea{table2()};
+    std::vector<SeaParameters<double>> sea{table2_sea()};
     std::vector<BatchCase> cases;
     for (std::uint64_t i = 0; i < 2'000; ++i) {
       Motion m = draw(i);

@@ -1,20 +1,17 @@
 // Landings in SIMD lanes: the same equations, the same landings, and lanes that know nothing of each other.
 #include <catch2/catch.hpp>
 
-#include "common/actuator.hpp"
 #include "common/degrees.hpp"
 #include "common/random.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/lanes/lane_mode.hpp"
-#include "landing/model/scene_file.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
-
-Scene scene_of(const std::string& name) { return read_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
-SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 
 Motion draw(const Scene& scene, std::uint64_t seed, int i) {
   Random r(seed, std::uint64_t(i));
@@ -38,12 +35,12 @@ bool same(const LandingPeak& a, const LandingPeak& b) {
 }  // namespace
 
 TEST_CASE("batch: the field in a lane is the field of a double, in every mode") {
-  constexpr LandingTerms kAll{SeaTerms{true, true}};
+  constexpr LandingTerms kAll = kExtendedTerms;
   constexpr int W = 4;
   using Lanes = LandingSystem<kAll, false, Pack<W>>;
   using Single = LandingSystem<kAll, false, double>;
   const Scene scene = scene_of("paper_soft");
-  SeaParameters<double> sea = table2();
+  SeaParameters<double> sea = table2_sea();
   sea.friction = 0.2, sea.k_sea_cubic = 30;
   sea.output_friction = 0.1, sea.output_friction_asymmetry = 0.3, sea.output_viscous = 0.05, sea.breakaway = 0.4;
   sea.spring_loss = 0.05;
@@ -90,7 +87,7 @@ TEST_CASE("batch: the field in a lane is the field of a double, in every mode") 
 TEST_CASE("batch: every instruction set gives the scalar path's peaks") {
   const auto floor = GENERATE("paper", "paper_rough_a", "paper_rough_b", "paper_soft");
   const Scene scene = scene_of(floor);
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   constexpr int kMotions = 300;
   std::vector<BatchCase> cases;
   for (int i = 0; i < kMotions; ++i) cases.push_back({&scene, &sea, draw(scene, 5, i)});
@@ -116,7 +113,7 @@ TEST_CASE("batch: every instruction set gives the scalar path's peaks") {
 
 TEST_CASE("batch: neighbours, threads, mixed scenes and eight lanes for four change nothing") {
   const Scene paper = scene_of("paper"), hard = scene_of("hard");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   SeaParameters<double> soft = sea;
   soft.k_sea = 30, soft.tau_max = 5;
   std::vector<BatchCase> cases;
@@ -144,7 +141,7 @@ TEST_CASE("batch: neighbours, threads, mixed scenes and eight lanes for four cha
 
 TEST_CASE("batch: landings that only some kernels hold change nothing by their order or the threads") {
   const Scene paper = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   SeaParameters<double> other = sea;
   other.feedback = Feedback::kMotor;
   std::vector<BatchCase> cases;
@@ -189,7 +186,7 @@ TEST_CASE("batch: friction on the output is followed as closely as risk promises
 // Such landings begin with chatter, which lanes hand over: on paper_soft most. On `tilted` the foot leaves the floor as
 // soon as it touches, without end: refused.
 TEST_CASE("batch: a robot that is released on the floor lands in lanes as in the scalar path") {
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   for (const char* name : {"paper", "paper_soft", "straight", "hard"}) {
     Scene scene = scene_of(name);
     scene.drop.height = 0, scene.drop.pitch_rate = 0;
@@ -213,10 +210,10 @@ TEST_CASE("batch: a robot that is released on the floor lands in lanes as in the
 
 TEST_CASE("batch: a drive that loses the joint says so, in lanes and in the scalar path") {
   const Scene scene = scene_of("paper");
-  SeaParameters<double> weak = table2();
+  SeaParameters<double> weak = table2_sea();
   weak.tau_max = 3;
   const Motion held{-45 * kDegree, -45 * kDegree, 1};
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   const std::vector<BatchCase> cases{{&scene, &weak, held}, {&scene, &sea, held}};
   std::vector<LandingPeak> peaks(2);
   batch_peaks(cases, peaks, {});
@@ -228,7 +225,7 @@ TEST_CASE("batch: a drive that loses the joint says so, in lanes and in the scal
 
 TEST_CASE("batch: a landing is abandoned above its bound and only there") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   std::vector<BatchCase> cases;
   for (int i = 0; i < 400; ++i) cases.push_back({&scene, &sea, draw(scene, 9, i)});
   std::vector<LandingPeak> full(cases.size()), bounded(cases.size());
@@ -252,7 +249,7 @@ TEST_CASE("batch: a landing is abandoned above its bound and only there") {
 
 TEST_CASE("batch: limits end a landing where they are first broken, as in the scalar path") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   std::vector<BatchCase> cases;
   for (int i = 0; i < 300; ++i) cases.push_back({&scene, &sea, draw(scene, 21, i)});
   Limits hip, rated;
@@ -280,7 +277,7 @@ TEST_CASE("batch: what lanes cannot do goes to the scalar path") {
   stiff.floor->stiffness = 1e9, stiff.floor->damping_normal = 1e5;
   empty.floor.reset();
   spinning.drop.pitch_rate = 2;
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   SeaParameters<double> rubbing = sea;
   rubbing.friction = 0.3, rubbing.feedback = Feedback::kMotor;
   const Motion m{-0.5, -1, 0.2};
@@ -298,7 +295,7 @@ TEST_CASE("batch: what lanes cannot do goes to the scalar path") {
 
 TEST_CASE("batch: a source that is over ends the run, whatever is under way") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   struct Endless : BatchSource {
     bool next(int lane, BatchCase& c) override {
       ++begun;

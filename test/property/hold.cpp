@@ -1,24 +1,21 @@
 // A plan is never worse than holding still: every search judges the best posture to hold by its own goal.
 #include <catch2/catch.hpp>
 
-#include "common/actuator.hpp"
 #include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "landing/judge/answer.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
 
 constexpr double kReleased = -45 * kDegree;
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }
 
 /// Already falling, 0.1 s after release.
 Scene falling(int bumps) {

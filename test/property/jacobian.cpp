@@ -67,9 +67,9 @@ void check_landing() {
 }  // namespace
 
 TEST_CASE("jacobian: the landing robot's is exact, in every mode") {
-  check_landing<landing::LandingTerms{SeaTerms{true, false}}, false>();
-  check_landing<landing::LandingTerms{SeaTerms{true, true}}, true>();
-  check_landing<landing::LandingTerms{SeaTerms{true, true, true}}, true>();
+  check_landing<landing::kLimitedTerms, false>();
+  check_landing<landing::kExtendedTerms, true>();
+  check_landing<landing::kLateTerms, true>();
 }
 
 TEMPLATE_TEST_CASE_SIG("jacobian: the rig's is exact", "", ((bool kLate), kLate), false, true) {

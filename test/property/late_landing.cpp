@@ -4,11 +4,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/actuator.hpp"
 #include "landing/derivatives/gradient.hpp"
 #include "landing/lanes/batch.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -16,12 +15,12 @@ using namespace ukemi::landing;
 namespace {
 
 Scene paper() {
-  Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  Scene scene = test::paper();
   scene.t_end = 0.9;
   return scene;
 }
 SeaParameters<double> late(double delay, double filter, Feedback feedback) {
-  SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
+  SeaParameters<double> sea = test::table2_sea();
   sea.control_delay = delay, sea.velocity_filter = filter, sea.feedback = feedback;
   return sea;
 }

@@ -3,23 +3,20 @@
 
 #include <catch2/catch.hpp>
 
-#include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "landing/derivatives/gradient.hpp"
 #include "landing/judge/evidence.hpp"
 #include "landing/judge/map.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 
 std::vector<Variable> four_variables(const Scene& scene, const std::array<double, 2>& stiffness) {
   std::vector<Variable> v = ReferenceSpace(scene, {}).variables();
@@ -39,7 +36,7 @@ class CompliantSpace : public MotionSpace {
   }
 
  private:
-  SeaParameters<double> table2_ = table2();
+  SeaParameters<double> table2_ = table2_sea();
 };
 
 }  // namespace
@@ -57,7 +54,7 @@ TEST_CASE("motion space: every solver searches four variables, and repeats itsel
     REQUIRE(a.found);
     CHECK(a.values == b.values);
     REQUIRE(a.values.size() == 4);
-    CHECK(a.sea.k_p == table2().k_p * a.values[3]);
+    CHECK(a.sea.k_p == table2_sea().k_p * a.values[3]);
     CHECK(a.landing.peak == peak_acceleration(scene, a.sea, a.motion, {.accuracy = 1e-9}).peak);
     if (solver == "auto") CHECK(run(Goal::kTolerant, 2).tolerant.complete);
   }
@@ -69,7 +66,7 @@ TEST_CASE("motion space: a variable whose range is one value changes nothing of 
   const Optimum best = optimize(scene, fixed, {.evaluations = 3'000, .tolerance_samples = 0});
   REQUIRE(best.found);
   CHECK(best.values[3] == 1);
-  CHECK(best.landing.peak == peak_acceleration(scene, table2(), best.motion, {.accuracy = 1e-9}).peak);
+  CHECK(best.landing.peak == peak_acceleration(scene, table2_sea(), best.motion, {.accuracy = 1e-9}).peak);
   CHECK(best.value < 200);
 }
 
@@ -132,7 +129,7 @@ TEST_CASE("motion space: a planner plans in it") {
   Planner planner(scene, std::make_shared<CompliantSpace>(scene), {.goal = Goal::kPeak});
   const Plan plan = planner.plan(scene.drop, 0.2);
   REQUIRE(plan.found());
-  CHECK(plan.sea.k_p <= 4 * table2().k_p);
+  CHECK(plan.sea.k_p <= 4 * table2_sea().k_p);
   // Where the deadline left no time to judge it, the value is that of the search's own accuracy.
   CHECK(plan.value == Approx(peak_acceleration(scene, plan.sea, plan.motion, {.accuracy = 1e-10}).peak).epsilon(1e-5));
 }
@@ -140,16 +137,17 @@ TEST_CASE("motion space: a planner plans in it") {
 TEST_CASE("map: a slice holds the peaks of its motions, the first row lowest") {
   Scene scene = paper();
   const Motion m{-0.7, -1.2, 0.3, {0.3, 0, 0, 0}};
-  const auto peaks = peak_slice(scene, table2(), m, {&Motion::phi_i, -0.9, -0.5}, {&Motion::duration, 0.2, 0.4}, 3, 1);
+  const auto peaks =
+      peak_slice(scene, table2_sea(), m, {&Motion::phi_i, -0.9, -0.5}, {&Motion::duration, 0.2, 0.4}, 3, 1);
   REQUIRE(peaks.size() == 9);
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < 3; ++i) {
       Motion at = m;
       at.phi_i = -0.9 + 0.2 * i, at.duration = 0.2 + 0.1 * j;
-      CHECK(peaks[std::size_t(3 * j + i)] == Approx(peak_acceleration(scene, table2(), at).peak).epsilon(1e-3));
+      CHECK(peaks[std::size_t(3 * j + i)] == Approx(peak_acceleration(scene, table2_sea(), at).peak).epsilon(1e-3));
     }
   scene.contacts = {};  // never a landing
-  CHECK(std::isnan(peak_slice(scene, table2(), m, {&Motion::phi_i, -0.9, -0.5}, {&Motion::phi_f, -1, 0}, 2, 1)[0]));
+  CHECK(std::isnan(peak_slice(scene, table2_sea(), m, {&Motion::phi_i, -0.9, -0.5}, {&Motion::phi_f, -1, 0}, 2, 1)[0]));
 }
 
 TEST_CASE("motion space: ranges must be ranges") {

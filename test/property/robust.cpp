@@ -1,21 +1,18 @@
 // Plans under scatter: what is promised holds over drops that no search has seen, and costs what it says.
 #include <catch2/catch.hpp>
 
-#include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "landing/judge/answer.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
 #include "test/folder.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }
 
 AnswerOptions robust(const Measure& measure, long landings, int threads = 2) {
   AnswerOptions o;
@@ -161,6 +158,44 @@ TEST_CASE("robust: a drop that breaks a limit counts as the penalty, and is coun
   const Answer a = answer(scene, table2(), all);
   CHECK_FALSE(a.best.found);
   CHECK(a.best.message == "no motion of the search range was found that keeps the limits in 50 % of the drops");
+}
+
+TEST_CASE("robust: a drop that was not played is not one that keeps the limits") {
+  const Scene scene = paper();
+  const SeaParameters<double> sea = table2().sea;
+  auto r = std::make_shared<Robust>();
+  r->drops = DropModel(scene, Scatter::assumed()).even(64, 1);
+  const ReferenceSpace space(scene, sea);
+  Limits limits;
+  limits.motor_speed = 0.775;  // about what the scene's own drop needs [rad/s]
+  Objective o(scene, space, {.goal = Goal::kRobust, .limits = limits, .robust = r});
+  const Coordinates held = space.unit(space.values_of({-0.785, -0.785, 1}));
+  Candidate whole{held}, few{held}, late{held};
+  CHECK_FALSE(o.keeps_limits(whole));
+  o.evaluate({&whole, 1}, Goal::kRobust);
+  CHECK(whole.played == 64);
+  int broken = 0;
+  for (const ScatteredDrop& d : r->drops) {
+    const Play p = d.played(space, space.play(space.values(held)));
+    broken += peak_acceleration(d.scene, p.sea, p.motion, {.accuracy = 1e-6, .limits = limits}).end == End::kBroken;
+  }
+  CHECK(std::abs(whole.broken - broken) <= 1);
+  CHECK(o.keeps_limits(whole) == (64 - whole.broken >= 32));
+  // As many as are needed, but for the one that asks: nothing is played for it.
+  const long landings = o.landings(), work = o.work();
+  whole.broken = 32;
+  CHECK(o.keeps_limits(whole));
+  whole.broken = 33;
+  CHECK_FALSE(o.keeps_limits(whole));
+  CHECK((o.landings() == landings && o.work() == work));
+  o.evaluate_scattered({&few, 1}, 16);
+  few.broken = 0;
+  CHECK_FALSE(o.keeps_limits(few));
+  o.deadline = 0;
+  o.evaluate({&late, 1}, Goal::kRobust);
+  CHECK(late.value >= kNoMotion);
+  CHECK(late.played == 0);
+  CHECK_FALSE(o.keeps_limits(late));
 }
 
 TEST_CASE("robust: a covariance moves the actuator, and one that is none is refused") {

@@ -5,25 +5,23 @@
 #include <cstdlib>
 #include <new>
 
-#include "common/actuator.hpp"
 #include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
 #include "landing/judge/evidence.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
 #include "landing/search/optimize.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/population.hpp"
 #include "landing/search/solvers.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
 std::atomic<long> allocations{0};
-Scene scene_of(const std::string& name) { return read_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
-SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 }  // namespace
 
 // Every allocation of this program is counted; a sanitizer counts for itself. GCC takes free() for a stranger to the
@@ -49,7 +47,7 @@ void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::fre
 
 TEST_CASE("search: both goals agree with the landings one by one, whatever the threads") {
   const Scene scene = scene_of("paper_soft");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
     std::vector<std::vector<Candidate>> results;
     for (const int threads : {1, 3}) {
@@ -81,7 +79,7 @@ TEST_CASE("search: both goals agree with the landings one by one, whatever the t
 }
 
 TEST_CASE("search: the lanes at the accuracy that judges an answer agree with the scalar path to 1e-7") {
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   for (const char* name : {"paper", "paper_rough_a", "paper_rough_b", "paper_soft", "tilted"}) {
     const Scene scene = scene_of(name);
     Objective o(scene, sea, {.goal = Goal::kTolerant, .accuracy = 1e-9});
@@ -95,7 +93,7 @@ TEST_CASE("search: the lanes at the accuracy that judges an answer agree with th
 }
 
 TEST_CASE("search: what no longer keeps the limits when it is judged is no answer") {
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
     Scene scene = scene_of("paper");
     Objective o(scene, sea, {.goal = goal, .limits = {.motor_speed = 20}});
@@ -109,7 +107,7 @@ TEST_CASE("search: what no longer keeps the limits when it is judged is no answe
 
 TEST_CASE("search: where time was for screening alone, the best of that is played") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   Objective o(scene, sea, {.goal = Goal::kTolerant});
   Search s(o, {}, 1);
   const Candidate held = s.held();
@@ -133,7 +131,7 @@ TEST_CASE("search: every solver works in any number of variables, within their r
   Scene scene = scene_of("paper");
   scene.freedom.bumps = 2, scene.freedom.gains = {0.5, 2};
   scene.release = Release{-0.785, 0, 0.1};
-  const ReferenceSpace space(scene, table2());
+  const ReferenceSpace space(scene, table2_sea());
   REQUIRE(space.dimension() == 8);
   for (const std::string& solver : solver_names()) {
     INFO(solver);
@@ -152,7 +150,7 @@ TEST_CASE("search: every solver works in any number of variables, within their r
 
 TEST_CASE("search: every solver keeps its budget of motions and of time, and repeats itself") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   for (const std::string& solver : solver_names())
     for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
       INFO(solver << (goal == Goal::kPeak ? ", peak" : ", tolerant"));
@@ -175,7 +173,7 @@ TEST_CASE("search: every solver keeps its budget of motions and of time, and rep
 
 TEST_CASE("search: a tolerance stops it once the best stands still") {
   const Scene scene = scene_of("paper_rough_b");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   Objective o(scene, sea, {});
   Search s(o, {.motions = 1'000'000, .tolerance = 1e-3, .patience = 3000}, 1);
   auto_search(s);
@@ -185,7 +183,7 @@ TEST_CASE("search: a tolerance stops it once the best stands still") {
 }
 
 TEST_CASE("search: a planner answers for any drop, without allocating") {
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   const Scene scene = scene_of("paper");
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
     Planner planner(scene, sea, {.goal = goal});
@@ -209,7 +207,7 @@ TEST_CASE("search: a planner answers for any drop, without allocating") {
 }
 
 TEST_CASE("search: a planner in the air answers as the search does, time after time, without allocating") {
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   Scene scene = scene_of("paper");
   const double phi = -45 * kDegree, g = scene.robot.gravity, height = scene.drop.height;
   scene.release = Release{phi};
@@ -259,7 +257,7 @@ TEST_CASE("search: a planner under scatter allocates nothing either, on the grou
   scene.release = Release{-45 * kDegree};
   scene.freedom.bumps = 2;
   for (const Measure::Kind kind : {Measure::Kind::kMean, Measure::Kind::kCvar}) {
-    Planner planner(scene, table2(), {.goal = Goal::kRobust, .under_scatter = {.measure = {kind}, .drops = 24}});
+    Planner planner(scene, table2_sea(), {.goal = Goal::kRobust, .under_scatter = {.measure = {kind}, .drops = 24}});
     for (int i = 0; i < 4; ++i) {
       const long before = allocations;
       const Plan ground = planner.plan(scene.drop, 0.3, std::uint64_t(i));
@@ -273,7 +271,7 @@ TEST_CASE("search: a planner under scatter allocates nothing either, on the grou
 TEST_CASE("search: a planner answers whatever is measured, and throws nothing") {
   Scene scene = scene_of("paper");
   scene.release = Release{-45 * kDegree};
-  Planner planner(scene, table2(), {.goal = Goal::kPeak});
+  Planner planner(scene, table2_sea(), {.goal = Goal::kPeak});
   const FallState good{.height = 0.4, .forward_speed = 0.63, .pitch = 0.3, .phi = -45 * kDegree};
   constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
   CHECK(planner.plan(good, 0.02).status == Plan::Status::kFound);
@@ -313,18 +311,19 @@ TEST_CASE("search: a planner answers whatever is measured, and throws nothing") 
   CHECK(std::string(name(Plan::Status::kFloorFirst)) == "floor_first");
   CHECK(planner.plan(good, 0.02).found());  // as before
   // Nothing that keeps the limits.
-  Planner strict(scene, table2(), {.goal = Goal::kPeak, .limits = {.motor_speed = 1e-6}});
+  Planner strict(scene, table2_sea(), {.goal = Goal::kPeak, .limits = {.motor_speed = 1e-6}});
   CHECK(strict.plan(good, 0.02).status == Plan::Status::kNothing);
-  Planner scattered(scene, table2(),
+  Planner scattered(scene, table2_sea(),
                     {.goal = Goal::kRobust, .limits = {.motor_speed = 1e-6}, .under_scatter = {.drops = 8}});
   CHECK(scattered.plan(good, 0.05).status == Plan::Status::kNothing);
   for (const int drops : {0, -1, 5000})
-    CHECK_THROWS_AS(Planner(scene, table2(), {.goal = Goal::kRobust, .under_scatter = {.drops = drops}}), InputError);
+    CHECK_THROWS_AS(Planner(scene, table2_sea(), {.goal = Goal::kRobust, .under_scatter = {.drops = drops}}),
+                    InputError);
 }
 
 TEST_CASE("search: where the floor ends the move in the air, the landing motion from there keeps the rate") {
   Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   Motion cut{-80 * kDegree, -80 * kDegree, 0.15};
   cut.reposition = Reposition{-45 * kDegree, 0, 0.1, 0.8};  // the floor comes at 0.29 s
   scene.detection_delay = 0.01;
@@ -344,7 +343,7 @@ TEST_CASE("search: where the floor ends the move in the air, the landing motion 
 
 TEST_CASE("search: limits hold for the answer, and what cannot be kept is said") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   OptimizeOptions o;
   o.evaluations = 3000, o.tolerance_samples = 0;
   o.limits.motor_speed = o.limits.reference_rate = 3.14, o.limits.motor_torque = 20;
@@ -371,7 +370,7 @@ Scene stiff() {
 
 TEST_CASE("search: the deadline ends landings in the scalar path too") {
   const Scene scene = stiff();
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   const std::function<bool()> at_once = [] { return true; };
   const LandingPeak cut = peak_acceleration(scene, sea, {-0.7, -1.2, 0.3}, {.over = &at_once});
   CHECK(cut.end == End::kStopped);
@@ -398,7 +397,7 @@ TEST_CASE("search: the deadline ends landings in the scalar path too") {
 }
 
 TEST_CASE("search: a bound of work ends it where every landing is long, the same whatever the threads") {
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   const Scene scene = stiff();
   CHECK(work_allowed(1, 200) == kCheckWork);
   CHECK(work_allowed(1, 40'000) == 60'000'000);
@@ -431,7 +430,7 @@ TEST_CASE("search: a stiff actuator has an answer or a reason, after work that i
   const Scene scene = scene_of("paper");
   OptimizeOptions o;
   o.evaluations = 200, o.tolerance_samples = 0;
-  SeaParameters<double> sea = table2();
+  SeaParameters<double> sea = table2_sea();
   sea.c_sea = 1e9;  // every landing fails after 200,000 steps
   const Optimum none = optimize(scene, sea, o);
   CHECK_FALSE(none.found);
@@ -445,17 +444,17 @@ TEST_CASE("search: a monitor stops it, and the best so far is judged") {
   OptimizeOptions o;
   long told = 0;
   o.monitor = {[&](long done, long) { told = done; }, [&] { return told >= 1000; }};
-  const Optimum best = optimize(scene, table2(), o);
+  const Optimum best = optimize(scene, table2_sea(), o);
   CHECK(best.evaluations >= 1000);
   CHECK(best.evaluations < 1100);
   REQUIRE(best.found);
   CHECK(best.verified);
-  CHECK(best.landing.peak == peak_acceleration(scene, table2(), best.motion, {.accuracy = 1e-9}).peak);
+  CHECK(best.landing.peak == peak_acceleration(scene, table2_sea(), best.motion, {.accuracy = 1e-9}).peak);
 }
 
 TEST_CASE("evidence: the pitch and the floor's damping are among what may not be as planned, a bound leaves it out") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   // The motion that a robot can hold, with the pitch off by 1 deg: no basin of the motion's own box tells of it.
   const Motion held{-32.522982220702566 * kDegree, -21.587856884504102 * kDegree, 0.37464990016785615};
   const Evidence e = evidence(scene, sea, held, {});
@@ -478,7 +477,7 @@ TEST_CASE("evidence: the pitch and the floor's damping are among what may not be
 
 TEST_CASE("search: the tolerant peak counts where each point touches") {
   const Scene scene = scene_of("paper");
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   OptimizeOptions o;
   o.evaluations = 2000, o.tolerance_samples = 200, o.limits.forbidden = {true, false, false};
   const Optimum best = optimize(scene, sea, o);

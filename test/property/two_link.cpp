@@ -6,14 +6,14 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "common/actuator.hpp"
 #include "common/random.hpp"
 #include "landing/model/landing_system.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 using Catch::Matchers::WithinRel;
 
 namespace {
@@ -23,12 +23,6 @@ constexpr SeaTerms kExtended{true, true};
 using Vec4 = Eigen::Vector4d;
 using Mat4 = Eigen::Matrix4d;
 using Jacobian = Eigen::Matrix<double, 2, 4>;
-
-const SeaParameters<double>& table2() {
-  static const SeaParameters<double> sea = read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea;
-  return sea;
-}
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
 
 TwoLink<double> random_robot(Random& r) {
   return {{r.uniform(0.2, 3), r.uniform(0.2, 3)},
@@ -241,7 +235,7 @@ TEST_CASE("two_link: in contact the energy changes by the work done") {
   const Scene scene = paper();
   INFO("seed " << kSeed);
   const auto residual = [&](const Motion& m, double accuracy) {
-    const Landing landing = simulate(scene, table2(), m, {.accuracy = accuracy});
+    const Landing landing = simulate(scene, table2_sea(), m, {.accuracy = accuracy});
     REQUIRE(landing.end == End::kRest);
     REQUIRE(landing.touches.size() >= 3);
     return landing.energy_residual;
@@ -269,7 +263,7 @@ TEST_CASE("two_link: Jet derivatives of the field are its central differences") 
   using JetState = Eigen::Matrix<Jet, kMechanical, 1>;
   Scene scene = paper();
   scene.robot.mass = {0.7, 1.1}, scene.robot.inertia_com = {4e-3, 9e-3};
-  SeaParameters<double> sea = table2();
+  SeaParameters<double> sea = table2_sea();
   sea.friction = 0.4, sea.k_sea_cubic = 90;
   sea.output_friction = 0.3, sea.output_viscous = 0.2, sea.friction_asymmetry = 0.3;
   sea.output_friction_asymmetry = -0.2, sea.breakaway = 0.5, sea.stribeck_speed = 2, sea.spring_loss = 0.1;
@@ -339,13 +333,13 @@ TEST_CASE("two_link: a landing mirrored left to right has the same peak") {
     INFO("motion " << m.phi_i << " " << m.phi_f << " " << m.duration);
     Scene mirrored = scene;
     mirrored.drop.forward_speed *= -1, mirrored.drop.pitch *= -1;
-    const LandingPeak a = peak_acceleration(scene, table2(), m),
-                      b = peak_acceleration(mirrored, table2(), {-m.phi_i, -m.phi_f, m.duration});
+    const LandingPeak a = peak_acceleration(scene, table2_sea(), m),
+                      b = peak_acceleration(mirrored, table2_sea(), {-m.phi_i, -m.phi_f, m.duration});
     REQUIRE(a.end == End::kRest);
     CHECK(b.end == a.end);
     CHECK_THAT(b.peak, WithinRel(a.peak, 1e-9));
     CHECK_THAT(b.t_peak, WithinRel(a.t_peak, 1e-9));
     // Mirroring the motion alone is another landing.
-    CHECK(peak_acceleration(scene, table2(), {-m.phi_i, -m.phi_f, m.duration}).peak != a.peak);
+    CHECK(peak_acceleration(scene, table2_sea(), {-m.phi_i, -m.phi_f, m.duration}).peak != a.peak);
   }
 }

@@ -161,6 +161,9 @@ def test_calibrate_finds_the_floor_of_simulated_drops(scene, actuator, tmp_path)
     assert found.rms["phi_0"] < 1e-4 and set(found.rms) == {"acc", "phi_0"}
     found.save(str(tmp_path / "scene.toml"))
     assert '[verdict]' in (tmp_path / "scene.toml").read_text()
+    found.scene.save(str(tmp_path / "scene.toml"))
+    known = ukemi.read_scene(str(tmp_path / "scene.toml")).verdicts
+    assert known == {name: e.verdict for name, e in found.parameters.items()}
     assert ukemi.read_scene(str(tmp_path / "scene.toml")).pitch == scene.pitch
 
 
@@ -192,6 +195,29 @@ def test_a_planner_never_raises_for_what_is_measured(scene, actuator):
         assert not plan.found and plan.status == "bad_input"
         assert plan.wrong.startswith(list(wrong)[0].removesuffix("_deg"))
     assert planner.plan(0.4, 0.63, 18).status == "found"
+
+
+def test_a_planner_in_the_air_never_raises_for_what_is_measured(scene, actuator, tmp_path):
+    text = scene.toml() + "\n[release]\nphi_deg = -45\n"
+    (tmp_path / "falling.toml").write_text(text)
+    planner = ukemi.Planner(ukemi.read_scene(str(tmp_path / "falling.toml")), actuator, objective="peak")
+    measured = {"height": 0.38, "forward_speed": 0.63, "pitch_deg": 18, "pitch_rate_deg": 0, "phi_deg": -45,
+                "rate_deg": 0, "gone": 0.06}
+    for name in [*measured, "vertical_speed", "deadline"]:
+        for wrong in BAD:
+            plan = planner.plan_in_air(**{**measured, name: wrong})
+            assert not plan.found and plan.status == "bad_input"
+            assert plan.wrong.startswith(name.removesuffix("_deg"))
+    assert planner.plan_in_air(**measured, deadline=0.1).status == "found"
+
+
+def test_a_scene_keeps_what_is_known_of_its_floor(scene, tmp_path):
+    (tmp_path / "scene.toml").write_text(scene.toml() + "\n[verdict]\nstiffness = \"weak\"\npitch = \"trusted\"\n")
+    known = ukemi.read_scene(str(tmp_path / "scene.toml"))
+    known.save(str(tmp_path / "again.toml"))
+    assert scene.verdicts == {}
+    assert ukemi.read_scene(str(tmp_path / "again.toml")).verdicts == known.verdicts
+    assert known.verdicts == {"stiffness": "weak", "pitch": "trusted"}
 
 
 def test_the_best_posture_to_hold_is_told(scene, actuator):

@@ -6,15 +6,16 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
+#include "test/folder.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::tools;
 using landing::kAcc, landing::kOutputs, landing::kThighAngle, landing::kThighX, landing::kThighY;
+using test::table2_sea;
 
 namespace {
 
@@ -22,7 +23,6 @@ const std::string kFolder = UKEMI_DATASETS "/drops/";
 constexpr std::size_t kCalibrated = 4;
 constexpr std::array<double, kCalibrated> kTruth = {6000, 110, 40, -8 * kDegree};  // tools/data/make_drops.cpp
 
-SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 landing::Scene first_guess() { return landing::read_scene(kFolder + "first_guess.toml"); }
 landing::Scene truth() {
   landing::Scene s = first_guess();
@@ -73,7 +73,7 @@ LoggedDrop simulated(const landing::Scene& scene, const landing::Motion& motion,
   d.log.file = "simulated";
   constexpr double kFine = 1e4;
   const landing::Landing l = landing::simulate(
-      s, table2(), motion, {.accuracy = 1e-12, .rest = landing::SimulateOptions::Rest::kIgnore}, kFine);
+      s, table2_sea(), motion, {.accuracy = 1e-12, .rest = landing::SimulateOptions::Rest::kIgnore}, kFine);
   Random random(2026, draw);
   long next = std::lround(late * kFine);
   for (const landing::Sample& x : l.trajectory) {
@@ -91,7 +91,7 @@ LoggedDrop simulated(const landing::Scene& scene, const landing::Motion& motion,
 }  // namespace
 
 TEST_CASE("calibrate: the shipped drops give their truth back from a first guess 30 % off, and predict the fourth") {
-  const Calibration c = calibrate(first_guess(), table2(), fitted());
+  const Calibration c = calibrate(first_guess(), table2_sea(), fitted());
   check_truth(c, 4);
   CHECK(c.trusted());
   CHECK(c.starts == 1);
@@ -102,7 +102,7 @@ TEST_CASE("calibrate: the shipped drops give their truth back from a first guess
   CHECK(c.rms[kThighAngle] == Approx(kNoiseAngle).epsilon(0.03));
   CHECK(c.correlation(0, 1) > 0.9);  // K_f with C_fy
 
-  const Calibration v = validate(c.scene, table2(), {unseen()});
+  const Calibration v = validate(c.scene, table2_sea(), {unseen()});
   CHECK(v.converged);
   CHECK(v.warnings.empty());
   CHECK(v.rms[kAcc] == Approx(kNoiseAcc).epsilon(0.06));
@@ -115,10 +115,10 @@ TEST_CASE("calibrate: starts 30 % off in every constant, either way, end at one 
   const std::vector<LoggedDrop> drops = fitted();
   CalibrationOptions once;
   once.restarts = 0;
-  const double cost = calibrate(truth(), table2(), drops, once).cost;
+  const double cost = calibrate(truth(), table2_sea(), drops, once).cost;
   for (int corner = 0; corner < 16; corner += 3) {
     const auto share = [&](int bit) { return corner >> bit & 1 ? 0.3 : -0.3; };
-    const Calibration c = calibrate(off({share(0), share(1), share(2), share(3)}), table2(), drops, once);
+    const Calibration c = calibrate(off({share(0), share(1), share(2), share(3)}), table2_sea(), drops, once);
     INFO("corner " << corner);
     CHECK(c.converged);
     CHECK(c.cost == Approx(cost).epsilon(1e-6));
@@ -129,7 +129,7 @@ TEST_CASE("calibrate: the acceleration alone is enough") {
   std::vector<LoggedDrop> drops = fitted();
   for (LoggedDrop& d : drops)
     for (const auto o : {kThighX, kThighY, kThighAngle}) d.log.output[o].clear();
-  const Calibration c = calibrate(first_guess(), table2(), drops);
+  const Calibration c = calibrate(first_guess(), table2_sea(), drops);
   check_truth(c, 4);
   CHECK(std::isnan(c.rms[kThighX]));
 }
@@ -139,7 +139,7 @@ TEST_CASE("calibrate: 95 % of the 95 % intervals hold the truth") {
   int inside = 0;
   double squares = 0;
   for (std::uint64_t i = 0; i < kDraws; ++i) {
-    const Calibration c = calibrate(truth(), table2(), {simulated(truth(), kHold, 0.4, i)});
+    const Calibration c = calibrate(truth(), table2_sea(), {simulated(truth(), kHold, 0.4, i)});
     REQUIRE(c.converged);
     for (std::size_t k = 0; k < kCalibrated; ++k) {
       const identify::Estimate& e = c.parameters[k];
@@ -160,7 +160,7 @@ TEST_CASE("calibrate: the instant of the release is fitted along, drop by drop, 
   CalibrationOptions options;
   options.terms.nuisance = {"time_shift"};
   const Calibration c =
-      calibrate(first_guess(), table2(),
+      calibrate(first_guess(), table2_sea(),
                 {simulated(truth(), kHold, 0.4, 100, late[0]), simulated(truth(), kBend, 0.4, 101, late[1])}, options);
   check_truth(c, 4);
   REQUIRE(c.nuisance.size() == 2);
@@ -171,11 +171,11 @@ TEST_CASE("calibrate: the instant of the release is fitted along, drop by drop, 
     CHECK(c.nuisance[m].trial == int(m));
   }
   const LoggedDrop other = simulated(truth(), kBend, 0.32, 102, 0.0025);
-  const Calibration v = validate(c.scene, table2(), {other}, options);
+  const Calibration v = validate(c.scene, table2_sea(), {other}, options);
   REQUIRE(v.nuisance.size() == 1);
   CHECK(v.nuisance[0].value == Approx(0.0025).margin(1e-4));
   CHECK(v.rms[kAcc] == Approx(kNoiseAcc).epsilon(0.06));
-  const Calibration wrong = validate(c.scene, table2(), {other});  // an instant 2.5 ms off shows
+  const Calibration wrong = validate(c.scene, table2_sea(), {other});  // an instant 2.5 ms off shows
   CHECK(wrong.rms[kAcc] > 2 * kNoiseAcc);
   CHECK(wrong.warnings.size() >= 1);
 }
@@ -185,7 +185,7 @@ TEST_CASE("calibrate: what a log does not tell is said, and a prior fills in") {
   landing::Scene slippery = truth();
   slippery.floor->damping_tangential = 0.2;
   const std::vector<LoggedDrop> drops = {simulated(slippery, kHold, 0.4, 200, 0, 0.289)};
-  const Calibration c = calibrate(slippery, table2(), drops);
+  const Calibration c = calibrate(slippery, table2_sea(), drops);
   CHECK_FALSE(c.trusted());
   CHECK(c.parameters[2].verdict != Identifiability::kTrusted);
   CHECK(c.parameters[2].verdict != Identifiability::kWeak);
@@ -193,14 +193,14 @@ TEST_CASE("calibrate: what a log does not tell is said, and a prior fills in") {
 
   CalibrationOptions known;
   known.terms.priors = {{"damping_tangential", 0.2, 0.01}};
-  const Calibration p = calibrate(slippery, table2(), drops, known);
+  const Calibration p = calibrate(slippery, table2_sea(), drops, known);
   REQUIRE(p.parameters[2].std.has_value());
   CHECK(*p.parameters[2].std == Approx(0.01).epsilon(0.2));
   CHECK(p.parameters[2].value == Approx(0.2).margin(0.01));
 
   CalibrationOptions fewer;
   fewer.terms.free = {"stiffness"};
-  const Calibration one = calibrate(slippery, table2(), drops, fewer);
+  const Calibration one = calibrate(slippery, table2_sea(), drops, fewer);
   for (std::size_t k = 1; k < kCalibrated; ++k) CHECK(one.parameters[k].verdict == Identifiability::kFixed);
   CHECK(one.scene.floor->damping_normal == 110);
   CHECK_FALSE(one.parameters[1].free);
@@ -211,10 +211,26 @@ TEST_CASE("calibrate: a robot that is not the scene's is not trusted") {
   wrong.robot.mass[1] *= 1.1;
   CalibrationOptions once;
   once.restarts = 0;
-  const Calibration c = calibrate(wrong, table2(), fitted(), once);
+  const Calibration c = calibrate(wrong, table2_sea(), fitted(), once);
   CHECK_FALSE(c.trusted());
   CHECK(c.rms[kAcc] > identify::kFarAboveNoise * c.noise[kAcc]);
   CHECK(c.warnings.size() >= 1);
+}
+
+TEST_CASE("calibrate: its scene holds the verdicts, and what was worked is told wherever it ends") {
+  CalibrationOptions options;
+  options.restarts = 0;
+  const Calibration whole = calibrate(first_guess(), table2_sea(), fitted(), options);
+  REQUIRE(whole.scene.verdicts.size() == kCalibrated);
+  for (std::size_t k = 0; k < kCalibrated; ++k)
+    CHECK(whole.scene.verdicts[k] == std::pair(whole.parameters[k].name, std::string("trusted")));
+  long asked = 0;
+  options.monitor.stop = [&] { return ++asked > 2; };
+  const Calibration ended = calibrate(first_guess(), table2_sea(), fitted(), options);
+  CHECK_FALSE(ended.converged);
+  CHECK(ended.steps > 0);
+  CHECK(ended.steps < whole.steps);
+  CHECK(ended.scene.verdicts[0] == std::pair(std::string("stiffness"), std::string("not identifiable")));
 }
 
 TEST_CASE("calibrate: logs and options that cannot be fitted are refused") {
@@ -222,13 +238,7 @@ TEST_CASE("calibrate: logs and options that cannot be fitted are refused") {
   const std::vector<LoggedDrop> drops = {fitted()[0]};
   const auto refused = [&](const landing::Scene& s, const std::vector<LoggedDrop>& d, const CalibrationOptions& o,
                            const std::string& text) {
-    try {
-      (void)calibrate(s, table2(), d, o);
-    } catch (const InputError& e) {
-      CHECK_THAT(e.what(), Contains(text));
-      return;
-    }
-    FAIL("not refused: " << text);
+    CHECK_THAT(test::refusal([&] { (void)calibrate(s, table2_sea(), d, o); }), Contains(text));
   };
   refused(truth(), {}, {}, "no drops");
   landing::Scene airy = truth();

@@ -21,23 +21,14 @@ struct Judged {
          widened = 0;  ///< largest error of a constant in its own standard errors, without and with the tests
 };
 
-double worst(const Fit& f) {
-  double out = 0;
-  for (std::size_t k = 0; k < kConstants; ++k) {
-    const Estimate& e = f.parameters[k];
-    if (e.std) out = std::max(out, std::abs(e.value - kTruth[k]) / *e.std);
-  }
-  return out;
-}
-
 /// Fits and tests as `ukemi identify` does, from Table 2.
 Judged judged(const std::vector<Trial>& logs, const FitOptions& options = {}) {
   Judged out{.fit = refit(rig(), logs, truth(), options), .tests = {}};
   REQUIRE(out.fit.converged);
-  out.plain = worst(out.fit);
+  out.plain = worst_error(out.fit);
   out.tests = test_residuals({rig(), logs, options}, out.fit);
   widen_errors(out.tests, out.fit);
-  out.widened = worst(out.fit);
+  out.widened = worst_error(out.fit);
   return out;
 }
 
@@ -152,9 +143,9 @@ TEST_CASE("1.2 s at 10 kHz with 0.02 N of load-cell noise fits, as it is logged 
   rest_between_hits(quiet);
   for (const Trial* t : {&log, &quiet}) {
     const Fit f = refit(rig(), {*t}, truth(), {});
-    INFO(f.message << ", " << worst(f) << " s.e. off");
+    INFO(f.message << ", " << worst_error(f) << " s.e. off");
     CHECK(f.converged);
-    CHECK(worst(f) < 4);
+    CHECK(worst_error(f) < 4);
   }
 }
 

@@ -7,20 +7,19 @@
 
 #include "common/degrees.hpp"
 #include "common/random.hpp"
-#include "landing/model/scene_file.hpp"
 #include "test/impact.hpp"
+#include "test/paper.hpp"
 #include "tools/study/calibration.hpp"
 
 using namespace ukemi;
 using namespace ukemi::tools;
 using landing::kAcc, landing::kThighAngle, landing::kThighX, landing::kThighY;
+using test::table2_sea;
 
 namespace {
 
 constexpr landing::Motion kHeld{-45 * kDegree, -45 * kDegree, 1};
 constexpr double kNoiseAcc = 2, kNoisePlace = 5e-4, kNoiseAngle = 0.2 * kDegree;  // as tools/data/make_drops.cpp
-
-SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 
 /// A floor's force on a point, (x, y) [N], from its depth below y = 0 and its velocity.
 using Law = std::function<Eigen::Vector2d(double depth, const Eigen::Vector2d& velocity)>;
@@ -44,7 +43,7 @@ using State = Eigen::Matrix<double, 10, 1>;
 
 struct Robot {
   const landing::Scene& scene;
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   const Law& law;
 
   static Eigen::Vector2d along(double a) { return {std::sin(a), -std::cos(a)}; }
@@ -131,7 +130,7 @@ Drawn calibrated(std::uint64_t draw, bool right) {
   start.floor->stiffness *= 1.1, start.floor->damping_normal *= 0.9, start.drop.pitch *= 1.1;
   CalibrationOptions options;
   options.restarts = right ? 1 : 0;  // no start is believed where the law is wrong
-  out.found = calibrate(start, table2(), drops, options);
+  out.found = calibrate(start, table2_sea(), drops, options);
   return out;
 }
 
@@ -175,7 +174,7 @@ TEST_CASE("calibrate: a floor of another law, under the sensors' noise, is rejec
     rejected += !x.found.converged || x.found.tests.model_rejected();
     trusted += x.found.trusted();
     log += told(x.found);
-    CHECK(x.found.scene_toml("").find("\"trusted\"") == std::string::npos);
+    CHECK(to_toml(x.found.scene, "").find("\"trusted\"") == std::string::npos);
     if (!x.found.converged || !x.found.scene.uncertainty) continue;
     // What is planned with is what was widened.
     for (std::size_t k = 0; k < x.found.scene.uncertainty->order.size(); ++k) {

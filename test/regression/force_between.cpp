@@ -23,7 +23,7 @@ std::array<double, kConstants> drawn_constants(Random& random) {
 }
 
 std::vector<Trial> drawn_hits(Shape shape, double noise, const std::array<double, kConstants>& constants,
-                              Random& random) {
+                              Random& random, const Effects& effects = {}) {
   std::vector<Trial> out;
   for (int m = 0; m < 8; ++m) {
     const double newton = (random.uniform() < 0.5 ? -1 : 1) * (60 + 120 * random.uniform()),
@@ -41,8 +41,8 @@ std::vector<Trial> drawn_hits(Shape shape, double noise, const std::array<double
       const auto i = std::min(std::size_t(t * 1000), log.t.size() - 2);
       return log.force[i] + (log.force[i + 1] - log.force[i]) * (t - log.t[i]) / (log.t[i + 1] - log.t[i]);
     };
-    log.phi = shape == Shape::kAsLogged ? joint_angle(log.t, std::function<double(double)>(linear), {}, constants)
-                                        : joint_angle(log.t, std::function<double(double)>(force), {}, constants);
+    log.phi = shape == Shape::kAsLogged ? joint_angle(log.t, std::function<double(double)>(linear), effects, constants)
+                                        : joint_angle(log.t, std::function<double(double)>(force), effects, constants);
     for (double& x : log.phi) x += noise * random.normal();
     out.push_back(log);
   }
@@ -109,4 +109,19 @@ TEST_CASE("force between samples: constants that are given choose it by what the
     CHECK(predict(rig(), nearer, limited(constants)).rms < 1.2e-4);
     CHECK((predict(rig(), logs, limited(constants)).rms > 1.2e-4) == smooth);
   }
+}
+
+TEST_CASE("force between samples: what a second look found is said, also where the smooth force is then taken") {
+  Random random(18);
+  const std::vector<Trial> logs = drawn_hits(Shape::kHalfSine, 1e-3, kTruth, random, {.dry = 0.3});
+  FitOptions options;
+  options.terms.nuisance = {"viscous_friction"};  // no friction of that kind explains one that sticks
+  const Identification found = identify::identify({rig(), logs, options}, std::nullopt, limited());
+  CHECK(found.force_smooth == 1);
+  CHECK(found.trust->tests.model_rejected());
+  const auto& said = found.fit.warnings;
+  CHECK(std::any_of(said.begin(), said.end(), [](const std::string& w) {
+    return w.find("viscous_friction: where its score test points") == 0 &&
+           w.find("the model lacks something else") != std::string::npos;
+  }));
 }

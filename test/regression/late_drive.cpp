@@ -15,14 +15,8 @@ namespace {
 constexpr std::array<double, kConstants> kOther = {30, 0.6, 120, 0.8, 0.03};
 constexpr double kErrors = 3.5;  // a constant may be off by so many of its own
 
-const Estimate& found(const Fit& f, const std::string& name) {
-  for (const Estimate* e : f.globals())
-    if (e->name == name) return *e;
-  FAIL(name + " was not fitted");
-  return f.parameters.front();
-}
 void check_near(const Fit& f, const std::string& name, double truth) {
-  const Estimate& e = found(f, name);
+  const Estimate& e = estimate(f, name);
   INFO(name << " " << e.value << " +- " << e.std.value_or(-1) << ", truth " << truth);
   REQUIRE(e.std);
   CHECK(std::abs(e.value - truth) < kErrors * *e.std);
@@ -74,7 +68,7 @@ TEST_CASE("late drives: constants, delay and filter are within their errors, on 
     check_near(f, "control_delay", effects.delay);
     if (effects.filter > 0) check_near(f, "velocity_filter", effects.filter);
     CHECK(f.rms == Approx(5e-4).epsilon(0.03));
-    CHECK(f.sea.control_delay == found(f, "control_delay").value);
+    CHECK(f.sea.control_delay == estimate(f, "control_delay").value);
   }
   INFO(unclaimed << " draws without an error of every term");
   CHECK(unclaimed <= 10);  // half: the rest must be judged
@@ -89,7 +83,7 @@ TEST_CASE("late drives: a delay that is known and stands in the rig leaves the c
   check_constants(fit(known, logs, off(kOther), known.mounted(limited()), with({})), kOther);
   const Fit without = fit(rig(), logs, off(kOther), limited(), with({}));
   REQUIRE(without.converged);
-  CHECK(std::abs(without.sea.k_sea - kOther[2]) > 10 * *found(without, "k_sea").std);
+  CHECK(std::abs(without.sea.k_sea - kOther[2]) > 10 * *estimate(without, "k_sea").std);
   // The same where each trial has a rig of its own that states it, and the common one does not.
   std::vector<Trial> own = logs;
   for (Trial& t : own) t.rig = known;
@@ -112,9 +106,9 @@ TEST_CASE("a spring that softens, and a limit that the hits meet, are found") {
   const Fit limit = from(24);
   check_constants(limit, kTruth);
   check_near(limit, "tau_max", 20);
-  CHECK(limit.sea.tau_max == found(limit, "tau_max").value);
+  CHECK(limit.sea.tau_max == estimate(limit, "tau_max").value);
   // Without a value to start with there is nothing to say; one that no hit meets is not determined.
   CHECK_THROWS_WITH(from(std::numeric_limits<double>::infinity()),
                     Catch::Matchers::Contains("tau_max") && Catch::Matchers::Contains("to start with"));
-  CHECK_FALSE(found(from(200), "tau_max").std);
+  CHECK_FALSE(estimate(from(200), "tau_max").std);
 }

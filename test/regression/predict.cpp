@@ -149,6 +149,33 @@ TEST_CASE("a log that does not begin at rest at its reference: the angle is give
   CHECK(predicted(moving, actuator, {kFitted}).judgement.verdict() == Verdict::kDoesNotHold);
 }
 
+TEST_CASE("a prior of a constant, which is held, says nothing of the initial state's error") {
+  const std::vector<Trial> trial = noisy(simulated({held_out()}, truth()), 6);
+  Actuator actuator;
+  actuator.sea = truth();
+  actuator.uncertain = {"k_p"}, actuator.covariance = Eigen::MatrixXd::Constant(1, 1, 1);
+  FitOptions options;
+  const auto error = [&] {
+    const Prediction p = identify::predict({rig(), trial, options}, actuator, {InitialState::Kind::kFitted});
+    REQUIRE(p.fit.nuisance.at(0).std);
+    return *p.fit.nuisance[0].std;
+  };
+  const double without = error();
+  options.terms.priors = {{"k_p", 80, 1e-3}};
+  CHECK(error() == Approx(without).epsilon(1e-9));
+  // And so does what the rig states of a term that is fitted elsewhere.
+  options.terms.priors.clear(), options.terms.nuisance = {"control_delay"};
+  actuator.uncertain = {"control_delay"}, actuator.covariance(0, 0) = 1e-6;
+  actuator.sea.control_delay = 0.002;
+  const std::vector<Trial> late = noisy(simulated({held_out()}, actuator.sea), 6);
+  const auto error_on = [&](const Rig& on) {
+    return *identify::predict({on, late, options}, actuator, {InitialState::Kind::kFitted}).fit.nuisance.at(0).std;
+  };
+  Rig stated = rig(), exact = rig();
+  stated.errors.delay = 1e-6, exact.errors = RigErrors::exact();
+  CHECK(error_on(stated) == Approx(error_on(exact)).epsilon(1e-9));
+}
+
 TEST_CASE("force noise counts for a prediction as for a fit") {
   const std::vector<Trial> exact = simulated({held_out()}, truth());
   std::vector<Trial> trial = noisy(exact, 4);

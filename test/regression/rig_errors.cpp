@@ -27,13 +27,7 @@ std::vector<Trial> logs_of(Effects effects, std::uint64_t seed) {
   effects.angle_noise = kNoise;
   return eight_hits(effects, seed, kDrive);
 }
-/// The largest error of a constant in its own standard errors.
-double off(const Fit& fit) {
-  double out = 0;
-  for (std::size_t k = 0; k < kConstants; ++k)
-    if (const Estimate& e = fit.parameters[k]; e.std) out = std::max(out, std::abs(e.value - kDrive[k]) / *e.std);
-  return out;
-}
+double off(const Fit& fit) { return worst_error(fit, kDrive); }
 const Considered& considered(const Fit& fit, const std::string& name) {
   for (const Considered& c : fit.considered)
     if (c.name == name) return c;

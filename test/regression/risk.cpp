@@ -4,16 +4,14 @@
 #include "common/degrees.hpp"
 #include "landing/judge/answer.hpp"
 #include "landing/judge/risk.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/scatter/scattered.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }
 
 const Motion kQuintic{-24.4 * kDegree, -85 * kDegree, 0.261},
     kTwoBumps{-74.2 * kDegree, -63.9 * kDegree, 0.2067, {14.7 * kDegree, -119.9 * kDegree, 0, 0}};

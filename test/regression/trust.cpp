@@ -130,18 +130,18 @@ TEST_CASE("verdicts: the stated thresholds, at them and beyond") {
   const auto verdict = [](double half_width) {
     Estimate e{.name = "k", .value = -8, .std = {}};  // 10 % and 50 % of it are exact numbers
     set_error(e, half_width * half_width / 4, 0, 2);
-    return judge(e, 8);
+    return judge(e);
   };
   CHECK(verdict(0.79) == Identifiability::kTrusted);
   CHECK(verdict(0.81) == Identifiability::kWeak);
   CHECK(verdict(4) == Identifiability::kWeak);
   CHECK(verdict(4.01) == Identifiability::kNotIdentifiable);
   Estimate e{.name = "k", .value = 8, .std = {}};
-  CHECK(judge(e, 8) == Identifiability::kNotIdentifiable);
+  CHECK(judge(e) == Identifiability::kNotIdentifiable);
   e.at_bound = true;
-  CHECK(judge(e, 8) == Identifiability::kAtBound);
+  CHECK(judge(e) == Identifiability::kAtBound);
   e.free = false;
-  CHECK(judge(e, 8) == Identifiability::kFixed);
+  CHECK(judge(e) == Identifiability::kFixed);
 
   std::vector<Estimate> all(2);
   all[0].verdict = Identifiability::kTrusted;

@@ -10,15 +10,14 @@
 #include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
 #include "test/folder.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }
 
 AtlasOptions small() {
   AtlasOptions o;
@@ -35,15 +34,6 @@ Atlas planned(const AtlasOptions& o) {
 }
 
 bool same(const AtlasCell& a, const AtlasCell& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-std::string refusal(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "";
-}
 
 Atlas read_back(const std::string& bytes) { return atlas_of(std::as_bytes(std::span(bytes)), "a.bin"); }
 

@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "test/impact.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
@@ -14,7 +15,6 @@ using namespace test;
 
 namespace {
 
-SeaParameters<double> table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml").sea; }
 const std::vector<int> kAll = {0, 1, 2, 3, 4};
 
 std::vector<Trial> trials(std::initializer_list<int> which) {
@@ -22,7 +22,7 @@ std::vector<Trial> trials(std::initializer_list<int> which) {
   for (const int i : which) out.push_back(shipped(i));
   return out;
 }
-Knowledge weak() { return knowledge_of(rig(), table2(), kAll, trials({1, 2}), kNoise); }
+Knowledge weak() { return knowledge_of(rig(), table2_sea(), kAll, trials({1, 2}), kNoise); }
 /// The same estimate, its error bars `times` as wide.
 Knowledge wider(Knowledge k, double times) {
   k.information /= times * times;
@@ -61,7 +61,7 @@ void check_refused(const DesignOptions& o, const std::string& text) {
 
 TEST_CASE("the information of the trials in hand is the inverse of the fit's covariance") {
   const auto logs = trials({1, 2, 3, 4});
-  const Fit f = fit(rig(), logs, table2(), limited());
+  const Fit f = fit(rig(), logs, table2_sea(), limited());
   REQUIRE(f.converged);
   long n = 0;
   for (const Trial& t : logs) n += long(t.measurements());
@@ -102,9 +102,9 @@ TEST_CASE("the information of the trials in hand is the inverse of the fit's cov
 TEST_CASE("a hit and its mirror tell the same, half the noise tells four times as much") {
   const HitLog log{.noise = kNoise};
   const Trial there = blank_log({200, 0.015}, log), back = blank_log({-200, 0.015}, log);
-  const auto a = information_of(rig(), table2(), kAll, there, kNoise),
-             b = information_of(rig(), table2(), kAll, back, kNoise),
-             c = information_of(rig(), table2(), kAll, there, kNoise / 2);
+  const auto a = information_of(rig(), table2_sea(), kAll, there, kNoise),
+             b = information_of(rig(), table2_sea(), kAll, back, kNoise),
+             c = information_of(rig(), table2_sea(), kAll, there, kNoise / 2);
   REQUIRE((a && b && c));
   CHECK(a->isApprox(*b, 1e-9));
   CHECK(c->isApprox(4 * *a, 1e-12));
@@ -235,7 +235,7 @@ TEST_CASE("where nothing can be proposed the design says why") {
 
   Trial still = blank_log({100, 0.02}, {.noise = kNoise});
   std::fill(still.force.begin(), still.force.end(), 0);
-  const Design unknown = design(rig(), knowledge_of(rig(), table2(), kAll, {still}, kNoise), quick());
+  const Design unknown = design(rig(), knowledge_of(rig(), table2_sea(), kAll, {still}, kNoise), quick());
   CHECK(unknown.status == Design::Status::kNotDetermined);
   CHECK_THAT(unknown.message, Catch::Matchers::Contains("not determined"));
 }

@@ -42,6 +42,7 @@ TEST_CASE("drop log: what is shipped says that it is simulated") {
 TEST_CASE("a scene that is written reads back") {
   for (const char* name : {"paper", "fast", "straight", "paper_soft"}) {
     Scene s = read_scene(std::string(UKEMI_DATASETS "/scenes/") + name + ".toml");
+    s.verdicts = {{"stiffness", "weak"}, {"pitch", "fixed"}};
     s.t_end = 1.25, s.drop.pitch_rate = -0.5, s.floor_source = "a \"quoted\" \\ source";
     const File f("scene.toml", to_toml(s, "two\nlines"));
     const Scene r = read_scene(f.path);
@@ -64,11 +65,13 @@ TEST_CASE("a scene that is written reads back") {
     CHECK(r.execution.phi == Approx(s.execution.phi).epsilon(1e-15));
     CHECK(r.execution.duration == s.execution.duration);
     CHECK(r.t_end == s.t_end);
+    CHECK(r.verdicts == s.verdicts);
     Scene bare = s;
-    bare.floor.reset(), bare.contacts = {}, bare.t_end.reset();
+    bare.floor.reset(), bare.contacts = {}, bare.t_end.reset(), bare.verdicts.clear();
     const Scene b = read_scene(File("scene.toml", to_toml(bare, "")).path);
     CHECK_FALSE(b.floor.has_value());
     CHECK_FALSE(b.touches());
     CHECK_FALSE(b.t_end.has_value());
+    CHECK(b.verdicts.empty());
   }
 }

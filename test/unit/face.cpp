@@ -15,9 +15,11 @@
 #include "landing/judge/survey.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/model/scene_file.hpp"
+#include "test/folder.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using test::refusal;
 
 namespace {
 
@@ -226,15 +228,6 @@ void ask(const Entry& entry, const std::string& what, const std::function<void(I
   if (watch.seconds() > 10) wrong += " after " + std::to_string(watch.seconds()) + " s";
   INFO(entry.name << " with " << what);
   CHECK(wrong == "");
-}
-
-std::string refusal(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "";
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/files.hpp"
@@ -514,6 +515,42 @@ TEST_CASE("an actuator's [uncertainty] is validated by whoever reads the file") 
   }
 }
 
+TEST_CASE("whatever an actuator's file may hold the library takes, and what the file may not it refuses") {
+  Actuator a;
+  a.name = "a", a.sea = {50, 1, 65, 1.6, 0.085, 20};
+  a.speed_max = 5, a.motor_torque_max = 30;
+  for (const OptionalConstant& c : optional_constants()) a.sea.*c.at = c.range.holds(0.05) ? 0.05 : c.absent;
+  a.uncertain = uncertain_constants();
+  CHECK(a.uncertain.size() == kConstants + 1 + optional_constants().size());
+  a.covariance = 1e-6 * Eigen::MatrixXd::Identity(long(a.uncertain.size()), long(a.uncertain.size()));
+  const File f("a.toml", to_toml(a));
+  const Actuator b = read_actuator(f.path);
+  CHECK(b.uncertain == a.uncertain);
+  CHECK_NOTHROW(validate(b));
+  a.motor_torque_max = -30;
+  CHECK_THROWS_WITH(validate(a), "motor_torque_max: -30: must be above 0");
+  a.motor_torque_max = 30, a.uncertain.back() = "speed_max";
+  CHECK_THROWS_WITH(validate(a), StartsWith("order: 'speed_max': not a constant of the actuator"));
+}
+
+TEST_CASE("a range holds its ends unless it is open below, and no number that is not finite") {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Range part{-1, 1, false, ""}, open{-1, 1, true, ""};
+  CHECK((part.holds(-1) && part.holds(0) && part.holds(1)));
+  CHECK((!open.holds(-1) && open.holds(0) && open.holds(1)));
+  CHECK((!part.holds(-1.1) && !part.holds(1.1)));
+  CHECK((!Range::positive().holds(0) && Range::non_negative().holds(0) && Range::any().holds(-1e300)));
+  for (const double x : {kInfinity, -kInfinity, std::nan("")})
+    for (const Range& r : {part, open, Range::any(), Range::positive(), Range::non_negative()}) CHECK(!r.holds(x));
+}
+
+TEST_CASE("doubted is what is neither trusted nor fixed") {
+  const Verdicts all = {{"k_p", "trusted"}, {"k_d", "weak"}, {"k_sea", "fixed"}, {"c_sea", "at its bound"}};
+  CHECK(doubted(all) == Verdicts{all[1], all[3]});
+  CHECK(doubts(all) == "k_d is weak, c_sea is at its bound");
+  CHECK(doubts({}).empty());
+}
+
 // ---- rigs
 
 TEST_CASE("a rig's inertia is given about the joint, or as mass and inertia about its centre") {
@@ -539,6 +576,8 @@ TEST_CASE("a rig's inertia is given about the joint, or as mass and inertia abou
   CHECK_THAT(error("length = 0.3\nmass = 1\n"), Contains("mass and inertia_com, is needed"));
   CHECK_THAT(error("length = 0.3\n"), StartsWith("c.toml:1:1: ") && Contains("inertia_joint"));
   CHECK_THAT(error("inertia_joint = 1\n"), Contains("the key 'length' is missing"));
+  CHECK_THAT(error("length = 300\ninertia_joint = 1\n"),
+             StartsWith("c.toml:2:10: ") && Contains("length: 300: ") && Contains("lengths are in m"));
   CHECK_THAT(error("length = 0.3\ninertia_joint = 1\ngear_ratio = 0\n"), Contains("gear_ratio: 0: must be above 0"));
 }
 
@@ -655,6 +694,10 @@ TEST_CASE("a scene is refused where it breaks a rule") {
   SECTION("negative mass") {
     CHECK_THAT(scene_error(replaced(kScene, "0.8,", "-0.8,")),
                StartsWith("a.toml:4:") && Contains("mass: -0.8: must be above 0"));
+  }
+  SECTION("a link in mm") {
+    CHECK(scene_error(replaced(kScene, "link_length = 0.3", "link_length = 300")) ==
+          "a.toml:3:15: [robot] link_length: 300: must be above 0 and at most 10: lengths are in m");
   }
   SECTION("one mass") {
     CHECK_THAT(scene_error(replaced(kScene, "[0.8, 0.9]", "0.8")), Contains("2 numbers in [ ] are needed"));
@@ -822,10 +865,12 @@ TEST_CASE("a trial's faults are located") {
 TEST_CASE("an angle beyond 2 pi is refused with a hint, unless it is meant") {
   const std::string text = "t,phi,force\n0,0,0\n1,20,0\n";
   CHECK_THAT(trial_error(text), StartsWith("a.csv:3:3: column 'phi': 20: ") && Contains("are these degrees?") &&
-                                    Contains("phi_deg") && Contains("--multi-turn"));
+                                    Contains("--columns phi=0.017453292519943295*phi") && Contains("--multi-turn"));
+  CHECK(trial_of(text, {.columns = "phi=0.017453292519943295*phi"}).phi[1] == Approx(20 * kDegree));
   CHECK(trial_of(text, multi_turn()).phi == std::vector<double>{0, 20});
   CHECK(trial_of("t,phi_deg,force\n0,0,0\n1,20,0\n").phi[1] == Approx(20 * kDegree));
-  CHECK_THAT(trial_error("t,phi_deg,force\n0,0,0\n1,400,0\n"), StartsWith("a.csv:3:3: "));
+  CHECK_THAT(trial_error("t,phi_deg,force\n0,0,0\n1,400,0\n"),  // it is in degrees: nothing to rename
+             StartsWith("a.csv:3:3: column 'phi_deg': 400: ") && Contains("beyond 2 pi rad; --multi-turn"));
   CHECK_THAT(trial_error("t,phi,phi_ref\n0,0,-7\n1,0,0\n"), StartsWith("a.csv:2:5: column 'phi_ref': -7: "));
   // A rate may be large, and so may a motor's angle before its gear.
   CHECK(trial_of("t,phi,phi_ref,dphi_ref\n0,0,0,50\n1,0,0,0\n").dphi_ref[0] == 50);

@@ -7,6 +7,7 @@
 #include "identify/design/design.hpp"
 #include "identify/logs/force_log.hpp"
 #include "identify/trust/identification.hpp"
+#include "identify/trust/prediction.hpp"
 #include "test/impact.hpp"
 
 using namespace test;
@@ -19,15 +20,10 @@ constexpr double kBad[] = {kNan, kInf, -kInf, -1, 0, 1e300, -1e300};
 /// Calls; true where it threw InputError. Anything else that it throws fails the test, and so does a wait.
 bool refused(const std::function<void()>& call) {
   const auto start = std::chrono::steady_clock::now();
-  bool thrown = false;
-  try {
-    call();
-  } catch (const InputError& e) {
-    thrown = true;
-    CHECK(std::string(e.what()).size() > 8);
-  }
+  const std::string said = refusal(call);
+  CHECK((said.empty() || said.size() > 8));
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
-  return thrown;
+  return !said.empty();
 }
 
 /// What an answer says: numbers, or why there are none.
@@ -84,6 +80,8 @@ std::vector<std::pair<std::string, Place>> places() {
       {"rig.gravity.hanging", [](auto& in, double x) { in.rig.gravity.hanging = x; }},
       {"rig.drive.limit", [](auto& in, double x) { in.rig.drive.limit = x; }},
       {"rig.drive.rate", [](auto& in, double x) { in.rig.drive.rate = x; }},
+      {"rig.drive.control_delay", [](auto& in, double x) { in.rig.drive.control_delay = x; }},
+      {"rig.drive.velocity_filter", [](auto& in, double x) { in.rig.drive.velocity_filter = x; }},
       {"sea.k_p", [](auto& in, double x) { in.sea.k_p = x; }},
       {"sea.k_d", [](auto& in, double x) { in.sea.k_d = x; }},
       {"sea.k_sea", [](auto& in, double x) { in.sea.k_sea = x; }},
@@ -112,6 +110,8 @@ std::vector<std::pair<std::string, Place>> places() {
       {"options.starts.spread", [](auto& in, double x) { in.options.starts.spread = x; }},
       {"options.starts.accuracy", [](auto& in, double x) { in.options.starts.accuracy = x; }},
       {"options.starts.fit_steps", [](auto& in, double x) { in.options.starts.fit_steps = x; }}};
+  for (const RigErrorKey& k : rig_error_keys())
+    out.emplace_back(std::string("rig.errors.") + k.key, [at = k.at](auto& in, double x) { in.rig.errors.*at = x; });
   for (const OptionalConstant& c : optional_constants())
     out.emplace_back(std::string("sea.") + c.key, [at = c.at](auto& in, double x) { in.sea.*at = x; });
   return out;
@@ -162,6 +162,8 @@ TEST_CASE("face: columns of unequal length, too few samples and no trial are ref
   CHECK(refused([&] { (void)test_residuals({sound.rig, {sound.trial, sound.trial}, sound.options}, f); }));
   CHECK(refused([&] { (void)examine({sound.rig, {}, sound.options}, const_cast<Fit&>(f)); }));
   CHECK(refused([&] { (void)profile({sound.rig, {sound.trial}, sound.options}, f, "k_sea", {.points = 4}); }));
+  const std::vector<Nuisance<double>> two(2);
+  CHECK(refused([&] { (void)predict(sound.rig, {sound.trial}, sound.sea, sound.options, two); }));
   for (const int bad : {-1, -1000}) {
     FitOptions o = sound.options;
     o.restarts = bad;
@@ -175,6 +177,24 @@ TEST_CASE("face: columns of unequal length, too few samples and no trial are ref
     o = sound.options, o.starts.draws = bad;
     CHECK(refused([&] { o.validate(); }));
   }
+}
+
+TEST_CASE("face: a prediction by an actuator, or from a state, that cannot be is refused") {
+  const Inputs sound;
+  const auto predicted = [&](const std::function<void(Actuator&, InitialState&)>& spoil) {
+    Actuator actuator;
+    actuator.sea = sound.sea, actuator.uncertain = {"k_p", "tau_max"};
+    actuator.covariance = 0.01 * Eigen::Matrix2d::Identity();
+    InitialState start{InitialState::Kind::kGiven, 0.1};
+    spoil(actuator, start);
+    return identify::predict({sound.rig, {sound.trial}, sound.options}, actuator, start);
+  };
+  CHECK(predicted([](auto&, auto&) {}).fit.converged);
+  CHECK(refused([&] { (void)predicted([](Actuator& a, auto&) { a.uncertain = {"k_p"}; }); }));
+  CHECK(refused([&] { (void)predicted([](Actuator& a, auto&) { a.uncertain[1] = "kp"; }); }));
+  CHECK(refused([&] { (void)predicted([](Actuator& a, auto&) { a.covariance(0, 1) = kNan; }); }));
+  CHECK(refused([&] { (void)predicted([](Actuator& a, auto&) { a.sea.i_motor = kNan; }); }));
+  CHECK(refused([&] { (void)predicted([](auto&, InitialState& s) { s.angle = kNan; }); }));
 }
 
 TEST_CASE("face: a force log, a rollout, a least-squares problem and a design that cannot be are refused") {

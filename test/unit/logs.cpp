@@ -9,6 +9,7 @@
 
 #include "identify/logs/force_log.hpp"
 #include "identify/logs/hebi_trial.hpp"
+#include "identify/logs/log_check.hpp"
 #include "test/folder.hpp"
 #include "test/unit/hebi_bytes.hpp"
 
@@ -166,13 +167,8 @@ TEST_CASE("hebi: one module of several is chosen by name, family and name, or nu
   CHECK(choose_module(log, "Knee").port == 101);
   CHECK(choose_module(log, "Leg/Hip").port == 100);
   CHECK(choose_module(log, "2").port == 101);
-  const auto error = [&](const HebiLog& l, const std::string& module) {
-    try {
-      choose_module(l, module);
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-    return std::string("no error");
+  const auto error = [](const HebiLog& l, const std::string& module) {
+    return refusal([&] { choose_module(l, module); });
   };
   const std::string list = "1 'Hip' of 'Leg' (10.0.0.1:100); 2 'Knee' of 'Leg' (10.0.0.1:101)";
   CHECK_THAT(error(log, ""), EndsWith("2 modules: --module NAME or number is needed: " + list));
@@ -450,6 +446,7 @@ TEST_CASE("logs: times count from the first row, whatever the recorder's clock")
   Trial shared = b;
   CHECK(attach_force(shared, log, kRig, ForceClock::kShared) == 0);
   CHECK(shared.force_t.front() == Approx(-0.005).margin(3e-7));
+  CHECK(b.own_time(0.25) == "1700000000.25");
   Trial apart = a;
   CHECK_THROWS_WITH(attach_force(apart, log, kRig, ForceClock::kShared), Contains("from 1699999999.995 to "));
 
@@ -460,6 +457,23 @@ TEST_CASE("logs: times count from the first row, whatever the recorder's clock")
   CHECK(again.t.front() == 0);
   CHECK(again.force_t == std::vector<double>{-0.5, 0.5});
   CHECK(again.t_origin == 12);
+}
+
+TEST_CASE("logs: what is said of a time is by the file's own clock") {
+  constexpr double k1970 = 1.7e9;
+  Trial trial;
+  trial.file = "a.csv", trial.t_origin = k1970;
+  for (int i = 0; i < 100; ++i)
+    if (i < 40 || i >= 50) trial.t.push_back(0.01 * i);
+  trial.phi.assign(trial.t.size(), 0.0), trial.phi_ref = trial.phi;
+  const LogCheck check = check_logs({trial});
+  REQUIRE(check.warnings.size() == 1);
+  CHECK_THAT(check.warnings[0], EndsWith("the longest of 110 ms at 1700000000.39 s"));
+  ForceLog log{"f.csv", {0, 0.1, 0.2}, {0, 5, 0}, k1970 + 0.3};
+  attach_force(trial, log, kRig, ForceClock::kShared);
+  CHECK(trial.notes ==
+        std::vector<std::string>{"the force in f.csv covers 1700000000.3 to 1700000000.5 s of 1700000000 "
+                                 "to 1700000000.99 s: taken as 0 outside"});
 }
 
 TEST_CASE("logs: a gap of 1e5 s is refused with its place") {

@@ -10,11 +10,11 @@
 #include "common/random.hpp"
 #include "landing/judge/sobol_indices.hpp"
 #include "landing/model/scatter_file.hpp"
-#include "landing/model/scene_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "landing/scatter/measure.hpp"
 #include "landing/scatter/sobol.hpp"
 #include "test/folder.hpp"
+#include "test/paper.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -22,9 +22,6 @@ using namespace test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-Scene paper() { return read_scene(UKEMI_DATASETS "/scenes/paper.toml"); }
-Actuator table2() { return read_actuator(UKEMI_DATASETS "/actuators/table2.toml"); }
 
 /// Every number of [scatter], none of them round.
 Scatter every_scatter() {
@@ -80,6 +77,24 @@ TEST_CASE("Sobol points: the same seed, the same points, from any of them on, an
   for (const long first : {1L, 2L, 37L, 64L}) {
     const std::vector<double> rest = sobol.points(100 - first, first);
     CHECK(std::equal(rest.begin(), rest.end(), all.begin() + 3 * first, all.end()));
+  }
+}
+
+TEST_CASE("a drop on another floor than the scene's has no verdicts of it") {
+  Scene scene = paper();
+  scene.verdicts = {{"stiffness", "trusted"}};
+  const DropModel model(scene, every_scatter());
+  CHECK(model.even(2, 1)[0].scene.verdicts.empty());
+  const File f("drops.csv", "stiffness\n5000\n");
+  CHECK(read_drops(f.path, scene, table2().sea)[0].scene.verdicts.empty());
+}
+
+TEST_CASE("drops do not scatter where the covariance is of constants alone that no landing draws") {
+  Actuator a = table2();
+  a.sea.friction = 0.1, a.sea.tau_max = 20;
+  for (const char* name : {"friction", "tau_max"}) {
+    a.uncertain = {name}, a.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);
+    CHECK_FALSE(DropModel(paper(), Scatter{}, a, {}).scatters());
   }
 }
 

@@ -207,13 +207,9 @@ TEST_CASE("sticking: derivatives through slip, stick and a command's limit are t
   for (std::size_t k = 0; k < terms.size(); ++k) {
     INFO("derivative by " << terms[k].first);
     const double value = p.*terms[k].second, h = 2e-4 * (value == 0 ? 1 : std::abs(value));
-    const auto up = at(terms[k].second, value + h), down = at(terms[k].second, value - h),
-               far = at(terms[k].second, value + 2 * h), below = at(terms[k].second, value - 2 * h);
-    double worst = 0, size = 0;
-    for (std::size_t i = 0; i < phi.size(); ++i) {
-      const double slope = (8 * (up[i] - down[i]) - (far[i] - below[i])) / (12 * h);
-      size = std::max(size, std::abs(slope)), worst = std::max(worst, std::abs(phi[i].v[long(k)] - slope));
-    }
+    const auto [worst, size] = test::slope_error(
+        h, [&](double by) { return at(terms[k].second, value + by); },
+        [&](std::size_t i) { return phi[i].v[long(k)]; });
     CAPTURE(worst, size);
     CHECK(worst <= 1e-7 * std::max(size, 1e-3));
   }

@@ -10,6 +10,7 @@
 
 using namespace ukemi;
 using namespace ukemi::identify;
+using test::estimate;
 
 namespace {
 
@@ -42,13 +43,6 @@ Trial logged(const Rig& rig, const SeaParameters<double>& sea, Trial trial, cons
   trial.file = "trial_" + std::to_string(seed) + ".csv";
   return trial;
 }
-const Estimate& estimate(const Fit& f, const std::string& name) {
-  for (const Estimate* e : f.globals())
-    if (e->name == name) return *e;
-  FAIL("no estimate of " << name);
-  return f.parameters.front();
-}
-
 }  // namespace
 
 TEST_CASE("torque: the rollout's is Eq. 2 of its own angles and rates, the limit included, exact as integrated") {
@@ -103,12 +97,7 @@ TEST_CASE("torque: its derivatives are the differences, through hits, the limit 
       return at(q, m);
     };
     const double h = 2e-4 * (k < 5 ? p.*constants[k] : 1);
-    const auto up = moved(h), down = moved(-h), far = moved(2 * h), below = moved(-2 * h);
-    double worst = 0, size = 0;
-    for (std::size_t i = 0; i < torque.size(); ++i) {
-      const double slope = (8 * (up[i] - down[i]) - (far[i] - below[i])) / (12 * h);
-      size = std::max(size, std::abs(slope)), worst = std::max(worst, std::abs(torque[i].v[long(k)] - slope));
-    }
+    const auto [worst, size] = test::slope_error(h, moved, [&](std::size_t i) { return torque[i].v[long(k)]; });
     INFO("by " << k);
     CAPTURE(worst, size);
     CHECK(worst <= 2e-7 * size);

@@ -7,8 +7,8 @@
 namespace ukemi::tools {
 
 void warn_of_doubts(const std::string& path, const Verdicts& verdicts, Run& run) {
-  if (const std::string doubted = doubts(verdicts); !doubted.empty())
-    run.warn(fmt::format("{}: not trusted by the fit that wrote it: {}; what follows rests on it", path, doubted));
+  if (const std::string words = doubts(verdicts); !words.empty())
+    run.warn(fmt::format("{}: not trusted by the fit that wrote it: {}; what follows rests on it", path, words));
 }
 
 Actuator actuator_of(const std::string& path, Run& run) {

@@ -1,9 +1,8 @@
 // Errors, arrays, figures and the actuator for Python.
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "common/actuator.hpp"
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/files.hpp"
 #include "tools/program/output.hpp"
@@ -12,8 +11,7 @@
 namespace ukemi::python {
 
 double checked(const std::string& what, double value, const Range& range) {
-  if (std::isfinite(value) && value >= range.low && value <= range.high && !(range.low_open && value == range.low))
-    return value;
+  if (range.holds(value)) return value;
   throw InputError(fmt::format("{}: {}: must be {}", what, shortest(value), range.rule));
 }
 std::optional<double> checked(const std::string& what, std::optional<double> value, const Range& range) {
@@ -59,18 +57,12 @@ Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, F
                      const std::string& name) {
   Actuator out;
   out.name = name;
-  for (std::size_t i = 0; i < kConstants; ++i)
-    checked(kConstantNames[i], u[i], i + 1 == kConstants ? Range::positive() : Range::non_negative());
   set_constants(out.sea, u);
-  if (!std::isinf(l.tau_max)) out.sea.tau_max = checked("tau_max", l.tau_max, Range::non_negative());
-  out.sea.friction = checked("friction", l.friction, Range::non_negative());
-  out.sea.viscous = checked("viscous_friction", l.viscous_friction, Range::non_negative());
-  out.sea.k_sea_cubic = checked("k_sea_cubic", l.k_sea_cubic, Range::any());
-  out.sea.control_delay = checked("control_delay", l.control_delay, lateness());
-  out.sea.velocity_filter = checked("velocity_filter", l.velocity_filter, lateness());
-  out.sea.feedback = feedback;
-  out.speed_max = checked("speed_max", l.speed_max, Range::positive());
-  out.motor_torque_max = checked("motor_torque_max", l.motor_torque_max, Range::positive());
+  out.sea.tau_max = l.tau_max, out.sea.feedback = feedback;
+  out.sea.friction = l.friction, out.sea.viscous = l.viscous_friction, out.sea.k_sea_cubic = l.k_sea_cubic;
+  out.sea.control_delay = l.control_delay, out.sea.velocity_filter = l.velocity_filter;
+  out.speed_max = l.speed_max, out.motor_torque_max = l.motor_torque_max;
+  validate(out);
   return out;
 }
 

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "common/files.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/arguments.hpp"
@@ -69,6 +67,10 @@ void bind_scene(py::module_& m) {
     c.def_property_readonly(
         name, [member = what.first](const Scene& s) { return s.drop.*member; }, what.second);
   c.def_readonly("name", &Scene::name, "What it is called.")
+      .def_property_readonly(
+          "verdicts",
+          [](const Scene& s) { return std::map<std::string, std::string>(s.verdicts.begin(), s.verdicts.end()); },
+          "How far the calibration that found a constant of the floor may be relied on, by its name.")
       .def(
           "dropped", &dropped, py::arg("height") = py::none(), py::arg("forward_speed") = py::none(),
           py::arg("pitch_deg") = py::none(), py::arg("pitch_rate_deg") = py::none(),

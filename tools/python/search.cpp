@@ -1,7 +1,6 @@
 // The best motion, its risk, the map and the planner for Python.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <mutex>
 
 #include "landing/judge/answer.hpp"
@@ -27,7 +26,6 @@ Goal goal_of(const std::string& text) {
 Scatter scatter_of(const std::optional<std::string>& text, const Scene& scene) {
   return scatter_for(text ? std::optional(parse_scatter("scatter", *text)) : std::nullopt, scene);
 }
-double finite(const char* what, double value) { return checked(what, value, Range::any()); }
 double inflation(double inflate) { return checked("inflate", inflate, {0, 100, false, "0 to 100"}); }
 
 struct Asked {
@@ -384,13 +382,9 @@ void bind_planner(py::module_& m) {
           [](PythonPlanner& p, double height, double forward_speed, double pitch_deg, double pitch_rate_deg,
              double phi_deg, double rate_deg, double gone, std::optional<double> vertical_speed, double deadline,
              std::uint64_t seed) {
-            return p.plan(
-                FallState{finite("height", height), finite("forward_speed", forward_speed),
-                          finite("pitch_deg", pitch_deg) / kDegrees,
-                          finite("pitch_rate_deg", pitch_rate_deg) / kDegrees, finite("phi_deg", phi_deg) / kDegrees,
-                          finite("rate_deg", rate_deg) / kDegrees, checked("gone", gone, Range::non_negative()),
-                          checked("vertical_speed", vertical_speed, Range::any())},
-                deadline, seed);
+            return p.plan(FallState{height, forward_speed, pitch_deg / kDegrees, pitch_rate_deg / kDegrees,
+                                    phi_deg / kDegrees, rate_deg / kDegrees, gone, vertical_speed},
+                          deadline, seed);
           },
           py::arg("height"), py::arg("forward_speed"), py::arg("pitch_deg"), py::arg("pitch_rate_deg"),
           py::arg("phi_deg"), py::arg("rate_deg") = 0.0, py::arg("gone") = 0.0, py::arg("vertical_speed") = py::none(),

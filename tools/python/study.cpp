@@ -110,7 +110,7 @@ void bind_study(py::module_& m) {
       c, +[](const Calibration& x) -> const identify::Estimates& { return x; });
   c.def_readonly("scene", &Calibration::scene, "The given scene with the fitted constants.")
       .def(
-          "save", [](const Calibration& x, const std::string& path) { write_file(path, x.scene_toml("")); },
+          "save", [](const Calibration& x, const std::string& path) { write_file(path, to_toml(x.scene, "")); },
           py::arg("path"), "Writes the scene's file, with the constants' verdicts.")
       .def_property_readonly(
           "model_rejected", [](const Calibration& x) { return x.tests.model_rejected(); },

@@ -37,8 +37,7 @@ std::string sheet(const Actuator& a, const Places& places) {
   if (std::isfinite(a.sea.tau_max)) line("tau_max", a.sea.tau_max, "Nm, limit of the spring's torque");
   if (a.speed_max) line("speed_max", *a.speed_max, "rad/s, the motor's rating");
   if (a.motor_torque_max) line("motor_torque_max", *a.motor_torque_max, "Nm, the motor's rating");
-  for (const auto& [name, verdict] : a.verdicts)
-    if (verdict != "trusted" && verdict != "fixed") text += fmt::format("  Beware: {} is {}.\n", name, verdict);
+  for (const auto& [name, verdict] : doubted(a.verdicts)) text += fmt::format("  Beware: {} is {}.\n", name, verdict);
   return text;
 }
 

@@ -69,7 +69,7 @@ std::string scene_toml(const Run& run, const Calibration& c) {
   for (const auto& e : c.parameters)
     comments += fmt::format("{}: {}: {}\n", e.name, value_words(e), identify::name(e.verdict));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
-  return c.scene_toml(comments);
+  return to_toml(c.scene, comments);
 }
 
 /// A drop's outputs side by side, drop_1 or validation_1, measured and simulated; lines where the simulation touches

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tools/program/actuators.hpp"
 #include "tools/report/estimates.hpp"

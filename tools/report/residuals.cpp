@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/uncertainty.hpp"
+
 namespace ukemi::tools {
 
 using identify::Fit;
@@ -111,7 +113,7 @@ std::vector<Figure> residual_figures(const std::vector<Trial>& trials, const Fit
   first.name = "autocorrelation", second.name = "residuals";
   Panel p = panel_of("", "lag [samples]", "autocorrelation");
   p.series = {correlation};
-  const double band = 1.96 / std::sqrt(samples);
+  const double band = kNormal975 / std::sqrt(samples);
   p.levels = {{band, "95 % of white noise"}, {-band, ""}};
   p.x_range = {{0, double(kLags) + 1}};
   first.panels = {p};

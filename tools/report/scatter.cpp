@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/degrees.hpp"
+#include "common/uncertainty.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "tools/report/landing.hpp"
 
@@ -160,7 +161,7 @@ void tell_scatter(const Answer& a, Run& run) {
                       distribution_words(u.posture)));
   if (a.scattered)
     run.say(fmt::format("promised {}{}, fresh {} ({:+.1f} %)", short_peak_words(a.best.value),
-                        a.promised ? fmt::format(" +- {:.2g}", 1.96 * a.promised->standard_error) : "",
+                        a.promised ? fmt::format(" +- {:.2g}", kNormal975 * a.promised->standard_error) : "",
                         short_peak_words(u.measured.value), 100 * (u.measured.value / a.best.value - 1)));
   if (u.nominal)
     run.say(fmt::format("the plan for the scene's own drop, over the same drops: {}", distribution_words(*u.nominal)));

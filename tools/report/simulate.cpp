@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "landing/judge/checked.hpp"
 #include "landing/judge/under_scatter.hpp"

@@ -11,7 +11,6 @@
 #include "common/random.hpp"
 #include "identify/estimate/multi_start.hpp"
 #include "landing/model/release.hpp"
-#include "landing/model/scene_file.hpp"
 #include "tools/study/drop_residuals.hpp"
 
 namespace ukemi::tools {
@@ -123,17 +122,21 @@ struct Problem {
   }
 };
 
+/// Whether it leaves no more than the logs' noise, about.
+bool believed(const LeastSquaresSolution& s) {
+  constexpr double kLevel = identify::kFarAboveNoise * identify::kFarAboveNoise;
+  return s.usable && s.cost <= kLevel * double(s.residuals);
+}
+
 /// The best solution from the scene and from starts drawn about it, while none is believed.
 LeastSquaresSolution search(const Problem& problem, const Scene& scene, const CalibrationOptions& options,
                             Calibration& out) {
-  constexpr double kLevel = identify::kFarAboveNoise * identify::kFarAboveNoise;
-  identify::MultiStart starts(
-      {.believed = [](const LeastSquaresSolution& s) { return s.cost <= kLevel * double(s.residuals); },
-       .work = kStarts * problem.work_of_start(),
-       .same = options.restarts + 2,  // so few starts are no reason to end early
-       .at_once = 1,
-       .threads = 1,
-       .monitor = {{}, options.monitor.stop}});
+  identify::MultiStart starts({.believed = believed,
+                               .work = kStarts * problem.work_of_start(),
+                               .same = options.restarts + 2,  // so few starts are no reason to end early
+                               .at_once = 1,
+                               .threads = 1,
+                               .monitor = {{}, options.monitor.stop}});
   const auto from = [&](const Scene& start) { return problem.solve_in_parts(start, out.noise); };
   starts.search_all(1, [&](int) { return from(scene); });
   starts.search_until_believed(
@@ -207,6 +210,12 @@ identify::ResidualTests test_floor(const SeaParameters<double>& sea, const std::
   return out;
 }
 
+Verdicts verdicts_of(const std::vector<Estimate>& constants) {
+  Verdicts out;
+  for (const Estimate& e : constants) out.emplace_back(e.name, identify::name(e.verdict));
+  return out;
+}
+
 /// Of the constants that were fitted, as far as it is known.
 std::optional<Uncertainty> uncertainty_of(const Calibration& c) {
   std::vector<int> known;
@@ -246,12 +255,6 @@ void CalibrationOptions::validate() const {
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
 }
 
-std::string Calibration::scene_toml(const std::string& comments) const {
-  Verdicts verdicts;
-  for (const Estimate& e : parameters) verdicts.emplace_back(e.name, identify::name(e.verdict));
-  return to_toml(scene, comments) + verdict_table(verdicts);
-}
-
 void check_drops(const Scene& scene, const std::vector<LoggedDrop>& drops) {
   if (drops.empty()) throw InputError("no drops: at least one log is needed");
   if (!scene.touches())
@@ -278,7 +281,8 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   out.scene = scene;
   out.noise = noise_of(drops);
   LeastSquaresSolution best = search(problem, scene, options, out);
-  if (problem.spent)
+  out.steps = problem.steps;
+  if (problem.spent && !believed(best))
     out.warnings.push_back(
         fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: are the "
                     "drop's height, speed and pitch right, is t = 0 the release?",
@@ -286,7 +290,7 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   if (!best.usable) {
     out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
                                             : "no start could be followed through the drops: " + best.message;
-    out.parameters = as_given(options, scene);
+    out.parameters = as_given(options, scene), out.scene.verdicts = verdicts_of(out.parameters);
     for (const LoggedDrop& d : drops) out.drops.push_back({.file = d.log.file});
     return out;
   }
@@ -310,6 +314,7 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   identify::widen_errors(out.tests, out);
   if (!out.converged) identify::distrust(out.parameters);
   if (out.converged) out.scene.uncertainty = uncertainty_of(out);
+  out.scene.verdicts = verdicts_of(out.parameters);
   return out;
 }
 

@@ -57,16 +57,13 @@ struct DropResult {
 
 /// The four constants, and the nuisance terms drop by drop.
 struct Calibration : identify::Estimates {
-  landing::Scene scene;  ///< the given one with the fitted constants and their covariance
+  landing::Scene scene;  ///< the given one with the fitted constants, their covariance and verdicts
   /// What the residuals say against the floor: see calibrate. Nothing of `validate`.
   identify::ResidualTests tests;
   std::array<double, landing::kOutputs> noise{};  ///< sigma_o of the logs themselves; NaN: not measured
   std::array<double, landing::kOutputs> rms{};    ///< over all drops; `cost` is the sum above, with sigma_o = rms
   std::vector<DropResult> drops;
   long steps = 0;  ///< integrated for the fit
-
-  /// The text of the scene's file, with the constants' verdicts; `comments` as landing::to_toml.
-  std::string scene_toml(const std::string& comments) const;
 };
 
 /// Drops and what became of them.

@@ -10,8 +10,7 @@ std::optional<double> ConstantDifference::z() const {
   return std && *std > 0 ? std::optional(difference() / *std) : std::nullopt;
 }
 std::optional<bool> ConstantDifference::inside() const {
-  constexpr double kHalfWidth = 1.959963984540054;
-  return z() ? std::optional(std::abs(*z()) <= kHalfWidth) : std::nullopt;
+  return z() ? std::optional(std::abs(*z()) <= kNormal975) : std::nullopt;
 }
 
 namespace {

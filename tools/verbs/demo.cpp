@@ -1,7 +1,6 @@
 // ukemi demo: the whole chain on the shipped data.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 
 #include "common/error.hpp"

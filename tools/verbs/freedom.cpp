@@ -67,7 +67,7 @@ void apply(const FreedomArguments& a, Scene& scene) {
 Scene scene_of(const std::string& path, Run& run) {
   Scene scene = read_scene(path);
   run.input(path);
-  warn_of_doubts(path, read_floor_verdicts(path), run);
+  warn_of_doubts(path, scene.verdicts, run);
   return scene;
 }
 

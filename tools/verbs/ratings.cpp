@@ -1,7 +1,6 @@
 // ukemi ratings.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 
 #include "common/error.hpp"
