@@ -56,11 +56,7 @@ std::optional<double> Actuator::standard_error(const std::string& constant) cons
 
 bool by_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0; }
 
-Actuator read_actuator(const std::string& path) {
-  TomlFile file(path);
-  TomlSection s = file.require("actuator");
-  Actuator a;
-  a.name = s.text("name");
+void read_constants(TomlSection& s, Actuator& a) {
   const Range constant = Range::non_negative();
   for (const OptionalConstant& c : optional_constants())
     a.sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
@@ -74,6 +70,14 @@ Actuator read_actuator(const std::string& path) {
   a.sea.feedback = read_feedback(s).value_or(Feedback::kOutput);
   a.speed_max = s.optional_number("speed_max", Range::positive());
   a.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
+}
+
+Actuator read_actuator(const std::string& path) {
+  TomlFile file(path);
+  TomlSection s = file.require("actuator");
+  Actuator a;
+  a.name = s.text("name");
+  read_constants(s, a);
   if (auto u = file.optional("uncertainty")) {
     std::vector<std::string> known(kConstantNames.begin(), kConstantNames.end());
     known.emplace_back("tau_max");
