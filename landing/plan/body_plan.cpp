@@ -76,29 +76,44 @@ class BodySearch {
   void run() {
     out_.variables = space_.variables();
     hold();
-    scout(anywhere_first());
+    scout(options_.deadline ? kFirst : std::clamp(options_.evaluations / 8, kFirst, kMostScouts), 0.6);
+    const std::vector<Candidate> first = starts_;
+    for (std::size_t i = 0; i < std::min(kRuns, first.size()) && !over(); ++i) close_in(first[i], kNarrow, kRough);
     while (!over()) {
-      evolve_population();
-      if (!over()) close_in(best_[0], kNarrow);
-      if (!over()) restart();
+      if (share() > kLate && !best_.empty())
+        close_in(Candidate(best_[0]), kRefined, kFine);
+      else if (!basins_.empty() && random_.uniform() < 0.35)
+        start_beside_a_basin();
+      else
+        start_anywhere();
     }
     judge();
     out_.evaluations = spent_, out_.seconds = watch_.seconds();
   }
 
  private:
-  static constexpr std::size_t kFew = 16;  // of the best that lie apart, so many are remembered
-  static constexpr double kApart = 0.03;   // in parts of the box
-  static constexpr double kNarrow = 0.05;  // a distribution's first width beside a good place
-  static constexpr double kReserve = 4;    // accurate landings that a deadline keeps back
-  static constexpr std::size_t kPopulation = 24;
+  static constexpr std::size_t kFew = 16;                // of the best that lie apart, so many are remembered
+  static constexpr double kApart = 0.03;                 // in parts of the box
+  static constexpr double kNarrow = 0.05;                // a distribution's first width beside a good place
+  static constexpr double kReserve = 4;                  // accurate landings that a deadline keeps back
+  static constexpr std::size_t kStarts = 12, kRuns = 3;  // places that scouts keep; that are searched from at first
+  static constexpr std::size_t kBasins = 8;
+  static constexpr double kStartsApart = 0.1, kBasinsApart = 0.2;
+  static constexpr long kFirst = 96, kMostScouts = 1'500, kRace = 64;  // motions of the scouts
 
-  bool over() const { return spent_ >= options_.evaluations || late() || options_.monitor.stopped(); }
-  bool late() const { return options_.deadline && watch_.seconds() > *options_.deadline - reserve_; }
+  /// When a run ends: its width, in parts of the box; by which part of its value it must better itself meanwhile.
+  struct Enough {
+    double width, better;
+  };
+  static constexpr Enough kRough{2e-3, 3e-3}, kFine{1e-5, 1e-5};
+  static constexpr double kLate = 0.85, kRefined = 0.01;  // from this share on the best place is refined, so narrow
+
   double share() const {
     const double motions = double(spent_) / double(options_.evaluations);
     return options_.deadline ? std::max(motions, watch_.seconds() / (*options_.deadline - reserve_)) : motions;
   }
+  bool over() const { return spent_ >= options_.evaluations || late() || options_.monitor.stopped(); }
+  bool late() const { return options_.deadline && watch_.seconds() > *options_.deadline - reserve_; }
 
   /// The posture that is held, judged before all.
   void hold() {
@@ -132,86 +147,73 @@ class BodySearch {
       if (points[i].value <= points[i].bound && points[i].value < kNoMotion) keep(points[i]);
     options_.monitor.progress(spent_, options_.evaluations);
   }
-  /// Among the best few: in place of the one that it is near, else of the worst, if it is better.
   void keep(const Candidate& p) {
     if (best_.empty() || p.value < best_[0].value) out_.progress.push_back({spent_, watch_.seconds(), p.value});
-    auto place = std::find_if(best_.begin(), best_.end(), [&](const Candidate& b) { return distance(b, p) < kApart; });
-    if (place == best_.end() && best_.size() < kFew)
-      best_.push_back(p);
-    else if (place = place == best_.end() ? place - 1 : place; p < *place)
-      *place = p;
-    std::sort(best_.begin(), best_.end());
+    take(best_, kFew, kApart, p);
   }
 
-  long anywhere_first() const {
-    return options_.deadline ? 3 * kBatch : std::clamp(options_.evaluations / 20, long(kBatch), 20L * kBatch);
+  /// Takes a point among the best: in place of the one that it is near, else of the worst of so many, if it is better.
+  static void take(std::vector<Candidate>& best, std::size_t most, double apart, const Candidate& p) {
+    auto place = std::find_if(best.begin(), best.end(), [&](const Candidate& b) { return distance(b, p) < apart; });
+    if (place == best.end() && best.size() < most)
+      best.push_back(p);
+    else if (place = place == best.end() ? place - 1 : place; p < *place)
+      *place = p;
+    std::sort(best.begin(), best.end());
   }
-  /// Motions from anywhere, and beside the best of those before; each followed only while it may be one of the few.
-  void scout(long motions) {
+
+  /// Motions from anywhere, and beside the best of those before; each followed only while it may be a start.
+  void scout(long motions, double anywhere) {
+    starts_.clear();
     std::vector<Candidate> batch(kBatch);
     for (long n = 0; n < motions && !over(); n += kBatch) {
-      const double bound = best_.size() < kFew ? kNoMotion : best_.back().value;
+      const double bound = starts_.size() < kStarts ? kNoMotion : starts_.back().value;
       for (Candidate& p : batch) {
-        p = best_.empty() || n == 0 || random_.uniform() < 0.5
+        p = starts_.empty() || random_.uniform() < anywhere
                 ? random_point(random_, space_.dimension())
-                : beside(best_[low_index(random_, best_.size())], std::pow(10.0, -random_.uniform(0.5, 1.5)), random_);
+                : beside(starts_[low_index(random_, starts_.size())], std::pow(10.0, -random_.uniform(0.5, 1.5)),
+                         random_);
         p.bound = bound;
       }
       evaluate(batch);
+      for (const Candidate& p : batch)
+        if (p.value <= p.bound && p.value < kNoMotion) take(starts_, kStarts, kStartsApart, p);
     }
   }
-  /// Differential evolution among the best few, and what lies beside them, until it has gathered or stands still.
-  void evolve_population() {
-    constexpr double kGathered = 0.02;
-    constexpr int kPatience = 12;
-    std::vector<Candidate> population(best_.begin(), best_.end());
-    const std::size_t known = population.size();
-    for (std::size_t i = known; i < kPopulation; ++i)
-      population.push_back(known > 0 ? beside(best_[i % known], 0.1, random_)
-                                     : random_point(random_, space_.dimension()));
-    evaluate(std::span(population).subspan(known));
-    std::vector<Candidate> trials(population.size());
-    double before = kNoMotion;
-    for (int still = 0; !over() && still < kPatience && spread(population) > kGathered;) {
-      evolve([this](std::span<Candidate> p) { evaluate(p); }, random_, population, trials, {.leaders = 3});
-      const double now = std::min_element(population.begin(), population.end())->value;
-      still = now < before * (1 - 1e-3) ? 0 : still + 1;
-      before = std::min(before, now);
-    }
-  }
-  /// A distribution that finds its way down from a place.
-  void close_in(const Candidate& from, double size) {
-    constexpr double kFinest = 1e-5;
-    constexpr int kPatience = 25;
-    const int generation = 4 + int(3 * std::log(space_.dimension())) + 2;
+  /// A distribution that finds its way down from a place, until it has gathered, stands still or falls behind.
+  void close_in(const Candidate& start, double size, const Enough& enough) {
+    constexpr double kBound = 1.3, kBehind = 1.6, kForgives = 0.97;
+    constexpr int kFree = 8, kPoints = 14;
+    const int patience = 10 + 2 * space_.dimension();
     CovarianceAdaptation distribution;
-    distribution.start(from.u, size, generation);
-    std::vector<Candidate> points(static_cast<std::size_t>(generation));
-    double bound = kNoMotion, before = kNoMotion;
-    for (int still = 0; !over() && still < kPatience && distribution.widest() > kFinest;) {
+    distribution.start(start.u, size, kPoints);
+    std::vector<Candidate> points(kPoints);
+    Candidate best = start;
+    double bound = kNoMotion, milestone = kNoMotion;
+    for (int n = 0, still = 0; !over() && still < patience && distribution.widest() > enough.width; ++n) {
       distribution.sample(random_, points);
       for (Candidate& p : points) p.bound = bound;
       evaluate(points);
+      if (over()) break;
       std::sort(points.begin(), points.end());
-      if (over()) return;
+      if (points[0] < best) best = points[0];
+      const double middle = points[kPoints / 2].value;
+      bound = middle < kNoMotion ? kBound * middle : kNoMotion;  // what is worse is not learnt from
       distribution.learn(points);
-      bound = std::max(2 * points.back().value, from.value);  // what is far worse need not be ranked
-      still = points[0].value < before * (1 - 1e-5) ? 0 : still + 1;
-      before = std::min(before, points[0].value);
+      still = best.value < milestone * (1 - enough.better) ? 0 : still + 1;
+      if (still == 0) milestone = best.value;
+      if (n > kFree && best.value > best_[0].value * (1 + (kBehind - 1) * std::pow(kForgives, n - kFree))) break;
     }
+    take(basins_, kBasins, kBasinsApart, best);
   }
-  /// Anew: from the best of fresh motions from anywhere, at a width that finds other basins, or beside a good one.
-  void restart() {
-    std::vector<Candidate> fresh(kBatch);
-    const bool close = random_.uniform() < 0.5;
-    for (Candidate& p : fresh) {
-      p = close ? beside(best_[low_index(random_, best_.size())], 0.15, random_)
-                : random_point(random_, space_.dimension());
-      p.bound = best_.empty() ? kNoMotion : 3 * best_[0].value;
-    }
-    evaluate(fresh);
-    const auto best = std::min_element(fresh.begin(), fresh.end());
-    if (best->value < kNoMotion) close_in(*best, close ? kNarrow : 2 * kNarrow);
+  void start_beside_a_basin() {
+    const double size = std::pow(10.0, -random_.uniform(0.7, 2));
+    close_in(beside(basins_[low_index(random_, basins_.size())], size, random_), size, kRough);
+  }
+  void start_anywhere() {
+    scout(kRace, 1);
+    if (!starts_.empty())
+      close_in(Candidate(starts_[low_index(random_, std::min(kRuns, starts_.size()))]), kNarrow, kRough);
   }
 
   /// The best few at a tight accuracy: many a best stands on a cliff.
@@ -236,7 +238,7 @@ class BodySearch {
   const BodySpace space_;
   BodyPlan& out_;
   Random random_;
-  std::vector<Candidate> best_;
+  std::vector<Candidate> best_, starts_, basins_;
   Stopwatch watch_{Stopwatch::Time::kWall};
   double reserve_ = 0;  ///< [s]
   long spent_ = 0;

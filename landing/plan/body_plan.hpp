@@ -43,7 +43,7 @@ struct BodyPlanOptions {
   Monitor monitor;
   void validate() const;  ///< throws InputError
 
-  static constexpr long kDefaultEvaluations = 10'000;
+  static constexpr long kDefaultEvaluations = 40'000;
 };
 
 /// A moment at which the best became better.

@@ -25,9 +25,9 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
               {"", "reduction", "reduction", percent_words, [](auto& p) { return 1 - p.landing.peak / p.held.peak; }},
               {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(robot, p.landing); }},
               {"", "evaluations", "motions evaluated", {}, &BodyPlan::evaluations}});
-  for (const auto& v : Table::of(motion_quantities(robot, plan.hold), plan.hold).object().items())
-    if (v.value().contains("phi_i_deg"))
-      out.push_back({"", "hold/phi_deg/" + v.key(), [at = v.value()["phi_i_deg"]](auto&) { return at; }});
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].driven())
+      out.push_back({"", "hold/phi_deg/" + robot.joints[i].name, [i](auto& p) { return p.hold[i].phi_i * kDegrees; }});
   return out;
 }
 
