@@ -64,11 +64,7 @@ std::optional<double> Actuator::standard_error(const std::string& constant) cons
 
 bool by_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0; }
 
-Actuator read_actuator(const std::string& path) {
-  TomlFile file(path);
-  TomlSection s = file.require("actuator");
-  Actuator a;
-  a.name = s.text("name");
+void read_constants(TomlSection& s, Actuator& a) {
   const Range constant = Range::non_negative();
   for (const OptionalConstant& c : optional_constants())
     a.sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
@@ -82,6 +78,14 @@ Actuator read_actuator(const std::string& path) {
   a.sea.feedback = read_feedback(s).value_or(Feedback::kOutput);
   a.speed_max = s.optional_number("speed_max", Range::positive());
   a.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
+}
+
+Actuator read_actuator(const std::string& path) {
+  TomlFile file(path);
+  TomlSection s = file.require("actuator");
+  Actuator a;
+  a.name = s.text("name");
+  read_constants(s, a);
   if (auto u = file.optional("uncertainty")) {
     Uncertainty read = read_uncertainty(*u, uncertain_constants(), "the actuator");
     a.uncertain = std::move(read.order), a.covariance = std::move(read.covariance);

@@ -68,6 +68,8 @@ struct Actuator {
 /// Whether its drive was identified by its command alone: K_t stands in place of K_p and K_d.
 bool by_command(const SeaParameters<double>& sea);
 
+/// Reads the constants and the ratings of a section, whose keys are those of [actuator] without its name.
+void read_constants(TomlSection& section, Actuator& actuator);
 /// Reads an actuator file; throws InputError (see common/toml.hpp).
 Actuator read_actuator(const std::string& path);
 

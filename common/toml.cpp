@@ -173,6 +173,15 @@ std::optional<TomlSection> TomlFile::optional(const std::string& name) {
   return TomlSection(data_.get(), n->as_table(), name);
 }
 
+std::optional<std::string> TomlFile::optional_text(const std::string& key) {
+  const toml::node* n = data_->root.get(key);
+  if (!n || n->is_table()) return std::nullopt;
+  data_->asked[key];
+  const auto v = n->value<std::string>();
+  if (!v) throw InputError(data_->at(*n), "'" + key + "': " + show(*n) + ": a text in quotes is needed");
+  return v;
+}
+
 TomlSection TomlFile::require(const std::string& name) {
   if (auto s = optional(name)) return *s;
   std::vector<std::string> there;

@@ -77,10 +77,17 @@ struct RowReader {
   MotionRows rows;
   std::size_t zero = 0, end = 0;
 
-  explicit RowReader(const std::string& path);
+  RowReader(const std::string& path, const std::string& joint);
   Motion motion() const;
 
  private:
+  std::string suffix_;  ///< of the columns of a joint
+
+  /// A column's whole name; the clock is that of all joints.
+  std::string whole(const std::string& name) const {
+    return name == "t" || name == "t_from_release" ? name : name + suffix_;
+  }
+  int find(const std::string& name) const { return table.find(whole(name)); }
   const std::vector<double>& column(const std::string& name) const;
   double constant(const std::string& name, std::size_t from) const;
   void read_clock();
@@ -91,12 +98,12 @@ struct RowReader {
   void fit_move(Motion& m) const;
   void check(const Motion& m) const;
   [[noreturn]] void fail(const char* name, std::size_t row, const std::string& message) const {
-    throw InputError(table.at(table.require(name), row), fmt::format("column '{}': {}", name, message));
+    throw InputError(table.at(table.require(whole(name)), row), fmt::format("column '{}': {}", whole(name), message));
   }
 };
 
 const std::vector<double>& RowReader::column(const std::string& name) const {
-  const int c = table.require(name);
+  const int c = table.require(whole(name));
   table.require_full(c);
   return table.columns[std::size_t(c)];
 }
@@ -112,9 +119,9 @@ double RowReader::constant(const std::string& name, std::size_t from) const {
   return values[from];
 }
 
-RowReader::RowReader(const std::string& path) {
-  const std::vector<std::string> known = {"t",      "phi_ref", "dphi_ref",    "t_from_release",
-                                          "gain_p", "gain_d",  "release_rate"};
+RowReader::RowReader(const std::string& path, const std::string& joint) : suffix_(joint.empty() ? "" : "_" + joint) {
+  std::vector<std::string> known = {"t", "phi_ref", "dphi_ref", "t_from_release", "gain_p", "gain_d", "release_rate"};
+  for (std::string& name : known) name = whole(name);
   table = read_csv(path, [&](auto& name) { return std::find(known.begin(), known.end(), name) != known.end(); });
   rows.t = column("t"), rows.phi = column("phi_ref"), rows.dphi = column("dphi_ref");
   table.require_increasing(table.require("t"), rows.t);
@@ -126,14 +133,14 @@ RowReader::RowReader(const std::string& path) {
     fail("t", std::min(zero, rows.t.size() - 1), "no row has t = 0: one at the start of the landing motion is needed");
   end = rows.t.size() - 1;
   while (end > zero && std::abs(rows.dphi[end - 1]) <= kStill && rows.phi[end - 1] == rows.phi.back()) --end;
-  if (table.find("release_rate") >= 0) rows.release_rate = constant("release_rate", 0);
+  if (find("release_rate") >= 0) rows.release_rate = constant("release_rate", 0);
   read_gains();
   read_clock();
 }
 
 void RowReader::read_gains() {
   for (const auto& [name, to] : {std::pair{"gain_p", &rows.gain_p}, {"gain_d", &rows.gain_d}}) {
-    if (table.find(name) < 0) continue;
+    if (find(name) < 0) continue;
     *to = constant(name, zero);
     if (*to < 0) fail(name, zero, shortest(*to) + ": at least 0 is needed");
     for (std::size_t i = 0; i < zero; ++i)
@@ -146,7 +153,7 @@ void RowReader::read_gains() {
 void RowReader::read_clock() {
   if (zero == 0) return;
   constexpr double kSame = 1e-9;  // [s]
-  if (table.find("t_from_release") < 0)
+  if (find("t_from_release") < 0)
     fail("t", 0, shortest(rows.t[0]) + ": a move in the air needs the column 't_from_release' too");
   const std::vector<double>& clock = column("t_from_release");
   rows.start = clock[0] - rows.t[0];
@@ -272,6 +279,6 @@ Motion RowReader::motion() const {
 
 }  // namespace
 
-Motion read_motion_csv(const std::string& path) { return RowReader(path).motion(); }
+Motion read_motion_csv(const std::string& path, const std::string& joint) { return RowReader(path, joint).motion(); }
 
 }  // namespace ukemi::landing

@@ -38,7 +38,8 @@ inline constexpr int kLeastRows = kMostBumps + 1;
 /// Reads a motion.csv as `ukemi optimize` writes it, and recovers the motion: the end angles and the duration are the
 /// rows' own, the shape terms their least-squares fit (linear in b_k), phi_I and the end of the move in the air the
 /// least-squares fit of its quintic. Throws InputError, with file:line:column, on rows that are not of such a motion.
+/// Of several joints in one file, `joint` names the one: its columns are phi_ref_JOINT and so on.
 /// Tests: test/unit/motion_csv.cpp.
-Motion read_motion_csv(const std::string& path);
+Motion read_motion_csv(const std::string& path, const std::string& joint = "");
 
 }  // namespace ukemi::landing

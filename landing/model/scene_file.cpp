@@ -72,7 +72,12 @@ Scene read_scene(const std::string& path) {
   Scene scene;
   scene.name = std::filesystem::path(path).stem().string();
 
+  constexpr const char* kLinks =
+      "a robot of links: `ukemi simulate`, `optimize` and `robot` take it; here the paper's two links are needed, "
+      "link_length, mass and inertia_com";
+  if (file.optional_text("robot")) throw InputError(Location{path}, std::string("robot: ") + kLinks);
   TomlSection robot = file.require("robot");
+  if (robot.has("link")) robot.fail("link", kLinks);
   scene.robot.link_length = robot.number("link_length", Range::link_length());
   const auto mass = robot.numbers("mass", 2, Range::positive());
   const auto inertia = robot.numbers("inertia_com", 2, Range::positive());
@@ -123,19 +128,23 @@ Motion read_motion(const std::string& path) {
   if (std::filesystem::path(path).extension() == ".csv") return read_motion_csv(path);
   TomlFile file(path);
   TomlSection s = file.require("motion");
+  const Motion motion = read_motion(s, file.optional("reposition"));
+  if (auto p = file.optional("provenance")) p->accept_all();
+  file.finish();
+  return motion;
+}
+
+Motion read_motion(TomlSection& s, std::optional<TomlSection> r) {
   Motion motion{s.angle("phi_i"), s.angle("phi_f"), s.number("duration", Range::positive())};
   const std::vector<double> bumps = s.optional_list("bumps_deg", kMostBumps, Range::any());
   for (std::size_t k = 0; k < bumps.size(); ++k) motion.bumps[k] = bumps[k] * kDegree;
   motion.gain_p = s.optional_number("gain_p", Range::non_negative()).value_or(1);
   motion.gain_d = s.optional_number("gain_d", Range::non_negative()).value_or(1);
-  if (auto r = file.optional("reposition")) {
-    motion.reposition = Reposition{r->angle("phi"), r->optional_rate("rate").value_or(0),
-                                   r->number("from", Range::non_negative()), r->number("to", Range::positive())};
-    if (!(motion.reposition->to > motion.reposition->from))
-      r->fail("to", shortest(motion.reposition->to) + " s: later than `from` is needed");
-  }
-  if (auto p = file.optional("provenance")) p->accept_all();
-  file.finish();
+  if (!r) return motion;
+  motion.reposition = Reposition{r->angle("phi"), r->optional_rate("rate").value_or(0),
+                                 r->number("from", Range::non_negative()), r->number("to", Range::positive())};
+  if (!(motion.reposition->to > motion.reposition->from))
+    r->fail("to", shortest(motion.reposition->to) + " s: later than `from` is needed");
   return motion;
 }
 
@@ -227,9 +236,13 @@ std::string to_toml(const Scene& s, const std::string& comments) {
 std::string to_toml(const Motion& m, const std::string& comments) {
   CsvWriter head;
   head.comment(comments);
-  std::string text =
-      head.text() + fmt::format("[motion]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n",
-                                shortest(m.phi_i * kDegrees), shortest(m.phi_f * kDegrees), shortest(m.duration));
+  return head.text() + motion_tables(m);
+}
+
+std::string motion_tables(const Motion& m, const std::string& joint) {
+  const std::string of = joint.empty() ? "" : "." + joint;
+  std::string text = fmt::format("[motion{}]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n", of,
+                                 shortest(m.phi_i * kDegrees), shortest(m.phi_f * kDegrees), shortest(m.duration));
   if (has_bumps(m)) {
     std::string bumps;
     for (const double b : m.bumps) bumps += (bumps.empty() ? "" : ", ") + shortest(b * kDegrees);
@@ -239,9 +252,9 @@ std::string to_toml(const Motion& m, const std::string& comments) {
     text += fmt::format("gain_p = {}  # factor of K_p from the first touchdown on\ngain_d = {}  # of K_d\n",
                         shortest(m.gain_p), shortest(m.gain_d));
   if (const auto& r = m.reposition)
-    text +=
-        fmt::format("\n[reposition]\nphi_deg = {}  # at release\nrate_deg = {}\nfrom = {}  # s from release\nto = {}\n",
-                    shortest(r->phi * kDegrees), shortest(r->rate * kDegrees), shortest(r->from), shortest(r->to));
+    text += fmt::format(
+        "\n[reposition{}]\nphi_deg = {}  # at release\nrate_deg = {}\nfrom = {}  # s from release\nto = {}\n", of,
+        shortest(r->phi * kDegrees), shortest(r->rate * kDegrees), shortest(r->from), shortest(r->to));
   return text;
 }
 

@@ -1,11 +1,12 @@
 // 100 robots of two to five links whose landings were computed independently in maximal coordinates
 // (datasets/reference/ legs, its README): peak, order and time of touchdowns.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
-#include "test/legs/leg_run.hpp"
+#include "landing/body/body_run.hpp"
 
 using namespace ukemi::landing;
 
@@ -34,15 +35,16 @@ int beyond(const std::string& file, const std::vector<std::string>& named, const
   const std::string folder = UKEMI_DATASETS "/reference/legs/";
   int out = 0;
   for (const Case& c : cases(file)) {
-    const LegScene scene = read_leg_scene(folder + c.scene);
-    const LegMotion motion = read_leg_motion(folder + c.motion, scene.robot);
+    const BodyScene scene = read_body_scene(folder + c.scene);
+    const BodyMotion motion = read_body_motion(folder + c.motion, scene.robot);
     const auto is_in = [&](const std::vector<std::string>& list) {
       return std::find(list.begin(), list.end(), c.scene) != list.end();
     };
-    const LegLanding l = land(scene, motion, is_in(sensitive) ? 1e-12 : 1e-10);
+    const SimulateOptions options{.accuracy = is_in(sensitive) ? 1e-12 : 1e-10, .rest = SimulateOptions::Rest::kIgnore};
+    const BodyLanding l = simulate(scene, motion, options);
     INFO(c.scene << ": peak " << l.peak << ", reference " << c.peak);
     CHECK(l.end == End::kTimeLimit);
-    CHECK(std::abs(l.first - c.first) < 2e-9);
+    CHECK(std::abs(l.first_touchdown - c.first) < 2e-9);
     const bool off = !(std::abs(l.peak / c.peak - 1) < 1e-6);
     CHECK(off == is_in(named));
     out += off;

@@ -35,6 +35,7 @@ std::vector<std::string> figure_names(const std::string& verb) {
       {"design", {"force", "angle"}},
       {"ratings", {"ratings"}},
       {"risk", {"histogram", "sobol"}},
+      {"robot", {"robot"}},
       {"bench identify", {"precision"}},
       {"bench integrators", {"paper_peak", "paper_state", "stiff_peak", "stiff_state", "rig_peak", "rig_state"}},
       {"bench optimizers", {"peak_time", "peak_motions", "tolerant_time", "tolerant_motions"}}};
@@ -62,6 +63,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"map", {"map.csv", "basins.csv"}},
       {"ratings", {"ratings.csv"}},
       {"risk", {"histogram.csv", "risk.csv", "sobol.csv"}},
+      {"robot", {}},
       {"bench identify", {"identify.csv"}},
       {"bench integrators", {"integrators.csv"}},
       {"bench optimizers", {"optimizers.csv", "gaps.csv", "best_known.csv"}},

@@ -110,7 +110,7 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
   const std::string identified = folder + "/identify/actuator.toml", paper = dataset("scenes/paper.toml");
 
   code = run_optimize(
-      {.scene = paper, .actuator = identified, .robust = "mean"},
+      {.scene = paper, .actuators = {identified}, .robust = "mean"},
       begin("optimize", "optimize: the paper's landing for drops that scatter, with the constants just identified"));
   if (code != kDone) return code;
 

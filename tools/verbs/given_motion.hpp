@@ -12,7 +12,7 @@ namespace ukemi::tools {
 
 struct MotionArguments {
   std::string file;
-  std::optional<double> hold;  ///< [deg]
+  std::optional<std::string> hold;  ///< [deg]; of a robot of links JOINT=DEG,...
 };
 /// --motion, --hold.
 void add_motion(CLI::App& verb, MotionArguments& arguments);

@@ -13,7 +13,7 @@
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
-#include "tools/verbs/runs.hpp"
+#include "tools/verbs/body.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -84,10 +84,12 @@ double writing_time(const Answer& a, double rate, const Exports& exports, const 
 }  // namespace
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
+  if (is_body(a.scene)) return optimize_body(a, common);
+  const std::string file = only_actuator(a.actuators);
   const Clock clock;
   Run run("optimize", common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
-  const Actuator actuator = rated_actuator_of(a.actuator, run);
+  const Actuator actuator = rated_actuator_of(file, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
   options.robust = robust_of(a, scene, actuator, run);
@@ -111,7 +113,10 @@ void add_optimize(CLI::App& app, Action& chosen) {
   CLI::App* verb =
       app.add_subcommand("optimize", "the knee motion with the smallest peak acceleration of the thigh (Eq. 6)");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option(
+          "--actuator", args->actuators,
+          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
+      ->allow_extra_args(false);
   std::string names;
   for (const std::string& n : solver_names()) names += n + ", ";
   verb->add_option("--solver", args->solver,

@@ -39,7 +39,9 @@ struct IdentifyArguments {
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common);
 
 struct OptimizeArguments {
-  std::string scene, actuator, solver = "auto";
+  std::string scene;
+  std::vector<std::string> actuators;
+  std::string solver = "auto";
   landing::Goal goal = landing::Goal::kPeak;
   std::optional<long> evaluations;
   std::optional<double> deadline;

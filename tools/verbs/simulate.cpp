@@ -11,9 +11,7 @@
 #include "landing/scatter/drop_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/results.hpp"
-#include "tools/verbs/exporting.hpp"
-#include "tools/verbs/freedom.hpp"
-#include "tools/verbs/given_motion.hpp"
+#include "tools/verbs/body.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -21,13 +19,6 @@ namespace ukemi::tools {
 using namespace landing;
 
 namespace {
-
-struct SimulateArguments {
-  std::string scene, actuator, drop_from;
-  MotionArguments motion;
-  std::optional<double> rate, accuracy;
-  Exports exports;
-};
 
 /// Drop ROW of FILE:ROW.
 ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuator& actuator, Run& run) {
@@ -46,9 +37,11 @@ ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuato
 }
 
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
+  if (is_body(a.scene)) return simulate_body(a, common);
+  const std::string file = only_actuator(a.actuators);
   Run run("simulate", common);
   Scene scene = scene_of(a.scene, run);
-  Actuator actuator = rated_actuator_of(a.actuator, run);
+  Actuator actuator = rated_actuator_of(file, run);
   Motion motion = motion_of(a.motion, "simulate", run);
   const double rate = a.rate.value_or(1000);
   if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
@@ -75,7 +68,10 @@ void add_simulate(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<SimulateArguments>();
   CLI::App* verb = app.add_subcommand("simulate", "one landing: released, in flight, through its contacts, to rest");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option(
+          "--actuator", args->actuators,
+          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
+      ->allow_extra_args(false);
   add_motion(*verb, args->motion);
   verb->add_option("--drop-from", args->drop_from, "FILE:ROW, a drop as risk.csv has it in place of the scene's");
   verb->add_option("--rate", args->rate, "rows of trajectory.csv a second [1000 Hz]");

@@ -16,5 +16,6 @@ void add_map(CLI::App& app, Action& chosen);
 void add_ratings(CLI::App& app, Action& chosen);
 void add_risk(CLI::App& app, Action& chosen);
 void add_atlas(CLI::App& app, Action& chosen);
+void add_robot(CLI::App& app, Action& chosen);
 
 }  // namespace ukemi::tools

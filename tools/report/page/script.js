@@ -41,6 +41,19 @@
     const knee = [x + a * s, y - a * c];
     return [[x - a * s, y + a * c], knee, [knee[0] + length * s1, knee[1] - length * c1]];
   };
+  // What is drawn of a landing at a row: its links, its contacts and the point that leaves a trace. `mix` reads columns.
+  const shape = (l, mix, length) => {
+    if (!l.links) {
+      const p = posture(mix(l.x), mix(l.y), mix(l.phi_0), mix(l.phi_1), length);
+      return {links: [p.slice(0, 2), p.slice(1)], joints: p, trace: p[0]};
+    }
+    const at = (k, [along, across]) => {
+      const theta = mix(k.theta), s = Math.sin(theta), c = Math.cos(theta);
+      return [mix(k.x) + along * s + across * c, mix(k.y) - along * c + across * s];
+    };
+    return {links: l.links.map(k => k.points.map(p => at(k, p))), joints: l.contacts.map(c => at(l.links[c.link], c.at)),
+            trace: at(l.links[l.peak.link], l.peak.at)};
+  };
   const points = list => list.map(p => p[0].toFixed(4) + ',' + (-p[1]).toFixed(4)).join(' ');
 
   const names = ['hip', 'knee', 'foot'];
@@ -48,42 +61,41 @@
   class Stage {
     constructor(landing, box, forceScale, parent) {
       this.landing = landing;
+      this.names = landing.contacts ? landing.contacts.map(c => c.name) : names;
       this.forceScale = forceScale;
       const stage = element('div', parent);
       stage.className = 'stage';
       element('strong', stage, landing.name);
       const svg = make('svg', {viewBox: [box.x0, -box.y1, box.x1 - box.x0, box.y1 - box.y0].join(' '), role: 'img',
                                'aria-label': 'animation: ' + landing.name}, stage);
-      make('line', {x1: box.x0, x2: box.x1, y1: 0, y2: 0, class: 'ground'}, svg);
+      const slope = landing.slope || 0;
+      make('line', {x1: box.x0, x2: box.x1, y1: -slope * box.x0, y2: -slope * box.x1, class: 'ground'}, svg);
       this.ghosts = (landing.ghosts || []).map(ghost => [ghost, make('polyline', {class: 'ghost'}, svg)]);
       this.trace = make('polyline', {class: 'trace'}, svg);
-      this.thigh = make('polyline', {class: 'link'}, svg);
-      this.shank = make('polyline', {class: 'link shank'}, svg);
-      this.forces = names.map(() => [make('line', {class: 'force'}, svg), make('path', {class: 'head'}, svg)]);
-      this.joints = names.map(() => make('circle', {r: .016, class: 'point'}, svg));
+      const count = landing.links ? landing.links.length : 2;
+      this.links = Array.from({length: count}, (_, k) => make('polyline', {class: k === count - 1 ? 'link shank' : 'link'}, svg));
+      this.target = landing.links && make('circle', {r: .012, class: 'target'}, svg);
+      this.forces = this.names.map(() => [make('line', {class: 'force'}, svg), make('path', {class: 'head'}, svg)]);
+      this.joints = this.names.map(() => make('circle', {r: .016, class: 'point'}, svg));
       this.badge = make('text', {class: 'badge'}, svg);
       this.said = element('div', stage);
       this.said.className = 'said';
-      this.hips = landing.t.map((_, i) => this.at(i, 0).joints[0]);
-    }
-    // Hip, knee and foot of a landing between two of its rows.
-    jointsOf(l, i, part) {
-      const mix = between(l, i, part);
-      return posture(mix(l.x), mix(l.y), mix(l.phi_0), mix(l.phi_1), this.landing.length);
+      this.traced = landing.t.map((_, i) => this.at(i, 0).trace);
     }
     at(i, part) {
-      const l = this.landing, mix = between(l, i, part);
-      return {joints: this.jointsOf(l, i, part), acceleration: mix(l.acc), phi: mix(l.phi_1),
-              forces: l.force.map(f => [mix(f[0]), mix(f[1])])};
+      const l = this.landing, mix = between(l, i, part), degrees = phi => (mix(phi) * 180 / Math.PI).toFixed(1) + '°';
+      return {...shape(l, mix, l.length), acceleration: mix(l.acc), forces: l.force.map(f => [mix(f[0]), mix(f[1])]),
+              angles: l.links ? l.joints.map(j => j.name + ' ' + degrees(j.phi)).join(', ') : 'joint ' + degrees(l.phi_1)};
     }
     show(t) {
       const [i, part] = place(this.landing.t, t), now = this.at(i, part);
-      this.thigh.setAttribute('points', points(now.joints.slice(0, 2)));
-      this.shank.setAttribute('points', points(now.joints.slice(1)));
-      for (const [ghost, line] of this.ghosts) line.setAttribute('points', points(this.jointsOf(ghost, ...place(ghost.t, t))));
-      this.trace.setAttribute('points', points(this.hips.slice(0, i + 1).concat([now.joints[0]])));
+      this.links.forEach((line, k) => line.setAttribute('points', points(now.links[k])));
+      for (const [ghost, line] of this.ghosts)
+        line.setAttribute('points', points(shape(ghost, between(ghost, ...place(ghost.t, t)), this.landing.length).joints));
+      this.trace.setAttribute('points', points(this.traced.slice(0, i + 1).concat([now.trace])));
+      if (this.target) this.target.setAttribute('cx', now.trace[0]), this.target.setAttribute('cy', -now.trace[1]);
       const touching = [];
-      names.forEach((name, j) => {
+      this.names.forEach((name, j) => {
         const [x, y] = now.joints[j], force = now.forces[j], size = Math.hypot(force[0], force[1]);
         this.joints[j].setAttribute('cx', x);
         this.joints[j].setAttribute('cy', -y);
@@ -98,9 +110,9 @@
       });
       const peak = this.landing.peaks.find(p => Math.abs(p.t - t) < 1e-3);
       this.badge.textContent = peak ? circled(peak.n) : '';
-      this.badge.setAttribute('x', now.joints[0][0]);
-      this.badge.setAttribute('y', -now.joints[0][1] - .05);
-      this.said.textContent = `|ddr_0| ${now.acceleration.toFixed(1)} m/s², joint ${(now.phi * 180 / Math.PI).toFixed(1)}°` +
+      this.badge.setAttribute('x', now.trace[0]);
+      this.badge.setAttribute('y', -now.trace[1] - .05);
+      this.said.textContent = `${this.target ? '|a|' : '|ddr_0|'} ${now.acceleration.toFixed(1)} m/s², ${now.angles}` +
         (touching.length ? ', floor: ' + touching.join(', ') : ', in the air') +
         (peak ? `; peak ${circled(peak.n)} of contact ${peak.contact}: ${peak.acceleration.toFixed(1)} m/s²` : '');
     }
@@ -111,7 +123,7 @@
     const ghosts = landings.flatMap(l => (l.ghosts || []).map(g => ({...g, length: l.length})));
     for (const l of landings.concat(ghosts))
       for (let i = 0; i < l.t.length; ++i)
-        for (const [x, y] of posture(l.x[i], l.y[i], l.phi_0[i], l.phi_1[i], l.length)) {
+        for (const [x, y] of shape(l, column => column[i], l.length).links.flat()) {
           box.x0 = Math.min(box.x0, x - .06), box.x1 = Math.max(box.x1, x + .06);
           box.y0 = Math.min(box.y0, y - .03), box.y1 = Math.max(box.y1, y + .12);
         }

@@ -1,12 +1,13 @@
 // A robot on the floor as a hybrid system, one smooth mode at a time. State: base, angles, motor angles, their rates,
-// then the slip z of each contact. Heights are distances from the floor along its normal; on a slope the frame is the
-// floor's, and gravity is turned.
+// then the slip z of each contact; with kAccounts the work of joints, floor and rail on the links, for the energy
+// check. Heights are distances from the floor along its normal; on a slope the frame is the floor's, and gravity is
+// turned. Private: not installed.
 #pragma once
 
 #include "common/integrate/guards.hpp"
+#include "landing/body/contact.hpp"
+#include "landing/body/equations.hpp"
 #include "landing/model/motion.hpp"
-#include "test/legs/body.hpp"
-#include "test/legs/contact.hpp"
 
 namespace ukemi::landing {
 
@@ -25,29 +26,30 @@ struct JointMode {
 };
 
 template <Capacity kSize>
-struct LegMode {
+struct BodyMode {
   std::array<PointMode, kSize.contacts> contact{};
   std::array<JointMode, kSize.joints> joint{};
 };
 
-template <Capacity kSize, Scalar T = double>
-class LegSystem : public LegMode<kSize> {
+template <Capacity kSize, bool kAccounts = false, Scalar T = double>
+class BodySystem : public BodyMode<kSize> {
  public:
   static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
   /// The state; kPositions of them are positions, as many rates follow, then the slips.
   enum { kX, kY, kTheta, kPhiM = kTheta + kB, kPositions = kPhiM + kJ };
-  enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kStates = kSlip + kC };
+  enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kWork = kSlip + kC };
+  static constexpr int kStates = kWork + kAccounts;
   /// Guards: of each contact, then of each joint.
   enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kOfContact };
   enum { kUpper, kLower, kOfJoint };
-  static constexpr int kJointGuards = kOfContact * kC, kGuards = kJointGuards + kOfJoint * kJ, kControlled = kStates;
+  static constexpr int kJointGuards = kOfContact * kC, kGuards = kJointGuards + kOfJoint * kJ, kControlled = kWork;
   using State = Eigen::Matrix<T, kStates, 1>;
   using Pose = TreePose<T, kB>;
   using Accelerations = TreeAccelerations<T, kB>;
-  using LegMode<kSize>::contact, LegMode<kSize>::joint;
+  using BodyMode<kSize>::contact, BodyMode<kSize>::joint;
   static constexpr SeaTerms kSea{true, true};
 
-  LegSystem(const Robot& robot, double slope) : body(body_of<kSize>(robot)) {
+  BodySystem(const Robot& robot, double slope) : links(int(robot.links.size())), body(body_of<kSize>(robot)) {
     gravity = robot.gravity * Eigen::Vector2d(-std::sin(slope), -std::cos(slope));
     const double direction = robot.rail_direction - slope;
     body.rail = {std::cos(direction), std::sin(direction)};
@@ -60,6 +62,7 @@ class LegSystem : public LegMode<kSize> {
     }
   }
 
+  int links;  ///< of the robot; locked ones share a body
   Body<T, kSize> body;
   Eigen::Vector2d gravity;  ///< in the floor's frame
   T rail_viscous{0};
@@ -111,7 +114,8 @@ class LegSystem : public LegMode<kSize> {
       out += output_torque<kSea>(d.sea, s.dphi, tau);
       if (motor) *motor = motor_acceleration<kSea>(d.sea, s, reference(i, t), tau);
     } else if (d.kind == DriveKind::kGeared) {
-      out += limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation) - d.sea.viscous * s.dphi;
+      const T tau = limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+      out += tau - friction_torque<kSea>(d.sea, s.dphi, tau);
     } else {
       out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
     }
@@ -142,6 +146,7 @@ class LegSystem : public LegMode<kSize> {
   void derivative(const Time& t, const State& y, State& dy) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
+    T power = T(-rail_viscous * y[kVx] * y[kVx]);  // on the links
     for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
     for (int i = 0; i < body.contacts; ++i) {
       const PointMode& m = contact[i];
@@ -150,6 +155,7 @@ class LegSystem : public LegMode<kSize> {
       const T normal = normal_force(point[i], m, at.y, at.v, T(0)).value;
       const T along = tangential_force(point[i], m, held(i, y, at), normal);
       load.add(body.contact[i], p, body.bodies, -along, normal);
+      power += normal * at.v - along * at.v_t;
       if (point[i].rubs || any(point[i].k_t != T(0)))
         dy[kSlip + i] = m.slides == 0 ? at.v_t : T((along - point[i].k_t * y[kSlip + i]) / point[i].c_t);
     }
@@ -157,6 +163,7 @@ class LegSystem : public LegMode<kSize> {
     for (int i = 0; i < body.joints; ++i) {
       T motor(0);
       const T tau = torque(i, t, y, &motor);
+      if constexpr (kAccounts) power += tau * joint_state(i, y).dphi;
       load.turn[body.joint[i].child] += tau;
       if (body.joint[i].parent >= 0) load.turn[body.joint[i].parent] -= tau;
       dy[kOmegaM + i] = motor;
@@ -171,6 +178,7 @@ class LegSystem : public LegMode<kSize> {
       dy[kTheta + j] = y[kOmega + j];
       dy[kOmega + j] = j < body.bodies ? acc.alpha[j] : T(0);
     }
+    if constexpr (kAccounts) dy[kWork] = power;
   }
   State derivative(double t, const State& y) const {
     State dy;
@@ -187,6 +195,15 @@ class LegSystem : public LegMode<kSize> {
       out.x = dy[kVx], out.y = dy[kVy];
     else
       out.x = dy[kVx] * T(body.rail.x()), out.y = dy[kVx] * T(body.rail.y());
+    return out;
+  }
+  /// Kinetic and gravitational energy of the links, armatures included [J]; zero height: the floor, or the true level
+  /// through its origin.
+  T link_energy(const State& y) const {
+    const Pose p = pose(y);
+    T out = kinetic_energy(body, p) - body.mass * (gravity.x() * p.x + gravity.y() * p.y);
+    for (int j = 0; j < body.bodies; ++j)
+      out -= x_of(body.moment, p, j) * gravity.x() - y_of(body.moment, p, j) * gravity.y();
     return out;
   }
   /// |acceleration|^2 of the point that counts.
@@ -297,7 +314,7 @@ class LegSystem : public LegMode<kSize> {
 
   double tolerance_unit(int i) const {
     constexpr double kRate = 10, kLength = 0.3;
-    if (i >= kSlip) return 0.01;
+    if (i >= kSlip) return 0.01;  // [m]
     const bool base_place = i == kX || i == kY || i == kVx || i == kVy;
     return (base_place ? kLength : 1.0) * (i >= kVx ? kRate : 1.0);
   }

@@ -1,11 +1,12 @@
 // A robot in the vertical plane: links in a tree, joints with their drives, points that may touch the floor. The
 // paper's two links are one instance. Ours.
 //
-// Frames: link i has an absolute angle theta_i and an origin, its joint with its parent. u(theta) = (sin, -cos) points
-// along the link, n(theta) = (cos, sin) across it; theta = 0 hangs straight down, across points forward (+x). A joint's
-// angle is phi = theta_child - theta_parent.
+// Frames: link i has an absolute angle theta_i and an origin, its joint with its parent; the first link's origin is the
+// end that its file calls so. u(theta) = (sin, -cos) points along the link, n(theta) = (cos, sin) across it; theta = 0
+// hangs straight down, across points forward (+x). A joint's angle is phi = theta_child - theta_parent (0: in line).
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 
 namespace ukemi::landing {
 
+/// A robot has at most so many; of the joints one may be the pin of a pinned base.
 inline constexpr int kMostLinks = 8, kMostJoints = 8, kMostContacts = 12;
 
 /// A point of a link: origin + along u + across n [m].
@@ -24,20 +26,21 @@ struct Place {
 
 struct Link {
   std::string name;
-  int parent = -1;     ///< index; -1: the base, which the first link is
+  int parent = -1;     ///< index of an earlier link; -1: of the first, which the base moves
   Place at;            ///< of its joint, in the parent
   double mass;         ///< [kg], > 0
   double inertia_com;  ///< about the centre of mass [kg m^2], > 0
   Place com;           ///< centre of mass
 };
 
-/// What turns a joint.
+/// What turns a joint. It puts +tau on the child and -tau on the parent.
 enum class DriveKind {
-  kElastic,  ///< Eq. 2-4, a motor behind a spring
+  kElastic,  ///< Eq. 2-4, a motor behind a spring; the motor's reaction on the links is the spring's torque alone
   kGeared,   ///< a motor that turns with the joint: tau = clamp(Eq. 3, +- tau_max) - friction - i_motor ddphi
   kPassive,  ///< tau = -stiffness (phi - rest) - damping dphi
   kLocked,   ///< stays at its angle of release
 };
+const char* name(DriveKind kind);  ///< "elastic"
 
 /// The joint between a link and its parent; of the first link of a pinned robot, with the ground.
 struct Joint {
@@ -45,9 +48,11 @@ struct Joint {
   int child = 0;  ///< link
   DriveKind kind = DriveKind::kElastic;
   SeaParameters<double> sea{0, 0, 0, 0, 1};  ///< elastic; geared: k_p, k_d, i_motor, tau_max, friction terms
-  double stiffness = 0, damping = 0;         ///< passive [Nm/rad], [Nm/(rad/s)]
+  std::optional<double> speed_max;           ///< rated motor speed at the output [rad/s], > 0
+  std::optional<double> motor_torque_max;    ///< rated motor torque at the output [Nm], > 0
+  double stiffness = 0, damping = 0;         ///< passive [Nm/rad], [Nm/(rad/s)], >= 0
   double rest = 0;                           ///< of the passive spring [rad]
-  double parallel_stiffness = 0;             ///< of a spring beside any drive [Nm/rad]
+  double parallel_stiffness = 0;             ///< of a spring beside any drive but a locked one [Nm/rad], >= 0
   double parallel_rest = 0;                  ///< [rad]
   double phi = 0;                            ///< at release, passive and locked [rad]
 
@@ -105,6 +110,21 @@ struct Robot {
       if (j.child == link) return &j;
     return nullptr;
   }
+  double mass() const;  ///< [kg]
+  /// Throws InputError for a number outside the range that stands beside it, more of anything than the equations hold,
+  /// a parent that does not come first, a joint that is missing, given twice or late.
+  void validate() const;
 };
+
+/// What looks wrong with a robot, a sentence each: a mass or an inertia that no link of that size has, a centre of mass
+/// outside of its link, a contact that can never touch. Empty: nothing.
+std::vector<std::string> doubts(const Robot& robot);
+/// The places of a link that are not its centre of mass: its origin, its children's joints, its contacts, the peak's
+/// point; each once.
+std::vector<Place> places(const Robot& robot, int link);
+/// Of a link: the largest distance between two of its places [m].
+double extent(const Robot& robot, int link);
+/// The largest distance of a place of the robot from the first link's origin, all joints in line or not [m].
+double reach(const Robot& robot);
 
 }  // namespace ukemi::landing

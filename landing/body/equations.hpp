@@ -16,6 +16,7 @@
 // separates, R'' = sum F / m + g, and has no weight term. Rail: the base is R0 + s e, one more unknown s with
 // M_ss = m, M_sj = sum_i m_i e.(Y_ij, X_ij), and the first body's angle stays. Pinned: the base is fixed.
 // Ours; test/legs/laws.cpp.
+// Private: not installed.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +24,7 @@
 #include <cmath>
 
 #include "common/trigonometry.hpp"
-#include "test/legs/robot.hpp"
+#include "landing/body/robot.hpp"
 
 namespace ukemi::landing {
 
@@ -53,8 +54,9 @@ struct Body {
   bool first_stays = false;  ///< the first body's angle: on a rail, or where its pin is locked
   std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
   std::array<Arms<T, kBodies>, kSize.contacts> contact{};
-  Arms<T, kBodies> peak{}, first{};  ///< `first`: the origin of the first link
-  Arms<T, kBodies> moment{};         ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
+  Arms<T, kBodies> peak{}, first{};                   ///< `first`: the origin of the first link
+  std::array<Arms<T, kBodies>, kMostLinks> origin{};  ///< of every link
+  Arms<T, kBodies> moment{};                          ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
   T mass{0};
   Eigen::Vector2d rail{0, 1};  ///< e
   std::array<JointPlace, kSize.joints> joint{};
@@ -276,7 +278,8 @@ Body<double, kSize> body_of(const Robot& robot) {
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
   out.peak = from_base(shifted(origin[robot.peak_link], robot.peak_link, robot.peak));
-  out.first = from_base(origin[0]);
+  for (std::size_t i = 0; i < origin.size(); ++i) out.origin[i] = from_base(origin[i]);
+  out.first = out.origin[0];
   return out;
 }
 

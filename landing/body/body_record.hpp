@@ -1,0 +1,167 @@
+// What a report needs of a run beside its peak. Private to body_run.cpp.
+// Private: not installed.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "landing/body/body_run.hpp"
+#include "landing/body/body_system.hpp"
+#include "landing/run/peak_tracker.hpp"
+
+namespace ukemi::landing {
+
+/// Collects touches, peaks, demands, the energy check and the trajectory; without kReport nothing.
+template <class System, bool kReport>
+class BodyRecorder {
+ public:
+  using State = typename System::State;
+
+  BodyRecorder(const BodyScene& scene, BodyLanding& out, double rate) : scene_(scene), out_(out), rate_(rate) {
+    open_.fill(-1);
+  }
+
+  void start(const System& s, const State& y) {
+    energy_start_ = s.link_energy(y);
+    turned_ = kinetic_energy(s.body, s.pose(y)) + s.body.mass * s.gravity.norm() * scene_.drop.height;
+    out_.demands.assign(scene_.robot.joints.size(), {});
+    for (int i = 0; i < s.body.joints; ++i) {
+      JointDemands& d = out_.demands[std::size_t(s.body.joint[i].joint)];
+      d.phi_min = d.phi_max = s.joint_state(i, y).phi;
+    }
+  }
+  void jump() { touch_.jump(); }
+  void row(const System& s, double t, const State& y) {
+    if (rate_ > 0) out_.trajectory.push_back(sample(s, t, y));
+  }
+
+  template <class Integrator>
+  void step(const System& s, Integrator& integrator) {
+    (void)touch_.step(s, integrator);  // the run has judged the step
+    const auto& step = integrator.step();
+    for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0})
+      observe(s, step.t + part * step.h, integrator.dense().at(part));
+    for (; rate_ > 0 && next_row() <= step.t + step.h; ++rows_)
+      if (next_row() >= step.t) row(s, next_row(), integrator.dense().at(step.place_of(next_row())));
+    const double work = step.y_end[System::kWork];
+    turned_ += std::abs(work - work_), work_ = work;
+    mismatch_ = std::max(mismatch_, std::abs(s.link_energy(step.y_end) - energy_start_ - work));
+  }
+
+  void touchdown(int contact, double t) {
+    bool chatter = false;
+    for (auto it = out_.touches.rbegin(); it != out_.touches.rend(); ++it)
+      if (it->contact == contact) {
+        chatter = t - it->t_liftoff < kChatter;
+        break;
+      }
+    close_touch();
+    if (!chatter) close_interval(contact);
+    out_.touches.push_back({contact, t, std::numeric_limits<double>::quiet_NaN()});
+    open_[std::size_t(contact)] = int(out_.touches.size()) - 1;
+  }
+  void liftoff(int contact, double t) {
+    int& open = open_[std::size_t(contact)];
+    if (open >= 0) out_.touches[std::size_t(open)].t_liftoff = t;
+    open = -1;
+  }
+  void finish() {
+    close_touch(), close_interval(-1);
+    out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
+  }
+
+ private:
+  double next_row() const { return double(rows_) / rate_; }
+  /// The next touchdown, or the end of the run, ends what the last one began, as the paper's recorder has it.
+  void close_touch() {
+    const double peak = std::sqrt(touch_.square);
+    for (auto it = out_.touches.rbegin();
+         peak > 0 && it != out_.touches.rend() && it->t_touchdown == out_.touches.back().t_touchdown; ++it)
+      it->peak_acc = peak;
+    if (peak > interval_.acceleration) interval_.t = touch_.t, interval_.acceleration = peak;
+    touch_.reset();
+  }
+  void close_interval(int next) {
+    if (interval_.acceleration > 0) out_.peaks.push_back(interval_);
+    interval_ = {0, 0, next};
+  }
+
+  /// Normal and tangential force of contact i on the robot, in the floor's frame [N].
+  static Vec2<double> force(const System& s, int i, const typename System::Pose& p, const State& y) {
+    const PointMode& m = s.contact[i];
+    if (!m.touching) return {0, 0};
+    const auto at = s.point_at(i, p);
+    const double normal = normal_force(s.point[i], m, at.y, at.v, 0.0).value;
+    return {-tangential_force(s.point[i], m, s.held(i, y, at), normal), normal};
+  }
+
+  void observe(const System& s, double t, const State& y) {
+    const auto p = s.pose(y);
+    for (int i = 0; i < s.body.contacts; ++i)
+      if (const int open = open_[std::size_t(i)]; open >= 0) {
+        double& peak = out_.touches[std::size_t(open)].peak_force;
+        peak = std::max(peak, force(s, i, p, y).norm());
+      }
+    for (int i = 0; i < s.body.joints; ++i) {
+      const SeaState<double> q = s.joint_state(i, y);
+      const auto& drive = s.drive[i];
+      JointDemands& d = out_.demands[std::size_t(s.body.joint[i].joint)];
+      const bool geared = drive.kind == DriveKind::kGeared;
+      d.phi_min = std::min(d.phi_min, q.phi), d.phi_max = std::max(d.phi_max, q.phi);
+      d.torque = std::max(d.torque, std::abs(s.torque(i, t, y)));
+      if (geared || drive.kind == DriveKind::kElastic) {
+        d.motor_speed = std::max(d.motor_speed, std::abs(geared ? q.dphi : q.dphi_m));
+        const double motor =
+            geared ? limited_torque<System::kSea>(drive.sea, s.geared_torque(i, t, q), s.joint[i].saturation)
+                   : motor_torque<System::kSea>(drive.sea, q, s.reference(i, t));
+        d.motor_torque = std::max(d.motor_torque, std::abs(motor));
+      }
+    }
+  }
+
+  /// In the true frame: the floor's is turned by the slope.
+  BodySample sample(const System& s, double t, const State& y) const {
+    const double c = std::cos(scene_.slope), sn = std::sin(scene_.slope);
+    const auto level = [&](const Vec2<double>& v) {
+      return Vec2<double>(c * v.x() - sn * v.y(), sn * v.x() + c * v.y());
+    };
+    const auto p = s.pose(y);
+    const State dy = s.derivative(t, y);
+    BodySample out{};
+    out.t = t, out.energy = s.link_energy(y);
+    for (int i = 0; i < s.links; ++i) {
+      const Vec2<double> r = level(position(s.body.origin[std::size_t(i)], p, s.body.bodies));
+      const std::size_t k = std::size_t(i);
+      out.x[k] = r.x(), out.y[k] = r.y();
+      out.theta[k] = y[System::kTheta + s.body.body_of[k]] + s.body.offset[k] + scene_.slope;
+    }
+    for (std::size_t j = 0; j < scene_.robot.joints.size(); ++j)
+      out.phi[j] = out.phi_ref[j] = scene_.robot.joints[j].phi;
+    for (int i = 0; i < s.body.joints; ++i) {
+      const std::size_t j = std::size_t(s.body.joint[i].joint);
+      const SeaState<double> q = s.joint_state(i, y);
+      const bool elastic = s.drive[i].kind == DriveKind::kElastic, driven = scene_.robot.joints[j].driven();
+      out.phi[j] = q.phi, out.dphi[j] = q.dphi, out.phi_m[j] = elastic ? q.phi_m : q.phi;
+      out.tau[j] = s.torque(i, t, y), out.phi_ref[j] = driven ? s.reference(i, t).phi : q.phi;
+    }
+    const Vec2<double> a = level(acceleration(s.body.peak, p, s.accelerations_of(dy), s.body.bodies));
+    out.acc_x = a.x(), out.acc_y = a.y(), out.acc = a.norm();
+    for (int i = 0; i < s.body.contacts; ++i) {
+      const Vec2<double> r = level(position(s.body.contact[i], p, s.body.bodies)), f = level(force(s, i, p, y));
+      const std::size_t k = std::size_t(i);
+      out.contact_x[k] = r.x(), out.contact_y[k] = r.y(), out.force_x[k] = f.x(), out.force_y[k] = f.y();
+    }
+    return out;
+  }
+
+  const BodyScene& scene_;
+  BodyLanding& out_;
+  double rate_;
+  long rows_ = 0;
+  double energy_start_ = 0, turned_ = 0, mismatch_ = 0, work_ = 0;
+  std::array<int, kMostContacts> open_;
+  PeakTracker touch_;  ///< since the last touchdown
+  Peak interval_{0, 0, -1};
+};
+
+}  // namespace ukemi::landing

@@ -1,0 +1,90 @@
+// When a landing of a robot of any joints is over: the rule of landing/run/rest.hpp, whose thresholds it takes.
+//
+// After all motions have ended, no limit acts, and of what could still do something
+//     E = kinetic energy without the common sliding of a free robot + that of the motors
+//         + 1/2 a . M a / w^2,   a the accelerations were all rates 0, w = kSoft: what is out of balance, as the energy
+//         of
+//           the softest spring that may still carry it
+// is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak; a free
+// robot's centre of mass also stands within its support, and E is at most kBarrierShare of the barrier to topple over
+// either end. Ours; test/legs/references.cpp follows what it ends to the end.
+// Private: not installed.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "landing/body/body_system.hpp"
+#include "landing/run/rest.hpp"
+
+namespace ukemi::landing {
+
+/// As `impact_energy` of the paper's robot, of the stiffest contact [J per (m/s^2)^2].
+template <class System>
+double impact_energy(const System& s) {
+  constexpr double kDeep = 0.05;  // a contact of Hunt and Crossley is never deeper [m]
+  double k = 0, c = 0;
+  for (int i = 0; i < s.body.contacts; ++i) {
+    const auto& x = s.point[i];
+    const double power = x.hunt_crossley ? x.k * std::pow(kDeep, x.p - 1) : x.k;
+    k = std::max(k, power + x.k_pad);
+    c = std::max(c, (x.hunt_crossley ? x.dissipation * power * kDeep : x.c) + x.c_pad);
+  }
+  const double m = 0.25 * s.body.mass, per_speed = c / m + std::sqrt(k / m);
+  return kImpactShare * 0.5 * m / (per_speed * per_speed);
+}
+
+/// How far the centre of mass of a free robot, shifted by the forces' lever, stands within its support [m].
+template <class System>
+double support_margin(const System& s, const typename System::Pose& p, const typename System::State& y) {
+  double left = std::numeric_limits<double>::infinity(), right = -left, along = 0;
+  for (int i = 0; i < s.body.contacts; ++i) {
+    const auto& m = s.contact[i];
+    if (!m.floor && !m.pad) continue;
+    const double x = position(s.body.contact[i], p, s.body.bodies)[0];
+    left = std::min(left, x), right = std::max(right, x);
+    const auto at = s.point_at(i, p);
+    along -= tangential_force(s.point[i], m, s.held(i, y, at), normal_force(s.point[i], m, at.y, at.v, 0.0).value);
+  }
+  const double weight = -s.body.mass * s.gravity.y(), by_force = p.x - p.y * along / weight,
+               by_weight = p.x - p.y * s.gravity.x() / s.gravity.y();
+  return std::min(std::min(by_force, by_weight) - left, right - std::max(by_force, by_weight));
+}
+
+/// True where the run may end in the state y; see above.
+template <class System>
+bool at_rest(const System& s, double t, const typename System::State& y, double peak_square, double per_square) {
+  constexpr double kSoft = 3;  // [rad/s]
+  for (int i = 0; i < s.body.joints; ++i)
+    if (s.joint[i].phase == Phase::kMoving || s.joint[i].saturation != 0) return false;
+  const double limit = per_square * peak_square;
+  const bool free = s.body.base == Base::kFree;
+  auto p = s.pose(y);
+  const double slide = p.vx;
+  if (free) p.vx = 0;
+  double energy = kinetic_energy(s.body, p);
+  for (int i = 0; i < s.body.joints; ++i)
+    energy += 0.5 * s.drive[i].sea.i_motor * y[System::kOmegaM + i] * y[System::kOmegaM + i];
+  if (!(energy <= limit)) return false;
+  if (free && !(support_margin(s, s.pose(y), y) > 0)) return false;
+
+  auto still = y;
+  for (int i = System::kVx; i < System::kSlip; ++i) still[i] = 0;
+  if (free) still[System::kVx] = slide;
+  const auto dy = s.derivative(t, still);
+  const auto acc = s.accelerations_of(dy);
+  p.vx = free ? 0 : acc.x, p.vy = acc.y;
+  for (int j = 0; j < s.body.bodies; ++j) p.omega[j] = acc.alpha[j];
+  double unheld = kinetic_energy(s.body, p);
+  for (int i = 0; i < s.body.joints; ++i)
+    unheld += 0.5 * s.drive[i].sea.i_motor * dy[System::kOmegaM + i] * dy[System::kOmegaM + i];
+  energy += unheld / (kSoft * kSoft);
+  if (!(energy <= limit)) return false;
+  if (!free) return true;
+  const auto at = s.pose(y);
+  const double margin = support_margin(s, at, y), height = std::max(at.y, 0.0);
+  const double rise = std::hypot(margin, height) + height;
+  return energy <= kBarrierShare * -s.body.mass * s.gravity.y() * margin * margin / rise;
+}
+
+}  // namespace ukemi::landing

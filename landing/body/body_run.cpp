@@ -1,0 +1,28 @@
+#include "landing/body/body_run.hpp"
+
+#include "common/csv.hpp"
+#include "common/integrate/tableaus.hpp"
+#include "landing/body/body_follow.hpp"
+
+namespace ukemi::landing {
+
+const char* reason(const BodyLanding& landing) {
+  LandingPeak like;
+  like.failure = landing.failure, like.status = landing.status;
+  return reason(like);
+}
+
+BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, double rate) {
+  scene.validate(), validate(scene.robot, motion), options.validate();
+  constexpr double kMostRows = 2e6, kLongest = 30;  // [s]
+  if (!(rate >= 0 && rate * scene.t_end.value_or(kLongest) <= kMostRows))
+    throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows");
+  constexpr Capacity kAny{kMostLinks, kMostJoints, kMostContacts};
+  BodyLanding out;
+  BodyFollower<integrate::DormandPrince853, kAny, true>(scene, motion, options, out, rate).follow();
+  if (out.end != End::kFailed && !(out.energy_residual <= energy_tolerance(options.accuracy)))
+    out.end = End::kFailed, out.failure = Failure::kUnbalanced;
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,74 @@
+// One landing of a robot of any joints: released, in flight, through its contacts, to rest.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "landing/body/body_scene.hpp"
+#include "landing/run/simulate.hpp"
+
+namespace ukemi::landing {
+
+/// A contact meets the floor and leaves it.
+struct BodyTouch {
+  int contact;            ///< of Robot::contacts
+  double t_touchdown;     ///< from release [s]
+  double t_liftoff;       ///< when it rises through its surface again [s]; NaN if it never does
+  double peak_force = 0;  ///< largest |F| of this contact [N]
+  double peak_acc = 0;  ///< largest |a| of the peak's point from this touchdown to the next one of any contact [m/s^2]
+};
+
+/// One row of a trajectory in the true frame (on a slope, x and y are not the floor's), SI units.
+struct BodySample {
+  double t;
+  std::array<double, kMostLinks> x, y, theta;                      ///< of each link's origin; its absolute angle
+  std::array<double, kMostJoints> phi, dphi, phi_m, tau, phi_ref;  ///< of each joint; tau: on its child [Nm]
+  double acc_x, acc_y, acc;                                        ///< of the peak's point [m/s^2]
+  std::array<double, kMostContacts> contact_x, contact_y, force_x, force_y;  ///< where each contact is; its force [N]
+  double energy;                                                             ///< of the links [J]
+};
+
+/// Largest values that a joint and its drive stand, over the whole run.
+struct JointDemands {
+  double motor_speed = 0;           ///< max |dphi_m|, of a geared drive |dphi| [rad/s]
+  double motor_torque = 0;          ///< max of the motor's torque [Nm]
+  double torque = 0;                ///< max |tau| on the child [Nm]
+  double phi_min = 0, phi_max = 0;  ///< range of the joint [rad]
+};
+
+/// A landing, with everything that a report needs. What only the long form has is empty where peak_acceleration made
+/// it: touches, peaks, demands, trajectory, energy_residual.
+struct BodyLanding {
+  double peak = 0;    ///< f(x) of Eq. 6: max over time of |a| of the peak's point, from release on [m/s^2]
+  double t_peak = 0;  ///< when, from release [s]
+  double t_end = 0;   ///< how long the run was followed, from release [s]
+  End end = End::kFailed;
+  Failure failure = Failure::kNone;                        ///< with kFailed
+  integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
+  integrate::Counters work;
+  double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
+  std::vector<BodyTouch> touches;                                    ///< in their order
+  std::vector<Peak> peaks;                     ///< between touchdowns, chatter left out; point: of Robot::contacts
+  std::vector<JointDemands> demands;           ///< of Robot::joints
+  std::vector<BodySample> trajectory;          ///< empty unless a rate was given
+  double energy_residual = 0;                  ///< mismatch of the energy check over the energy turned over
+  Vec2<double> base = {0, 0}, speed = {0, 0};  ///< at the end: centre of mass of a free robot, else travel s and 0;
+                                               ///< in the floor's frame [m], [m/s]
+};
+/// Why a landing failed, in words.
+const char* reason(const BodyLanding& landing);
+
+// Both throw InputError for a scene, a motion or options that break the ranges of their fields; of the options
+// accuracy, abandon_above, max_steps, max_step, over and rest count. A run that fails is a status. Deterministic.
+
+/// Closed by events as `simulate` of the paper's robot; with a rate above 0 [Hz] a trajectory: a row every 1/rate s
+/// from release, and two at each event. A run whose energy balance does not close has failed. Tests: test/legs.
+[[nodiscard]] BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion,
+                                   const SimulateOptions& options = {}, double rate = 0);
+/// The peak alone, at accuracies from 1e-7 up by a kernel of the robot's own size and a lower order.
+[[nodiscard]] BodyLanding peak_acceleration(const BodyScene& scene, const BodyMotion& motion,
+                                            const SimulateOptions& options = {});
+
+}  // namespace ukemi::landing

@@ -1,0 +1,75 @@
+// A robot of any joints, its floor, its drop, what it plays, and what a plan may be.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "landing/body/robot.hpp"
+#include "landing/model/motion.hpp"
+#include "landing/model/scene.hpp"
+
+namespace ukemi::landing {
+
+/// What a plan may be in one joint.
+struct JointSearch {
+  std::array<double, 2> phi{-1.5707963267948966, 0};  ///< of phi_I and phi_F [rad]
+  std::optional<double> hold;                         ///< where the joint is held without a plan [rad]
+  /// Absent: the middle of the range.
+  double held() const { return hold.value_or(0.5 * (phi[0] + phi[1])); }
+};
+
+struct BodyScene {
+  std::string name;
+  Robot robot;
+  bool floor = false;  ///< false: nothing can touch
+  double slope = 0;    ///< the floor rises forward by so much, within a right angle [rad]
+  std::string source;  ///< where the floor's constants come from
+  Drop drop;           ///< height: of the lowest contact's surface, not of a pinned robot; pitch: theta of the first
+                       ///< link; forward speed: of a free base; pitch_rate: not on a rail
+  double detection_delay = 0;                ///< from the first touchdown to the motion's start [s], >= 0
+  std::optional<double> t_end;               ///< upper bound of a run, from release [s]; absent: as Scene::t_end
+  std::vector<JointSearch> search;           ///< of Robot::joints; of those that are not driven without meaning
+  std::array<double, 2> duration{0.1, 1.0};  ///< of a plan, one for all joints [s]
+
+  /// Throws InputError for a number outside the range that stands beside it.
+  void validate() const;
+  bool touches() const { return floor && !robot.contacts.empty(); }
+};
+
+/// What each joint of Robot::joints plays from the first touchdown of any contact on; of those that are not driven
+/// nothing, whatever stands there.
+using BodyMotion = std::vector<Motion>;
+
+/// Every driven joint held where JointSearch::held says.
+BodyMotion held_posture(const BodyScene& scene);
+/// Throws InputError unless there is a motion for every joint, and those of driven joints are motions.
+void validate(const Robot& robot, const BodyMotion& motion);
+
+/// The drive of a joint from an actuator file: it wins over the robot's own. An empty name: of the only joint that has
+/// no drive of its own, or of the only driven one.
+struct GivenDrive {
+  std::string joint, file;
+};
+
+/// Whether a scene's or a robot's file holds a robot in the long form: links of its own, or the name of a file.
+bool has_links(const std::string& path);
+/// Reads scene.toml whose robot is in the long form: [robot] with [[robot.link]], [[robot.contact]] and [drive.JOINT],
+/// here or in the file that robot = "FILE" names, relative to this one; [floor], [drop], [search], [run], [detection].
+/// Throws InputError with file:line:column. Tests: test/legs.
+BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives = {});
+/// The same of a file that may be a robot alone, without a drop.
+BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& drives = {});
+
+/// Reads motion.toml of several joints, [motion.JOINT] and [reposition.JOINT], of one driven joint also [motion]; a
+/// path that ends in .csv: the rows of body_motion_csv. Throws InputError.
+BodyMotion read_body_motion(const std::string& path, const Robot& robot);
+/// The text of a motion.toml that `read_body_motion` reads back; `comments` goes in front, each line behind "# ".
+std::string body_motion_toml(const BodyMotion& motion, const Robot& robot, const std::string& comments);
+/// Rows of phi_ref_JOINT and dphi_ref_JOINT over the time from the first touchdown, of one driven joint phi_ref and
+/// dphi_ref; `rate` rows a second [Hz], > 0. The motions move nothing in the air.
+std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double rate, const std::string& comments);
+
+}  // namespace ukemi::landing

@@ -1,0 +1,293 @@
+#include "landing/body/robot_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "common/actuator.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+using Indices = std::map<std::string, int>;
+
+Place place_in(TomlSection& s, const std::string& key) {
+  const auto v = s.optional_numbers(key, 2, Range::any());
+  return v ? Place{(*v)[0], (*v)[1]} : Place{};
+}
+
+/// A name that no earlier one of its kind has; it becomes part of keys and columns.
+std::string new_name(TomlSection& s, const Indices& known, const std::string& key = "name") {
+  const std::string name = s.text(key);
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), plain))
+    s.fail(key, ukemi::quoted(name) + ": letters, digits and _ are needed");
+  if (known.count(name)) s.fail(key, ukemi::quoted(name) + ": the name is given twice");
+  return name;
+}
+
+int index_in(TomlSection& s, const std::string& key, const Indices& known) {
+  const std::string name = s.text(key);
+  const auto it = known.find(name);
+  std::vector<std::string> names;
+  for (const auto& [n, i] : known) names.push_back(n);
+  if (it == known.end()) s.fail(key, one_of(name, names));
+  return it->second;
+}
+
+/// The links of a file, parents before their children, and their joints with the tables that name them.
+struct LinkReader {
+  Robot& out;
+  std::vector<TomlSection> sections;
+  Indices placed{};                   ///< links by name
+  std::vector<TomlSection> joints{};  ///< the table of each joint's child
+
+  void read(TomlSection& robot) {
+    if (sections.empty()) robot.fail("link", "links [[robot.link]] are needed");
+    if (int(sections.size()) > kMostLinks)
+      robot.fail("link", fmt::format("{} links: at most {} are needed", sections.size(), kMostLinks));
+    std::vector<std::string> parents;
+    std::vector<std::size_t> left = in_order(parents);
+    Indices known;
+    while (!left.empty()) {
+      const auto next = std::find_if(left.begin(), left.end(),
+                                     [&](std::size_t i) { return parents[i].empty() || placed.count(parents[i]); });
+      if (next == left.end())
+        sections[left[0]].fail("parent",
+                               ukemi::quoted(parents[left[0]]) + ": these links hang in a circle: a tree is needed");
+      add(sections[*next], parents[*next], known);
+      left.erase(next);
+    }
+  }
+
+ private:
+  /// The root first; every parent is a link.
+  std::vector<std::size_t> in_order(std::vector<std::string>& parents) {
+    Indices all;
+    std::optional<std::size_t> root;
+    for (std::size_t i = 0; i < sections.size(); ++i) {
+      all[new_name(sections[i], all)] = int(i);
+      parents.push_back(sections[i].optional_text("parent").value_or(""));
+    }
+    for (std::size_t i = 0; i < sections.size(); ++i) {
+      if (!parents[i].empty())
+        (void)index_in(sections[i], "parent", all);
+      else if (root)
+        sections[i].fail("parent", ukemi::quoted(sections[i].text("name")) + " has none, and " +
+                                       ukemi::quoted(sections[*root].text("name")) +
+                                       " neither: one link without a parent is needed, the base");
+      else
+        root = i;
+    }
+    if (!root) sections[0].fail("parent", "every link has a parent: one without is needed, the base");
+    std::vector<std::size_t> left{*root};
+    for (std::size_t i = 0; i < sections.size(); ++i)
+      if (i != *root) left.push_back(i);
+    return left;
+  }
+  void add(TomlSection& s, const std::string& parent, Indices& known) {
+    const bool base = parent.empty();
+    const int index = int(out.links.size());
+    if (base && s.has("at")) s.fail("at", "the base has no joint: its origin is where it begins");
+    out.links.push_back({s.text("name"), base ? -1 : placed.at(parent), base ? Place{} : place_in(s, "at"),
+                         s.number("mass", Range::positive()), s.number("inertia_com", Range::positive()),
+                         place_in(s, "com")});
+    placed[out.links.back().name] = index;
+    if (base && !s.has("joint")) return;
+    if (base && out.base != Base::kPinned) s.fail("joint", "the base of a robot that is not pinned has no joint");
+    Joint joint;
+    joint.name = new_name(s, known, "joint"), joint.child = index;
+    known[joint.name] = int(out.joints.size());
+    out.joints.push_back(std::move(joint));
+    joints.push_back(s);
+  }
+};
+
+void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& floor, Robot& out) {
+  std::vector<TomlSection> sections = robot.sections("contact");
+  if (int(sections.size()) > kMostContacts)
+    robot.fail("contact", fmt::format("{} contacts: at most {} are needed", sections.size(), kMostContacts));
+  Indices known;
+  for (TomlSection& s : sections) {
+    ContactPoint c;
+    c.name = new_name(s, known);
+    known[c.name] = int(out.contacts.size());
+    c.link = index_in(s, "link", links), c.at = place_in(s, "at");
+    c.law = read_law(s, floor);
+    if (auto pad = s.optional_section("pad"))
+      c.pad = Pad{pad->number("thickness", Range::positive()), pad->number("stiffness", Range::positive()),
+                  pad->optional_number("damping", Range::non_negative()).value_or(0)};
+    out.contacts.push_back(std::move(c));
+  }
+}
+
+/// Drives of such a robot follow Eq. 3 at once.
+void take(const Actuator& a, Joint& joint, const Location& where) {
+  joint.sea = a.sea, joint.speed_max = a.speed_max, joint.motor_torque_max = a.motor_torque_max;
+  if (is_late(a.sea))
+    throw InputError(where, "control_delay, velocity_filter: 0 is needed: a robot of links has no drive that is late");
+  if (a.sea.k_t != 0) throw InputError(where, "k_t: a landing needs the gains of its controller, k_p and k_d (Eq. 3)");
+}
+
+/// A motor that turns with the joint: all friction is its own.
+void read_geared(TomlSection& s, Joint& joint) {
+  SeaParameters<double>& sea = joint.sea;
+  sea.k_p = s.number("k_p", Range::non_negative()), sea.k_d = s.number("k_d", Range::non_negative());
+  sea.i_motor = s.number("i_motor", Range::positive());
+  if (const auto v = s.optional_number("tau_max", Range::non_negative())) sea.tau_max = *v;
+  for (const OptionalConstant& c : optional_constants())
+    for (const char* key : {"friction", "friction_asymmetry", "viscous_friction", "breakaway", "stribeck_speed"})
+      if (c.key == std::string(key)) sea.*c.at = s.optional_number(key, c.range).value_or(c.absent);
+  joint.speed_max = s.optional_number("speed_max", Range::positive());
+  joint.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
+}
+
+void read_drive(TomlSection& s, Joint& joint, const std::string& folder) {
+  using enum DriveKind;
+  const std::string kind = s.optional_choice("kind", {"elastic", "geared", "passive", "locked"}).value_or("elastic");
+  joint.kind = kind == "elastic" ? kElastic : kind == "geared" ? kGeared : kind == "passive" ? kPassive : kLocked;
+  if (joint.kind == kElastic) {
+    const auto file = s.optional_text("file");
+    Actuator a;
+    if (file)
+      a = read_actuator((std::filesystem::path(folder) / *file).string());
+    else
+      read_constants(s, a);
+    (void)s.optional_text("name");
+    take(a, joint, s.where("file"));
+  } else if (joint.kind == kGeared) {
+    read_geared(s, joint);
+  } else {
+    joint.phi = s.optional_angle("phi").value_or(0);
+  }
+  if (joint.kind == kPassive) {
+    joint.stiffness = s.optional_number("stiffness", Range::non_negative()).value_or(0);
+    joint.damping = s.optional_number("damping", Range::non_negative()).value_or(0);
+    joint.rest = s.optional_angle("rest").value_or(joint.phi);
+    if (s.optional_number("friction", Range::non_negative()).value_or(0) > 0)
+      s.fail("friction", "0 is needed: a passive joint has no dry friction here");
+  }
+  if (joint.kind == kLocked) return;
+  joint.parallel_stiffness = s.optional_number("parallel_stiffness", Range::non_negative()).value_or(0);
+  joint.parallel_rest = s.optional_angle("parallel_rest").value_or(0);
+}
+
+void read_base(TomlSection& s, Robot& out) {
+  const std::string base = s.optional_choice("base", {"free", "rail", "pinned"}).value_or("free");
+  out.base = base == "free" ? Base::kFree : base == "rail" ? Base::kRail : Base::kPinned;
+  if (auto rail = s.optional_section("rail")) {
+    if (out.base != Base::kRail) s.fail("rail", "base = \"rail\" is needed with it");
+    out.rail_direction = rail->optional_angle("direction").value_or(out.rail_direction);
+    out.rail_viscous = rail->optional_number("viscous", Range::non_negative()).value_or(0);
+    if (rail->optional_number("friction", Range::non_negative()).value_or(0) > 0)
+      rail->fail("friction", "0 is needed: a rail has no dry friction here");
+  }
+  if (const auto height = s.optional_number("pin_height", Range::any())) {
+    if (out.base != Base::kPinned) s.fail("pin_height", "base = \"pinned\" is needed with it");
+    out.pin_height = *height;
+  } else if (out.base == Base::kPinned && s.has("contact")) {
+    s.fail("base", "\"pinned\": with contacts its pin_height above the floor is needed");
+  }
+}
+
+/// The drive that the command line gives a joint; an empty name is that of the only one it can be.
+const GivenDrive* given_for(const Joint& joint, bool only, const std::vector<GivenDrive>& given) {
+  for (const GivenDrive& g : given)
+    if (g.joint == joint.name || (g.joint.empty() && only)) return &g;
+  return nullptr;
+}
+
+void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std::vector<GivenDrive>& given) {
+  std::vector<Joint>& joints = reader.out.joints;
+  const auto folder = [](const TomlFile& f) { return std::filesystem::path(f.path()).parent_path().string(); };
+  std::optional<TomlSection> here = file.optional("drive"), there = scene ? scene->optional("drive") : std::nullopt;
+  std::vector<std::string> names;
+  std::vector<bool> open;  // no drive of its own
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Joint& joint = joints[i];
+    names.push_back(joint.name);
+    auto a = here ? here->optional_section(joint.name) : std::nullopt;
+    auto b = there ? there->optional_section(joint.name) : std::nullopt;
+    if (a && b)
+      there->fail(joint.name, "the robot's file " + ukemi::quoted(file.path()) + " has this drive too: one is needed");
+    if (a) read_drive(*a, joint, folder(file));
+    if (b) read_drive(*b, joint, folder(*scene));
+    open.push_back(!a && !b);
+  }
+  for (const GivenDrive& g : given)
+    if (!g.joint.empty() && std::find(names.begin(), names.end(), g.joint) == names.end())
+      throw InputError("--actuator: " + one_of(g.joint, names));
+  const auto lacking = std::count(open.begin(), open.end(), true);
+  const auto driven = std::count_if(joints.begin(), joints.end(), [](auto& j) { return j.driven(); });
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const bool only = lacking > 0 ? lacking == 1 && open[i] : driven == 1 && joints[i].driven();
+    if (const GivenDrive* g = given_for(joints[i], only, given)) {
+      if (!joints[i].driven())
+        throw InputError("--actuator: joint " + ukemi::quoted(joints[i].name) + " is " + name(joints[i].kind) +
+                         ": a joint that is driven is needed");
+      joints[i].kind = DriveKind::kElastic;
+      take(read_actuator(g->file), joints[i], {g->file});
+    } else if (open[i]) {
+      reader.joints[i].fail("joint", fmt::format("{}: its drive is needed: a table [drive.{}], or --actuator {}=FILE",
+                                                 ukemi::quoted(joints[i].name), joints[i].name, joints[i].name));
+    }
+  }
+  for (const GivenDrive& g : given)
+    if (g.joint.empty() && (lacking > 0 ? lacking != 1 : driven != 1))
+      throw InputError(fmt::format("--actuator: {}: JOINT=FILE is needed, JOINT one of {}", ukemi::quoted(g.file),
+                                   fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+ContactLaw read_law(TomlSection& s, const std::optional<ContactLaw>& floor) {
+  ContactLaw law = floor.value_or(ContactLaw{});
+  const auto set = [&](const char* key, double& to, const Range& range) {
+    if (const auto v = s.optional_number(key, range)) to = *v;
+    return s.has(key);
+  };
+  if (!floor) law.stiffness = s.number("stiffness", Range::positive());
+  const bool own = floor && set("stiffness", law.stiffness, Range::positive());
+  if (const auto kind = s.optional_choice("law", {"linear", "hunt_crossley"})) law.hunt_crossley = *kind != "linear";
+  if (law.hunt_crossley) {
+    if (s.has("damping_normal"))
+      s.fail("damping_normal", "with law = \"hunt_crossley\" it has no say: dissipation is its damping");
+    set("exponent", law.exponent, Range{1, 10, false, "from 1 to 10"});
+    set("dissipation", law.dissipation, Range::non_negative());
+    law.damping_normal = 0;
+  } else if (!floor) {
+    law.damping_normal = s.number("damping_normal", Range::non_negative());
+  } else {
+    set("damping_normal", law.damping_normal, Range::non_negative());
+  }
+  set("damping_tangential", law.damping_tangential, Range::non_negative());
+  const bool rubs = set("friction", law.friction, Range::non_negative()) || std::isfinite(law.friction);
+  const bool given = set("stiffness_tangential", law.stiffness_tangential, Range::non_negative());
+  if (!given && rubs && (!floor || own)) law.stiffness_tangential = law.stiffness;
+  if (rubs && !(law.damping_tangential > 0)) s.fail("damping_tangential", "with friction it must be above 0");
+  return law;
+}
+
+Robot read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
+                        const std::vector<GivenDrive>& drives) {
+  Robot out;
+  TomlSection s = file.require("robot");
+  out.gravity = s.number("gravity", Range::non_negative());
+  read_base(s, out);
+  LinkReader links{out, s.sections("link")};
+  links.read(s);
+  read_contacts(s, links.placed, floor, out);
+  out.peak = out.links[0].com;
+  if (auto peak = s.optional_section("peak"))
+    out.peak_link = index_in(*peak, "link", links.placed), out.peak = place_in(*peak, "at");
+  read_drives(links, file, scene, drives);
+  return out;
+}
+
+}  // namespace ukemi::landing

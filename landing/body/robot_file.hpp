@@ -1,0 +1,18 @@
+// A robot's tables, in a file of its own or in a scene's.
+// Private: not installed.
+#pragma once
+
+#include "common/toml.hpp"
+#include "landing/body/body_scene.hpp"
+
+namespace ukemi::landing {
+
+/// Constants of the floor's law, the same keys in [floor] and in a contact; `floor` holds what stands where a contact
+/// omits one, absent for [floor] itself.
+ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor);
+
+/// [robot] of a file, and [drive] of that file or of the scene that names it (null: there is none).
+Robot read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
+                        const std::vector<GivenDrive>& drives);
+
+}  // namespace ukemi::landing

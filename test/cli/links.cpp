@@ -1,0 +1,117 @@
+// Robots of links as a user meets them: simulate, optimize, robot, and what refuses them.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "test/cli/refused.hpp"
+
+using namespace cli;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kHopper = dataset("scenes/hopper.toml"), kThree = dataset("scenes/three_links.toml"),
+                  kFoot = dataset("scenes/foot.toml");
+
+std::string header_of(const std::string& csv) {
+  for (std::size_t at = 0; at < csv.size(); at = csv.find('\n', at) + 1)
+    if (csv[at] != '#') return csv.substr(at, csv.find('\n', at) - at);
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("simulate lets a robot of links fall, held as its scene says or as the command does") {
+  const Folder f;
+  const Result r = done(f, {"simulate", kHopper, "-o", "out"});
+  CHECK_THAT(r.out, Contains("98.476") && Contains("foot"));
+  const Json s = Json::parse(read(f.at("out/summary.json")));
+  CHECK(s["peak_acceleration"].get<double>() == Approx(98.5).epsilon(5e-4));
+  CHECK(s["energy_residual"].get<double>() < 1e-8);
+  CHECK(s["motion"]["hip"]["phi_i_deg"].get<double>() == Approx(35));
+  CHECK(s["contacts"][0]["point"] == "foot");
+  CHECK(s["end"] == "rest");
+  CHECK(s["joints"]["knee"]["kind"] == "geared");
+  const std::string header = header_of(read(f.at("out/trajectory.csv")));
+  for (const char* column : {"x_slider", "theta_shank", "phi_hip", "phi_ref_knee", "tau_knee", "f_foot_y", "acc"})
+    CHECK_THAT(header, Contains(column));
+  const std::string page = read(f.at("out/report.html"));
+  CHECK_THAT(page, Contains("\"links\"") && Contains("id=\"figure-postures\"") && Contains("plans within"));
+  done(f, {"simulate", kHopper, "--hold", "hip=35,knee=-70", "-o", "same", "--no-report"});
+  CHECK(Json::parse(read(f.at("same/summary.json")))["peak_acceleration"] == s["peak_acceleration"]);
+}
+
+TEST_CASE("optimize plans for every driven joint, and simulate plays its rows to the same peak") {
+  const Folder f;
+  done(f, {"optimize", kHopper, "--evaluations", "400", "--seed", "3", "-o", "best"});
+  const Json s = Json::parse(read(f.at("best/summary.json")));
+  const double peak = s["peak_acceleration"];
+  CHECK(peak < s["hold"]["peak_acceleration"].get<double>());
+  CHECK(s["hold"]["phi_deg"]["knee"].get<double>() == Approx(-70));
+  CHECK(s["evaluations"] == 400);
+  CHECK(header_of(read(f.at("best/motion.csv"))) == "t,phi_ref_hip,dphi_ref_hip,phi_ref_knee,dphi_ref_knee");
+  for (const char* motion : {"best/motion.csv", "best/motion.toml"}) {
+    done(f, {"simulate", kHopper, "--motion", motion, "-o", "played", "--no-report"});
+    CHECK(Json::parse(read(f.at("played/summary.json")))["peak_acceleration"].get<double>() ==
+          Approx(peak).epsilon(1e-9));
+  }
+  done(f, {"optimize", kHopper, "--evaluations", "400", "--seed", "3", "--threads", "1", "-o", "one"});
+  CHECK(Json::parse(read(f.at("one/summary.json")))["motion"] == s["motion"]);
+}
+
+TEST_CASE("a deadline is kept for a robot of links too") {
+  const Folder f;
+  done(f, {"optimize", kThree, "--deadline", "0.5", "-o", "out"});
+  const Json s = Json::parse(read(f.at("out/summary.json")));
+  CHECK(s["peak_acceleration"].get<double>() < 0.5 * s["hold"]["peak_acceleration"].get<double>());
+  CHECK(s["time_s"].get<double>() < 2);  // whatever else the machine does
+}
+
+TEST_CASE("robot shows a robot before anything falls, and says what looks wrong") {
+  const Folder f;
+  const Result r = done(f, {"robot", kFoot, "-o", "out"});
+  CHECK_THAT(r.out, Contains("4 links, 3.05 kg") && Contains("ankle") && Contains("passive") && Contains("heel"));
+  const Json s = Json::parse(read(f.at("out/summary.json")));
+  CHECK(s["doubts"].empty());
+  CHECK(s["links"].size() == 4);
+  CHECK_THAT(read(f.at("out/report.html")), Contains("id=\"figure-robot\""));
+  done(f, {"robot", dataset("robots/foot.toml"), "-o", "alone"});  // without a scene
+  f.write("heavy.toml", replaced(read(dataset("robots/hopper.toml")), "mass = 1.215", "mass = 121.5"));
+  const Result heavy = done(f, {"robot", "heavy.toml", "-o", "heavy"});
+  CHECK_THAT(heavy.err, Contains("link 'thigh': 121.5 kg in 0.205 m: a cube of steel"));
+  check_refused(f, {"robot", kPaper, "-o", "none"}, {"[[robot.link]]"});
+}
+
+TEST_CASE("a drive of a robot of links comes from its file, or from --actuator JOINT=FILE") {
+  const Folder f;
+  const std::string robot = read(dataset("robots/three_links.toml")),
+                    from = "[drive.hip]\nfile = \"../actuators/table2.toml\"\n",
+                    knee = "[drive.knee]\nfile = \"../actuators/table2.toml\"\n";
+  f.write("leg.toml", replaced(replaced(robot, from, ""), knee, ""));
+  f.write("scene.toml", replaced(read(kThree), "../robots/three_links.toml", "leg.toml"));
+  const Arguments simulate = {"simulate", "scene.toml", "-o", "out", "--no-report"};
+  check_refused(f, simulate, {"leg.toml:", "a table [drive.hip], or --actuator hip=FILE"});
+  check_refused(f, simulate + Arguments{"--actuator", kTable2}, {"--actuator: ", "JOINT=FILE is needed"});
+  check_refused(f, simulate + Arguments{"--actuator", "hop=" + kTable2},
+                {"--actuator: 'hop'", "did you mean \"hip\"?"});
+  done(f, simulate + Arguments{"--actuator", "hip=" + kTable2, "--actuator", "knee=" + kTable2});
+  CHECK(Json::parse(read(f.at("out/summary.json")))["peak_acceleration"].get<double>() == Approx(1097).epsilon(5e-4));
+}
+
+TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
+  const Folder f;
+  const std::string can = "simulate, optimize of the peak, robot", two = "a robot of links: `ukemi simulate`";
+  check_refused(f, {"optimize", kHopper, "--robust", "mean"}, {"--robust: ", can});
+  check_refused(f, {"optimize", kHopper, "--objective", "tolerant"}, {"--objective: ", can});
+  check_refused(f, {"optimize", kHopper, "--bumps", "2"}, {"--bumps", can});
+  check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
+  check_refused(f, {"simulate", kHopper, "--export", "ros2"}, {"--export: ", can});
+  check_refused(f, {"risk", kHopper, "--actuator", kTable2, "--hold", "-45"}, {two});
+  check_refused(f, {"map", kHopper, "--actuator", kTable2}, {two});
+  check_refused(f, {"ratings", kHopper, "--actuator", kTable2, "--motor-speed", "1:2:2"}, {two});
+  check_refused(f, {"compare", "--nominal", kNominal, "--identified", kTable2, "--scene", kHopper}, {two});
+  check_refused(f, {"simulate", kHopper, "--hold", "35"}, {"--hold: '35': ", "NAME=VALUE"});
+  check_refused(f, {"simulate", kHopper, "--hold", "hop=35"}, {"--hold: 'hop': ", "hip or knee"});
+  check_refused(f, {"simulate", kHopper, "--hold", "hip=400"}, {"--hold: 400: ", "-360 to 360"});
+  check_refused(f, {"simulate", kPaper, "--hold", "-45", "--actuator", kTable2, "--actuator", kTable2},
+                {"one file is needed"});
+}

@@ -1,0 +1,145 @@
+// The shipped robots of links: what is held, the fast path, rest, plans, files.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/degrees.hpp"
+#include "common/random.hpp"
+#include "landing/plan/body_plan.hpp"
+#include "landing/plan/checked_body.hpp"
+#include "test/folder.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+BodyScene shipped(const std::string& name) { return read_body_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
+BodyMotion random_motion(const BodyScene& scene, std::uint64_t index) {
+  Random r(20261124, index);
+  const BodySpace space(scene);
+  Coordinates u(space.dimension());
+  for (double& x : u) x = r.uniform();
+  return space.motion(u);
+}
+bool same(const BodyMotion& a, const BodyMotion& b, double within) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::abs(a[i].phi_i - b[i].phi_i) > within || std::abs(a[i].phi_f - b[i].phi_f) > within ||
+        std::abs(a[i].duration - b[i].duration) > within)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+// 1097 and 98.5: computed independently, by plain differential evolution's simulator.
+TEST_CASE("legs: the shipped robots held, their energy balanced and their peaks checked") {
+  const std::pair<const char*, double> known[] = {{"three_links", 1097}, {"hopper", 98.5}};
+  for (const auto& [name, peak] : known) {
+    const BodyScene scene = shipped(name);
+    const CheckedBody c = checked_body(scene, held_posture(scene));
+    INFO(name << ": " << c.landing.peak);
+    CHECK(c.landing.end == End::kRest);
+    CHECK(std::abs(c.landing.peak / peak - 1) < 5e-4);
+    CHECK(c.landing.energy_residual < 1e-8);
+    CHECK(c.sensitivity.right);
+    CHECK_FALSE(c.sensitivity.sensitive);
+  }
+}
+
+TEST_CASE("legs: the fast path has the peaks of the accurate one, and what rests has had its peak") {
+  for (const char* name : {"three_links", "hopper", "foot"}) {
+    const BodyScene scene = shipped(name);
+    for (std::uint64_t n = 0; n < 12; ++n) {
+      const BodyMotion m = random_motion(scene, n);
+      const BodyLanding l = simulate(scene, m);
+      INFO(name << ", motion " << n << ": " << l.peak);
+      CHECK(l.end == End::kRest);
+      CHECK(l.energy_residual < 1e-8);
+      CHECK(simulate(scene, m, {.rest = SimulateOptions::Rest::kIgnore}).peak == l.peak);
+      CHECK(peak_acceleration(scene, m, {.accuracy = 1e-7}).peak == Approx(l.peak).epsilon(1e-4));
+    }
+  }
+}
+
+TEST_CASE("legs: what abandons a landing is a bound of its peak") {
+  const BodyScene scene = shipped("hopper");
+  const BodyLanding l = peak_acceleration(scene, held_posture(scene), {.accuracy = 1e-6, .abandon_above = 50});
+  CHECK(l.end == End::kAbandoned);
+  CHECK(l.peak > 50);
+}
+
+TEST_CASE("legs: a landing that is noticed late starts its motion late") {
+  BodyScene scene = shipped("hopper");
+  const BodyMotion m = random_motion(scene, 3);
+  const BodyLanding at_once = simulate(scene, m, {}, 1000);
+  scene.detection_delay = 0.02;
+  const BodyLanding late = simulate(scene, m, {}, 1000);
+  CHECK(late.first_touchdown == at_once.first_touchdown);
+  for (const BodySample& s : late.trajectory)
+    if (s.t < late.first_touchdown + 0.02) REQUIRE(s.phi_ref[0] == m[0].phi_i);
+  CHECK(late.peak != at_once.peak);
+}
+
+TEST_CASE("legs: a robot that is released turning keeps its momentum, with the forward speed at its first link") {
+  BodyScene scene = shipped("three_links");
+  scene.drop.pitch_rate = 2, scene.drop.height = 5;
+  const BodyLanding l = simulate(scene, held_posture(scene), {}, 1000);
+  const BodySample &a = l.trajectory[0], &b = l.trajectory[1];
+  CHECK((b.x[0] - a.x[0]) / (b.t - a.t) == Approx(0.63).epsilon(0.02));
+  CHECK((b.theta[0] - a.theta[0]) / (b.t - a.t) == Approx(2).epsilon(0.02));
+}
+
+TEST_CASE("legs: plans are better than holding, the same on one thread, and come back from their files") {
+  const BodyScene scene = shipped("hopper");
+  const BodyPlan p = plan(scene, {.evaluations = 600, .seed = 2, .threads = 2}),
+                 one = plan(scene, {.evaluations = 600, .seed = 2, .threads = 1});
+  REQUIRE(p.found);
+  CHECK(p.evaluations == 600);
+  CHECK(p.landing.peak < 0.7 * p.held.peak);
+  CHECK(p.landing.peak == one.landing.peak);
+  CHECK(same(p.motion, one.motion, 0));
+  CHECK(p.variables[0].name == "phi_i_hip");
+  CHECK(p.variables.size() == 5);
+  const test::Folder f;
+  const std::string toml = f.write("m.toml", body_motion_toml(p.motion, scene.robot, "a plan")),
+                    csv = f.write("m.csv", body_motion_csv(p.motion, scene.robot, 1000, "a plan"));
+  CHECK(same(read_body_motion(toml, scene.robot), p.motion, 1e-14));
+  CHECK(same(read_body_motion(csv, scene.robot), p.motion, 1e-14));
+  CHECK(simulate(scene, read_body_motion(csv, scene.robot)).peak == Approx(p.landing.peak).epsilon(1e-9));
+}
+
+TEST_CASE("legs: a plan of one motion is to hold, and a robot that touches nothing has none") {
+  BodyScene scene = shipped("three_links");
+  const BodyPlan held = plan(scene, {.evaluations = 1});
+  CHECK(held.landing.peak == held.held.peak);
+  scene.floor = false, scene.t_end = 1;
+  const BodyPlan none = plan(scene, {.evaluations = 10});
+  CHECK(none.found);  // in the air all motions have the peak of a flight
+  CHECK(none.landing.peak == Approx(9.81));
+  scene.robot.joints[0].kind = scene.robot.joints[1].kind = DriveKind::kLocked;
+  CHECK_THROWS_WITH(plan(scene), Catch::Matchers::Contains("no joint is driven"));
+}
+
+TEST_CASE("legs: what looks wrong with a robot is said") {
+  const Robot good = shipped("foot").robot;
+  CHECK(doubts(good).empty());
+  const auto said = [&](auto&& change, const std::string& words) {
+    Robot r = good;
+    change(r);
+    const std::vector<std::string> all = doubts(r);
+    INFO(words);
+    REQUIRE(all.size() == 1);
+    CHECK_THAT(all[0], Catch::Matchers::Contains(words));
+  };
+  said([](Robot& r) { r.links[1].mass = 300, r.links[1].inertia_com = 2; }, "a cube of steel");
+  said([](Robot& r) { r.links[1].mass = 1e-4, r.links[1].inertia_com = 5e-7; }, "a carbon tube");
+  said([](Robot& r) { r.links[1].com = {0.4, 0}; }, "centre of mass lies");
+  said([](Robot& r) { r.links[1].inertia_com = 0.1; }, "all its mass at both ends");
+  said([](Robot& r) { r.links[1].inertia_com = 1e-6; }, "a rod of its length");
+  said([](Robot& r) { r.contacts.push_back(r.contacts[2]); }, "another contact");
+  said([](Robot& r) { r.contacts.clear(); }, "never touches the floor");
+  Robot pinned = good;
+  pinned.base = Base::kPinned, pinned.pin_height = 0.7;
+  CHECK(doubts(pinned).size() == 3);  // only heel and toe are lower
+}

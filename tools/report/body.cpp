@@ -1,0 +1,292 @@
+#include "tools/report/body.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/report/landing.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+/// A joint, and where its numbers are in rows.
+struct NamedJoint {
+  const Joint& joint;
+  std::size_t index;
+};
+std::vector<NamedJoint> driven(const Robot& robot) {
+  std::vector<NamedJoint> out;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j)
+    if (robot.joints[j].driven()) out.push_back({robot.joints[j], j});
+  return out;
+}
+std::string place_words(const landing::Place& p) { return fmt::format("[{:.4g}, {:.4g}]", p.along, p.across); }
+
+/// The drive on one line: its constants.
+std::string drive_words(const Joint& j) {
+  std::string out;
+  const auto add = [&](const char* what, double value, const char* unit) {
+    if (value != 0 && std::isfinite(value))
+      out += fmt::format("{}{} {:.4g} {}", out.empty() ? "" : ", ", what, value, unit);
+  };
+  if (j.driven()) {
+    add("k_p", j.sea.k_p, "Nm/rad"), add("k_d", j.sea.k_d, "Nm/(rad/s)");
+    if (j.kind == DriveKind::kElastic) add("k_sea", j.sea.k_sea, "Nm/rad"), add("c_sea", j.sea.c_sea, "Nm/(rad/s)");
+    add("i_motor", j.sea.i_motor, "kg m²"), add("tau_max", j.sea.tau_max, "Nm");
+  } else if (j.kind == DriveKind::kPassive) {
+    add("stiffness", j.stiffness, "Nm/rad"), add("damping", j.damping, "Nm/(rad/s)");
+    out += fmt::format("{}rest {:.4g} deg", out.empty() ? "" : ", ", j.rest * kDegrees);
+  } else {
+    out = fmt::format("locked at {:.4g} deg", j.phi * kDegrees);
+  }
+  add("parallel_stiffness", j.parallel_stiffness, "Nm/rad");
+  return out;
+}
+std::string base_words(const Robot& r) {
+  if (r.base == Base::kFree) return "free";
+  if (r.base == Base::kPinned) return fmt::format("pinned {:.4g} m above the floor", r.pin_height);
+  return fmt::format("on a rail, {:.4g} deg from level", r.rail_direction * kDegrees);
+}
+
+const Quantities<CheckedBody> kQuantities = {
+    {"", "peak_acceleration", "peak |a| [m/s^2]", "{:.10g}", [](auto& c) { return c.landing.peak; }},
+    {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
+    {"", "error_estimate", "estimated relative error", "{:.1g}",
+     [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.error_estimate) : Json(); }},
+    {"", "sensitive", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.sensitive) : Json(); }},
+    {"", "sensitivity", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.change) : Json(); }},
+    {"", "first_touchdown", "first touchdown [s]", "{:.6f}", [](auto& c) { return number(c.landing.first_touchdown); }},
+    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.scene.robot, c.landing); }},
+    {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
+    {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
+    {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
+    {"", "steps", [](auto& c) { return c.landing.work.steps; }},
+};
+
+void warn(const CheckedBody& c, Run& run) {
+  const BodyLanding& l = c.landing;
+  const bool failed = l.end == End::kFailed;
+  if (failed) run.warn("refused: " + failure_words(l) + "; what was computed so far is kept");
+  if (l.end == End::kNoContact) run.warn(failure_words(l) + ": the peak is that of a flight");
+  if (!c.sensitivity.checked && !failed)
+    run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
+  if (c.wrong())
+    run.warn(
+        fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
+                    c.sensitivity.error_estimate, std::max(1e-14, c.accuracy / 100)));
+  if (c.sensitivity.sensitive)
+    run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff",
+                         c.sensitivity.change));
+}
+
+}  // namespace
+
+std::string trajectory_csv(const BodyScene& scene, const BodyLanding& landing, const Run& run) {
+  CsvWriter csv = run.csv();
+  csv.comment(
+      "t = 0 at release. Two rows with one t: left and right limit of an event. x, y, theta: each link's origin and "
+      "absolute angle; acc: of the point that counts. Units: s, m, rad, N, Nm, m/s^2.");
+  const Robot& robot = scene.robot;
+  std::vector<std::string> names = {"t"};
+  const auto with = [&](const std::string& of, std::initializer_list<const char*> columns) {
+    for (const char* c : columns) names.push_back(std::string(c) + "_" + of);
+  };
+  for (const Link& l : robot.links) with(l.name, {"x", "y", "theta"});
+  for (const Joint& j : robot.joints) with(j.name, {"phi", "dphi", "phi_m", "tau", "phi_ref"});
+  names.insert(names.end(), {"acc_x", "acc_y", "acc"});
+  for (const ContactPoint& c : robot.contacts) names.insert(names.end(), {"f_" + c.name + "_x", "f_" + c.name + "_y"});
+  names.push_back("energy");
+  csv.header(names);
+  for (const BodySample& s : landing.trajectory) {
+    csv.cell(s.t);
+    for (std::size_t k = 0; k < robot.links.size(); ++k) csv.cell(s.x[k]).cell(s.y[k]).cell(s.theta[k]);
+    for (std::size_t k = 0; k < robot.joints.size(); ++k)
+      csv.cell(s.phi[k]).cell(s.dphi[k]).cell(s.phi_m[k]).cell(s.tau[k]).cell(s.phi_ref[k]);
+    csv.cell(s.acc_x).cell(s.acc_y).cell(s.acc);
+    for (std::size_t k = 0; k < robot.contacts.size(); ++k) csv.cell(s.force_x[k]).cell(s.force_y[k]);
+    csv.cell(s.energy).end_row();
+  }
+  return csv.text();
+}
+
+Quantities<BodyTouch> contact_quantities(const Robot& robot) {
+  return {
+      {"point", "point", "point", {}, [&robot](auto& t) { return robot.contacts[std::size_t(t.contact)].name; }},
+      {"t_touchdown", "t", "touchdown [s]", "{:.6f}", &BodyTouch::t_touchdown},
+      {"t_liftoff", "", "lift-off [s]", "{:.6f}", &BodyTouch::t_liftoff},
+      {"peak_force", "", "peak force [N]", "{:.4g}", &BodyTouch::peak_force},
+      {"peak_acc", "", "peak |a| [m/s^2]", "{:.4g}", &BodyTouch::peak_acc},
+  };
+}
+
+std::string contact_order(const Robot& robot, const BodyLanding& l) {
+  std::string s;
+  for (const Peak& p : l.peaks)
+    if (p.point >= 0) s += (s.empty() ? "" : ", ") + robot.contacts[std::size_t(p.point)].name;
+  return s.empty() ? "none" : s;
+}
+Json peaks_json(const Robot& robot, const BodyLanding& l) {
+  Json out = Json::array();
+  for (const Peak& p : l.peaks)
+    if (p.point >= 0)
+      out.push_back({{"n", out.size() + 1},
+                     {"t", p.t},
+                     {"acceleration", p.acceleration},
+                     {"contact", robot.contacts[std::size_t(p.point)].name}});
+  return out;
+}
+std::string failure_words(const BodyLanding& l) {
+  if (l.end == End::kNoContact) return fmt::format("no contact touches the floor within {:.4g} s", l.t_end);
+  return fmt::format("{}, at t = {:.6g} s after {} steps", reason(l), l.t_end, l.work.steps);
+}
+
+Quantities<BodyMotion> motion_quantities(const Robot& robot, const BodyMotion& like) {
+  Quantities<BodyMotion> out;
+  for (const auto& [joint, i] : driven(robot))
+    for (Quantity<Motion> q : motion_quantities(like[i])) {
+      if (q.json.empty()) continue;
+      const std::string unit = q.json.ends_with("_deg") ? "_deg" : "";
+      const std::string key = q.json.substr(0, q.json.size() - unit.size()) + "_" + joint.name + unit;
+      out.push_back({key, joint.name + "/" + q.json, joint.name + " " + q.words, q.format,
+                     [value = q.value, k = i](const BodyMotion& m) { return value(m[k]); }});
+    }
+  return out;
+}
+
+std::string motion_words(const Robot& robot, const BodyMotion& motion) {
+  std::string out;
+  for (const auto& [joint, i] : driven(robot)) {
+    const Motion& m = motion[i];
+    out += (out.empty() ? "" : ", ") + joint.name + fmt::format(" {:.4g}", m.phi_i * kDegrees);
+    if (moves(m))
+      out += fmt::format(" to {:.4g} deg in {:.4g} s", m.phi_f * kDegrees, m.duration);
+    else
+      out += " deg";
+  }
+  return out.empty() ? "no joint is driven" : out;
+}
+
+Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l, Run& run) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < l.demands.size(); ++i) {
+    const Joint& joint = scene.robot.joints[i];
+    const JointDemands& d = l.demands[i];
+    if (joint.kind == DriveKind::kLocked) continue;
+    Json& j = out[joint.name] = {
+        {"kind", name(joint.kind)}, {"phi_deg", {d.phi_min * kDegrees, d.phi_max * kDegrees}}, {"torque", d.torque}};
+    if (!joint.driven()) continue;
+    const double rate = peak_reference_rate(motion[i]);
+    j["peak_reference_rate"] = rate, j["motor_speed"] = d.motor_speed, j["speed_max"] = number(joint.speed_max);
+    j["motor_torque"] = d.motor_torque, j["motor_torque_max"] = number(joint.motor_torque_max);
+    j["tau_max"] = number(joint.sea.tau_max);
+    const double speed = std::max(rate, d.motor_speed);
+    if (joint.speed_max && speed > *joint.speed_max)
+      run.warn(fmt::format("the robot could not follow: {} at {:.3g} rad/s; rated {:.3g} rad/s", joint.name, speed,
+                           *joint.speed_max));
+    if (joint.motor_torque_max && d.motor_torque > *joint.motor_torque_max)
+      run.warn(fmt::format("the robot could not follow: {} with {:.3g} Nm; rated {:.3g} Nm", joint.name, d.motor_torque,
+                           *joint.motor_torque_max));
+  }
+  return out;
+}
+
+void robot_tables(const BodyScene& scene, Report& report) {
+  const Robot& robot = scene.robot;
+  report.heading("Robot");
+  report.paragraph(fmt::format("{} links, {:.4g} kg, base {}. Peak of [{:.4g}, {:.4g}] of {}.", robot.links.size(),
+                               robot.mass(), base_words(robot), robot.peak.along, robot.peak.across,
+                               robot.links[std::size_t(robot.peak_link)].name));
+  std::vector<std::vector<std::string>> links, joints, contacts;
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const Link& l = robot.links[i];
+    links.push_back({l.name, l.parent < 0 ? "" : robot.links[std::size_t(l.parent)].name, place_words(l.at),
+                     fmt::format("{:.4g}", l.mass), fmt::format("{:.4g}", l.inertia_com), place_words(l.com),
+                     fmt::format("{:.4g}", extent(robot, int(i)))});
+  }
+  report.table({"link", "on", "at [m]", "mass [kg]", "inertia [kg m²]", "centre of mass [m]", "length [m]"}, links);
+  const BodyMotion held = held_posture(scene);
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& j = robot.joints[i];
+    const auto& [low, high] = scene.search[i].phi;
+    joints.push_back({j.name, name(j.kind), drive_words(j), fmt::format("{:.4g}", held[i].phi_i * kDegrees),
+                      j.driven() ? fmt::format("{:.4g} to {:.4g}", low * kDegrees, high * kDegrees) : ""});
+  }
+  if (!joints.empty()) report.table({"joint", "drive", "constants", "released at [deg]", "plans within [deg]"}, joints);
+  for (const ContactPoint& c : robot.contacts)
+    contacts.push_back({c.name, robot.links[std::size_t(c.link)].name, place_words(c.at),
+                        scene.floor ? fmt::format("{:.4g}", c.law.stiffness) : "",
+                        scene.floor && std::isfinite(c.law.friction) ? fmt::format("{:.4g}", c.law.friction) : "",
+                        c.pad ? fmt::format("{:.4g} mm", c.pad->thickness * 1e3) : ""});
+  if (!contacts.empty()) report.table({"contact", "link", "at [m]", "stiffness [N/m]", "friction", "pad"}, contacts);
+  if (!scene.source.empty()) report.paragraph("Floor constants: " + scene.source + ".");
+}
+
+int report(const CheckedBody& c, const std::optional<BodyLanding>& held, Run& run) {
+  const BodyLanding& l = c.landing;
+  const Robot& robot = c.scene.robot;
+  warn(c, run);
+  const Table table = Table::of(kQuantities, c), contacts(contact_quantities(robot), l.touches);
+  Json summary = table.object();
+  if (l.end == End::kFailed) summary["failed"] = failure_words(l);
+  summary["motion"] = Table::of(motion_quantities(robot, c.motion), c.motion).object();
+  summary["peaks"] = peaks_json(robot, l);
+  summary["contacts"] = contacts.objects();
+  summary["joints"] = joints_json(c.scene, c.motion, l, run);
+  run.add("trajectory.csv", trajectory_csv(c.scene, l, run));
+  run.add("contacts.csv",
+          contacts.csv(run,
+                       "t = 0 at release; t_liftoff: when the contact rises through its surface again, its pad's "
+                       "if it has one. Units: s, N, m/s^2."));
+  Report report("Landing: " + c.scene.name);
+  tell(table.turned(), report, run);
+  report.distrust(run.warnings());
+  std::vector<BodyFall> falls = {{motion_words(robot, c.motion), &l}};
+  if (held) falls.push_back({"held", &*held});
+  show(c.scene, falls, "trajectory.csv, contacts.csv", report);
+  report.heading("Contacts");
+  report.table(contacts);
+  robot_tables(c.scene, report);
+  report.write(run);
+  return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
+}
+
+int report_robot(const BodyScene& scene, Run& run) {
+  const Robot& robot = scene.robot;
+  for (const std::string& doubt : doubts(robot)) run.warn(doubt);
+  Json summary = {{"mass", robot.mass()}, {"reach", reach(robot)}, {"base", base_words(robot)}};
+  Json locked = Json::array();
+  run.say(fmt::format("{}: {} links, {:.4g} kg, reach {:.4g} m, base {}", scene.name, robot.links.size(), robot.mass(),
+                      reach(robot), base_words(robot)));
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const Link& l = robot.links[i];
+    run.say(fmt::format("  link {:<12} {:>8.4g} kg {:>10.4g} kg m^2, centre of mass {}, length {:.4g} m", l.name,
+                        l.mass, l.inertia_com, place_words(l.com), extent(robot, int(i))));
+    summary["links"].push_back({{"name", l.name},
+                                {"mass", l.mass},
+                                {"inertia_com", l.inertia_com},
+                                {"com", {l.com.along, l.com.across}},
+                                {"length", extent(robot, int(i))}});
+  }
+  for (const Joint& j : robot.joints) {
+    run.say(fmt::format("  joint {:<11} {}: {}", j.name, name(j.kind), drive_words(j)));
+    summary["joints"].push_back({{"name", j.name}, {"kind", name(j.kind)}});
+    if (j.kind == DriveKind::kLocked) locked.push_back(j.name);
+  }
+  for (const ContactPoint& c : robot.contacts) {
+    run.say(fmt::format("  contact {:<9} {} of {}", c.name, place_words(c.at), robot.links[std::size_t(c.link)].name));
+    summary["contacts"].push_back({{"name", c.name}, {"link", robot.links[std::size_t(c.link)].name}});
+  }
+  summary["locked"] = locked, summary["doubts"] = doubts(robot);
+  Report report("Robot: " + scene.name);
+  report.distrust(run.warnings());
+  report.figure(drawing(scene));
+  robot_tables(scene, report);
+  report.write(run);
+  return run.finish(summary, kDone);
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,47 @@
+// Robots of any joints and their landings as a reader sees them: tables, the drawing, the animation, the figures.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "landing/plan/body_plan.hpp"
+#include "landing/plan/checked_body.hpp"
+#include "tools/report/report.hpp"
+
+namespace ukemi::tools {
+
+/// One of the landings that stand side by side.
+struct BodyFall {
+  std::string name;  ///< "held"
+  const landing::BodyLanding* landing;
+};
+/// The animation and the figures; falls without a trajectory are left out. `data`: the CSV that holds the numbers.
+void show(const landing::BodyScene& scene, std::vector<BodyFall> falls, const std::string& data, Report& report);
+/// The robot as it is released, every driven joint held where its scene says.
+Figure drawing(const landing::BodyScene& scene);
+
+std::string trajectory_csv(const landing::BodyScene& scene, const landing::BodyLanding& landing, const Run& run);
+/// Its columns in contacts.csv; names of the contacts are those of the robot.
+Quantities<landing::BodyTouch> contact_quantities(const landing::Robot& robot);
+/// "foot, knee": the contacts in the order of their peaks; chatter left out.
+std::string contact_order(const landing::Robot& robot, const landing::BodyLanding& landing);
+Json peaks_json(const landing::Robot& robot, const landing::BodyLanding& landing);
+std::string failure_words(const landing::BodyLanding& landing);
+/// phi_i_JOINT_deg ..., in JSON JOINT.phi_i_deg.
+Quantities<landing::BodyMotion> motion_quantities(const landing::Robot& robot, const landing::BodyMotion& like);
+/// "hip 35, knee -70 deg" of a posture, or where each joint goes.
+std::string motion_words(const landing::Robot& robot, const landing::BodyMotion& motion);
+/// What each joint and its drive stood, beside their ratings; warns where the robot could not follow.
+Json joints_json(const landing::BodyScene& scene, const landing::BodyMotion& motion,
+                 const landing::BodyLanding& landing, Run& run);
+/// Links, joints and contacts as tables.
+void robot_tables(const landing::BodyScene& scene, Report& report);
+
+/// Each returns the exit code. `held`: the landing of the held posture on the same drop, to stand beside it.
+int report(const landing::CheckedBody& checked, const std::optional<landing::BodyLanding>& held, Run& run);
+/// `rate`: rows of motion.csv a second [Hz].
+int report(const landing::BodyScene& scene, const landing::BodyPlan& plan, const landing::BodyPlanOptions& options,
+           double rate, Run& run);
+int report_robot(const landing::BodyScene& scene, Run& run);
+
+}  // namespace ukemi::tools

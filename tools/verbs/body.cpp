@@ -1,0 +1,166 @@
+// ukemi simulate and ukemi optimize of a robot of links; ukemi robot.
+#include "tools/verbs/body.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "common/error.hpp"
+#include "common/files.hpp"
+#include "landing/plan/checked_body.hpp"
+#include "tools/program/arguments.hpp"
+#include "tools/report/body.hpp"
+#include "tools/verbs/verbs.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+constexpr const char* kCan = "of a robot of links it is not there yet; what is: simulate, optimize of the peak, robot";
+
+/// FILE, or JOINT=FILE; what stands before '=' is a joint's name, not a path.
+std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, Run& run) {
+  std::vector<GivenDrive> out;
+  for (const std::string& text : given) {
+    const std::size_t equal = text.find('=');
+    const bool named = equal != std::string::npos && text.find_first_of("/.\\") > equal;
+    out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1)} : GivenDrive{"", text});
+    run.input(out.back().file);
+  }
+  return out;
+}
+
+/// Every driven joint held as the scene says, or as NAME=DEG,... does; of one driven joint also DEG.
+BodyMotion posture(const BodyScene& scene, const std::string& text) {
+  BodyMotion out = held_posture(scene);
+  std::vector<std::string> names;
+  for (const Joint& j : scene.robot.joints)
+    if (j.driven()) names.push_back(j.name);
+  for (const std::string& item : split(text)) {
+    const bool plain = item.find('=') == std::string::npos && names.size() == 1;
+    const Assignment a = plain ? Assignment{names[0], item} : assignment("--hold", item);
+    const std::string& name = names.empty() ? a.name : names[choice_index("--hold", a.name, names)];
+    const double degrees = to_number("--hold", a.value);
+    if (std::abs(degrees) > 360)
+      throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", degrees));
+    for (std::size_t i = 0; i < out.size(); ++i)
+      if (scene.robot.joints[i].driven() && scene.robot.joints[i].name == name)
+        out[i].phi_i = out[i].phi_f = degrees * kDegree;
+  }
+  if (names.empty() && !text.empty()) throw InputError("--hold: no joint of this robot is driven");
+  return out;
+}
+
+BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run) {
+  if (!a.file.empty() && a.hold) throw InputError("simulate: one of --motion FILE and --hold JOINT=DEG,... is needed");
+  if (a.file.empty()) return posture(scene, a.hold.value_or(""));
+  run.input(a.file);
+  return read_body_motion(a.file, scene.robot);
+}
+
+void refuse(bool given, const char* option) {
+  if (given) throw InputError(fmt::format("{}: {}", option, kCan));
+}
+
+/// The scene, or with `alone` what may be a robot without a drop.
+BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run) {
+  BodyScene scene = read_body_scene(path, drives_of(actuators, run));
+  run.input(path);
+  for (const std::string& doubt : doubts(scene.robot)) run.warn(doubt);
+  if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
+  return scene;
+}
+
+double rate_of(double rate) {
+  if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
+  return rate;
+}
+
+struct RobotArguments {
+  std::string file;
+  std::vector<std::string> actuators;
+};
+int run_robot(const RobotArguments& a, const CommonOptions& common) {
+  Run run("robot", common);
+  if (!has_links(a.file))
+    throw InputError(Location{a.file}, "[robot] has no links: [[robot.link]], or robot = \"FILE\", is needed");
+  const BodyScene scene = read_robot(a.file, drives_of(a.actuators, run));
+  run.input(a.file);
+  return report_robot(scene, run);
+}
+
+}  // namespace
+
+std::string only_actuator(const std::vector<std::string>& given) {
+  if (given.empty()) throw InputError("--actuator is required");
+  if (given.size() > 1) throw InputError("--actuator: the paper's robot has one joint: one file is needed");
+  return given[0];
+}
+
+bool is_body(const std::string& scene) { return has_links(scene); }
+
+int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
+  Run run("simulate", common);
+  refuse(!a.drop_from.empty(), "--drop-from"), refuse(!a.exports.formats.empty(), "--export");
+  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  const BodyMotion motion = motion_of(scene, a.motion, run);
+  const double rate = rate_of(a.rate.value_or(1000));
+  SimulateOptions options;
+  options.accuracy = a.accuracy.value_or(options.accuracy);
+  options.validate();
+  const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
+  std::optional<BodyLanding> held;
+  if (beside && std::any_of(motion.begin(), motion.end(), [](auto& m) { return moves(m); })) {
+    held = simulate(scene, held_posture(scene), options, rate);
+    if (no_landing(held->end)) held.reset();
+  }
+  return report(checked_body(scene, motion, options, rate), held, run);
+}
+
+int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
+  const Stopwatch watch(Stopwatch::Time::kWall);
+  Run run("optimize", common);
+  refuse(a.goal != Goal::kPeak, "--objective"), refuse(a.robust.has_value(), "--robust");
+  refuse(!a.forbid.empty(), "--forbid"), refuse(!a.exports.formats.empty(), "--export");
+  refuse(a.ratings == OptimizeArguments::Ratings::kRespect, "--respect-ratings");
+  refuse(a.scatter.scatter || a.scatter.inflate || !a.scatter.drops.empty(), "--scatter, --inflate, --drops");
+  const FreedomArguments& f = a.freedom;
+  refuse(f.bumps || f.gains || f.release_phi || f.release_rate || f.from, "--bumps, --landing-gains, --release-...");
+  refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
+  refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
+  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  const double rate = rate_of(a.rate);
+  constexpr double kShort = 2, kWriting = 0.02;  // [s]
+  BodyPlanOptions options;
+  if (a.deadline) options.evaluations = a.evaluations.value_or(1'000'000'000);
+  if (!a.deadline && a.evaluations) options.evaluations = *a.evaluations;
+  options.seed = common.seed, options.threads = common.threads;
+  options.deadline = a.deadline;
+  options.validate();
+  const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
+  options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
+  if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
+  options.monitor = run.monitor("optimize, motions");
+  run.info(fmt::format(
+      "optimising the peak of {} over {} variables: {}, seed {}", scene.name, BodySpace(scene).dimension(),
+      a.deadline ? fmt::format("{:g} s", *a.deadline) : fmt::format("{} motions", options.evaluations), options.seed));
+  const BodyPlan best = plan(scene, options);
+  options.deadline = a.deadline;
+  return report(scene, best, options, rate, run);
+}
+
+void add_robot(CLI::App& app, Action& chosen) {
+  auto args = std::make_shared<RobotArguments>();
+  CLI::App* verb =
+      app.add_subcommand("robot", "a robot of links before anything falls: drawn, its tables, what looks wrong");
+  verb->add_option("FILE", args->file, "robot file or scene file (TOML)")->required();
+  verb->add_option("--actuator", args->actuators, "JOINT=FILE: the drive of a joint; once for each")
+      ->allow_extra_args(false);
+  add_action<RobotArguments>(*verb, args, "ukemi robot leg.toml -o out", chosen, run_robot);
+}
+
+}  // namespace ukemi::tools
