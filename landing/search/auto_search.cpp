@@ -13,8 +13,8 @@ namespace {
 
 // Sizes and distances in parts of the cube, shares in parts of the budget. They were tuned on the shipped scenes, with
 // seeds from 100 on.
-constexpr std::size_t kBasins = 24, kStarts = 24;
-constexpr double kBasinsApart = 0.04, kStartsApart = 0.15;
+constexpr std::size_t kBasins = 24;
+constexpr double kBasinsApart = 0.04, kLeadsApart = 0.15;
 constexpr double kPlain = 0.1;   // share of the motions from anywhere that do nothing but the quintic, see point_of
 constexpr int kGeneration = 16;  // motions
 constexpr int kToTheEnd = 1'000'000;  // generations that no run needs
@@ -27,9 +27,11 @@ struct Descent {
   int stalled, each;       ///< generations without, and so many for each variable more, until it ends
   double finest, poor;     ///< its width where it has converged: of the best run, of others
   long scouts;             ///< before a later run: the dearer a run, the more
+  std::size_t starts;      ///< of them so many are judged again, the best that lie
+  double apart;            ///< so far apart
 };
-constexpr Descent kSharp{0.03, 0.6, 0.985, 1e-4, 12, 3, 1e-7, 1e-3, 200},
-    kSmooth{0.08, 0.5, 0.93, 1e-3, 8, 0, 2e-3, 2e-3, 1'500};
+constexpr Descent kSharp{0.03, 0.6, 0.985, 1e-4, 12, 3, 1e-7, 1e-3, 200, 24, 0.15},
+    kSmooth{0.08, 0.5, 0.93, 1e-3, 8, 0, 2e-3, 2e-3, 1'500, AutoSearch::kAtOnce, 0.02};
 
 const Descent& descent_of(const GoalProfile& profile) { return profile.smooth ? kSmooth : kSharp; }
 
@@ -39,12 +41,12 @@ GoalProfile profile_of(const Objective::Options& options) {
   if (options.goal == Goal::kPeak) return {Goal::kPeak, Goal::kPeak};
   if (options.goal == Goal::kTolerant) return {Goal::kTolerant, Goal::kPeak, 0.5};
   const std::size_t drops = options.robust->measure.kind == Measure::Kind::kMean ? 4 : 8;  // a tail needs more
-  return {Goal::kRobust, {Goal::kRobust, drops}, 0.65, 0.25, true};
+  return {Goal::kRobust, {Goal::kRobust, drops}, 0.75, 0.2, true};
 }
 
 AutoSearch::AutoSearch()
     : distribution_(std::make_unique<CovarianceAdaptation>()),
-      starts_(kStarts, kStartsApart),
+      starts_(Archive::kMost, 0),
       basins_(kBasins, kBasinsApart),
       judged_(kBasins, kBasinsApart) {
   generation_.reserve(Archive::kMost), population_.reserve(Archive::kMost);
@@ -80,15 +82,16 @@ void AutoSearch::follow_hints() {
     if (!over()) descend(u, kSize, kGenerations);
 }
 
-/// The quickest way down from nothing: motions from anywhere, then most from beside the two best, the leads, each
-/// followed only while it may better one; from the best of them the first run.
+/// The quickest way down, from nothing or from the basins that are known: motions from anywhere, then most from beside
+/// the two best, the leads, each followed only while it may better one; from the best of them the first run.
 void AutoSearch::run_with_leads() {
   constexpr long kFree = 128, kEarly = 1'000, kFew = 1'500, kMany = 6'000;  // motions
   constexpr double kAnywhere = 0.1, kLater = 0.5;                           // share from anywhere, before kEarly, after
   constexpr double kFarthest = -0.6, kNearest = -1, kAtLast = -3;           // powers of ten beside a lead
-  starts_ = Archive(2, kStartsApart);
+  starts_ = Archive(2, kLeadsApart);
   const auto enough = [&] { return search_->motions() >= kFew && search_->share() >= profile_.scouting; };
-  for (long n = 0; n < kMany && !over() && !enough(); n += kBatch) {
+  for (const Candidate& b : basins_) starts_.add(b);
+  for (long n = starts_.empty() ? 0 : kFree; n < kMany && !over() && !enough(); n += kBatch) {
     const double spent = std::max(double(n) / double(kMany), search_->share()),
                  nearest = kNearest + (kAtLast - kNearest) * spent;
     generation_.assign(kBatch, search_->nothing());
@@ -102,7 +105,7 @@ void AutoSearch::run_with_leads() {
         p.bound = lead.value;
       }
     }
-    play_scouts();
+    play_scouts(by_);
     for (const Candidate& p : generation_)
       if (p.value <= p.bound) basins_.add(p);
   }
@@ -129,9 +132,10 @@ void AutoSearch::judge_best() {
   Candidate best = basins_[0];
   best.bound = kNoMotion, best.worst = -1;
   search_->evaluate({&best, 1});
+  judged_.add(best);
 }
 
-/// The best basins by the goal: compared, then a run in each of the best two.
+/// The best basins by the goal: compared, then a run in each of the best two, or a population from beside them.
 void AutoSearch::judge_basins() {
   constexpr double kShare = 0.05, kNarrow = 0.015;
   constexpr std::size_t kLeast = 4, kRuns = 2;
@@ -139,11 +143,13 @@ void AutoSearch::judge_basins() {
   const double enough = search_->share() + kShare;
   for (std::size_t i = 0; i < basins_.size() && !over() && (i < kLeast || search_->share() < enough); ++i) {
     Candidate p = basins_[i];
+    if (judged_.beside(p, kNoMotion)) continue;
     p.bound = kNoMotion, p.worst = -1;
     search_->evaluate({&p, 1}, by_);
     judged_.add(p);
   }
   basins_ = judged_;
+  if (by_population()) return run_with_leads();
   for (std::size_t i = 0; i < std::min(kRuns, judged_.size()) && !over(); ++i)
     descend(judged_[i].u, kNarrow, kToTheEnd);
 }
@@ -154,8 +160,11 @@ void AutoSearch::hop() {
   constexpr double kNear = 0.5, kBox = 0.95, kNearly = 1.06;  // shares; a basin worth a race is this good
   constexpr double kNarrowest = -2, kWidest = -0.7;           // powers of ten
   constexpr double kShare = 0.1, kRaceShare = 0.2;            // of the budget, for scouts at most
+  constexpr double kFinest = -3, kFine = -1.3;                // the same by all drops: too dear to go anywhere else
   const long scouts = descent_of(profile_).scouts;
-  if (basins_.empty() || (by_population() && races_ < kGlobal) || random_.uniform() >= kNear)
+  if (profile_.smooth && search_->objective().exact(by_) && !basins_.empty())
+    return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kToTheEnd);
+  if (basins_.size() < 2 || (by_population() && races_ < kGlobal) || random_.uniform() >= kNear)
     return run_from_scouts(scouts, by_population() ? kRaceShare : kShare, nullptr);
   if (by_population() && random_.uniform() < kBox) {
     const auto good = std::count_if(basins_.begin(), basins_.end(),
@@ -172,6 +181,7 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
   constexpr std::size_t kSmallest = 12, kLargest = 32;  // populations: every one is larger by one
   constexpr long kRace = 60, kScreen = 300;             // scouts for a place, where they are judged once more
   constexpr double kSame = 1e-5;
+  const Descent& descent = descent_of(profile_);
   const bool judges = by_.goal != Goal::kPeak;
   const std::size_t places = std::min(kLargest, kSmallest + std::size_t(races_));
   if (by_population()) {
@@ -179,17 +189,17 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
     motions = std::max(motions, long(places) * (judges ? kScreen : kRace));
     ++races_;
   } else {
-    starts_ = Archive(judges ? kStarts : 2, kStartsApart);
+    starts_ = judges ? Archive(descent.starts, descent.apart) : Archive(2, kLeadsApart);
   }
   const double enough = search_->share() + share;
   for (long n = 0; n < motions && !over() && search_->share() < enough; n += kBatch) {
     generation_.assign(kBatch, search_->nothing());
     for (Candidate& p : generation_) p = fresh(about), p.bound = starts_.bound();
-    play_scouts();
+    play_scouts(Goal::kPeak);
   }
   if (judges) judge_starts();
   if (starts_.empty()) return;
-  if (!by_population()) return descend(Coordinates(starts_[0].u), descent_of(profile_).size, kToTheEnd);
+  if (!by_population()) return descend(Coordinates(starts_[0].u), descent.size, kToTheEnd);
   population_.assign(starts_.begin(), starts_.begin() + std::min(places, starts_.size()));
   converge(true);
 }
@@ -207,9 +217,9 @@ Candidate AutoSearch::fresh(const Coordinates* about) {
   return p;
 }
 
-/// By the peak of the planned drop; the best are starts.
-void AutoSearch::play_scouts() {
-  search_->evaluate(generation_, Goal::kPeak);
+/// The best are starts.
+void AutoSearch::play_scouts(Fidelity by) {
+  search_->evaluate(generation_, by);
   for (const Candidate& p : generation_)
     if (p.value <= p.bound) starts_.add(p);
 }

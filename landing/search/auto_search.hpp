@@ -39,6 +39,7 @@ class CovarianceAdaptation;
 
 class AutoSearch {
  public:
+  static constexpr std::size_t kAtOnce = 48;  ///< motions that it plays at once over drops, at most
   /// Allocates all that `run` needs.
   AutoSearch();
   ~AutoSearch();
@@ -57,7 +58,7 @@ class AutoSearch {
   void descend(const Coordinates& start, double size, int generations);
   bool behind(double value, double slack, double patience, int generation) const;
   Candidate fresh(const Coordinates* about);
-  void play_scouts();
+  void play_scouts(Fidelity by);
   void judge_starts();
   bool over() const { return search_->over() || search_->share() >= until_; }
   bool by_population() const { return search_->dimension() <= kPaperVariables && !profile_.smooth; }

@@ -46,22 +46,25 @@ void Search::hold() {
   held_ = holding(scene.release ? scene.release->phi : std::midpoint(low, high));
   judge_held(held_);
   if (scene.release) return;
-  // Postures side by side by the peak, then between the best one's neighbours; the best of each round is judged.
+  // Postures side by side by the peak, then between the best one's neighbours; the best of all is judged.
   const double most = std::min(double(budget_.motions), kInLanes * budget_.seconds / objective_.landing_time());
   std::array<Candidate, kPostures> postures;
+  Candidate best = none_;
   for (int round = 0; round < kRounds && budget_.hold * most > (round + 1) * kPostures; ++round) {
     const double step = (high - low) / (kPostures - 1), from = low;
     for (int i = 0; i < kPostures; ++i) postures[std::size_t(i)] = holding(from + i * step);
     evaluate(postures, Goal::kPeak);
-    const auto best = std::min_element(postures.begin(), postures.end());
-    const double phi = from + double(best - postures.begin()) * step;
-    judge_held(*best);
+    const auto lowest = std::min_element(postures.begin(), postures.end());
+    const double phi = from + double(lowest - postures.begin()) * step;
+    best = std::min(best, *lowest);
     low = std::max(low, phi - step), high = std::min(high, phi + step);
   }
+  if (best.value < kNoMotion) judge_held(best);
 }
 
 /// Of a posture that may have been played by the peak.
 void Search::judge_held(Candidate p) {
+  p.bound = held_.value;
   if (objective_.options().goal != Goal::kPeak || p.value >= kNoMotion) evaluate({&p, 1});
   if (p < held_) held_ = p;
 }
