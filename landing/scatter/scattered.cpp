@@ -14,7 +14,12 @@ const std::vector<LandingPeak>& ScatteredLandings::play(std::span<const Play> pl
       plays_.push_back(space ? d.played(*space, p) : d.played(p));
       cases_.push_back({&d.scene, &plays_.back().sea, plays_.back().motion});
     }
-  batch_peaks(cases_, peaks_, {.accuracy = options.accuracy, .limits = options.limits, .over = options.over},
+  batch_peaks(cases_, peaks_,
+              {.accuracy = options.accuracy,
+               .limits = options.limits,
+               .too_long = options.too_long,
+               .max_steps = options.max_steps,
+               .over = options.over},
               options.threads);
   return peaks_;
 }

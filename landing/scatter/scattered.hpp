@@ -16,6 +16,8 @@ struct ScatteredOptions {
   Limits limits;                                ///< a landing that breaks them ends with End::kBroken
   int threads = 0;                              ///< 0: all cores; without influence on the results
   const std::function<bool()>* over = nullptr;  ///< see SimulateOptions: what it cuts off is End::kStopped
+  BatchOptions::Long too_long = BatchOptions::Long::kScalar;  ///< see BatchOptions
+  long max_steps = BatchOptions().max_steps;                  ///< the same
 };
 
 /// Plays planned motions over drops, and keeps its memory between calls.

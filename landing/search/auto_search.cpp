@@ -1,249 +1,293 @@
 #include "landing/search/auto_search.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "landing/search/cma.hpp"
 #include "landing/search/population.hpp"
-#include "landing/search/robust_search.hpp"
 #include "landing/search/solvers.hpp"
-#include "landing/search/wide_search.hpp"
 
 namespace ukemi::landing {
 
-AutoSearch::AutoSearch(const AutoSettings& settings)
-    : set_(settings), robust_(std::make_unique<RobustSearch>(settings)), wide_(std::make_unique<WideSearch>(settings)) {
-  set_.validate();
-  population_.reserve(std::size_t(2 * set_.largest + set_.batch));
-  trials_.reserve(population_.capacity());
-  basins_.reserve(std::size_t(set_.basins));
-  leads_.reserve(std::size_t(set_.leads));
-  batch_.resize(std::size_t(set_.batch));
+namespace {
+
+// Sizes and distances in parts of the cube, shares in parts of the budget. They were tuned on the shipped scenes, with
+// seeds from 100 on.
+constexpr std::size_t kBasins = 24;
+constexpr double kBasinsApart = 0.04, kLeadsApart = 0.15;
+constexpr double kPlain = 0.1;   // share of the motions from anywhere that do nothing but the quintic, see point_of
+constexpr int kGeneration = 16;  // motions
+constexpr int kToTheEnd = 1'000'000;  // generations that no run needs
+
+/// How a distribution finds its way down.
+struct Descent {
+  double size;             ///< its standard deviation at the start
+  double slack, patience;  ///< how far a run may be behind, and what is left of that after each generation
+  double precision;        ///< relative: to better the best by less does not count
+  int stalled, each;       ///< generations without, and so many for each variable more, until it ends
+  double finest, poor;     ///< its width where it has converged: of the best run, of others
+  long scouts;             ///< before a later run: the dearer a run, the more
+  std::size_t starts;      ///< of them so many are judged again, the best that lie
+  double apart;            ///< so far apart
+};
+constexpr Descent kSharp{0.03, 0.6, 0.985, 1e-4, 12, 3, 1e-7, 1e-3, 200, 24, 0.15},
+    kSmooth{0.08, 0.5, 0.93, 1e-3, 8, 0, 2e-3, 2e-3, 1'500, AutoSearch::kAtOnce, 0.02};
+
+const Descent& descent_of(const GoalProfile& profile) { return profile.smooth ? kSmooth : kSharp; }
+
+}  // namespace
+
+GoalProfile profile_of(const Objective::Options& options) {
+  if (options.goal == Goal::kPeak) return {Goal::kPeak, Goal::kPeak};
+  if (options.goal == Goal::kTolerant) return {Goal::kTolerant, Goal::kPeak, 0.5};
+  const std::size_t drops = options.robust->measure.kind == Measure::Kind::kMean ? 4 : 8;  // a tail needs more
+  return {Goal::kRobust, {Goal::kRobust, drops}, 0.75, 0.2, true};
+}
+
+AutoSearch::AutoSearch()
+    : distribution_(std::make_unique<CovarianceAdaptation>()),
+      starts_(Archive::kMost, 0),
+      basins_(kBasins, kBasinsApart),
+      judged_(kBasins, kBasinsApart) {
+  generation_.reserve(Archive::kMost), population_.reserve(Archive::kMost);
 }
 
 AutoSearch::~AutoSearch() = default;
 
 void AutoSearch::run(Search& search) {
   search_ = &search;
+  profile_ = profile_of(search.objective().options());
   random_ = Random(search.seed);
+  races_ = 0;
   basins_.clear();
-  choose_region(0);
-  refined_last_ = false;
-  if (search.objective().options().goal == Goal::kRobust) return robust_->run(search);
-  const bool wide = search.dimension() > kPaperVariables;
-  const bool screens = wide && search.objective().options().goal == Goal::kTolerant;  // by the peak, for itself
-  if (!screens) {
-    scout();
-  } else {
-    population_.clear();
-    for (const Coordinates& u : search.hints) search.evaluate({&population_.emplace_back(Candidate{u}), 1});
-  }
-  if (wide) {
-    wide_->begin(search);
-    for (const Candidate& p : population_) wide_->know(p);
-    if (screens) wide_->scout_first();
-    while (!search.over()) wide_->run_once();
-    return;
-  }
-  size_ = int(population_.size());
-  converge(set_.converged, false);
-  remember();
-  for (int n = 1, next_refinement = set_.refinement; !search.over(); ++n) {
-    size_ = std::min(set_.largest, set_.smallest + n - 1);
-    choose_region(n);
-    race(set_.race_share);
-    converge(set_.converged, true);
-    remember();
-    if (!search.over() && (n == next_refinement || ending())) {
-      refined_last_ = search.share() > set_.late;
-      next_refinement *= 4;
-      refine();
-    }
-  }
-}
-
-/// A few generations about each place that was given, the best of which leads. What was planned for a drop nearby may
-/// be in the right basin though its own value has gone over a cliff.
-void AutoSearch::follow_hints() {
-  constexpr int kGenerations = 8;
-  constexpr std::size_t kSize = 10;
-  constexpr double kNear = 0.03;  // of the box
-  constexpr double kShare = 0.4;  // of the search
-  const std::span<const Coordinates> hints = search_->hints;
-  population_.clear();
-  for (const Coordinates& u : hints) population_.push_back({u});
-  search_->evaluate(population_);
-  for (const Candidate& p : population_)
-    if (p.value < kNoMotion) lead(p);
-  for (std::size_t k = 0; hints.size() > 1 && k < hints.size() && search_->share() < kShare; ++k) {
-    population_.assign(kSize, Candidate{hints[k]});
-    for (std::size_t i = 1; i < kSize; ++i) population_[i] = beside(population_[0], kNear, random_);
-    search_->evaluate(population_);
-    trials_.resize(kSize);
-    for (int g = 0; g < kGenerations && !search_->over(); ++g)
-      evolve([this](std::span<Candidate> p) { search_->evaluate(p); }, random_, population_, trials_, {});
-    if (const Candidate& best = *std::min_element(population_.begin(), population_.end()); best.value < kNoMotion)
-      lead(best);
-  }
-}
-
-/// The quickest way down from nothing, and all there is time for in a hundredth of a second: motions from anywhere and
-/// from near the leads, each followed only while it may better one. Leaves the best of them as a population.
-void AutoSearch::scout() {
-  leads_.clear();
+  by_ = profile_.goal;
   follow_hints();
-  const std::optional<Candidate> led = leads_.empty() ? std::nullopt : std::optional(leads_[0]);
-  int n = 0;
-  if (search_->objective().options().goal == Goal::kTolerant) {
-    size_ = set_.leads;
-    race(set_.first_share);
-    for (const Candidate& p : population_) lead(p);
-    n = set_.first;
+  until_ = 1;
+  if (profile_.one_landing()) {
+    run_with_leads();
+  } else {
+    look_for_basins();
+    judge_basins();
   }
-  population_.clear();
-  if (led) population_.push_back(*led);
-  const long most = search_->dimension() > kPaperVariables ? set_.wide_scouts : set_.many;
-  const auto enough = [&] {
-    const long done = search_->motions();
-    return done >= most || (done >= set_.few && search_->share() >= set_.scouting);
-  };
-  for (; !search_->over() && !enough(); n += set_.batch) {
-    const double spent = std::clamp(double(search_->motions()) / double(most), search_->share(), 1.0),
-                 by = set_.by + (set_.at_last - set_.by) * spent,
-                 anywhere = search_->motions() < set_.early ? set_.anywhere : set_.later;
-    for (Candidate& p : batch_) {
-      const bool full = int(leads_.size()) == set_.leads;
-      if (n < set_.first || leads_.empty() || random_.uniform() < anywhere) {
-        p = point_of(random_, search_->objective().space(), set_.wide_plain);
-        p.bound = full ? leads_.back().value : kNoMotion;
+  while (!over()) hop();
+}
+
+/// A few generations about each place that was given. What was planned for a drop nearby may be in the right basin
+/// though its own value has gone over a cliff.
+void AutoSearch::follow_hints() {
+  constexpr double kShare = 0.4, kSize = 0.03;
+  constexpr int kGenerations = 8;
+  until_ = kShare;
+  for (const Coordinates& u : search_->hints)
+    if (!over()) descend(u, kSize, kGenerations);
+}
+
+/// The quickest way down, from nothing or from the basins that are known: motions from anywhere, then most from beside
+/// the two best, the leads, each followed only while it may better one; from the best of them the first run.
+void AutoSearch::run_with_leads() {
+  constexpr long kFree = 128, kEarly = 1'000, kFew = 1'500, kMany = 6'000;  // motions
+  constexpr double kAnywhere = 0.1, kLater = 0.5;                           // share from anywhere, before kEarly, after
+  constexpr double kFarthest = -0.6, kNearest = -1, kAtLast = -3;           // powers of ten beside a lead
+  starts_ = Archive(2, kLeadsApart);
+  const auto enough = [&] { return search_->motions() >= kFew && search_->share() >= profile_.scouting; };
+  for (const Candidate& b : basins_) starts_.add(b);
+  for (long n = starts_.empty() ? 0 : kFree; n < kMany && !over() && !enough(); n += kBatch) {
+    const double spent = std::max(double(n) / double(kMany), search_->share()),
+                 nearest = kNearest + (kAtLast - kNearest) * spent;
+    generation_.assign(kBatch, search_->nothing());
+    for (Candidate& p : generation_) {
+      if (n < kFree || starts_.empty() || random_.uniform() < (n < kEarly ? kAnywhere : kLater)) {
+        p = point_of(random_, search_->objective().space(), kPlain);
+        p.bound = starts_.bound();
       } else {  // the better a lead, the more follow it
-        const Candidate& l = leads_[low_index(random_, leads_.size())];
-        p = beside(l, std::pow(10.0, -random_.uniform(set_.near, by)), random_);
-        p.bound = l.value;
+        const Candidate& lead = starts_[low_index(random_, starts_.size())];
+        p = beside(lead, std::pow(10.0, random_.uniform(nearest, kFarthest)), random_);
+        p.bound = lead.value;
       }
     }
-    search_->evaluate(batch_);
-    for (const Candidate& p : batch_)
-      if (p.value <= p.bound) lead(p), take(population_, set_.best_scouts, set_.scouts_apart, p);
+    play_scouts(by_);
+    for (const Candidate& p : generation_)
+      if (p.value <= p.bound) basins_.add(p);
   }
+  if (starts_.empty()) return;
+  if (!by_population()) return descend(Coordinates(starts_[0].u), descent_of(profile_).size, kToTheEnd);
+  population_.assign(basins_.begin(), basins_.end());
+  basins_.clear();
+  converge(false);
 }
 
-void AutoSearch::lead(const Candidate& p) { take(leads_, set_.leads, set_.lead_apart, p); }
-
-/// Takes a motion among the best: in place of the one it is near, else of the worst of so many, if it is better.
-void AutoSearch::take(std::vector<Candidate>& best, int most, double apart, const Candidate& p) {
-  auto place = std::find_if(best.begin(), best.end(), [&](const Candidate& b) { return distance(b, p) < apart; });
-  if (place == best.end() && int(best.size()) < most)
-    best.push_back(p);
-  else if (place = place == best.end() ? place - 1 : place; p < *place)
-    *place = p;
-  std::sort(best.begin(), best.end());
+/// Runs by the rough value.
+void AutoSearch::look_for_basins() {
+  constexpr long kScouts = 3'000;
+  judged_ = basins_;  // what the places that were given led to
+  basins_.clear();
+  by_ = profile_.rough, until_ = profile_.rough_share;
+  run_from_scouts(kScouts, profile_.scouting * until_, nullptr);
+  for (judge_best(); !over(); judge_best()) hop();
 }
 
-/// The basin that a point lies in; none: the end.
-std::vector<Candidate>::iterator AutoSearch::basin_of(const Candidate& p) {
-  return std::find_if(basins_.begin(), basins_.end(), [&](const Candidate& b) { return distance(b, p) < set_.apart; });
+/// By the goal, so that there is an answer beside holding, however early the search ends.
+void AutoSearch::judge_best() {
+  if (basins_.empty() || search_->best().value < search_->held().value || search_->over()) return;
+  Candidate best = basins_[0];
+  best.bound = kNoMotion, best.worst = -1;
+  search_->evaluate({&best, 1});
+  judged_.add(best);
 }
 
-/// Where the n-th population starts: anywhere, or about one of the best basins, the better the more often. A crack too
-/// thin for a race over the whole box is found in a race beside it.
-void AutoSearch::choose_region(int n) {
-  centre_ = search_->nothing(), side_ = 1;
-  if (n <= set_.global || basins_.empty() || random_.uniform() >= set_.close) return;
-  const auto good = std::count_if(basins_.begin(), basins_.end(),
-                                  [&](const Candidate& b) { return b.value < set_.nearly * search_->best().value; });
-  centre_ = basins_[low_index(random_, std::size_t(good))], side_ = set_.side;
+/// The best basins by the goal: compared, then a run in each of the best two, or a population from beside them.
+void AutoSearch::judge_basins() {
+  constexpr double kShare = 0.05, kNarrow = 0.015;
+  constexpr std::size_t kLeast = 4, kRuns = 2;
+  by_ = profile_.goal, until_ = 1;
+  const double enough = search_->share() + kShare;
+  for (std::size_t i = 0; i < basins_.size() && !over() && (i < kLeast || search_->share() < enough); ++i) {
+    Candidate p = basins_[i];
+    if (judged_.beside(p, kNoMotion)) continue;
+    p.bound = kNoMotion, p.worst = -1;
+    search_->evaluate({&p, 1}, by_);
+    judged_.add(p);
+  }
+  basins_ = judged_;
+  if (by_population()) return run_with_leads();
+  for (std::size_t i = 0; i < std::min(kRuns, judged_.size()) && !over(); ++i)
+    descend(judged_[i].u, kNarrow, kToTheEnd);
 }
 
-/// A motion of the region, away from the known basins.
-Candidate AutoSearch::fresh() {
+/// A run beside one of the basins, the better the likelier, or from anywhere.
+void AutoSearch::hop() {
+  constexpr int kGlobal = 3;                                  // populations from anywhere, first of all
+  constexpr double kNear = 0.5, kBox = 0.95, kNearly = 1.06;  // shares; a basin worth a race is this good
+  constexpr double kNarrowest = -2, kWidest = -0.7;           // powers of ten
+  constexpr double kShare = 0.1, kRaceShare = 0.2;            // of the budget, for scouts at most
+  constexpr double kFinest = -3, kFine = -1.3;                // the same by all drops: too dear to go anywhere else
+  const long scouts = descent_of(profile_).scouts;
+  if (profile_.smooth && search_->objective().exact(by_) && !basins_.empty())
+    return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kToTheEnd);
+  if (basins_.size() < 2 || (by_population() && races_ < kGlobal) || random_.uniform() >= kNear)
+    return run_from_scouts(scouts, by_population() ? kRaceShare : kShare, nullptr);
+  if (by_population() && random_.uniform() < kBox) {
+    const auto good = std::count_if(basins_.begin(), basins_.end(),
+                                    [&](const Candidate& b) { return b.value < kNearly * basins_.lowest(); });
+    const Coordinates about = basins_[low_index(random_, std::size_t(good))].u;
+    return run_from_scouts(scouts, kRaceShare, &about);
+  }
+  const double size = std::pow(10.0, random_.uniform(kNarrowest, kWidest));
+  descend(beside(basins_[low_index(random_, basins_.size())], size, random_).u, size, kToTheEnd);
+}
+
+/// A run from the best of so many scouts, which take that share of the budget at most: about a place, or anywhere.
+void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* about) {
+  constexpr std::size_t kSmallest = 12, kLargest = 32;  // populations: every one is larger by one
+  constexpr long kRace = 60, kScreen = 300;             // scouts for a place, where they are judged once more
+  constexpr double kSame = 1e-5;
+  const Descent& descent = descent_of(profile_);
+  const bool judges = by_.goal != Goal::kPeak;
+  const std::size_t places = std::min(kLargest, kSmallest + std::size_t(races_));
+  if (by_population()) {
+    starts_ = Archive(judges ? 2 * places : places, kSame);
+    motions = std::max(motions, long(places) * (judges ? kScreen : kRace));
+    ++races_;
+  } else {
+    starts_ = judges ? Archive(descent.starts, descent.apart) : Archive(2, kLeadsApart);
+  }
+  const double enough = search_->share() + share;
+  for (long n = 0; n < motions && !over() && search_->share() < enough; n += kBatch) {
+    generation_.assign(kBatch, search_->nothing());
+    for (Candidate& p : generation_) p = fresh(about), p.bound = starts_.bound();
+    play_scouts(Goal::kPeak);
+  }
+  if (judges) judge_starts();
+  if (starts_.empty()) return;
+  if (!by_population()) return descend(Coordinates(starts_[0].u), descent.size, kToTheEnd);
+  population_.assign(starts_.begin(), starts_.begin() + std::min(places, starts_.size()));
+  converge(true);
+}
+
+/// A motion from anywhere, or of a box about a place, away from the known basins.
+Candidate AutoSearch::fresh(const Coordinates* about) {
+  constexpr int kAttempts = 20;
+  constexpr double kSide = 0.15;
   Candidate p = search_->nothing();
-  for (int attempt = 0; attempt <= 20; ++attempt) {
-    for (int k = 0; k < p.u.size(); ++k)
-      p.u[k] = std::clamp(centre_.u[k] + side_ * (random_.uniform() - 0.5), 0.0, 1.0);
-    if (basin_of(p) == basins_.end()) break;
+  for (int n = 0; n < kAttempts; ++n) {
+    p = point_of(random_, search_->objective().space(), kPlain);
+    if (about) p.u = (*about + kSide * (p.u - Coordinates::Constant(p.u.size(), 0.5))).cwiseMax(0).cwiseMin(1);
+    if (!basins_.beside(p, kNoMotion)) break;
   }
   return p;
 }
 
-/// The best of many motions of the region, each followed only while it may be one of them; at most that share of the
-/// budget.
-void AutoSearch::race(double share) {
-  const Goal goal = search_->objective().options().goal;
-  const long left = search_->budget().motions - search_->motions();
-  population_.clear();
-  if (goal == Goal::kPeak || left < 4 * size_ * set_.screen) {
-    fill(size_ * set_.race, goal, size_, share);
-    return;
+/// The best are starts.
+void AutoSearch::play_scouts(Fidelity by) {
+  search_->evaluate(generation_, by);
+  for (const Candidate& p : generation_)
+    if (p.value <= p.bound) starts_.add(p);
+}
+
+/// The same starts, in the order of what runs go by.
+void AutoSearch::judge_starts() {
+  generation_.assign(starts_.begin(), starts_.end());
+  starts_.clear();
+  for (Candidate& p : generation_) p.bound = kNoMotion, p.worst = -1;
+  search_->evaluate(generation_, by_);
+  for (const Candidate& p : generation_) starts_.add(p);
+}
+
+/// A run's best is so much worse than the best basin that it is not worth its time; the longer it runs, the less it may
+/// be.
+bool AutoSearch::behind(double value, double slack, double patience, int generation) const {
+  return value > basins_.lowest() * (1 + slack * std::pow(patience, generation));
+}
+
+/// Generations until the population has found its basin, or is given up: behind the best, or in a basin that is known.
+/// It needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys.
+void AutoSearch::converge(bool may_give_up) {
+  constexpr std::size_t kFewest = 6;
+  constexpr int kFree = 12;
+  constexpr double kConverged = 1e-4, kGathered = 0.1, kSlack = 0.12, kPatience = 0.9;
+  if (population_.size() < kFewest) return;
+  generation_.assign(population_.size(), search_->nothing());
+  const auto best = [this]() -> const Candidate& { return *std::min_element(population_.begin(), population_.end()); };
+  for (int n = 0; !over() && spread(population_) > kConverged; ++n) {
+    evolve([this](std::span<Candidate> p) { search_->evaluate(p, by_); }, random_, population_, generation_, {});
+    if (!may_give_up || n < kFree) continue;
+    const bool gathered = spread(population_) < kGathered;
+    if (behind(best().value, kSlack, gathered ? kPatience : 1, n - kFree)) break;
+    if (gathered && basins_.beside(best(), best().value)) break;
   }
-  // Tolerant peaks: by the peak alone first; then those that it lets through, in its order.
-  fill(size_ * set_.screen, Goal::kPeak, 2 * size_, share);
-  std::swap(population_, trials_);
-  population_.clear();
-  for (std::size_t i = 0; i < trials_.size() && !search_->over(); i += batch_.size()) {
-    const auto part = std::span(trials_).subspan(i, std::min(batch_.size(), trials_.size() - i));
-    enter(part, goal, size_);
+  basins_.add(best());
+}
+
+/// A run from a place, of a size in parts of the cube.
+void AutoSearch::descend(const Coordinates& start, double size, int generations) {
+  constexpr double kBound = 1.2;        // a motion is left where it is worse than the last generation's middle by this
+  constexpr double kContender = 1.005;  // a run this near the best goes on to the finest width
+  constexpr int kFree = 8;
+  const Descent& how = descent_of(profile_);
+  const int most_stalled = how.stalled + how.each * search_->dimension();
+  distribution_->start(start, size, kGeneration);
+  Candidate best = search_->nothing(), middle = best;
+  double milestone = kNoMotion;
+  for (int n = 0, stalled = 0; n < generations && !over(); ++n) {
+    generation_.assign(kGeneration, search_->nothing());
+    distribution_->sample(random_, generation_);
+    if (n == 0) generation_[0].u = start;
+    for (Candidate& p : generation_) p.bound = std::min(kNoMotion, kBound * middle.value), p.early = middle.early;
+    search_->evaluate(generation_, by_);
+    std::sort(generation_.begin(), generation_.end());
+    best = std::min(best, generation_[0]);
+    distribution_->learn(generation_);
+    middle = generation_[kGeneration / 2];
+    const bool better = best.value < milestone * (1 - how.precision);
+    if (better) milestone = best.value;
+    stalled = better ? 0 : stalled + 1;
+    const double converged = best.value > kContender * basins_.lowest() ? how.poor : how.finest;
+    if (stalled > most_stalled || distribution_->widest() < converged) break;
+    if (n > kFree && behind(best.value, how.slack, how.patience, n - kFree)) break;
   }
+  basins_.add(best);
 }
 
-/// Fresh motions for `places` places.
-void AutoSearch::fill(int entrants, Goal goal, int places, double share) {
-  const double enough = search_->share() + share;
-  for (int n = 0; n < entrants && !search_->over(); n += set_.batch) {
-    if (search_->share() > enough && int(population_.size()) >= places) return;
-    for (Candidate& p : batch_) p = fresh();
-    enter(batch_, goal, places);
-  }
-}
-
-/// Gives the points a place in the population where they are good enough.
-void AutoSearch::enter(std::span<Candidate> points, Goal goal, int places) {
-  const double last = int(population_.size()) >= places ? population_[std::size_t(places - 1)].value : kNoMotion;
-  for (Candidate& p : points) p.bound = last, p.worst = 0;
-  search_->evaluate(points, goal);
-  population_.insert(population_.end(), points.begin(), points.end());
-  std::sort(population_.begin(), population_.end());
-  population_.resize(std::min(population_.size(), std::size_t(places)));
-}
-
-/// The time has come for the best basin's last refinement.
-bool AutoSearch::ending() const { return !refined_last_ && search_->share() > set_.late; }
-
-/// Generations until the population is as small as `side`, or is given up: behind the best, in a basin that is known,
-/// or in the way of the last refinement.
-void AutoSearch::converge(double side, bool may_give_up) {
-  constexpr int kFewest = 6;
-  if (int(population_.size()) < std::max(size_, kFewest)) return;
-  trials_.resize(population_.size());
-  for (int generation = 0; !search_->over() && spread(population_) > side; ++generation) {
-    evolve([this](std::span<Candidate> p) { search_->evaluate(p); }, random_, population_, trials_, {});
-    if (!may_give_up) continue;
-    const Candidate& best = *std::min_element(population_.begin(), population_.end());
-    if (ending() && best.value > search_->best().value) return;
-    if (generation < set_.trial_period) continue;
-    const bool gathered = spread(population_) < 0.1;
-    const double grace = 1 + (set_.behind - 1) * std::pow(0.9, generation - set_.trial_period);
-    if (best.value > search_->best().value * (gathered ? grace : set_.behind)) return;
-    if (const auto b = basin_of(best); gathered && b != basins_.end() && b->value <= best.value) return;
-  }
-}
-
-void AutoSearch::remember() {
-  if (population_.empty()) return;
-  const Candidate& best = *std::min_element(population_.begin(), population_.end());
-  if (const auto same = basin_of(best); same != basins_.end()) {
-    if (best < *same) *same = best;
-  } else if (basins_.size() < std::size_t(set_.basins)) {
-    basins_.push_back(best);
-  }
-  std::sort(basins_.begin(), basins_.end());
-}
-
-/// A population close by the best of all.
-void AutoSearch::refine() {
-  population_.resize(std::size_t(size_));
-  scatter(search_->best(), random_, population_);
-  search_->evaluate(population_);
-  converge(set_.finest, false);
-  remember();
-}
-
-void auto_search(Search& search, const AutoSettings& settings) { AutoSearch(settings).run(search); }
+void auto_search(Search& search) { AutoSearch().run(search); }
 
 }  // namespace ukemi::landing

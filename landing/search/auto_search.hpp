@@ -2,66 +2,76 @@
 //
 // What it is built for: an objective that is a maximum over time (a landing may be abandoned as soon as it is worse
 // than what it competes with), cheap in batches, with many basins, kinks along valleys and cliffs. So:
-//   1. scouts go anywhere, and close by the best of those before them, the closer the fewer are left: all there is
-//      time for in a hundredth of a second; the best of them are the first population;
-//   2. a race of motions from anywhere, each followed only while it may belong to the best, gives the next ones
-//      (tolerant peaks: by the peak alone first, a lower bound that costs one landing);
-//   3. a population converges by differential evolution (population.hpp), whose trials are abandoned at their
-//      parent's value; it needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys;
-//   4. one that falls behind the best so far, or into a known basin, is given up; one that converges is a basin, and
-//      the next races keep away from it: half of them anywhere, half close by the best basins, where thin cracks are;
-//   5. now and then, and at the end, the best basin is searched once more from close by.
-// Over more than three variables the scouts are followed by runs of WideSearch (wide_search.hpp). Under scatter it is
-// RobustSearch (robust_search.hpp) that searches.
+//   1. places that were given are searched for a few generations;
+//   2. scouts go anywhere, and close by the best of those before them, the closer the fewer are left: all there is
+//      time for in a hundredth of a second;
+//   3. from the best of them a run finds its way down, each motion followed only while it may still teach something; a
+//      run that falls behind the best basin is given up. With the paper's three variables a run is a population of
+//      differential evolution (population.hpp), with more, or under scatter, a distribution that starts at the best
+//      scout and adapts its covariance (cma.hpp);
+//   4. what a run came to is a basin, one of an archive of those that lie apart; later runs start beside one of them,
+//      where thin cracks are, or from the best of a few scouts anywhere else (basin hopping).
+// A goal that costs many landings a motion begins with a rougher value of it (GoalProfile): for a part of the budget
+// basins are looked for by that; then the best of them are judged, and searched, by the goal itself.
 #pragma once
 
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "common/random.hpp"
-#include "landing/search/auto_settings.hpp"
+#include "landing/search/archive.hpp"
 #include "landing/search/search.hpp"
 
 namespace ukemi::landing {
 
-class RobustSearch;
-class WideSearch;
+/// A goal as the search is told of it. Scouts are judged by the peak of the planned drop, one landing each.
+struct GoalProfile {
+  Fidelity goal;
+  Fidelity rough;          ///< runs go by this at first: it costs less, and leads to about the same places
+  double rough_share = 0;  ///< of the budget that is spent so, 0..1; 0: the goal itself costs one landing
+  double scouting = 0.7;   ///< of what runs have at first, the share that scouts may take, 0..1
+  bool smooth = false;     ///< scatter has smoothed the cliffs: runs start wider, and end sooner
+  bool one_landing() const { return rough_share == 0; }
+};
+GoalProfile profile_of(const Objective::Options& options);
+
+class CovarianceAdaptation;
 
 class AutoSearch {
  public:
-  /// Allocates all that `run` needs. Throws InputError for settings out of range.
-  explicit AutoSearch(const AutoSettings& settings = {});
+  static constexpr std::size_t kAtOnce = 48;  ///< motions that it plays at once over drops, at most
+  /// Allocates all that `run` needs.
+  AutoSearch();
   ~AutoSearch();
   /// Searches until the search is over. Allocates nothing.
   void run(Search& search);
 
  private:
-  std::vector<Candidate>::iterator basin_of(const Candidate& p);
-  void choose_region(int n);
-  Candidate fresh();
-  bool ending() const;
   void follow_hints();
-  void scout();
-  void lead(const Candidate& p);
-  void take(std::vector<Candidate>& best, int most, double apart, const Candidate& p);
-  void race(double share);
-  void fill(int entrants, Goal goal, int places, double share);
-  void enter(std::span<Candidate> points, Goal goal, int places);
-  void converge(double side, bool may_give_up);
-  void remember();
-  void refine();
+  void run_with_leads();
+  void look_for_basins();
+  void judge_best();
+  void judge_basins();
+  void hop();
+  void run_from_scouts(long motions, double share, const Coordinates* about);
+  void converge(bool may_give_up);
+  void descend(const Coordinates& start, double size, int generations);
+  bool behind(double value, double slack, double patience, int generation) const;
+  Candidate fresh(const Coordinates* about);
+  void play_scouts(Fidelity by);
+  void judge_starts();
+  bool over() const { return search_->over() || search_->share() >= until_; }
+  bool by_population() const { return search_->dimension() <= kPaperVariables && !profile_.smooth; }
 
-  AutoSettings set_;
-  std::unique_ptr<RobustSearch> robust_;
-  std::unique_ptr<WideSearch> wide_;
-  bool refined_last_ = false;
-  int size_ = 0;
-  Candidate centre_;  // of the region where the next race is run
-  double side_ = 1;
   Search* search_ = nullptr;
+  GoalProfile profile_;
+  Fidelity by_;       ///< that runs go by at present
+  double until_ = 1;  ///< and the share of the budget that they end at
+  int races_ = 0;     ///< populations so far
   Random random_{0};
-  std::vector<Candidate> population_, trials_, basins_, leads_, batch_;
+  std::unique_ptr<CovarianceAdaptation> distribution_;
+  std::vector<Candidate> generation_, population_;
+  Archive starts_, basins_, judged_;
 };
 
 }  // namespace ukemi::landing

@@ -24,7 +24,6 @@ void CovarianceAdaptation::sample(Random& random, std::span<Candidate> points) c
     Coordinates z(mean_.size());
     for (double& x : z) x = random.normal();
     p.u = (mean_ + size_ * (axes_ * root_.cwiseProduct(z))).cwiseMax(0).cwiseMin(1);
-    p.worst = 0;
   }
 }
 

@@ -1,4 +1,6 @@
-// Peers that evaluate in batches: differential evolution, the paper's GA and pattern search, random search.
+// Peers that evaluate in batches: differential evolution, covariance matrix adaptation, the paper's GA and pattern
+// search, random search.
+#include "landing/search/cma.hpp"
 #include "landing/search/population.hpp"
 #include "landing/search/search.hpp"
 #include "landing/search/solvers.hpp"
@@ -33,6 +35,24 @@ void differential_evolution(Search& search) {
     while (!search.over() && spread(population) > kConverged)
       evolve([&](std::span<Candidate> p) { search.evaluate(p); }, r, population, trials,
              {.factor_low = 0.3, .factor_high = 0.9});
+  }
+}
+
+void covariance_adaptation(Search& search) {
+  constexpr int kSize = 16;
+  constexpr double kFirst = 0.2, kConverged = 1e-7;
+  Random r(search.seed);
+  CovarianceAdaptation distribution;
+  std::vector<Candidate> points(kSize);
+  for (Candidate start = search.nothing(); !search.over(); start = random_point(r, search.dimension())) {
+    distribution.start(start.u, kFirst, kSize);
+    while (!search.over() && distribution.widest() > kConverged) {
+      std::fill(points.begin(), points.end(), search.nothing());
+      distribution.sample(r, points);
+      search.evaluate(points);
+      std::sort(points.begin(), points.end());
+      distribution.learn(points);
+    }
   }
 }
 

@@ -90,12 +90,11 @@ class Objective::Race : public BatchSource {
     ++landings, ++ended_[i];
     flights += peak.end == End::kNoContact;
     work += work_of(peak.work);
-    if (no_landing(peak.end))
-      fail(i, kNoMotion);
-    else if (counts(corner_[lane], goal_) && peak.peak > points_[i].value) {
-      points_[i].value = peak.peak, points_[i].worst = corner_[lane];
-      if (peak.peak > points_[i].bound) failed_[i] = true;
-    }
+    Candidate& p = points_[i];
+    const bool broken = no_landing(peak.end), higher = counts(corner_[lane], goal_) && peak.peak > p.value;
+    if (corners_ > 1 && (broken || higher)) p.worst = corner_[lane];
+    if (broken) return fail(i, kNoMotion);
+    if (higher) p.value = peak.peak, failed_[i] = p.value > p.bound;
   }
 
   bool over() override { return late_ = late_ || work >= granted_ || o_.late(); }
@@ -118,8 +117,9 @@ class Objective::Race : public BatchSource {
   int corner(const Candidate& p, int step) const {
     if (corners_ == 1) return 0;
     const int first = first_[std::size_t(&p - points_.data())];
-    if (step == 0) return first;
     const auto& order = o_.order_;
+    if (first < 0) return order[std::size_t(step)];
+    if (step == 0) return first;
     const auto place = std::find(order.begin(), order.end(), first) - order.begin();
     return order[std::size_t(step <= place ? step - 1 : step)];
   }
@@ -148,8 +148,13 @@ class Objective::Race : public BatchSource {
   std::array<Play, kLanes> play_;  ///< what the lane's landing points to
 };
 
-void Objective::evaluate(std::span<Candidate> points, Goal goal) {
-  if (goal == Goal::kRobust) return evaluate_scattered(points, options_.robust->drops.size());
+void Objective::evaluate(std::span<Candidate> points, Fidelity by) {
+  if (by.goal != Goal::kRobust) return evaluate_boxes(points, by.goal);
+  const auto& drops = options_.robust->drops;
+  race_over(points, std::span(drops).first(std::min(by.drops, drops.size())), true);
+}
+
+void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
   std::atomic<long> landings{0}, flights{0}, work{0};
@@ -169,15 +174,20 @@ void Objective::evaluate(std::span<Candidate> points, Goal goal) {
     race.close();
     landings += race.landings, flights += race.flights, work += race.work;
   });
-  if (goal == Goal::kTolerant) {
-    for (const Candidate& p : points) ++failures_[std::size_t(p.worst)];
-    std::sort(order_.begin(), order_.end(), [&](int a, int b) {
-      const long fa = failures_[std::size_t(a)], fb = failures_[std::size_t(b)];
-      return fa != fb ? fa > fb : a < b;
-    });
-  }
+  if (this->points(goal) > 1) learn_order(points, goal);
   motions_ += long(points.size());
   landings_ += landings, flights_ += flights, work_ += work;
+}
+
+/// What ended most motions is played first. Where the box only keeps the limits, a motion that kept them tells nothing.
+void Objective::learn_order(std::span<const Candidate> points, Goal goal) {
+  for (const Candidate& p : points)
+    if (p.worst >= 0 && (goal == Goal::kTolerant || p.value > p.bound || p.value >= kNoMotion))
+      ++failures_[std::size_t(p.worst)];
+  std::sort(order_.begin(), order_.end(), [&](int a, int b) {
+    const long fa = failures_[std::size_t(a)], fb = failures_[std::size_t(b)];
+    return fa != fb ? fa > fb : a < b;
+  });
 }
 
 double Objective::verified(const Play& play, double accuracy, double bound) {

@@ -23,6 +23,16 @@ enum class Goal {
   kRobust,    ///< a measure of the peaks over scattered drops, see robust.hpp
 };
 
+/// How a value is worked out: by which goal, and under scatter over how many of the drops.
+struct Fidelity {
+  static constexpr std::size_t kAllDrops = std::numeric_limits<std::size_t>::max();
+  Goal goal = Goal::kPeak;
+  std::size_t drops = kAllDrops;
+
+  Fidelity() = default;
+  Fidelity(Goal g, std::size_t d = kAllDrops) : goal(g), drops(d) {}
+};
+
 /// Above every peak: a motion that could not be followed, or broke a limit [m/s^2].
 inline constexpr double kNoMotion = 1e9;
 
@@ -36,7 +46,7 @@ struct Candidate {
   double bound = kNoMotion;  ///< what the caller still cares for: landings are abandoned above it
   /// Under scatter: values over the first drops (0: not known); before it is played, of the motion that has the bound.
   std::array<double, kScatteredStages> early{};
-  int worst = 0;               ///< which point of the execution box gave the value, and is tried first next time
+  int worst = -1;  ///< which point of the execution box gave the value, and is tried first next time; -1: not known
   int played = 0, broken = 0;  ///< under scatter: the drops of the value, and those of them that broke a limit
   bool operator<(const Candidate& o) const { return value < o.value; }
 };
@@ -66,11 +76,13 @@ class Objective {
   Play play(const Candidate& c) const { return space_.play(space_.values(c.u)); }
   Objective(const Objective&) = delete;
   /// Values of many motions. On one thread it allocates nothing. What ends it early (see `late`) cuts landings off:
-  /// their motions come back with kNoMotion.
-  void evaluate(std::span<Candidate> points, Goal goal);
-  /// Values under scatter, over the first `most` drops of Options::robust. They are played in stages; a motion that
-  /// cannot be as good as its bound any more is left with its value over those that it was played on, above the bound.
-  void evaluate_scattered(std::span<Candidate> points, std::size_t most);
+  /// their motions come back with kNoMotion. Drops are played in stages; a motion that cannot be as good as its bound
+  /// any more is left with its value over those that it was played on, above the bound.
+  void evaluate(std::span<Candidate> points, Fidelity by);
+  /// Whether values of that kind are the goal's own.
+  bool exact(Fidelity by) const {
+    return by.goal == options_.goal && (by.goal != Goal::kRobust || by.drops >= options_.robust->drops.size());
+  }
   /// What the few best are worth over the judging drops, and no more than they can bear; as above.
   void judge_scattered(std::span<Candidate> points);
   /// Under scatter: room for so many motions at once over the drops that are searched on; they allocate nothing then.
@@ -124,6 +136,8 @@ class Objective {
   const MotionSpace& space_;
   Options options_;
   bool too_quick(const Play& play) const;
+  void evaluate_boxes(std::span<Candidate> points, Goal goal);
+  void learn_order(std::span<const Candidate> points, Goal goal);
   void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
   bool limited_;  ///< a landing may break a limit
   bool extended_, late_;
@@ -131,7 +145,7 @@ class Objective {
   bool patient_ = false;  ///< landings may be as long as they like
   long max_steps_ = 0;
   std::array<int, kExecutionPoints> order_;        ///< in which an execution box is played: the worst come first
-  std::array<long, kExecutionPoints> failures_{};  ///< how often each was the worst
+  std::array<long, kExecutionPoints> failures_{};  ///< how often each gave a value or ended a motion
   long motions_ = 0, landings_ = 0, flights_ = 0, work_ = 0, granted_ = kUnbounded;
   double landing_time_ = 0;
   struct Scattered;

@@ -20,7 +20,6 @@ void OptimizeOptions::validate() const {
   if (!(tolerance >= 0 && tolerance < 1))
     throw InputError("tolerance: " + shortest(tolerance) + ": at least 0 and below 1 is needed");
   check_solver(solver);
-  settings.validate();
 }
 
 namespace {
@@ -57,10 +56,7 @@ std::optional<Coordinates> best_start(Search& search, const std::vector<Coordina
       points.push_back({space.unit(starts[i])});
       points.back().bound = best.value;
     }
-    if (goal == Goal::kRobust)
-      search.evaluate_over(points, kDrops);
-    else
-      search.evaluate(points);
+    search.evaluate(points, {goal, kDrops});
     best = std::min(best, *std::min_element(points.begin(), points.end()));
   }
   return best.value < kNoMotion ? std::optional(best.u) : std::nullopt;
@@ -134,7 +130,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   search.tell = options.monitor.tell;
   const std::optional<Coordinates> start = best_start(search, options.starts);
   if (start) search.hints = {&*start, 1};
-  run_solver(options.solver, search, options.settings);
+  run_solver(options.solver, search);
   out.evaluations = search.motions();
   out.work = objective.work();
   const bool exhausted = objective.exhausted();

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "common/monitor.hpp"
-#include "landing/search/auto_settings.hpp"
 #include "landing/search/search.hpp"
 #include "landing/search/tolerant_peak.hpp"
 
@@ -19,7 +18,6 @@ struct OptimizeOptions {
   std::string solver = "auto";           ///< one of solver_names()
   Goal goal = Goal::kPeak;               ///< what is minimised
   std::shared_ptr<const Robust> robust;  ///< for Goal::kRobust
-  AutoSettings settings;                 ///< of auto
   std::optional<long> evaluations;  ///< motions in all, with Goal::kRobust landings; absent: default_evaluations, or no
                                     ///< bound with a deadline
   std::optional<double> deadline;   ///< [s], > 0: `optimize` returns by then, whatever has been found

@@ -75,7 +75,7 @@ Planner::Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, c
       objective_(scene_, *space_,
                  {.goal = options.goal, .accuracy = options.accuracy, .limits = options.limits, .robust = robust_}) {
   if (!robust_) return;
-  objective_.reserve_scattered(std::size_t(std::max(kBatch, AutoSettings().robust_starts)));
+  objective_.reserve_scattered(AutoSearch::kAtOnce);
   for (const ScatteredDrop& d : robust_->drops)
     beside_.push_back({.height = d.scene.drop.height - scene.drop.height,
                        .forward_speed = d.scene.drop.forward_speed - scene.drop.forward_speed,

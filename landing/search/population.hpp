@@ -12,8 +12,7 @@
 
 namespace ukemi::landing {
 
-inline constexpr int kBatch = 32;           ///< candidates played at once: whole packs of lanes, however wide
-inline constexpr std::size_t kBasins = 24;  ///< of the best that lie apart, so many are remembered
+inline constexpr int kBatch = 32;  ///< candidates played at once: whole packs of lanes, however wide
 
 /// Anywhere in the cube of so many variables.
 inline Candidate random_point(Random& r, int dimension) {
@@ -38,8 +37,6 @@ inline int random_index(Random& r, int n) { return std::min(n - 1, int(r.uniform
 /// An index below n (0 where n is 0), the lower the likelier.
 inline std::size_t low_index(Random& r, std::size_t n) { return std::size_t(r.uniform() * r.uniform() * double(n)); }
 
-/// Largest difference of two points in any variable, in parts of the box.
-inline double distance(const Candidate& a, const Candidate& b) { return (a.u - b.u).lpNorm<Eigen::Infinity>(); }
 /// Side of the smallest cube that holds them all.
 inline double spread(std::span<const Candidate> points) {
   double widest = 0;

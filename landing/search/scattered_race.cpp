@@ -23,11 +23,6 @@ struct Objective::Scattered {
   std::array<double, kScatteredStages> share{1, 1, 1};
 };
 
-void Objective::evaluate_scattered(std::span<Candidate> points, std::size_t most) {
-  const auto& drops = options_.robust->drops;
-  race_over(points, std::span(drops).first(std::min(most, drops.size())), true);
-}
-
 void Objective::judge_scattered(std::span<Candidate> points) { race_over(points, options_.robust->judging, false); }
 
 void Objective::reserve_scattered(std::size_t motions) {
@@ -68,14 +63,16 @@ void Objective::race_over(std::span<Candidate> points, std::span<const Scattered
     s.sorted.assign(s.peaks.begin() + long(i * n), s.peaks.begin() + long(i * n + count));
     return robust.measure.of(s.sorted);
   };
+  ScatteredOptions options{
+      .accuracy = options_.accuracy, .limits = options_.limits, .threads = options_.threads, .over = &over_};
+  // A search does not wait for a landing that chatters, nor does a deadline.
+  if (!patient_ && (searching || std::isfinite(deadline)))
+    options.too_long = BatchOptions::Long::kFail, options.max_steps = max_steps_;
   for (std::size_t from = 0, stage = 0; from < n && !s.open.empty(); ++stage) {
     const std::size_t to = searching && stage < kStages.size() ? std::min(kStages[stage], n) : n;
     s.plays.clear();
     for (const std::size_t i : s.open) s.plays.push_back(play(points[i]));
-    const auto& landings = s.landings.play(
-        s.plays, drops.subspan(from, to - from),
-        {.accuracy = options_.accuracy, .limits = options_.limits, .threads = options_.threads, .over = &over_},
-        &space_);
+    const auto& landings = s.landings.play(s.plays, drops.subspan(from, to - from), options, &space_);
     for (std::size_t m = 0; m < s.open.size(); ++m)
       for (std::size_t k = from; k < to; ++k) {
         const LandingPeak& landing = landings[m * (to - from) + k - from];

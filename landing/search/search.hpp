@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "landing/search/objective.hpp"
+#include "landing/search/archive.hpp"
 
 namespace ukemi::landing {
 
@@ -47,20 +47,18 @@ class Search {
   /// How much is spent, 0..1: of the motions or of the time, whichever is more.
   double share() const;
 
-  /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion.
-  void evaluate(std::span<Candidate> points);
-  /// The same for another goal than the search's own: what only screens is no result until it is played again.
-  void evaluate(std::span<Candidate> points, Goal goal);
-  /// Under scatter, over the first `drops` of the drops; over fewer than all it only screens.
-  void evaluate_over(std::span<Candidate> points, std::size_t drops);
-  const Candidate& best() const { return few_[0]; }
+  /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion. What is rougher than
+  /// the search's own goal only screens: it is no result until it is played again.
+  void evaluate(std::span<Candidate> points, Fidelity by);
+  void evaluate(std::span<Candidate> points) { evaluate(points, objective_.options().goal); }
+  const Candidate& best() const { return few_.empty() ? none_ : few_[0]; }
   /// The best posture to hold: the one that the robot is released in; without a release the middle of the scene's
   /// range, or the best of some others, as far as a twentieth of the budget goes. kNoMotion where it could not be
   /// followed within the limits, or the space knows none.
   const Candidate& held() const { return held_; }
   int dimension() const { return objective_.space().dimension(); }
   /// The middle of the space, not yet played.
-  Candidate nothing() const { return {objective_.space().centre()}; }
+  const Candidate& nothing() const { return none_; }
 
   /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
   /// be beside it: the best few, and the best posture to hold, are evaluated anew at 1e-9, and where they have fallen,
@@ -79,19 +77,20 @@ class Search {
   void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }
 
  private:
-  /// The best of the few over Robust::judging; its value is what is promised. kNoMotion where it breaks the limits in
-  /// more drops than the measure allows.
-  Candidate judge_scattered(double deadline);
-  Candidate best_of_judged(double deadline);
   void hold();
   void judge_held(Candidate p);
-  void include_held();
   void play_screened(double deadline);
+  Candidate judge_scattered();
+  Candidate judge_exactly(double accuracy);
+  void step_back(const Candidate& edge);
+  /// What an answer is chosen from, in order: the best few, and the best posture to hold, however many are better.
+  std::span<Candidate> contenders(std::span<Candidate, Archive::kMost> memory) const;
   bool scattered() const { return objective_.options().goal == Goal::kRobust; }
   /// How many of so many motions the budget allows.
   std::size_t allowed(std::size_t motions) const;
   /// Evaluates, and keeps what is good enough.
-  void play(std::span<Candidate> points);
+  void play(std::span<Candidate> points, Fidelity by);
+  void play(std::span<Candidate> points) { play(points, objective_.options().goal); }
   void keep(const Candidate& p);
   void report() const;
   bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }
@@ -103,11 +102,10 @@ class Search {
   long milestone_motions_ = 0;    ///< when the best last became better by more than the tolerance
   double milestone_ = kNoMotion;  ///< and what it was then
   std::vector<Progress>* progress_;
-  using Few = std::array<Candidate, 12>;
-  Few few_;             ///< the best that are apart, in order
-  Candidate held_;      ///< see held()
-  Candidate screened_;  ///< the best by another goal
-  Candidate sampled_;   ///< the best over a part of the drops
+  const Candidate none_;
+  Archive few_;                        ///< the best that are apart
+  Candidate held_;                     ///< see held()
+  std::array<Candidate, 2> screened_;  ///< the best by what is rougher: by one landing, over some drops
 };
 
 }  // namespace ukemi::landing

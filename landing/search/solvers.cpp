@@ -24,14 +24,14 @@ void check_solver(const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) throw InputError("solver: " + one_of(name, names));
 }
 
-void run_solver(const std::string& name, Search& search, const AutoSettings& settings) {
+void run_solver(const std::string& name, Search& search) {
   check_solver(name);
-  if (name == "auto") return auto_search(search, settings);
+  if (name == "auto") return auto_search(search);
   if (name == "sqp") return sequential_quadratic(search);
   if (name == "pattern") return pattern_search(search);
   if (name == "ga") return genetic_algorithm(search);
   if (name == "de") return differential_evolution(search);
-  if (name == "cma") return wide_search(search, settings);
+  if (name == "cma") return covariance_adaptation(search);
   if (name == "random") return random_search(search);
   nlopt_search(name, search);
 }

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "landing/search/auto_settings.hpp"
 #include "landing/search/search.hpp"
 
 namespace ukemi::landing {
@@ -14,13 +13,13 @@ namespace ukemi::landing {
 const std::vector<std::string>& solver_names();
 /// Throws InputError for a name that is not one of them.
 void check_solver(const std::string& name);
-/// Searches until the search is over; `settings` are those of auto. Deterministic for the search's seed and a number of
-/// motions.
-void run_solver(const std::string& name, Search& search, const AutoSettings& settings = {});
+/// Searches until the search is over. Deterministic for the search's seed and a number of motions.
+void run_solver(const std::string& name, Search& search);
 
-/// Ours (auto_search.cpp): populations that restart away from what is known, are given up early where they fall behind,
-/// and play every motion only until it is worse than the one it would replace.
-void auto_search(Search& search, const AutoSettings& settings = {});
+/// Ours, see auto_search.hpp.
+void auto_search(Search& search);
+/// Covariance matrix adaptation (cma.hpp) from the middle of the box, then from random starts.
+void covariance_adaptation(Search& search);
 /// Differential evolution, best/1/bin with a dithered factor (Storn, Price 1997).
 void differential_evolution(Search& search);
 /// A genetic algorithm on real numbers: tournaments of two, blend crossover, Gaussian mutation, one elite.
@@ -35,7 +34,5 @@ void sequential_quadratic(Search& search);
 /// over.
 void nlopt_search(const std::string& name, Search& search);
 void random_search(Search& search);
-/// See wide_search.hpp.
-void wide_search(Search& search, const AutoSettings& settings = {});
 
 }  // namespace ukemi::landing

@@ -100,7 +100,7 @@ void sample_average(Search& search) {
   const auto average = [&](const double* u, double* a, double* gradient) {
     Candidate p = search.nothing();
     std::copy_n(u, n, p.u.begin());
-    search.evaluate_over({&p, 1}, drops.size());
+    search.evaluate({&p, 1}, {Goal::kRobust, drops.size()});
     if (p < best) best = p;
     const Place place(objective.space(), p.u);
     std::vector<double> values(drops.size(), robust.penalty);
@@ -125,7 +125,7 @@ void sample_average(Search& search) {
   for (std::uint64_t restart = 0; !search.over(); ++restart) {
     Random random(search.seed, restart);
     Candidate start = restart == 0 ? search.nothing() : random_point(random, n);
-    search.evaluate_over({&start, 1}, drops.size());
+    search.evaluate({&start, 1}, {Goal::kRobust, drops.size()});
     best = start;
     minimize_from(search, 1, average, start);
     best.bound = kNoMotion;
