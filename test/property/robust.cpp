@@ -188,7 +188,7 @@ TEST_CASE("robust: a drop that was not played is not one that keeps the limits")
   whole.broken = 33;
   CHECK_FALSE(o.keeps_limits(whole));
   CHECK((o.landings() == landings && o.work() == work));
-  o.evaluate_scattered({&few, 1}, 16);
+  o.evaluate({&few, 1}, {Goal::kRobust, 16});
   few.broken = 0;
   CHECK_FALSE(o.keeps_limits(few));
   o.deadline = 0;

@@ -363,7 +363,7 @@ TEST_CASE("search: limits hold for the answer, and what cannot be kept is said")
 TEST_CASE("search: within limits the corner that breaks them most is learned, whatever the goal") {
   Scene scene = scene_of("paper");
   scene.execution = {3 * kDegree, 0.03};
-  const SeaParameters<double> sea = table2();
+  const SeaParameters<double> sea = table2_sea();
   const Limits limits{.motor_speed = 3};
   // Motions that keep them where they are played exactly.
   Objective screen(scene, sea, {.goal = Goal::kTolerant, .limits = limits});

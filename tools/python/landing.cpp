@@ -123,7 +123,8 @@ void bind_motion(py::module_& m) {
           "save", [](const Motion& x, const std::string& path) { write_file(path, to_toml(x, "")); }, py::arg("path"),
           "Writes a motion file.")
       .def("__repr__", [](const Motion& x) { return "<ukemi.Motion " + tools::motion_words(x) + ">"; });
-  m.def("read_motion", &read_motion, py::arg("path"), "Reads a motion file: TOML, or the rows of a motion.csv.");
+  m.def("read_motion", py::overload_cast<const std::string&>(&read_motion), py::arg("path"),
+        "Reads a motion file: TOML, or the rows of a motion.csv.");
   m.def(
       "hold", [](double degrees) { return motion_of(degrees, degrees, 1, {}, 1, 1); }, py::arg("deg"),
       "Holds the reference at an angle [deg]; the joint stays compliant.");
