@@ -8,6 +8,7 @@
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
 #include "common/stopwatch.hpp"
+#include "landing/search/archive.hpp"
 #include "landing/search/cma.hpp"
 #include "landing/search/population.hpp"
 
@@ -77,7 +78,7 @@ class BodySearch {
     out_.variables = space_.variables();
     hold();
     scout(options_.deadline ? kFirst : std::clamp(options_.evaluations / 8, kFirst, kMostScouts), 0.6);
-    const std::vector<Candidate> first = starts_;
+    const Archive first = starts_;
     for (std::size_t i = 0; i < std::min(kRuns, first.size()) && !over(); ++i) close_in(first[i], kNarrow, kRough);
     while (!over()) {
       if (share() > kLate && !best_.empty())
@@ -149,17 +150,7 @@ class BodySearch {
   }
   void keep(const Candidate& p) {
     if (best_.empty() || p.value < best_[0].value) out_.progress.push_back({spent_, watch_.seconds(), p.value});
-    take(best_, kFew, kApart, p);
-  }
-
-  /// Takes a point among the best: in place of the one that it is near, else of the worst of so many, if it is better.
-  static void take(std::vector<Candidate>& best, std::size_t most, double apart, const Candidate& p) {
-    auto place = std::find_if(best.begin(), best.end(), [&](const Candidate& b) { return distance(b, p) < apart; });
-    if (place == best.end() && best.size() < most)
-      best.push_back(p);
-    else if (place = place == best.end() ? place - 1 : place; p < *place)
-      *place = p;
-    std::sort(best.begin(), best.end());
+    best_.add(p);
   }
 
   /// Motions from anywhere, and beside the best of those before; each followed only while it may be a start.
@@ -167,7 +158,7 @@ class BodySearch {
     starts_.clear();
     std::vector<Candidate> batch(kBatch);
     for (long n = 0; n < motions && !over(); n += kBatch) {
-      const double bound = starts_.size() < kStarts ? kNoMotion : starts_.back().value;
+      const double bound = starts_.bound();
       for (Candidate& p : batch) {
         p = starts_.empty() || random_.uniform() < anywhere
                 ? random_point(random_, space_.dimension())
@@ -177,7 +168,7 @@ class BodySearch {
       }
       evaluate(batch);
       for (const Candidate& p : batch)
-        if (p.value <= p.bound && p.value < kNoMotion) take(starts_, kStarts, kStartsApart, p);
+        if (p.value <= p.bound && p.value < kNoMotion) starts_.add(p);
     }
   }
   /// A distribution that finds its way down from a place, until it has gathered, stands still or falls behind.
@@ -204,7 +195,7 @@ class BodySearch {
       if (still == 0) milestone = best.value;
       if (n > kFree && best.value > best_[0].value * (1 + (kBehind - 1) * std::pow(kForgives, n - kFree))) break;
     }
-    take(basins_, kBasins, kBasinsApart, best);
+    basins_.add(best);
   }
   void start_beside_a_basin() {
     const double size = std::pow(10.0, -random_.uniform(0.7, 2));
@@ -238,7 +229,7 @@ class BodySearch {
   const BodySpace space_;
   BodyPlan& out_;
   Random random_;
-  std::vector<Candidate> best_, starts_, basins_;
+  Archive best_{kFew, kApart}, starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
   Stopwatch watch_{Stopwatch::Time::kWall};
   double reserve_ = 0;  ///< [s]
   long spent_ = 0;
