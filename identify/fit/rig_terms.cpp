@@ -18,6 +18,7 @@ double RigTerm::value_in(const SeaParameters<double>& sea) const {
 }
 
 void RigTerm::set_in(SeaParameters<double>& sea, double value) const {
+  if (!field) return;
   RolloutInputs<double> in{sea};
   field.of(in) = std::clamp(value, lower, upper);
   sea = in.sea;

@@ -73,7 +73,7 @@ struct RigTerm : Term {
   bool has_a_say(const std::vector<Trial>& trials) const;
   /// Its value in an actuator; its absence where it is none of an actuator's.
   double value_in(const SeaParameters<double>& sea) const;
-  /// A value, brought within the term's bounds.
+  /// A value, brought within the term's bounds; nothing where it is none of an actuator's.
   void set_in(SeaParameters<double>& sea, double value) const;
   /// As a column that starts at an actuator's value, off its bound; where a constant is 0 there its size is as
   /// suggested.

@@ -1,7 +1,9 @@
 // A robot on the floor as a hybrid system, one smooth mode at a time. State: base, angles, motor angles, their rates,
 // then the slip z of each contact; with kAccounts the work of joints, floor and rail on the links, for the energy
 // check. Heights are distances from the floor along its normal; on a slope the frame is the floor's, and gravity is
-// turned. Private: not installed.
+// turned.
+//
+// Private: not installed.
 #pragma once
 
 #include "common/integrate/guards.hpp"
