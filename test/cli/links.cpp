@@ -87,7 +87,7 @@ TEST_CASE("a drive of a robot of links comes from its file, or from --actuator J
                     from = "[drive.hip]\nfile = \"../actuators/table2.toml\"\n",
                     knee = "[drive.knee]\nfile = \"../actuators/table2.toml\"\n";
   f.write("leg.toml", replaced(replaced(robot, from, ""), knee, ""));
-  f.write("scene.toml", replaced(read(kThree), "../robots/three_links.toml", "leg.toml"));
+  f.write("scene.toml", replaced(read(kThree), "\"../robots/three_links.toml\"", "\"leg.toml\""));
   const Arguments simulate = {"simulate", "scene.toml", "-o", "out", "--no-report"};
   check_refused(f, simulate, {"leg.toml:", "a table [drive.hip], or --actuator hip=FILE"});
   check_refused(f, simulate + Arguments{"--actuator", kTable2}, {"--actuator: ", "JOINT=FILE is needed"});
