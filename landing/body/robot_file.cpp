@@ -225,6 +225,10 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
       throw InputError("--actuator: " + one_of(g.joint, names));
   const auto lacking = std::count(open.begin(), open.end(), true);
   const auto driven = std::count_if(joints.begin(), joints.end(), [](auto& j) { return j.driven(); });
+  for (const GivenDrive& g : given)
+    if (g.joint.empty() && (lacking > 0 ? lacking != 1 : driven != 1))
+      throw InputError(fmt::format("--actuator: {}: JOINT=FILE is needed, JOINT one of {}", ukemi::quoted(g.file),
+                                   fmt::join(names, ", ")));
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const bool only = lacking > 0 ? lacking == 1 && open[i] : driven == 1 && joints[i].driven();
     if (const GivenDrive* g = given_for(joints[i], only, given)) {
@@ -238,10 +242,6 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
                                                  ukemi::quoted(joints[i].name), joints[i].name, joints[i].name));
     }
   }
-  for (const GivenDrive& g : given)
-    if (g.joint.empty() && (lacking > 0 ? lacking != 1 : driven != 1))
-      throw InputError(fmt::format("--actuator: {}: JOINT=FILE is needed, JOINT one of {}", ukemi::quoted(g.file),
-                                   fmt::join(names, ", ")));
 }
 
 }  // namespace
