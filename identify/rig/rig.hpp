@@ -72,15 +72,17 @@ struct Rig {
   template <class T = double>
   SeaParameters<T> mounted(SeaParameters<T> sea) const {
     if (tau_max) sea.tau_max = T(*tau_max);
-    if (const auto side = drive.kind == Drive::Kind::kController ? drive.feedback : feedback) sea.feedback = *side;
+    if (const auto side = stated_feedback()) sea.feedback = *side;
     if (drive.control_delay) sea.control_delay = T(*drive.control_delay);
     if (drive.velocity_filter) sea.velocity_filter = T(*drive.velocity_filter);
     return sea;
   }
-  /// Whether its drive feeds back an angle that is predicted, of a side that is not stated.
-  bool feedback_unknown() const {
-    return !drive.by_command() && !(drive.kind == Drive::Kind::kController ? drive.feedback : feedback);
+  /// The side that its drive feeds back, where it says so.
+  std::optional<Feedback> stated_feedback() const {
+    return drive.kind == Drive::Kind::kController ? drive.feedback : feedback;
   }
+  /// Whether its drive feeds back an angle that is predicted, of a side that is not stated.
+  bool feedback_unknown() const { return !drive.by_command() && !stated_feedback(); }
   void validate() const;  ///< throws InputError
 };
 

@@ -7,7 +7,7 @@
 
 #include "landing/body/body_run.hpp"
 #include "landing/body/body_system.hpp"
-#include "landing/run/peak_tracker.hpp"
+#include "landing/run/touch_log.hpp"
 
 namespace ukemi::landing {
 
@@ -17,9 +17,8 @@ class BodyRecorder {
  public:
   using State = typename System::State;
 
-  BodyRecorder(const BodyScene& scene, BodyLanding& out, double rate) : scene_(scene), out_(out), rate_(rate) {
-    open_.fill(-1);
-  }
+  BodyRecorder(const BodyScene& scene, BodyLanding& out, double rate)
+      : scene_(scene), out_(out), rate_(rate), log_(out.touches, out.peaks, scene.robot.contacts.size()) {}
 
   void start(const System& s, const State& y) {
     energy_start_ = s.link_energy(y);
@@ -30,14 +29,14 @@ class BodyRecorder {
       d.phi_min = d.phi_max = s.joint_state(i, y).phi;
     }
   }
-  void jump() { touch_.jump(); }
+  void jump() { log_.since.jump(); }
   void row(const System& s, double t, const State& y) {
     if (rate_ > 0) out_.trajectory.push_back(sample(s, t, y));
   }
 
   template <class Integrator>
   void step(const System& s, Integrator& integrator) {
-    (void)touch_.step(s, integrator);  // the run has judged the step
+    (void)log_.since.step(s, integrator);  // the run has judged the step
     const auto& step = integrator.step();
     for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0})
       observe(s, step.t + part * step.h, integrator.dense().at(part));
@@ -48,44 +47,15 @@ class BodyRecorder {
     mismatch_ = std::max(mismatch_, std::abs(s.link_energy(step.y_end) - energy_start_ - work));
   }
 
-  void touchdown(int contact, double t) {
-    bool chatter = false;
-    for (auto it = out_.touches.rbegin(); it != out_.touches.rend(); ++it)
-      if (it->contact == contact) {
-        chatter = t - it->t_liftoff < kChatter;
-        break;
-      }
-    close_touch();
-    if (!chatter) close_interval(contact);
-    out_.touches.push_back({contact, t, std::numeric_limits<double>::quiet_NaN()});
-    open_[std::size_t(contact)] = int(out_.touches.size()) - 1;
-  }
-  void liftoff(int contact, double t) {
-    int& open = open_[std::size_t(contact)];
-    if (open >= 0) out_.touches[std::size_t(open)].t_liftoff = t;
-    open = -1;
-  }
+  void touchdown(int contact, double t) { log_.touchdown(contact, t); }
+  void liftoff(int contact, double t) { log_.liftoff(contact, t); }
   void finish() {
-    close_touch(), close_interval(-1);
+    log_.finish();
     out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
   }
 
  private:
   double next_row() const { return double(rows_) / rate_; }
-  /// The next touchdown, or the end of the run, ends what the last one began, as the paper's recorder has it.
-  void close_touch() {
-    const double peak = std::sqrt(touch_.square);
-    for (auto it = out_.touches.rbegin();
-         peak > 0 && it != out_.touches.rend() && it->t_touchdown == out_.touches.back().t_touchdown; ++it)
-      it->peak_acc = peak;
-    if (peak > interval_.acceleration) interval_.t = touch_.t, interval_.acceleration = peak;
-    touch_.reset();
-  }
-  void close_interval(int next) {
-    if (interval_.acceleration > 0) out_.peaks.push_back(interval_);
-    interval_ = {0, 0, next};
-  }
-
   /// Normal and tangential force of contact i on the robot, in the floor's frame [N].
   static Vec2<double> force(const System& s, int i, const typename System::Pose& p, const State& y) {
     const PointMode& m = s.contact[i];
@@ -98,10 +68,7 @@ class BodyRecorder {
   void observe(const System& s, double t, const State& y) {
     const auto p = s.pose(y);
     for (int i = 0; i < s.body.contacts; ++i)
-      if (const int open = open_[std::size_t(i)]; open >= 0) {
-        double& peak = out_.touches[std::size_t(open)].peak_force;
-        peak = std::max(peak, force(s, i, p, y).norm());
-      }
+      if (Touch* const touch = log_.open(i)) touch->peak_force = std::max(touch->peak_force, force(s, i, p, y).norm());
     for (int i = 0; i < s.body.joints; ++i) {
       const SeaState<double> q = s.joint_state(i, y);
       const auto& drive = s.drive[i];
@@ -159,9 +126,7 @@ class BodyRecorder {
   double rate_;
   long rows_ = 0;
   double energy_start_ = 0, turned_ = 0, mismatch_ = 0, work_ = 0;
-  std::array<int, kMostContacts> open_;
-  PeakTracker touch_;  ///< since the last touchdown
-  Peak interval_{0, 0, -1};
+  TouchLog log_;
 };
 
 }  // namespace ukemi::landing

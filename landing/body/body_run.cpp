@@ -6,12 +6,6 @@
 
 namespace ukemi::landing {
 
-const char* reason(const BodyLanding& landing) {
-  LandingPeak like;
-  like.failure = landing.failure, like.status = landing.status;
-  return reason(like);
-}
-
 BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, double rate) {
   scene.validate(), validate(scene.robot, motion), options.validate();
   constexpr double kMostRows = 2e6, kLongest = 30;  // [s]

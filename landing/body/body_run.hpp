@@ -11,15 +11,6 @@
 
 namespace ukemi::landing {
 
-/// A contact meets the floor and leaves it.
-struct BodyTouch {
-  int contact;            ///< of Robot::contacts
-  double t_touchdown;     ///< from release [s]
-  double t_liftoff;       ///< when it rises through its surface again [s]; NaN if it never does
-  double peak_force = 0;  ///< largest |F| of this contact [N]
-  double peak_acc = 0;  ///< largest |a| of the peak's point from this touchdown to the next one of any contact [m/s^2]
-};
-
 /// One row of a trajectory in the true frame (on a slope, x and y are not the floor's), SI units.
 struct BodySample {
   double t;
@@ -40,16 +31,9 @@ struct JointDemands {
 
 /// A landing, with everything that a report needs. What only the long form has is empty where peak_acceleration made
 /// it: touches, peaks, demands, trajectory, energy_residual.
-struct BodyLanding {
-  double peak = 0;    ///< f(x) of Eq. 6: max over time of |a| of the peak's point, from release on [m/s^2]
-  double t_peak = 0;  ///< when, from release [s]
-  double t_end = 0;   ///< how long the run was followed, from release [s]
-  End end = End::kFailed;
-  Failure failure = Failure::kNone;                        ///< with kFailed
-  integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
-  integrate::Counters work;
+struct BodyLanding : RunEnd {
   double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
-  std::vector<BodyTouch> touches;                                    ///< in their order
+  std::vector<Touch> touches;                                        ///< in their order
   std::vector<Peak> peaks;                     ///< between touchdowns, chatter left out; point: of Robot::contacts
   std::vector<JointDemands> demands;           ///< of Robot::joints
   std::vector<BodySample> trajectory;          ///< empty unless a rate was given
@@ -57,8 +41,6 @@ struct BodyLanding {
   Vec2<double> base = {0, 0}, speed = {0, 0};  ///< at the end: centre of mass of a free robot, else travel s and 0;
                                                ///< in the floor's frame [m], [m/s]
 };
-/// Why a landing failed, in words.
-const char* reason(const BodyLanding& landing);
 
 // Both throw InputError for a scene, a motion or options that break the ranges of their fields; of the options
 // accuracy, abandon_above, max_steps, max_step, over and rest count. A run that fails is a status. Deterministic.

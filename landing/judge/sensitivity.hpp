@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 
+#include "common/random.hpp"
 #include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
@@ -25,5 +28,13 @@ struct Sensitivity {
 [[nodiscard]] Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                       const SimulateOptions& options, double peak, int draws = 8,
                                       std::uint64_t seed = 1);
+
+/// The same of anything that falls. `play` is the peak at a tolerance, of the scene or of one that a random number
+/// moves; none where the run failed.
+using PeakOfMoved = std::function<std::optional<double>(double accuracy, Random* random)>;
+[[nodiscard]] Sensitivity sensitivity(double peak, double accuracy, const PeakOfMoved& play, int draws,
+                                      std::uint64_t seed);
+/// Moves a number of a scene by 1e-6 relative, up or down.
+void move_a_little(double& x, Random& random);
 
 }  // namespace ukemi::landing

@@ -102,7 +102,9 @@ void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks,
   o.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
   constexpr std::size_t kPart = 24;  // a thread is not worth its start for fewer
   const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
-  std::fill(peaks.begin(), peaks.end(), LandingPeak{.end = End::kStopped});
+  LandingPeak stopped;
+  stopped.end = End::kStopped;
+  std::fill(peaks.begin(), peaks.end(), stopped);
   std::atomic<std::size_t> next{0};
   parallel_for(parts, parts, [&](int) {
     Queue queue(cases, peaks, next, options.over);

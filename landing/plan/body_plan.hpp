@@ -67,10 +67,9 @@ struct BodyPlan {
 };
 
 /// The motion with the smallest peak of the robot's point. The held posture comes first, and the answer is never worse.
-/// Scouts from anywhere, then by turns differential evolution and covariance adaptation (landing/search) from the best
-/// places and from anywhere; the best few are judged at a tight accuracy. The same for a seed and a number of
-/// evaluations whatever the number of threads; with a deadline the clock decides. Throws InputError as `simulate`.
-/// Tests: test/legs/plans.cpp.
+/// Scouts from anywhere, then covariance adaptation (landing/search) by turns from the best places and from anywhere;
+/// the best few are judged at a tight accuracy. The same for a seed and a number of evaluations whatever the number of
+/// threads; with a deadline the clock decides. Throws InputError as `simulate`. Tests: test/legs/plans.cpp.
 [[nodiscard]] BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options = {});
 
 }  // namespace ukemi::landing

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "landing/run/peak_tracker.hpp"
 #include "landing/run/simulate.hpp"
+#include "landing/run/touch_log.hpp"
 
 namespace ukemi::landing {
 
@@ -14,17 +14,17 @@ namespace ukemi::landing {
 template <class System>
 class Recorder {
  public:
-  Recorder(Landing* out, double rate) : out_(*out), rate_(rate) {}
+  Recorder(Landing* out, double rate) : out_(*out), rate_(rate), log_(out->touches, out->peaks, kPoints) {}
 
   void start(const System& system, double t, const typename System::State& y) {
     energy_start_ = system.link_energy(y), motor_start_ = system.motor_energy(y);
     turned_ = kinetic_energy(system.link, system.pose(y));
     work_.setZero();
     out_.demands.phi_min = out_.demands.phi_max = y[kTheta1] - y[kTheta0];
-    touch_.t = t;
+    log_.since.t = t;
   }
 
-  void jump() { touch_.jump(); }
+  void jump() { log_.since.jump(); }
   void row(const System& system, double t, const typename System::State& y) {
     if (rate_ > 0) out_.trajectory.push_back(sample(system, t, y));
   }
@@ -39,12 +39,12 @@ class Recorder {
       row(system, t, y);
     }
     turned_ += system.link.total_mass * g * drop.height;
-    touch_.consider(g * g, 0);
+    log_.since.consider(g * g, 0);
   }
 
   template <class Integrator>
   void step(const System& system, Integrator& integrator) {
-    (void)touch_.step(system, integrator);  // the run has judged the step
+    (void)log_.since.step(system, integrator);  // the run has judged the step
     const auto& step = integrator.step();
     for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0})
       observe(system.evaluate(step.t + s * step.h, integrator.dense().at(s)));
@@ -59,26 +59,11 @@ class Recorder {
     mismatch_ = std::max({mismatch_, std::abs(links), std::abs(motor)});
   }
 
-  void touchdown(Point point, double t) {
-    bool chatter = false;
-    for (auto it = out_.touches.rbegin(); it != out_.touches.rend(); ++it)
-      if (it->point == point) {
-        chatter = t - it->t_liftoff < kChatter;
-        break;
-      }
-    close_touch();
-    if (!chatter) close_interval(point);
-    out_.touches.push_back({point, t, std::numeric_limits<double>::quiet_NaN()});
-    open_[point] = int(out_.touches.size()) - 1;
-  }
-  void liftoff(Point point, double t) {
-    if (open_[point] >= 0) out_.touches[open_[point]].t_liftoff = t;
-    open_[point] = -1;
-  }
+  void touchdown(Point point, double t) { log_.touchdown(point, t); }
+  void liftoff(Point point, double t) { log_.liftoff(point, t); }
 
   void finish() {
-    close_touch();
-    close_interval(-1);
+    log_.finish();
     out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
   }
 
@@ -88,33 +73,13 @@ class Recorder {
   long rows_ = 0;
   double energy_start_ = 0, motor_start_ = 0, turned_ = 0, mismatch_ = 0;
   Eigen::Vector3d work_;
-  std::array<int, kPoints> open_{-1, -1, -1};
-  PeakTracker touch_;  ///< since the last touchdown
-  Peak interval_{0, 0, -1};
+  TouchLog log_;
 
   double next_row() const { return double(rows_) / rate_; }
 
-  /// The next touchdown, or the end of the run, ends what the last one began; an interval holds several of these. Of
-  /// points that touch at one instant each gets what follows.
-  void close_touch() {
-    const double peak = std::sqrt(touch_.square);
-    for (auto it = out_.touches.rbegin();
-         peak > 0 && it != out_.touches.rend() && it->t_touchdown == out_.touches.back().t_touchdown; ++it)
-      it->peak_acc = peak;
-    if (peak > interval_.acceleration) interval_.t = touch_.t, interval_.acceleration = peak;
-    touch_.reset();
-  }
-  void close_interval(int next) {
-    if (interval_.acceleration > 0) out_.peaks.push_back(interval_);
-    interval_ = {0, 0, next};
-  }
-
   void observe(const typename System::Field& f) {
     for (int j = 0; j < kPoints; ++j)
-      if (open_[j] >= 0) {
-        double& peak = out_.touches[open_[j]].peak_force;
-        peak = std::max(peak, f.force[j].norm());
-      }
+      if (Touch* const touch = log_.open(j)) touch->peak_force = std::max(touch->peak_force, f.force[j].norm());
     Demands& d = out_.demands;
     d.motor_speed = std::max(d.motor_speed, std::abs(f.sea.dphi_m));
     d.motor_torque = std::max(d.motor_torque, std::abs(f.tau_mot));

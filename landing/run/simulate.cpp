@@ -27,12 +27,12 @@ const char* name(End end) {
   return "?";
 }
 
-const char* reason(const LandingPeak& landing) {
-  switch (landing.failure) {
+const char* reason(const RunEnd& run) {
+  switch (run.failure) {
     case Failure::kNone:
       return "it did not fail";
     case Failure::kIntegration:
-      return name(landing.status);
+      return name(run.status);
     case Failure::kSteps:
       return "the run needs more steps than are allowed (is the scene stiff?)";
     case Failure::kUnresolved:

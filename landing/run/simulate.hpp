@@ -132,15 +132,21 @@ class ContactOrder {
   std::array<bool, kPoints> touched_{};
 };
 
-/// What a search needs of a landing. Nothing in it allocates.
-struct LandingPeak {
-  double peak = 0;    ///< f(x) of Eq. 6: max over time of |ddr_0| [m/s^2]
+/// How a landing went, whatever fell.
+struct RunEnd {
+  double peak = 0;    ///< f(x) of Eq. 6: max over time of the acceleration that counts, |ddr_0| of [1] [m/s^2]
   double t_peak = 0;  ///< when, from release [s]
   double t_end = 0;   ///< how long the run was followed, from release [s]
   End end = End::kFailed;
   Failure failure = Failure::kNone;                        ///< with kFailed
   integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
   integrate::Counters work;
+};
+/// Why a landing failed, in words.
+const char* reason(const RunEnd& run);
+
+/// What a search needs of a landing. Nothing in it allocates.
+struct LandingPeak : RunEnd {
   ContactOrder contacts;    ///< touchdowns
   int peak_contact = -1;    ///< which of them opened the interval that holds the peak; -1: before the first
   bool joint_lost = false;  ///< |phi_1| went beyond kLostJoint where a step ended: the peak is that of a whirling link
@@ -148,14 +154,11 @@ struct LandingPeak {
       Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
 };
 
-/// Why a landing failed, in words.
-const char* reason(const LandingPeak& landing);
-
 /// A point meets the floor and leaves it.
 struct Touch {
-  Point point;
+  int point;              ///< a Point; of a robot of links, of Robot::contacts
   double t_touchdown;     ///< from release [s]
-  double t_liftoff;       ///< when it rises through y = 0 again [s]; NaN if it never does
+  double t_liftoff;       ///< when it rises through its surface, y = 0, again [s]; NaN if it never does
   double peak_force = 0;  ///< largest |F_j| of this contact [N]
   double peak_acc = 0;    ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
 };

@@ -228,7 +228,7 @@ void bind_landing_class(py::module_& m) {
           "What a notebook shows.")
       .def("__repr__", [](const Played& p) {
         return fmt::format("<ukemi.Landing: peak {:.6g} m/s^2 at {:.4g} s, {}>", p.landing.peak, p.landing.t_peak,
-                           tools::contact_order(p.landing));
+                           tools::contact_order(p.landing.peaks));
       });
   bind_trajectory(c);
 }

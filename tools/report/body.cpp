@@ -13,6 +13,8 @@ using namespace landing;
 
 namespace {
 
+constexpr const char* kContact = "contact";
+
 /// A joint, and where its numbers are in rows.
 struct NamedJoint {
   const Joint& joint;
@@ -60,28 +62,12 @@ const Quantities<CheckedBody> kQuantities = {
     {"", "sensitive", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.sensitive) : Json(); }},
     {"", "sensitivity", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.change) : Json(); }},
     {"", "first_touchdown", "first touchdown [s]", "{:.6f}", [](auto& c) { return number(c.landing.first_touchdown); }},
-    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.scene.robot, c.landing); }},
+    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing.peaks, contact_name(c.scene.robot)); }},
     {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
     {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
     {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
     {"", "steps", [](auto& c) { return c.landing.work.steps; }},
 };
-
-void warn(const CheckedBody& c, Run& run) {
-  const BodyLanding& l = c.landing;
-  const bool failed = l.end == End::kFailed;
-  if (failed) run.warn("refused: " + failure_words(l) + "; what was computed so far is kept");
-  if (l.end == End::kNoContact) run.warn(failure_words(l) + ": the peak is that of a flight");
-  if (!c.sensitivity.checked && !failed)
-    run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
-  if (c.wrong())
-    run.warn(
-        fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
-                    c.sensitivity.error_estimate, std::max(1e-14, c.accuracy / 100)));
-  if (c.sensitivity.sensitive)
-    run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff",
-                         c.sensitivity.change));
-}
 
 }  // namespace
 
@@ -113,36 +99,10 @@ std::string trajectory_csv(const BodyScene& scene, const BodyLanding& landing, c
   return csv.text();
 }
 
-Quantities<BodyTouch> contact_quantities(const Robot& robot) {
-  return {
-      {"point", "point", "point", {}, [&robot](auto& t) { return robot.contacts[std::size_t(t.contact)].name; }},
-      {"t_touchdown", "t", "touchdown [s]", "{:.6f}", &BodyTouch::t_touchdown},
-      {"t_liftoff", "", "lift-off [s]", "{:.6f}", &BodyTouch::t_liftoff},
-      {"peak_force", "", "peak force [N]", "{:.4g}", &BodyTouch::peak_force},
-      {"peak_acc", "", "peak |a| [m/s^2]", "{:.4g}", &BodyTouch::peak_acc},
-  };
+PointName contact_name(const Robot& robot) {
+  return [&robot](int contact) { return robot.contacts[std::size_t(contact)].name; };
 }
-
-std::string contact_order(const Robot& robot, const BodyLanding& l) {
-  std::string s;
-  for (const Peak& p : l.peaks)
-    if (p.point >= 0) s += (s.empty() ? "" : ", ") + robot.contacts[std::size_t(p.point)].name;
-  return s.empty() ? "none" : s;
-}
-Json peaks_json(const Robot& robot, const BodyLanding& l) {
-  Json out = Json::array();
-  for (const Peak& p : l.peaks)
-    if (p.point >= 0)
-      out.push_back({{"n", out.size() + 1},
-                     {"t", p.t},
-                     {"acceleration", p.acceleration},
-                     {"contact", robot.contacts[std::size_t(p.point)].name}});
-  return out;
-}
-std::string failure_words(const BodyLanding& l) {
-  if (l.end == End::kNoContact) return fmt::format("no contact touches the floor within {:.4g} s", l.t_end);
-  return fmt::format("{}, at t = {:.6g} s after {} steps", reason(l), l.t_end, l.work.steps);
-}
+Quantities<Touch> contact_quantities(const Robot& robot) { return contact_quantities(contact_name(robot), "|a|"); }
 
 Quantities<BodyMotion> motion_quantities(const Robot& robot, const BodyMotion& like) {
   Quantities<BodyMotion> out;
@@ -228,12 +188,13 @@ void robot_tables(const BodyScene& scene, Report& report) {
 int report(const CheckedBody& c, const std::optional<BodyLanding>& held, Run& run) {
   const BodyLanding& l = c.landing;
   const Robot& robot = c.scene.robot;
-  warn(c, run);
+  warn_of(l, c.sensitivity, kContact, run);
+  warn_of(c.sensitivity, c.wrong(), c.accuracy, run);
   const Table table = Table::of(kQuantities, c), contacts(contact_quantities(robot), l.touches);
   Json summary = table.object();
-  if (l.end == End::kFailed) summary["failed"] = failure_words(l);
+  if (l.end == End::kFailed) summary["failed"] = failure_words(l, kContact);
   summary["motion"] = Table::of(motion_quantities(robot, c.motion), c.motion).object();
-  summary["peaks"] = peaks_json(robot, l);
+  summary["peaks"] = peaks_json(l.peaks, contact_name(robot));
   summary["contacts"] = contacts.objects();
   summary["joints"] = joints_json(c.scene, c.motion, l, run);
   run.add("trajectory.csv", trajectory_csv(c.scene, l, run));

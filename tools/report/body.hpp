@@ -6,6 +6,7 @@
 
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/checked_body.hpp"
+#include "tools/report/landing.hpp"
 #include "tools/report/report.hpp"
 
 namespace ukemi::tools {
@@ -21,12 +22,9 @@ void show(const landing::BodyScene& scene, std::vector<BodyFall> falls, const st
 Figure drawing(const landing::BodyScene& scene);
 
 std::string trajectory_csv(const landing::BodyScene& scene, const landing::BodyLanding& landing, const Run& run);
-/// Its columns in contacts.csv; names of the contacts are those of the robot.
-Quantities<landing::BodyTouch> contact_quantities(const landing::Robot& robot);
-/// "foot, knee": the contacts in the order of their peaks; chatter left out.
-std::string contact_order(const landing::Robot& robot, const landing::BodyLanding& landing);
-Json peaks_json(const landing::Robot& robot, const landing::BodyLanding& landing);
-std::string failure_words(const landing::BodyLanding& landing);
+/// Names of the robot's contacts, which must outlive it.
+PointName contact_name(const landing::Robot& robot);
+Quantities<landing::Touch> contact_quantities(const landing::Robot& robot);
 /// phi_i_JOINT_deg ..., in JSON JOINT.phi_i_deg.
 Quantities<landing::BodyMotion> motion_quantities(const landing::Robot& robot, const landing::BodyMotion& like);
 /// "hip 35, knee -70 deg" of a posture, or where each joint goes.

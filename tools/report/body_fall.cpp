@@ -5,17 +5,14 @@
 #include <functional>
 
 #include "tools/report/body.hpp"
+#include "tools/report/fall.hpp"
+#include "tools/report/landing.hpp"
 
 namespace ukemi::tools {
 
 using namespace landing;
 
 namespace {
-
-std::string circled(std::size_t n) {
-  if (n > 20) return fmt::format("({})", n);
-  return std::string("\xE2\x91") + char(0x9F + n);  // U+2460 and on
-}
 
 /// A link as it is drawn: through its places, closed where they are not in a line; a body of no length as a small
 /// square.
@@ -84,7 +81,8 @@ Json animation_of(const BodyScene& scene, const BodyFall& f) {
       out.push_back(std::round(value(f.landing->trajectory[i]) / unit) / std::round(1 / unit));
     return out;
   };
-  Json out = {{"name", f.name}, {"peaks", peaks_json(robot, *f.landing)}, {"slope", std::tan(scene.slope)}};
+  Json out = {
+      {"name", f.name}, {"peaks", peaks_json(f.landing->peaks, contact_name(robot))}, {"slope", std::tan(scene.slope)}};
   out["t"] = column([](auto& s) { return s.t; }, 1e-6);
   out["acc"] = column([](auto& s) { return s.acc; }, 1e-2);
   for (std::size_t k = 0; k < robot.links.size(); ++k) {
@@ -108,19 +106,6 @@ Json animation_of(const BodyScene& scene, const BodyFall& f) {
   return out;
 }
 
-std::vector<Peak> numbered(const BodyLanding& l) {
-  std::vector<Peak> out;
-  for (const Peak& p : l.peaks)
-    if (p.point >= 0) out.push_back(p);
-  return out;
-}
-const BodySample& row_at(const BodyLanding& l, double t) {
-  const auto& rows = l.trajectory;
-  const auto after =
-      std::lower_bound(rows.begin(), rows.end(), t, [](const BodySample& s, double x) { return s.t < x; });
-  return after == rows.end() ? rows.back() : *after;
-}
-
 /// The links of a row, moved by so much in x.
 void add_links(Panel& panel, const Robot& robot, const BodySample& s, double x, double y = 0) {
   for (int k = 0; k < int(robot.links.size()); ++k) {
@@ -139,9 +124,9 @@ Panel postures_of(const BodyScene& scene, const BodyFall& f) {
   Panel out;
   out.title = f.name, out.scale = Panel::Scale::kBare;
   const double length = std::max(0.1, reach(scene.robot)), step = 1.5 * length;
-  const std::vector<Peak> peaks = numbered(*f.landing);
+  const std::vector<Peak> peaks = numbered(f.landing->peaks);
   for (std::size_t n = 0; n < std::min(kMost, peaks.size()); ++n) {
-    const BodySample& s = row_at(*f.landing, peaks[n].t);
+    const BodySample& s = row_at(f.landing->trajectory, peaks[n].t);
     const double x = step * double(n);
     add_links(out, scene.robot, s, x - s.x[0]);
     out.marks.push_back({x, 1.15 * length, circled(n + 1)});
@@ -163,17 +148,6 @@ Series curve(const std::string& name, const BodyLanding& l, const std::function<
   for (const BodySample& s : l.trajectory) out.x.push_back(s.t), out.y.push_back(value(s));
   return out;
 }
-Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series) {
-  Figure out = lines(name, "time from release [s]", y_label, std::move(series));
-  out.cursor = Figure::Cursor::kTime;
-  return out;
-}
-void add_marks(Panel& panel, const BodyLanding& l, int colour) {
-  const std::vector<Peak> peaks = numbered(l);
-  for (std::size_t n = 0; n < peaks.size(); ++n)
-    panel.marks.push_back({peaks[n].t, peaks[n].acceleration, circled(n + 1), colour});
-}
-
 Figure acceleration(const std::vector<BodyFall>& falls) {
   std::vector<Series> series;
   for (const BodyFall& f : falls)
@@ -181,7 +155,7 @@ Figure acceleration(const std::vector<BodyFall>& falls) {
         f.name, *f.landing, [](auto& s) { return s.acc; },
         series.empty() ? Series::Look::kLine : Series::Look::kDashed));
   Figure out = over_time("acceleration", "|a| [m/s²]", series);
-  for (std::size_t i = 0; i < falls.size(); ++i) add_marks(out.panels[0], *falls[i].landing, int(i));
+  for (std::size_t i = 0; i < falls.size(); ++i) add_marks(out.panels[0], falls[i].landing->peaks, int(i));
   out.width = Figure::Width::kWhole, out.panel_height = 320;
   out.caption = "Acceleration of the point that counts, its norm; the numbers are those of the postures.";
   return out;
@@ -255,7 +229,7 @@ void show(const BodyScene& scene, std::vector<BodyFall> falls, const std::string
   Figure postures;
   postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
   for (const BodyFall& f : falls)
-    if (!numbered(*f.landing).empty()) postures.panels.push_back(postures_of(scene, f));
+    if (!numbered(f.landing->peaks).empty()) postures.panels.push_back(postures_of(scene, f));
   postures.caption = "The robot at the acceleration peaks, with the contact that began each.";
   report.figure(postures);
   report.figure(acceleration(falls));

@@ -16,31 +16,20 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
   Quantities<BodyPlan> out;
   append(out, "motion/", motion_quantities(scene.robot, plan.motion), [](const BodyPlan& p) { return p.motion; });
   const Robot& robot = scene.robot;
-  out.insert(out.end(),
-             {{"", "peak_acceleration", "peak |a| [m/s^2]", peak_words, [](auto& p) { return p.landing.peak; }},
-              {"", "peak_time", [](auto& p) { return p.landing.t_peak; }},
-              {"", "hold/peak_acceleration", "held: " + motion_words(robot, plan.hold) + " [m/s^2]", peak_words,
-               [](auto& p) { return p.held.peak; }},
-              {"", "hold/peak", [](auto& p) { return p.held.peak; }},
-              {"", "reduction", "reduction", percent_words, [](auto& p) { return 1 - p.landing.peak / p.held.peak; }},
-              {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(robot, p.landing); }},
-              {"", "evaluations", "motions evaluated", {}, &BodyPlan::evaluations}});
+  out.insert(
+      out.end(),
+      {{"", "peak_acceleration", "peak |a| [m/s^2]", peak_words, [](auto& p) { return p.landing.peak; }},
+       {"", "peak_time", [](auto& p) { return p.landing.t_peak; }},
+       {"", "hold/peak_acceleration", "held: " + motion_words(robot, plan.hold) + " [m/s^2]", peak_words,
+        [](auto& p) { return p.held.peak; }},
+       {"", "hold/peak", [](auto& p) { return p.held.peak; }},
+       {"", "reduction", "reduction", percent_words, [](auto& p) { return 1 - p.landing.peak / p.held.peak; }},
+       {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(p.landing.peaks, contact_name(robot)); }},
+       {"", "evaluations", "motions evaluated", {}, &BodyPlan::evaluations}});
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven())
       out.push_back({"", "hold/phi_deg/" + robot.joints[i].name, [i](auto& p) { return p.hold[i].phi_i * kDegrees; }});
   return out;
-}
-
-void warn(const BodyPlan& plan, Run& run) {
-  if (!plan.message.empty()) run.warn(plan.message);
-  for (std::size_t k = 0; k < plan.variables.size(); ++k) {
-    const Variable& v = plan.variables[k];
-    const double unit = v.unit == "rad" ? kDegrees : 1;
-    if (const int edge = plan.edges[k]; edge != 0)
-      run.warn(fmt::format("{} lies on the {} edge of its search range, {:.4g} {}: beyond it may be better", v.words,
-                           edge < 0 ? "lower" : "upper", (edge < 0 ? v.lower : v.upper) * unit,
-                           v.unit == "rad" ? "deg" : v.unit));
-  }
 }
 
 std::string progress_csv(const Run& run, const BodyPlan& plan) {
@@ -65,12 +54,13 @@ Series descent(const BodyPlan& plan) {
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate, Run& run) {
   constexpr double kShort = 2;  // gnuplot takes some 0.1 s: a short deadline is for the search [s]
   const Robot& robot = scene.robot;
-  warn(plan, run);
+  if (!plan.message.empty()) run.warn(plan.message);
+  warn_of_edges(plan.variables, plan.edges, run);
   Json summary;
   if (plan.found) {
     const Table table = Table::of(plan_quantities(scene, plan), plan);
     summary = table.object();
-    summary["peaks"] = peaks_json(robot, plan.landing);
+    summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
     summary["contacts"] = Table(contact_quantities(robot), plan.landing.touches).objects();
     summary["joints"] = joints_json(scene, plan.motion, plan.landing, run);
     say(table.turned(), run);

@@ -12,13 +12,22 @@ namespace ukemi::tools {
 
 using namespace landing;
 
-namespace {
-
-/// "①", as the page's script writes it too.
 std::string circled(std::size_t n) {
   if (n > 20) return fmt::format("({})", n);
   return std::string("\xE2\x91") + char(0x9F + n);  // U+2460 and on
 }
+Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series) {
+  Figure out = lines(name, "time from release [s]", y_label, std::move(series));
+  out.cursor = Figure::Cursor::kTime;
+  return out;
+}
+void add_marks(Panel& panel, const std::vector<Peak>& all, int colour) {
+  const std::vector<Peak> peaks = numbered(all);
+  for (std::size_t n = 0; n < peaks.size(); ++n)
+    panel.marks.push_back({peaks[n].t, peaks[n].acceleration, circled(n + 1), colour});
+}
+
+namespace {
 
 /// The rows that the animation needs: no more than the eye sees, and every peak.
 std::vector<std::size_t> frames_of(const Landing& l) {
@@ -51,7 +60,7 @@ Json animation_of(const Fall& f, double length) {
   const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
     return column_of(*f.landing, frames, value, unit);
   };
-  Json out = {{"name", f.name}, {"length", length}, {"peaks", peaks_json(*f.landing)}};
+  Json out = {{"name", f.name}, {"length", length}, {"peaks", peaks_json(f.landing->peaks)}};
   out.update(motion_of(*f.landing, frames, 1e-6));
   for (const Landing& ghost : f.ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
   out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
@@ -61,29 +70,15 @@ Json animation_of(const Fall& f, double length) {
   return out;
 }
 
-/// The row at a time, the one of the largest acceleration where there are two.
-const Sample& row_at(const Landing& l, double t) {
-  const auto& rows = l.trajectory;
-  const auto after = std::lower_bound(rows.begin(), rows.end(), t, [](const Sample& s, double x) { return s.t < x; });
-  return after == rows.end() ? rows.back() : *after;
-}
-
-std::vector<Peak> numbered(const Landing& l) {
-  std::vector<Peak> out;
-  for (const Peak& p : l.peaks)
-    if (p.point >= 0) out.push_back(p);
-  return out;
-}
-
 /// The postures at the peaks beside each other, as far apart as they are long.
 Panel postures_of(const Fall& f, double length) {
   constexpr std::size_t kMost = 7;
   Panel out;
   out.title = f.name, out.scale = Panel::Scale::kBare;
   const double step = 2.6 * length, half = length / 2;
-  const std::vector<Peak> peaks = numbered(*f.landing);
+  const std::vector<Peak> peaks = numbered(f.landing->peaks);
   for (std::size_t n = 0; n < std::min(kMost, peaks.size()); ++n) {
-    const Sample& s = row_at(*f.landing, peaks[n].t);
+    const Sample& s = row_at(f.landing->trajectory, peaks[n].t);
     const double theta[] = {s.phi0, s.phi0 + s.phi1}, x = step * double(n);
     const double hip_x = x - half * std::sin(theta[0]), hip_y = s.y0 + half * std::cos(theta[0]),
                  knee_x = x + half * std::sin(theta[0]), knee_y = s.y0 - half * std::cos(theta[0]);
@@ -105,24 +100,12 @@ Panel postures_of(const Fall& f, double length) {
   return out;
 }
 
-Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series) {
-  Figure out = lines(name, "time from release [s]", y_label, std::move(series));
-  out.cursor = Figure::Cursor::kTime;
-  return out;
-}
-
-void add_marks(Panel& panel, const Landing& l, int colour) {
-  const std::vector<Peak> peaks = numbered(l);
-  for (std::size_t n = 0; n < peaks.size(); ++n)
-    panel.marks.push_back({peaks[n].t, peaks[n].acceleration, circled(n + 1), colour});
-}
-
 Figure acceleration(const Falls& f) {
   std::vector<Series> series;
   for (const Fall& fall : f.falls) series.push_back(curve(fall.name, fall.landing->trajectory, &Sample::acc));
   if (series.size() > 1) series[1].look = Series::Look::kDashed;
   Figure out = over_time("acceleration", "|ddr_0| [m/s²]", series);
-  for (std::size_t i = 0; i < f.falls.size(); ++i) add_marks(out.panels[0], *f.falls[i].landing, int(i));
+  for (std::size_t i = 0; i < f.falls.size(); ++i) add_marks(out.panels[0], f.falls[i].landing->peaks, int(i));
   if (f.limit) out.panels[0].levels.push_back({*f.limit, fmt::format("no motion is below {:.1f}", *f.limit)});
   out.width = Figure::Width::kWhole, out.panel_height = 320;
   out.caption = "Acceleration of the thigh's centre of mass, its norm; the numbers are those of the postures.";
@@ -135,7 +118,7 @@ Figure components(const Fall& f) {
                 {curve("x", f.landing->trajectory, &Sample::ddx0), curve("y", f.landing->trajectory, &Sample::ddy0),
                  curve("norm", f.landing->trajectory, &Sample::acc)});
   out.panels[0].series[2].look = Series::Look::kDashed;
-  add_marks(out.panels[0], *f.landing, Series::kInk);
+  add_marks(out.panels[0], f.landing->peaks, Series::kInk);
   out.caption = "The same of \"" + f.name + "\" in x (forward), y (up) and as a norm.";
   return out;
 }
@@ -205,7 +188,7 @@ void show(const Falls& given, Report& report) {
   Figure postures;
   postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
   for (const Fall& fall : f.falls)
-    if (!numbered(*fall.landing).empty()) postures.panels.push_back(postures_of(fall, length));
+    if (!numbered(fall.landing->peaks).empty()) postures.panels.push_back(postures_of(fall, length));
   postures.caption = "The robot at the acceleration peaks, with the contact that began each; thigh dark, shank blue.";
   report.figure(postures);
   report.figure(acceleration(f));

@@ -2,6 +2,7 @@
 // (Fig. 7), with one number for each peak in all of them.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,19 @@ struct Falls {
 
 /// The animation and the figures. Falls without a trajectory are left out.
 void show(const Falls& falls, Report& report);
+
+/// "①", as the page's script writes it too.
+std::string circled(std::size_t n);
+/// A figure over the time from release, with a cursor that all such figures share.
+Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series);
+/// The numbers of the peaks, where they are.
+void add_marks(Panel& panel, const std::vector<landing::Peak>& peaks, int colour);
+/// The row at a time, the one of the largest acceleration where there are two.
+template <class Sample>
+const Sample& row_at(const std::vector<Sample>& rows, double t) {
+  const auto after = std::lower_bound(rows.begin(), rows.end(), t, [](const Sample& s, double x) { return s.t < x; });
+  return after == rows.end() ? rows.back() : *after;
+}
 
 /// Kinetic and gravitational energy of both links, at a row of a trajectory [J].
 double link_energy(const landing::Scene& scene, const landing::Sample& sample);

@@ -60,36 +60,68 @@ Quantities<Motion> motion_quantities(const Motion& like) {
 Json motion_json(const Motion& motion) { return Table::of(motion_quantities(motion), motion).object(); }
 std::string motion_words(const Motion& motion) { return Table::of(motion_quantities(motion), motion).line(); }
 
-Quantities<Touch> contact_quantities() {
+std::string point_name(int point) { return kPointNames[std::size_t(point)]; }
+Quantities<Touch> contact_quantities(const PointName& name, const std::string& acceleration) {
   return {
-      {"point", "point", "point", {}, [](auto& t) { return kPointNames[t.point]; }},
+      {"point", "point", "point", {}, [name](auto& t) { return name(t.point); }},
       {"t_touchdown", "t", "touchdown [s]", "{:.6f}", &Touch::t_touchdown},
       {"t_liftoff", "", "lift-off [s]", "{:.6f}", &Touch::t_liftoff},
       {"peak_force", "", "peak force [N]", "{:.4g}", &Touch::peak_force},
-      {"peak_acc", "", "peak |ddr_0| [m/s^2]", "{:.4g}", &Touch::peak_acc},
+      {"peak_acc", "", "peak " + acceleration + " [m/s^2]", "{:.4g}", &Touch::peak_acc},
   };
 }
 Json contacts_json(const Landing& l) { return Table(contact_quantities(), l.touches).objects(); }
 
-Json peaks_json(const Landing& l) {
-  Json out = Json::array();
-  for (const Peak& p : l.peaks)
-    if (p.point >= 0)
-      out.push_back({{"n", out.size() + 1},
-                     {"t", p.t},
-                     {"acceleration", p.acceleration},
-                     {"contact", kPointNames[std::size_t(p.point)]}});
+std::vector<Peak> numbered(const std::vector<Peak>& peaks) {
+  std::vector<Peak> out;
+  for (const Peak& p : peaks)
+    if (p.point >= 0) out.push_back(p);
   return out;
 }
-std::string contact_order(const Landing& l) {
+Json peaks_json(const std::vector<Peak>& peaks, const PointName& name) {
+  Json out = Json::array();
+  for (const Peak& p : numbered(peaks))
+    out.push_back({{"n", out.size() + 1}, {"t", p.t}, {"acceleration", p.acceleration}, {"contact", name(p.point)}});
+  return out;
+}
+std::string contact_order(const std::vector<Peak>& peaks, const PointName& name) {
   std::string s;
-  for (const Peak& p : l.peaks)
-    if (p.point >= 0) s += (s.empty() ? "" : ", ") + std::string(kPointNames[std::size_t(p.point)]);
+  for (const Peak& p : numbered(peaks)) s += (s.empty() ? "" : ", ") + name(p.point);
   return s.empty() ? "none" : s;
 }
-std::string failure_words(const LandingPeak& p) {
-  if (p.end == End::kNoContact) return fmt::format("no point touches the floor within {:.4g} s", p.t_end);
-  return fmt::format("{}, at t = {:.6g} s after {} steps", reason(p), p.t_end, p.work.steps);
+std::string failure_words(const RunEnd& r, const char* point) {
+  if (r.end == End::kNoContact) return fmt::format("no {} touches the floor within {:.4g} s", point, r.t_end);
+  return fmt::format("{}, at t = {:.6g} s after {} steps", reason(r), r.t_end, r.work.steps);
+}
+
+void warn_of(const RunEnd& r, const Sensitivity& sensitivity, const char* point, Run& run) {
+  const bool failed = r.end == End::kFailed;
+  if (failed) run.warn("refused: " + failure_words(r, point) + "; what was computed so far is kept");
+  if (r.end == End::kNoContact) run.warn(failure_words(r, point) + ": the peak is that of a flight");
+  if (!sensitivity.checked && !failed)
+    run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
+}
+void warn_of(const Sensitivity& s, bool wrong, double accuracy, Run& run) {
+  if (wrong)
+    run.warn(
+        fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
+                    s.error_estimate, std::max(1e-14, accuracy / 100)));
+  if (s.sensitive)
+    run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff",
+                         s.change));
+}
+
+void warn_of_edges(const std::vector<Variable>& variables, const Edges& edges, Run& run) {
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    const Variable& v = variables[k];
+    const double unit = v.unit == "rad" ? kDegrees : 1;
+    if (const int edge = edges[k]; edge != 0)
+      run.warn(fmt::format("{} lies on the {} edge of its search range, {:.4g} {}: beyond it may be better", v.words,
+                           edge < 0 ? "lower" : "upper", (edge < 0 ? v.lower : v.upper) * unit,
+                           v.unit == "rad" ? "deg"
+                           : v.unit == "1" ? ""
+                                           : v.unit));
+  }
 }
 
 Quantities<Evidence> deviation_quantities() {

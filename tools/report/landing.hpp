@@ -1,12 +1,14 @@
 // What the verbs tell of motions and landings, each quantity once.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "landing/judge/checked.hpp"
 #include "landing/judge/map.hpp"
+#include "landing/judge/sensitivity.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/table.hpp"
 
@@ -28,7 +30,12 @@ struct Display {
 Display display(const landing::Variable& variable, const std::string& middle = "");
 
 Quantities<landing::Motion> motion_quantities(const landing::Motion& like);
-Quantities<landing::Touch> contact_quantities();
+/// Name of Touch::point and Peak::point.
+using PointName = std::function<std::string(int)>;
+std::string point_name(int point);  ///< of the paper's robot
+/// `acceleration`: how tables call the one that counts.
+Quantities<landing::Touch> contact_quantities(const PointName& name = point_name,
+                                              const std::string& acceleration = "|ddr_0|");
 /// The worst peaks under one deviation each.
 Quantities<landing::Evidence> deviation_quantities();
 /// How wide the motion's basin is in each variable, its tolerant peak by that name (empty: in files alone), the
@@ -40,11 +47,18 @@ Json motion_json(const landing::Motion& motion);
 /// A motion on one line.
 std::string motion_words(const landing::Motion& motion);
 Json contacts_json(const landing::Landing& landing);
-Json peaks_json(const landing::Landing& landing);
+/// The peaks that a touchdown began.
+std::vector<landing::Peak> numbered(const std::vector<landing::Peak>& peaks);
+Json peaks_json(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
 /// "foot, knee, hip": the points in the order of their peaks; chatter left out.
-std::string contact_order(const landing::Landing& landing);
-/// Why there is no landing.
-std::string failure_words(const landing::LandingPeak& landing);
+std::string contact_order(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
+/// Why there is no landing; `point`: what a robot meets the floor with.
+std::string failure_words(const landing::RunEnd& run, const char* point = "point");
+
+/// Warns of a run that failed, met no floor or could not be checked.
+void warn_of(const landing::RunEnd& run, const landing::Sensitivity& sensitivity, const char* point, Run& to);
+/// Warns of a peak that is `wrong`, see CheckedLanding, or sensitive; `accuracy`: what was asked.
+void warn_of(const landing::Sensitivity& sensitivity, bool wrong, double accuracy, Run& run);
 
 Json ratings_json(const landing::Ratings& ratings);
 /// Warns where the drive lost the joint; `whose` stands in front.
@@ -53,6 +67,9 @@ void warn_of(const landing::Landing& landing, const std::string& whose, Run& run
 void warn_of(const landing::Ratings& ratings, Run& run);
 /// Warns of an unstable drive; `tau_max` may end the growth.
 void warn_of(const std::optional<landing::Instability>& instability, double tau_max, Run& run);
+
+/// Warns where an answer lies on the edge of what was searched.
+void warn_of_edges(const std::vector<landing::Variable>& variables, const landing::Edges& edges, Run& run);
 
 /// A column of a trajectory over time, in `unit`s.
 Series curve(const std::string& name, const std::vector<landing::Sample>& trajectory, double landing::Sample::*column,

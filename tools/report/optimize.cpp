@@ -52,15 +52,16 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
                    [](auto& a) { return a.limit->first_contact; }});
     out.push_back({"", "limit/first_contact_phi_deg", [](auto& a) { return a.limit->first_contact_phi * kDegrees; }});
   }
-  out.insert(out.end(),
-             {
-                 {"", "", "contacts", {}, [](auto& a) { return a.played() ? contact_order(a.landing) : "not played"; }},
-                 {"", "evaluations", "motions evaluated", {}, [](auto& a) { return a.best.evaluations; }},
-                 {"", "landings", "landings played", {}, [](auto& a) { return a.best.landings; }},
-                 {"", "solver", [](auto& a) { return a.best.solver; }},
-                 {"", "verified", [](auto& a) { return a.best.verified; }},
-                 {"", "joint_lost", [](auto& a) { return a.played() ? Json(a.landing.joint_lost) : Json(); }},
-             });
+  out.insert(
+      out.end(),
+      {
+          {"", "", "contacts", {}, [](auto& a) { return a.played() ? contact_order(a.landing.peaks) : "not played"; }},
+          {"", "evaluations", "motions evaluated", {}, [](auto& a) { return a.best.evaluations; }},
+          {"", "landings", "landings played", {}, [](auto& a) { return a.best.landings; }},
+          {"", "solver", [](auto& a) { return a.best.solver; }},
+          {"", "verified", [](auto& a) { return a.best.verified; }},
+          {"", "joint_lost", [](auto& a) { return a.played() ? Json(a.landing.joint_lost) : Json(); }},
+      });
   return out;
 }
 
@@ -114,21 +115,6 @@ Json forbidden_touches(const Answer& a, Run& run) {
   return out;
 }
 
-/// Where the answer lies on the edge of what was searched.
-void warn_of_edges(const Answer& a, Run& run) {
-  const ReferenceSpace space(a.scene, a.best.sea);
-  for (std::size_t k = 0; k < space.variables().size(); ++k) {
-    const Variable& v = space.variables()[k];
-    const double unit = v.unit == "rad" ? kDegrees : 1;
-    if (const int edge = a.best.edges[k]; edge != 0)
-      run.warn(fmt::format("{} lies on the {} edge of its search range, {:.4g} {}: beyond it may be better", v.words,
-                           edge < 0 ? "lower" : "upper", (edge < 0 ? v.lower : v.upper) * unit,
-                           v.unit == "rad" ? "deg"
-                           : v.unit == "1" ? ""
-                                           : v.unit));
-  }
-}
-
 /// The motion that breaks the ratings least, where none keeps them.
 void tell_least_breaking(const LeastBreaking& l, Run& run, Json& summary) {
   std::string rating = l.rating;
@@ -167,7 +153,7 @@ void warn(const Answer& a, Run& run) {
   warn_of(a.instability, a.actuator.sea.tau_max, run);
   warn_of(a.landing, "", run), warn_of(a.held, held_words(a) + ": ", run);
   if (!a.best.message.empty()) run.warn(a.best.message);
-  warn_of_edges(a, run);
+  warn_of_edges(ReferenceSpace(a.scene, a.best.sea).variables(), a.best.edges, run);
   if (!a.best.verified) run.warn("there was no time to judge the motion at a tight accuracy: its peak is the search's");
   if (t.sampled > t.value)
     run.warn(fmt::format(
@@ -189,7 +175,7 @@ Json summary_of(const Answer& a, Run& run) {
   s["execution"] = {{"phi_deg", a.scene.execution.phi * kDegrees}, {"duration", a.scene.execution.duration}};
   if (a.options.search.limits.any_forbidden()) s["forbidden"] = forbidden_touches(a, run);
   s["contacts"] = a.played() ? contacts_json(a.landing) : Json();
-  s["peaks"] = a.played() ? peaks_json(a.landing) : Json();
+  s["peaks"] = a.played() ? peaks_json(a.landing.peaks) : Json();
   if (a.evidence) s["evidence"]["time_s"] = a.evidence_seconds;
   s["ratings"] = a.ratings ? ratings_json(*a.ratings) : Json();
   return s;

@@ -31,7 +31,7 @@ const Quantities<CheckedLanding> kQuantities = {
                                                     : "no"; }},
     {"", "sensitivity", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.change) : Json(); }},
     {"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }},
-    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing); }},
+    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing.peaks); }},
     {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
     {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
     {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
@@ -47,24 +47,14 @@ std::string motion_name(const Motion& m) {
 
 void warn(const CheckedLanding& c, Run& run) {
   const Landing& l = c.landing;
-  const bool failed = l.end == End::kFailed;
   warn_of(c.instability, c.ratings.tau_max, run);
-  if (failed) run.warn("refused: " + failure_words(l) + "; what was computed so far is kept");
-  if (l.end == End::kNoContact) run.warn(failure_words(l) + ": the peak is that of a flight");
-  if (!c.sensitivity.checked && !failed)
-    run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
+  warn_of(l, c.sensitivity, "point", run);
   warn_of(l, "", run);
   if (const auto& stops = c.scene.joint; stops && (l.demands.phi_min < (*stops)[0] || l.demands.phi_max > (*stops)[1]))
     run.warn(fmt::format(
         "the joint leaves its stops: it moves from {:.4g} to {:.4g} deg, the stops are at {:.4g} and {:.4g}",
         l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees, (*stops)[0] * kDegrees, (*stops)[1] * kDegrees));
-  if (c.wrong())
-    run.warn(
-        fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
-                    c.sensitivity.error_estimate, std::max(1e-14, c.accuracy / 100)));
-  if (c.sensitivity.sensitive)
-    run.warn(fmt::format("sensitive: a scene moved by 1e-6 moves the peak by {:.2g}: the motion stands beside a cliff",
-                         c.sensitivity.change));
+  warn_of(c.sensitivity, c.wrong(), c.accuracy, run);
   warn_of(c.ratings, run);
 }
 
@@ -78,7 +68,7 @@ int report(const CheckedLanding& c, const Actuator& actuator, const std::optiona
   Json summary = table.object();
   if (l.end == End::kFailed) summary["failed"] = failure_words(l);
   summary["motion"] = motion_json(c.motion);
-  summary["peaks"] = peaks_json(l);
+  summary["peaks"] = peaks_json(l.peaks);
   summary["contacts"] = contacts.objects();
   summary["ratings"] = ratings_json(c.ratings);
   run.add("trajectory.csv", trajectory_csv(l.trajectory, run));
