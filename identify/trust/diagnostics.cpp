@@ -230,7 +230,7 @@ void widen_errors(const ResidualTests& tests, Estimates& fit) {
 
 void widen_errors(const ResidualTests& tests, Fit& fit) {
   widen_errors(tests, static_cast<Estimates&>(fit));
-  if (fit.far_above_noise || fit.flawed_logs) distrust(fit.parameters);
+  if (!fit.converged || fit.far_above_noise || fit.flawed_logs) distrust(fit.parameters);
 }
 
 std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {

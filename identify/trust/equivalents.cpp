@@ -14,10 +14,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// What an explanation costs beside the residuals: the square of its size in the errors that the rig states.
+/// What an explanation costs beside the residuals, by its size in the errors that the rig states. These are guesses
+/// themselves: Cauchy's distribution, by which five of them are no proof.
 double surprise(const RigTerm& t, double size, const Rig& rig) {
   const double error = t.error ? rig.errors.*t.error->at : 0;
-  return error > 0 ? size * size / (error * error) : 0;
+  return error > 0 ? 2 * std::log1p(size * size / (error * error)) : 0;
 }
 
 /// A term whose column of the squares is `column`, `size` beyond its absence, while what stands in the columns `rest`
@@ -30,6 +31,8 @@ struct Explanation {
 };
 
 /// In a line. All that explain a part of what the term explains, at least `share`, or within kToldApart all of it.
+/// Where only a part is asked for, one whose line leads beyond its upper bound counts too, at its absence and as told
+/// apart: a large lag is no straight line.
 std::vector<Rival> rivals(const Explanation& of, const Experiment& experiment, const Fit& fit, const Sensitivity& s,
                           double share = 1) {
   const MatrixXd squares = s.sum(0, 0, s.columns(), s.columns());
@@ -55,8 +58,10 @@ std::vector<Rival> rivals(const Explanation& of, const Experiment& experiment, c
                        surprise(of.term, x, experiment.rig);
     const double value = other.value_in(fit.sea) + y;
     if (!(bic < std::max(kToldApart, (1 - share) * x * x * self / variance))) continue;
-    if (value < other.lower || value > other.upper) continue;
-    Rival r{of.term.name, other.name, value, bic, std::vector<double>(fit.fitted.size(), 0.0)};
+    const bool beyond = value > other.upper;
+    if (value < other.lower || (beyond && share == 1)) continue;
+    Rival r{of.term.name, other.name, beyond ? other.absent : value, beyond ? std::max(bic, kToldApart) : bic,
+            std::vector<double>(fit.fitted.size(), 0.0)};
     for (std::size_t i = 0; i < of.rest.size(); ++i)
       r.shift[std::size_t(s.free[std::size_t(of.rest[i])])] = theirs[long(i)] * y - own[long(i)] * x;
     out.push_back(std::move(r));
@@ -72,7 +77,9 @@ std::optional<Rival> refitted(const Rival& r, const Experiment& experiment, cons
   SeaParameters<double> from = fit.sea;
   options.terms[r.term].set_in(from, options.terms[r.term].absent);
   options.terms[r.other].set_in(from, r.value);
-  const Fit with = refit(experiment.rig, experiment.trials, from, options);
+  Rig unstated = experiment.rig;  // its errors are no priors here: they count as `surprise`
+  unstated.errors = RigErrors::exact();
+  const Fit with = refit(unstated, experiment.trials, from, options);
   if (!with.converged) return std::nullopt;
   const auto value_in = [](const Fit& f, const std::string& name) {
     for (const Estimate* e : f.globals())
@@ -80,7 +87,10 @@ std::optional<Rival> refitted(const Rival& r, const Experiment& experiment, cons
     return std::numeric_limits<double>::quiet_NaN();
   };
   Rival out{r.term, r.other, value_in(with, r.other), 0, {}};
-  out.bic = deviance(with, experiment.trials, options) - deviance(fit, experiment.trials, options);
+  const RigTerm &term = options.terms[r.term], &other = options.terms[r.other];
+  out.bic = deviance(with, experiment.trials, options) - deviance(fit, experiment.trials, options) +
+            surprise(other, out.value - other.absent, experiment.rig) -
+            surprise(term, value_in(fit, r.term) - term.absent, experiment.rig);
   if (!(out.bic < kToldApart)) return std::nullopt;
   for (const std::string& name : fit.fitted) {
     const double moved = value_in(with, name) - value_in(fit, name);

@@ -238,6 +238,34 @@ TEST_CASE("force_gain and the link's inertia explain the same: said, and not tru
   CHECK(off(exact.fit) < 4);
 }
 
+TEST_CASE("a long velocity filter and output_viscous explain the same, which no line sees: said, and not trusted") {
+  FitOptions with;
+  with.terms.nuisance = {"output_viscous"};
+  const Rig on = stated();
+  constexpr std::array<double, kConstants> soft = {20, 0.75, 190, 0.9, 0.02};
+  const auto logs = eight_hits({.filter = 5e-3, .angle_noise = kNoise, .strength = 0.3}, 3, soft);
+  const Identification found = identify::identify({on, logs, with}, std::nullopt, on.mounted({}), {});
+  INFO(told(found));
+  REQUIRE(found.trust);
+  const auto& rivals = found.trust->rivals;
+  const auto filter =
+      std::find_if(rivals.begin(), rivals.end(), [](const Rival& r) { return r.other == "velocity_filter"; });
+  REQUIRE(filter != rivals.end());
+  CHECK(filter->term == "output_viscous");
+  CHECK(filter->value == Approx(5e-3).epsilon(0.2));
+  CHECK(found.fit.parameters[1].verdict != Identifiability::kTrusted);  // k_d
+}
+
+TEST_CASE("a fit that did not converge has no constant that is trusted") {
+  FitOptions short_of;
+  short_of.max_iterations = 2, short_of.restarts = 0;
+  const Identification found =
+      identify::identify({rig(), logs_of({}, 9), short_of}, std::nullopt, rig().mounted({}), {});
+  INFO(told(found));
+  REQUIRE_FALSE(found.fit.converged);
+  for (const Estimate& e : found.fit.parameters) CHECK(e.verdict != Identifiability::kTrusted);
+}
+
 TEST_CASE("a term that was named is found where its score test points") {
   const auto logs = logs_of({.dry = 0.3, .strength = 0.2}, 6);
   FitOptions with;
