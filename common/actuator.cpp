@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/csv.hpp"
+#include "common/error.hpp"
 
 namespace ukemi {
 
@@ -19,10 +21,16 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
 
 Range lateness() { return {0, kMostLate, false, fmt::format("from 0 to {} s", kMostLate)}; }
 
-const std::vector<OptionalConstant>& optional_constants() {
+const std::vector<ActuatorConstant>& actuator_constants() {
   using Sea = SeaParameters<double>;
   const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = lateness();
-  static const std::vector<OptionalConstant> list = {
+  static const std::vector<ActuatorConstant> list = {
+      {kConstantNames[0], &Sea::k_p, kConstantUnits[0], level},
+      {kConstantNames[1], &Sea::k_d, kConstantUnits[1], level},
+      {kConstantNames[2], &Sea::k_sea, kConstantUnits[2], level},
+      {kConstantNames[3], &Sea::c_sea, kConstantUnits[3], level},
+      {kConstantNames[4], &Sea::i_motor, kConstantUnits[4], Range::positive()},
+      {"tau_max", &Sea::tau_max, "Nm", level, std::numeric_limits<double>::infinity()},
       {"k_t", &Sea::k_t, "Nm for a unit of the command", level},
       {"friction", &Sea::friction, "Nm", level},
       {"friction_asymmetry", &Sea::friction_asymmetry, "of friction", part},
@@ -40,14 +48,28 @@ const std::vector<OptionalConstant>& optional_constants() {
   return list;
 }
 
+std::span<const ActuatorConstant> optional_constants() {
+  return std::span(actuator_constants()).subspan(kConstants + 1);
+}
+
 const std::vector<std::string>& uncertain_constants() {
   static const std::vector<std::string> list = [] {
-    std::vector<std::string> out(kConstantNames.begin(), kConstantNames.end());
-    out.emplace_back("tau_max");
-    for (const OptionalConstant& c : optional_constants()) out.emplace_back(c.key);
+    std::vector<std::string> out;
+    for (const ActuatorConstant& c : actuator_constants()) out.emplace_back(c.key);
     return out;
   }();
   return list;
+}
+
+std::vector<int> constant_indices(const std::vector<std::string>& names) {
+  const std::vector<std::string>& known = uncertain_constants();
+  std::vector<int> out;
+  for (const std::string& name : names) {
+    const auto at = std::find(known.begin(), known.end(), name);
+    if (at == known.end()) throw InputError("constant: " + one_of(name, known));
+    out.push_back(int(at - known.begin()));
+  }
+  return out;
 }
 
 std::string Actuator::unknown_ratings() const {
@@ -66,7 +88,7 @@ bool by_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_
 
 void read_constants(TomlSection& s, Actuator& a) {
   const Range constant = Range::non_negative();
-  for (const OptionalConstant& c : optional_constants())
+  for (const ActuatorConstant& c : optional_constants())
     a.sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
   const bool gains = a.sea.k_t == 0;  // where K_t stands for them they may be absent
   a.sea.k_p = gains ? s.number("k_p", constant) : s.optional_number("k_p", constant).value_or(0);
@@ -105,7 +127,7 @@ std::string to_toml(const Actuator& a, double half_width) {
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm, of the spring\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s, of the motor\n", shortest(*a.speed_max));
   if (a.motor_torque_max) t += fmt::format("motor_torque_max = {}  # Nm\n", shortest(*a.motor_torque_max));
-  for (const OptionalConstant& c : optional_constants())
+  for (const ActuatorConstant& c : optional_constants())
     if (const double v = a.sea.*c.at; v != c.absent) t += fmt::format("{} = {}  # {}\n", c.key, shortest(v), c.unit);
   t += fmt::format("feedback = \"{}\"\n", name(a.sea.feedback));
   t += verdict_table(a.verdicts);
@@ -115,13 +137,8 @@ std::string to_toml(const Actuator& a, double half_width) {
       for (std::size_t i = 0; i < a.uncertain.size(); ++i) t += (i ? ", " : "") + item(i);
       t += "]\n";
     };
-    const auto value = [&](std::size_t i) {
-      for (int k = 0; k < kConstants; ++k)
-        if (a.uncertain[i] == kConstantNames[k]) return u[k];
-      for (const OptionalConstant& c : optional_constants())
-        if (a.uncertain[i] == c.key) return a.sea.*c.at;
-      return a.sea.tau_max;
-    };
+    const std::vector<int> places = constant_indices(a.uncertain);
+    const auto value = [&](std::size_t i) { return a.sea.*actuator_constants()[std::size_t(places[i])].at; };
     const auto error = [&](std::size_t i) { return std::sqrt(a.covariance(long(i), long(i))); };
     t += "\n[uncertainty]\n";
     list("order", [&](std::size_t i) { return "\"" + a.uncertain[i] + "\""; });

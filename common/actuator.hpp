@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,17 +36,23 @@ void set_constants(SeaParameters<T>& sea, const Vector& u) {
 inline constexpr double kMostLate = 0.1;
 Range lateness();
 
-/// A constant of [actuator] beside the five, which a file needs only where it is not as in no file.
-struct OptionalConstant {
+/// A constant of [actuator].
+struct ActuatorConstant {
   const char* key;
   double SeaParameters<double>::*at;
   const char* unit;
   Range range;
-  double absent = 0;  ///< its value in a file without it
+  double absent = 0;  ///< its value in a file without it; of the five no meaning
 };
-const std::vector<OptionalConstant>& optional_constants();
-/// What an actuator's [uncertainty] may name: the five, tau_max, the optional ones.
+/// All of them: the five, tau_max, then the optional ones.
+inline constexpr int kActuatorConstants = 19;
+const std::vector<ActuatorConstant>& actuator_constants();
+/// Those that a file needs only where they are not as in no file.
+std::span<const ActuatorConstant> optional_constants();
+/// The keys of all: what an actuator's [uncertainty] may name.
 const std::vector<std::string>& uncertain_constants();
+/// The places of names in actuator_constants(). Throws InputError for another name.
+std::vector<int> constant_indices(const std::vector<std::string>& names);
 
 struct Actuator {
   std::string name;

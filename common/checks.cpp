@@ -29,7 +29,7 @@ void validate(const SeaParameters<double>& sea) {
   for (std::size_t k = 0; k + 1 < kConstants; ++k) check_not_negative(kConstantNames[k], u[k]);
   check_positive(kConstantNames[kConstants - 1], u[kConstants - 1]);
   if (sea.tau_max != std::numeric_limits<double>::infinity()) check_not_negative("tau_max", sea.tau_max);
-  for (const OptionalConstant& c : optional_constants()) check_range(c.key, sea.*c.at, c.range);
+  for (const ActuatorConstant& c : optional_constants()) check_range(c.key, sea.*c.at, c.range);
 }
 
 void validate(const Actuator& actuator) {

@@ -24,15 +24,19 @@ struct JointSearch {
 struct BodyScene {
   std::string name;
   Robot robot;
-  bool floor = false;  ///< false: nothing can touch
-  double slope = 0;    ///< the floor rises forward by so much, within a right angle [rad]
-  std::string source;  ///< where the floor's constants come from
-  Drop drop;           ///< height: of the lowest contact's surface, not of a pinned robot; pitch: theta of the first
-                       ///< link; forward speed: of a free base; pitch_rate: not on a rail
+  bool floor = false;                    ///< false: nothing can touch
+  double slope = 0;                      ///< the floor rises forward by so much, within a right angle [rad]
+  std::string robot_file;                ///< that the scene's names; empty: none
+  std::vector<std::string> drive_files;  ///< actuators that were read
+  std::string source;                    ///< where the floor's constants come from
+  Drop drop;  ///< height: of the lowest contact's surface, not of a pinned robot; pitch: theta of the first
+              ///< link; forward speed: of a free base; pitch_rate: not on a rail
   double detection_delay = 0;                ///< from the first touchdown to the motion's start [s], >= 0
   std::optional<double> t_end;               ///< upper bound of a run, from release [s]; absent: as Scene::t_end
   std::vector<JointSearch> search;           ///< of Robot::joints; of those that are not driven without meaning
   std::array<double, 2> duration{0.1, 1.0};  ///< of a plan, one for all joints [s]
+  std::optional<Scatter> scatter;            ///< of its drops; absent: nothing is said
+  ExecutionTolerance execution;              ///< how exactly every joint plays its motion
 
   /// Throws InputError for a number outside the range that stands beside it.
   void validate() const;

@@ -7,6 +7,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "landing/body/robot_file.hpp"
+#include "landing/model/scatter_file.hpp"
 
 namespace ukemi::landing {
 
@@ -74,15 +75,18 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
   ContactLaw law{.stiffness = 1};  // of contacts where there is no floor
   read_floor(file, out, law);
   if (const auto name = file.optional_text("robot")) {
-    TomlFile other((std::filesystem::path(path).parent_path() / *name).string());
-    out.robot = read_robot_tables(other, &file, law, drives);
+    out.robot_file = (std::filesystem::path(path).parent_path() / *name).string();
+    TomlFile other(out.robot_file);
+    read_robot_tables(other, &file, law, drives, out);
     other.finish();
   } else {
-    out.robot = read_robot_tables(file, nullptr, law, drives);
+    read_robot_tables(file, nullptr, law, drives, out);
   }
   out.search.resize(out.robot.joints.size());
   if (auto drop = alone ? file.optional("drop") : file.require("drop")) read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);
+  if (auto scatter = file.optional("scatter")) out.scatter = read_scatter(*scatter);
+  if (auto execution = file.optional("execution")) out.execution = read_execution(*execution);
   if (auto run = file.optional("run")) out.t_end = run->optional_number("t_end", Range::positive());
   if (auto detection = file.optional("detection")) {
     out.detection_delay = detection->optional_number("delay", Range::non_negative()).value_or(0);
@@ -114,6 +118,8 @@ void BodyScene::validate() const {
     if (!(range[0] < range[1])) throw InputError(std::string(what) + ": the range is empty");
   };
   for (const JointSearch& s : search) rising("search.phi", s.phi), check_finite("search.hold", s.held());
+  check_not_negative("execution.phi", execution.phi), check_not_negative("execution.duration", execution.duration);
+  if (scatter) scatter->validate();
   rising("duration", duration), check_positive("duration", duration[0]);
 }
 

@@ -6,6 +6,7 @@
 // hangs straight down, across points forward (+x). A joint's angle is phi = theta_child - theta_parent (0: in line).
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <limits>
 #include <optional>
@@ -55,6 +56,8 @@ struct Joint {
   double parallel_stiffness = 0;             ///< of a spring beside any drive but a locked one [Nm/rad], >= 0
   double parallel_rest = 0;                  ///< [rad]
   double phi = 0;                            ///< at release, passive and locked [rad]
+  std::vector<std::string> uncertain;        ///< constants of the drive whose errors are known, see Actuator
+  Eigen::MatrixXd covariance;                ///< of those, in their order
 
   bool driven() const { return kind == DriveKind::kElastic || kind == DriveKind::kGeared; }
 };

@@ -130,6 +130,7 @@ void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& f
 /// Drives of such a robot follow Eq. 3 at once.
 void take(const Actuator& a, Joint& joint, const Location& where) {
   joint.sea = a.sea, joint.speed_max = a.speed_max, joint.motor_torque_max = a.motor_torque_max;
+  joint.uncertain = a.uncertain, joint.covariance = a.covariance;
   if (is_late(a.sea))
     throw InputError(where, "control_delay, velocity_filter: 0 is needed: a robot of links has no drive that is late");
   if (a.sea.k_t != 0) throw InputError(where, "k_t: a landing needs the gains of its controller, k_p and k_d (Eq. 3)");
@@ -141,14 +142,14 @@ void read_geared(TomlSection& s, Joint& joint) {
   sea.k_p = s.number("k_p", Range::non_negative()), sea.k_d = s.number("k_d", Range::non_negative());
   sea.i_motor = s.number("i_motor", Range::positive());
   if (const auto v = s.optional_number("tau_max", Range::non_negative())) sea.tau_max = *v;
-  for (const OptionalConstant& c : optional_constants())
+  for (const ActuatorConstant& c : optional_constants())
     for (const char* key : {"friction", "friction_asymmetry", "viscous_friction", "breakaway", "stribeck_speed"})
       if (c.key == std::string(key)) sea.*c.at = s.optional_number(key, c.range).value_or(c.absent);
   joint.speed_max = s.optional_number("speed_max", Range::positive());
   joint.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
 }
 
-void read_drive(TomlSection& s, Joint& joint, const std::string& folder) {
+void read_drive(TomlSection& s, Joint& joint, const std::string& folder, std::vector<std::string>& files) {
   using enum DriveKind;
   const std::string kind = s.optional_choice("kind", {"elastic", "geared", "passive", "locked"}).value_or("elastic");
   joint.kind = kind == "elastic" ? kElastic : kind == "geared" ? kGeared : kind == "passive" ? kPassive : kLocked;
@@ -156,7 +157,7 @@ void read_drive(TomlSection& s, Joint& joint, const std::string& folder) {
     const auto file = s.optional_text("file");
     Actuator a;
     if (file)
-      a = read_actuator((std::filesystem::path(folder) / *file).string());
+      files.push_back((std::filesystem::path(folder) / *file).string()), a = read_actuator(files.back());
     else
       read_constants(s, a);
     (void)s.optional_text("name");
@@ -203,7 +204,8 @@ const GivenDrive* given_for(const Joint& joint, bool only, const std::vector<Giv
   return nullptr;
 }
 
-void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std::vector<GivenDrive>& given) {
+void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std::vector<GivenDrive>& given,
+                 std::vector<std::string>& files) {
   std::vector<Joint>& joints = reader.out.joints;
   const auto folder = [](const TomlFile& f) { return std::filesystem::path(f.path()).parent_path().string(); };
   std::optional<TomlSection> here = file.optional("drive"), there = scene ? scene->optional("drive") : std::nullopt;
@@ -216,8 +218,8 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
     auto b = there ? there->optional_section(joint.name) : std::nullopt;
     if (a && b)
       there->fail(joint.name, "the robot's file " + ukemi::quoted(file.path()) + " has this drive too: one is needed");
-    if (a) read_drive(*a, joint, folder(file));
-    if (b) read_drive(*b, joint, folder(*scene));
+    if (a) read_drive(*a, joint, folder(file), files);
+    if (b) read_drive(*b, joint, folder(*scene), files);
     open.push_back(!a && !b);
   }
   for (const GivenDrive& g : given)
@@ -236,7 +238,7 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
         throw InputError("--actuator: joint " + ukemi::quoted(joints[i].name) + " is " + name(joints[i].kind) +
                          ": a joint that is driven is needed");
       joints[i].kind = DriveKind::kElastic;
-      take(read_actuator(g->file), joints[i], {g->file});
+      files.push_back(g->file), take(read_actuator(g->file), joints[i], {g->file});
     } else if (open[i]) {
       reader.joints[i].fail("joint", fmt::format("{}: its drive is needed: a table [drive.{}], or --actuator {}=FILE",
                                                  ukemi::quoted(joints[i].name), joints[i].name, joints[i].name));
@@ -274,20 +276,19 @@ ContactLaw read_law(TomlSection& s, const std::optional<ContactLaw>& floor) {
   return law;
 }
 
-Robot read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
-                        const std::vector<GivenDrive>& drives) {
-  Robot out;
+void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor, const std::vector<GivenDrive>& drives,
+                       BodyScene& out) {
+  Robot& robot = out.robot;
   TomlSection s = file.require("robot");
-  out.gravity = s.number("gravity", Range::non_negative());
-  read_base(s, out);
-  LinkReader links{out, s.sections("link")};
+  robot.gravity = s.number("gravity", Range::non_negative());
+  read_base(s, robot);
+  LinkReader links{robot, s.sections("link")};
   links.read(s);
-  read_contacts(s, links.placed, floor, out);
-  out.peak = out.links[0].com;
+  read_contacts(s, links.placed, floor, robot);
+  robot.peak = robot.links[0].com;
   if (auto peak = s.optional_section("peak"))
-    out.peak_link = index_in(*peak, "link", links.placed), out.peak = place_in(*peak, "at");
-  read_drives(links, file, scene, drives);
-  return out;
+    robot.peak_link = index_in(*peak, "link", links.placed), robot.peak = place_in(*peak, "at");
+  read_drives(links, file, scene, drives, out.drive_files);
 }
 
 }  // namespace ukemi::landing

@@ -11,8 +11,9 @@ namespace ukemi::landing {
 /// omits one, absent for [floor] itself.
 ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor);
 
-/// [robot] of a file, and [drive] of that file or of the scene that names it (null: there is none).
-Robot read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
-                        const std::vector<GivenDrive>& drives);
+/// The robot, of [robot] of a file and [drive] of that file or of the scene that names it (null: there is none), and
+/// the drives' files.
+void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor, const std::vector<GivenDrive>& drives,
+                       BodyScene& out);
 
 }  // namespace ukemi::landing

@@ -167,63 +167,62 @@ class Census {
   long played_ = 0, held_played_ = 0, lost_ = 0, held_lost_ = 0, from_floor_ = 0;
 };
 
-/// Landings of the indices: n base points each of A and B, and of A with one group at a time from B.
-struct IndexPlan {
-  const DropModel& model;
-  long n = 0;  ///< 0: no indices
-
-  IndexPlan(const DropModel& of, const RiskOptions& options) : model(of) {
-    if (options.measured.empty() && of.groups().size() > 1)
-      n = std::max(2L, std::lround(std::exp2(std::round(std::log2(double(options.samples) / double(blocks()))))));
-  }
-  std::size_t blocks() const { return model.groups().size() + 2; }
-  long landings() const { return n * long(blocks()); }
-
-  /// The drops of some base points, block by block.
-  std::vector<ScatteredDrop> drops(const std::vector<double>& points) const {
-    const auto d = std::size_t(model.dimension());
-    std::vector<ScatteredDrop> out;
-    out.reserve(points.size() / (2 * d) * blocks());
-    std::vector<double> u(d);
-    for (std::size_t block = 0; block < blocks(); ++block)
-      for (std::size_t i = 0; i < points.size(); i += 2 * d) {
-        const auto a = points.begin() + long(i), b = a + long(d);
-        std::copy_n(block == 1 ? b : a, d, u.begin());
-        if (block >= 2) {
-          const ScatterGroup& g = model.groups()[block - 2];
-          std::copy_n(b + g.first, g.count, u.begin() + g.first);
-        }
-        out.push_back(model.drop(u));
-      }
-    return out;
-  }
-};
-
-void add_indices(Risk& out, const IndexPlan& plan, const Play& planned, const RiskOptions& options, Course& course) {
-  const ScrambledSobol sobol(2 * plan.model.dimension(), options.seed);
-  std::vector<std::vector<double>> f(plan.blocks());
+void add_indices(Risk& out, const DropModel& model, IndexPlan& plan, const Play& planned, const RiskOptions& options,
+                 Course& course) {
   ScatteredLandings landings;
   const long part = std::max(1L, kChunk / long(plan.blocks()));
-  for (long first = 0; first < plan.n; first += part) {
-    const long count = std::min(part, plan.n - first);
-    const std::vector<LandingPeak>& l = course.play(landings, planned, plan.drops(sobol.points(count, first)));
+  for (long first = 0; first < plan.base_points(); first += part) {
+    const long count = std::min(part, plan.base_points() - first);
+    const std::vector<ScatteredDrop> drops =
+        model.drops(plan.points(count, options.seed, first), count * long(plan.blocks()));
+    const std::vector<LandingPeak>& l = course.play(landings, planned, drops);
     if (course.stopped()) {
       out.why_none = Risk::WhyNone::kStopped;
       return;
     }
     course.tell(long(l.size()));
-    for (std::size_t i = 0; i < l.size(); ++i) f[i / std::size_t(count)].push_back(peak_of(l[i]));
-    out.index_failed += std::count_if(l.begin(), l.end(), [](auto& x) { return !followed(x); });
+    std::vector<double> peaks;
+    for (const LandingPeak& x : l) peaks.push_back(peak_of(x));
+    plan.add(peaks);
   }
-  out.index_landings = plan.landings();
-  const auto indices = sobol_indices(f[0], f[1], std::span(f).subspan(2), options.seed, options.threads);
-  for (std::size_t g = 0; g < indices.size(); ++g)
-    out.uncertainties.push_back({plan.model.groups()[g].name, indices[g]});
-  std::stable_sort(out.uncertainties.begin(), out.uncertainties.end(),
-                   [](auto& a, auto& b) { return a.index.total.value > b.index.total.value; });
+  plan.finish(out, options.seed, options.threads);
 }
 
 }  // namespace
+
+IndexPlan::IndexPlan(const Sampler& sampler, long samples) : sampler_(&sampler), values_(sampler.groups().size() + 2) {
+  if (samples > 0 && sampler.groups().size() > 1)
+    n_ = std::max(2L, std::lround(std::exp2(std::round(std::log2(double(samples) / double(blocks()))))));
+}
+std::vector<double> IndexPlan::points(long count, std::uint64_t seed, long first) const {
+  const auto d = std::size_t(sampler_->dimension());
+  const std::vector<double> both = ScrambledSobol(2 * int(d), seed).points(count, first);
+  std::vector<double> out;
+  out.reserve(std::size_t(count) * blocks() * d);
+  for (std::size_t block = 0; block < blocks(); ++block)
+    for (std::size_t i = 0; i < both.size(); i += 2 * d) {
+      const auto a = both.begin() + long(i), b = a + long(d);
+      out.insert(out.end(), block == 1 ? b : a, (block == 1 ? b : a) + long(d));
+      if (block < 2) continue;
+      const ScatterGroup& g = sampler_->groups()[block - 2];
+      std::copy_n(b + g.first, g.count, out.end() - long(d) + g.first);
+    }
+  return out;
+}
+void IndexPlan::add(std::span<const double> peaks) {
+  const std::size_t count = peaks.size() / blocks();
+  for (std::size_t i = 0; i < peaks.size(); ++i) values_[i / count].push_back(peaks[i]);
+}
+void IndexPlan::finish(PeakRisk& out, std::uint64_t seed, int threads) const {
+  out.index_landings = landings();
+  for (const auto& block : values_)
+    out.index_failed += std::count_if(block.begin(), block.end(), [](double x) { return !std::isfinite(x); });
+  const auto indices = sobol_indices(values_[0], values_[1], std::span(values_).subspan(2), seed, threads);
+  for (std::size_t g = 0; g < indices.size(); ++g)
+    out.uncertainties.push_back({sampler_->groups()[g].name, indices[g]});
+  std::stable_sort(out.uncertainties.begin(), out.uncertainties.end(),
+                   [](auto& a, auto& b) { return a.index.total.value > b.index.total.value; });
+}
 
 Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion, const RiskOptions& options) {
   options.validate(), validate(actuator), validate(motion);
@@ -233,7 +232,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
   const Play planned{motion, actuator.sea}, held{kHeld, actuator.sea};
   Risk out;
   out.events = events_of(model.scene(), actuator, options);
-  const IndexPlan plan(model, options);
+  IndexPlan plan(model.sampler(), drawn ? options.samples : 0);
   Course course(options, n + (drawn ? std::min(n, kHeldDrops) : n) + plan.landings());
   Census census(out.events);
   Lander lander(planned, out.events, model.scene());
@@ -261,7 +260,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
                  : model.groups().size() == 1 ? WhyNone::kOneGroup
                  : course.stopped()           ? WhyNone::kStopped
                                               : WhyNone::kThere;
-  if (out.why_none == WhyNone::kThere) add_indices(out, plan, planned, options, course);
+  if (out.why_none == WhyNone::kThere) add_indices(out, model, plan, planned, options, course);
   return out;
 }
 

@@ -34,6 +34,7 @@ struct RiskEvent {
     kStops,   ///< the joint leaves its stops
   } kind;
   int point = -1;    ///< with kTouch
+  int joint = -1;    ///< of a robot of links, with kSpeed and kTorque
   double limit = 0;  ///< with kSpeed [rad/s] and kTorque [Nm]
   long drops = 0;
 };
@@ -45,30 +46,57 @@ struct PeakContact {
   long drops = 0;
 };
 
-struct RiskyDrop {
-  ScatteredDrop drop;
-  double peak;  ///< [m/s^2]
-};
-
-struct Risk {
-  /// A group of numbers that scatter, see DropModel::groups.
+/// What a motion does over drops, whatever falls.
+struct PeakRisk {
+  /// A group of numbers that scatter, see Sampler::groups.
   struct Uncertainty {
     std::string name;
     SobolIndex index;
   };
 
-  Distribution peaks, held;           ///< of the motion, of kHeld over the same drops, of drawn ones 16,384 at most
-  long failed = 0, held_failed = 0;   ///< landings that could not be followed to the floor: they are left out
-  long lost = 0, held_lost = 0;       ///< of the others, those whose drive lost the joint: LandingPeak::joint_lost
-  long from_floor = 0;                ///< drops that would begin below the floor: they begin on it
-  std::vector<PeakContact> contacts;  ///< most drops first
-  std::vector<RiskEvent> events;      ///< of the drops that were followed
-  std::vector<PeakBin> histogram;     ///< of the motion, beside it of kHeld
-  std::vector<RiskyDrop> worst;       ///< kWorst at most, the worst first
+  Distribution peaks, held;  ///< of the motion, of what is held over the same drops, of drawn ones 16,384 at most
+  long failed = 0, held_failed = 0;        ///< landings that could not be followed to the floor: they are left out
+  long lost = 0, held_lost = 0;            ///< of the others, those whose drive lost the joint: LandingPeak::joint_lost
+  long from_floor = 0;                     ///< drops that would begin below the floor: they begin on it
+  std::vector<PeakContact> contacts;       ///< most drops first
+  std::vector<RiskEvent> events;           ///< of the drops that were followed
+  std::vector<PeakBin> histogram;          ///< of the motion, beside it of what is held
   std::vector<Uncertainty> uncertainties;  ///< the largest total index first; empty: see `why_none`
   enum class WhyNone { kThere, kMeasured, kNothingScatters, kOneGroup, kStopped } why_none = WhyNone::kThere;
   long index_landings = 0, index_failed = 0;  ///< played for them; of these could not be followed
+};
+
+struct RiskyDrop {
+  ScatteredDrop drop;
+  double peak;  ///< [m/s^2]
+};
+
+/// Held is kHeld.
+struct Risk : PeakRisk {
+  std::vector<RiskyDrop> worst;  ///< kWorst at most, the worst first
   static constexpr int kWorst = 100;
+};
+
+/// The points at which Sobol's indices are worked out: n base points each of A and B, and of A with one group of
+/// numbers at a time from B.
+class IndexPlan {
+ public:
+  /// As many points as samples, or none where fewer than two groups scatter.
+  IndexPlan(const Sampler& sampler, long samples);
+  long base_points() const { return n_; }
+  std::size_t blocks() const { return sampler_->groups().size() + 2; }
+  long landings() const { return n_ * long(blocks()); }
+  /// Those of `count` base points, block by block.
+  std::vector<double> points(long count, std::uint64_t seed, long first) const;
+  /// Adds the peaks of such points, infinite where there is none, to those before.
+  void add(std::span<const double> peaks);
+  /// What all of them say.
+  void finish(PeakRisk& out, std::uint64_t seed, int threads) const;
+
+ private:
+  const Sampler* sampler_;
+  long n_ = 0;
+  std::vector<std::vector<double>> values_;  ///< by block
 };
 
 /// Plays a motion over the drops of a model, or over measured ones, in lanes: peaks are right to 1e-3. Beside them the

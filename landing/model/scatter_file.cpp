@@ -62,6 +62,16 @@ Scatter read_scatter(TomlSection& section) {
   return out;
 }
 
+ExecutionTolerance read_execution(TomlSection& section) {
+  ExecutionTolerance out;
+  if (const auto phi = section.optional_angle("phi")) {
+    out.phi = *phi;
+    if (*phi < 0) section.fail("phi_deg", shortest(*phi) + ": must be at least 0");
+  }
+  out.duration = section.optional_number("duration", Range::non_negative()).value_or(out.duration);
+  return out;
+}
+
 std::string toml_lines(const Scatter& scatter) {
   std::string out;
   for (const ScatterTerm& t : kScatterTerms)

@@ -5,6 +5,7 @@
 
 #include "common/toml.hpp"
 #include "landing/model/scatter.hpp"
+#include "landing/model/scene.hpp"
 
 namespace ukemi::landing {
 
@@ -12,7 +13,9 @@ namespace ukemi::landing {
 /// stiffness, damping_normal, damping_tangential are texts as "10%". What is absent does not scatter. Throws InputError
 /// with file:line:column.
 Scatter read_scatter(TomlSection& section);
-/// Its lines in a file.
+/// [execution]: phi_deg, duration. Throws InputError with file:line:column.
+ExecutionTolerance read_execution(TomlSection& section);
+/// The scatter's lines in a file.
 std::string toml_lines(const Scatter& scatter);
 
 /// NAME=VALUE,... with the names of [scatter] and without quotes. Throws InputError "OPTION: ...".

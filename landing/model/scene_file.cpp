@@ -111,13 +111,7 @@ Scene read_scene(const std::string& path) {
     if (const auto d = search->optional_numbers("duration", 2, Range::positive()))
       scene.search.duration = rising(*search, "duration", *d);
   }
-  if (auto execution = file.optional("execution")) {
-    if (const auto phi = execution->optional_angle("phi")) {
-      scene.execution.phi = *phi;
-      if (*phi < 0) execution->fail("phi_deg", shortest(*phi) + ": must be at least 0");
-    }
-    if (const auto d = execution->optional_number("duration", Range::non_negative())) scene.execution.duration = *d;
-  }
+  if (auto execution = file.optional("execution")) scene.execution = read_execution(*execution);
   if (auto run = file.optional("run")) scene.t_end = run->optional_number("t_end", Range::positive());
   read_freedom(file, scene);
   file.finish();

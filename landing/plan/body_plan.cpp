@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "common/checks.hpp"
@@ -59,7 +60,13 @@ Edges BodySpace::edges(const Coordinates& unit) const {
 }
 
 void BodyPlanOptions::validate() const {
-  check_count("evaluations", evaluations, 1, 1'000'000'000);
+  if (evaluations) check_count("evaluations", *evaluations, 1, 1'000'000'000);
+  if (goal == Goal::kRobust) throw InputError("goal: kPeak or kTolerant is needed: a measure makes it robust");
+  if (measure) measure->validate();
+  if (scatter) scatter->validate();
+  check_not_negative("inflate", inflate);
+  check_count("samples", samples, 1, 4096), check_count("judging", judging, 1, 4096);
+  check_count("fresh", fresh, 0, 1'000'000);
   if (deadline) check_positive("deadline", *deadline);
   SimulateOptions{.accuracy = accuracy}.validate();
 }
@@ -68,26 +75,83 @@ namespace {
 
 constexpr double kSearchAccuracy = 1e-6;
 
+/// What a motion is worth: a measure of its peaks over drops.
+struct BodyGoal {
+  Measure measure;
+  std::vector<BodyDrop> drops;
+  bool single() const { return drops.size() == 1; }
+
+  /// `played`: receives the landings that it took. A value above `bound` is a bound of the value: what is still to come
+  /// can only add.
+  double value(const BodyMotion& motion, double accuracy, double bound, const std::function<bool()>* over,
+               long& played) const {
+    const bool worst = single() || measure.kind == Measure::Kind::kWorst;
+    std::vector<double> peaks(drops.size(), 0.0), copy;
+    played = 0;
+    for (std::size_t k = 0; k < drops.size(); ++k) {
+      SimulateOptions options{.accuracy = accuracy, .over = over};
+      if (worst) options.abandon_above = bound;
+      const BodyLanding l = peak_acceleration(drops[k].scene, drops[k].played(motion), options);
+      ++played;
+      if (no_landing(l.end) || l.end == End::kStopped) return kNoMotion;
+      peaks[k] = l.peak;
+      if (!(bound < kNoMotion) && k + 1 < drops.size()) continue;
+      copy = peaks;
+      if (const double v = measure.of(copy); v > bound) return v;
+    }
+    return measure.of(peaks);
+  }
+};
+
+BodyGoal own_drop(const BodyScene& scene) {
+  return {{Measure::Kind::kWorst}, {{scene, std::vector<BodyDrop::Joint>(scene.robot.joints.size())}}};
+}
+
 /// The search's state: what was spent, the best few so far.
 class BodySearch {
  public:
   BodySearch(const BodyScene& scene, const BodyPlanOptions& options, BodyPlan& out)
-      : scene_(scene), options_(options), space_(scene), out_(out), random_(options.seed) {}
+      : scene_(scene),
+        options_(options),
+        space_(scene),
+        out_(out),
+        evaluations_(options.evaluations.value_or(options.deadline ? 1'000'000'000 : options.default_evaluations())),
+        random_(options.seed) {}
 
-  void run() {
-    out_.variables = space_.variables();
-    hold();
-    scout(options_.deadline ? kFirst : std::clamp(options_.evaluations / 8, kFirst, kMostScouts), 0.6);
-    const Archive first = starts_;
-    for (std::size_t i = 0; i < std::min(kRuns, first.size()) && !over(); ++i) close_in(first[i], kNarrow, kRough);
+  /// Searches by one goal until its part of the budget is spent.
+  void descend() {
+    if (basins_.empty()) {
+      scout(options_.deadline ? kFirst : std::clamp(evaluations_ / 8 / cost(), kFirst, kMostScouts), 0.6);
+      const Archive first = starts_;
+      for (std::size_t i = 0; i < std::min(kRuns, first.size()) && !over(); ++i) close_in(first[i], kNarrow, kRough);
+    }
+    const double known = goal_ == &final_ && !final_.single() ? 0.7 : 0.35;  // how often beside what is known
     while (!over()) {
-      if (share() > kLate && !best_.empty())
+      if (goal_ == &final_ && share() > kLate && !best_.empty())
         close_in(Candidate(best_[0]), kRefined, kFine);
-      else if (!basins_.empty() && random_.uniform() < 0.35)
+      else if (!basins_.empty() && random_.uniform() < known)
         start_beside_a_basin();
       else
         start_anywhere();
     }
+  }
+
+  static Scatter scatter_of(const BodyScene& scene, const BodyPlanOptions& options) {
+    return options.scatter ? *options.scatter : scene.scatter.value_or(assumed_scatter(scene.robot));
+  }
+
+  void run() {
+    out_.variables = space_.variables();
+    land_held();
+    set_goals();
+    judge_held();
+    const BodyGoal first_look = own_drop(scene_);
+    if (!final_.single()) {
+      goal_ = &first_look, best_.clear();
+      descend();
+      judge_anew();
+    }
+    descend();
     judge();
     out_.evaluations = spent_, out_.seconds = watch_.seconds();
   }
@@ -97,6 +161,8 @@ class BodySearch {
   static constexpr double kApart = 0.03;                 // in parts of the box
   static constexpr double kNarrow = 0.05;                // a distribution's first width beside a good place
   static constexpr double kReserve = 4;                  // accurate landings that a deadline keeps back
+  static constexpr double kFirstLook = 0.35;             // of the budget: on the scene's own drop
+  static constexpr std::size_t kJudged = 5;              // of the best, where many drops judge
   static constexpr std::size_t kStarts = 12, kRuns = 3;  // places that scouts keep; that are searched from at first
   static constexpr std::size_t kBasins = 8;
   static constexpr double kStartsApart = 0.1, kBasinsApart = 0.2;
@@ -110,46 +176,86 @@ class BodySearch {
   static constexpr double kLate = 0.85, kRefined = 0.01;  // from this share on the best place is refined, so narrow
 
   double share() const {
-    const double motions = double(spent_) / double(options_.evaluations);
+    const double motions = double(spent_) / double(evaluations_);
     return options_.deadline ? std::max(motions, watch_.seconds() / (*options_.deadline - reserve_)) : motions;
   }
-  bool over() const { return spent_ >= options_.evaluations || late() || options_.monitor.stopped(); }
+  /// What a motion costs of the evaluations, where all its landings are played.
+  long cost() const { return options_.measure ? long(goal_->drops.size()) : 1; }
+  bool over() const {
+    return spent_ >= evaluations_ || late() || options_.monitor.stopped() || (goal_ != &final_ && share() > kFirstLook);
+  }
   bool late() const { return options_.deadline && watch_.seconds() > *options_.deadline - reserve_; }
 
-  /// The posture that is held, judged before all.
-  void hold() {
+  /// The posture that is held comes before all.
+  void land_held() {
     out_.hold = held_posture(scene_);
     const double before = watch_.seconds();
     out_.held = simulate(scene_, out_.hold, {.accuracy = options_.accuracy}, options_.rate);
     reserve_ = kReserve * (watch_.seconds() - before);
     ++spent_;
+  }
+  /// What is searched for, and what the best few are judged by: over drops as many as the deadline has time for.
+  void set_goals() {
+    constexpr std::uint64_t kOthers = 0x9d6e5;  // the drops that judge are others than those that are searched on
+    final_ = judge_ = own_drop(scene_);
+    const bool tolerant = options_.goal == Goal::kTolerant;
+    if (tolerant && !options_.measure) final_.drops = judge_.drops = execution_drops(scene_);
+    if (!options_.measure) return;
+    const BodyDropModel model(scene_, scatter_of(scene_, options_), {.inflate = options_.inflate, .inexact = tolerant});
+    if (!model.scatters()) return;
+    long searched = options_.samples, judging = options_.judging;
+    if (options_.deadline) {
+      constexpr double kSearched = 0.5, kMotions = 150, kJudging = 0.2;  // parts of the deadline; motions in the first
+      const double before = watch_.seconds();
+      (void)peak_acceleration(scene_, out_.hold, {.accuracy = kSearchAccuracy});
+      const double each = (watch_.seconds() - before) / thread_count(options_.threads) / *options_.deadline;
+      const auto fit = [&](long most, double landings) {
+        const auto fewest = std::min(8L, most);
+        return long(std::bit_floor(std::uint64_t(std::clamp(landings, double(fewest), double(most)))));
+      };
+      searched = fit(searched, kSearched / (kMotions * each));
+      judging = fit(judging, kJudging / (double(kJudged + 1) * each));
+    }
+    final_ = {*options_.measure, model.even(searched, options_.seed)};
+    judge_ = {*options_.measure, model.even(judging, options_.seed ^ kOthers << 32)};
+  }
+  void judge_held() {
     if (no_landing(out_.held.end)) return;
-    out_.motion = out_.hold, out_.landing = out_.held, out_.found = true;
+    out_.held_value = out_.held.peak;
+    if (!judge_.single()) {
+      const double begin = watch_.seconds();
+      out_.held_value = judged(out_.hold);
+      spent_ += options_.measure ? long(judge_.drops.size()) : 0;
+      if (options_.deadline) reserve_ += double(kJudged) * (watch_.seconds() - begin);
+    }
+    if (!(out_.held_value < kNoMotion)) return;
+    out_.motion = out_.hold, out_.landing = out_.held, out_.value = out_.held_value, out_.found = true;
     Candidate c{space_.unit(out_.hold)};
-    c.value = out_.held.peak;
+    c.value = out_.held_value;
     keep(c);
   }
 
   /// Values of as many of the points as the budget allows; the others come back with kNoMotion.
   void evaluate(std::span<Candidate> points) {
-    const long left = std::max(0L, options_.evaluations - spent_);
-    const auto allowed = std::min(points.size(), std::size_t(left));
+    const long left = std::max(0L, evaluations_ - spent_), each = cost();
+    const auto allowed = std::min(points.size(), std::size_t((left + each - 1) / each));
     const std::function<bool()> stop = [this] { return late() || options_.monitor.stopped(); };
     for (Candidate& p : points) p.value = kNoMotion;
+    std::vector<long> played(points.size(), 0);
     parallel_for(int(allowed), options_.threads, [&](int i) {
       if (stop()) return;
       Candidate& p = points[std::size_t(i)];
-      const BodyLanding l = peak_acceleration(scene_, space_.motion(p.u),
-                                              {.accuracy = kSearchAccuracy, .abandon_above = p.bound, .over = &stop});
-      if (!no_landing(l.end) && l.end != End::kStopped) p.value = l.peak;
+      p.value = goal_->value(space_.motion(p.u), kSearchAccuracy, p.bound, &stop, played[std::size_t(i)]);
     });
-    spent_ += long(allowed);
-    for (std::size_t i = 0; i < allowed; ++i)
+    for (std::size_t i = 0; i < allowed; ++i) {
+      spent_ += options_.measure ? played[i] : 1;
       if (points[i].value <= points[i].bound && points[i].value < kNoMotion) keep(points[i]);
-    options_.monitor.progress(spent_, options_.evaluations);
+    }
+    if (!options_.deadline) options_.monitor.progress(std::min(spent_, evaluations_), evaluations_);
   }
   void keep(const Candidate& p) {
-    if (best_.empty() || p.value < best_[0].value) out_.progress.push_back({spent_, watch_.seconds(), p.value});
+    if (goal_ == &final_ && (best_.empty() || p.value < best_[0].value))
+      out_.progress.push_back({spent_, watch_.seconds(), p.value});
     best_.add(p);
   }
 
@@ -207,15 +313,42 @@ class BodySearch {
       close_in(Candidate(starts_[low_index(random_, std::min(kRuns, starts_.size()))]), kNarrow, kRough);
   }
 
-  /// The best few at a tight accuracy: many a best stands on a cliff.
+  /// What the first look found, by the goal.
+  void judge_anew() {
+    std::vector<Candidate> known(best_.begin(), best_.end());
+    known.insert(known.end(), basins_.begin(), basins_.end());
+    best_.clear(), basins_.clear(), starts_.clear();
+    goal_ = &final_;
+    for (Candidate& p : known) p.bound = kNoMotion;
+    const auto batch = std::size_t(kBatch);
+    for (std::size_t i = 0; i < known.size() && !over(); i += batch)
+      evaluate(std::span(known).subspan(i, std::min(batch, known.size() - i)));
+    for (const Candidate& p : known)
+      if (p.value < kNoMotion) basins_.add(p);
+  }
+
+  /// The value on the drops that judge; kNoMotion where one of them cannot be followed.
+  double judged(const BodyMotion& motion) const {
+    std::vector<double> peaks =
+        peaks_over(judge_.drops, motion, options_.measure ? kSearchAccuracy : options_.accuracy, options_.threads);
+    const double v = judge_.measure.of(peaks);
+    return std::isfinite(v) ? v : kNoMotion;
+  }
+
+  /// The best few at a tight accuracy: many a best stands on a cliff. Those of a measure on other drops.
   void judge() {
+    std::size_t n = 0;
     for (const Candidate& p : best_) {
-      if (out_.found && !(p.value < out_.landing.peak)) break;  // those behind it are no better
-      if (options_.deadline && out_.landing.peak < out_.held.peak && watch_.seconds() > *options_.deadline) break;
+      if (out_.found && !options_.measure && !(p.value < out_.value)) break;  // those behind it are no better
+      if (options_.measure && n++ >= kJudged) break;
+      if (options_.deadline && out_.value < out_.held_value && watch_.seconds() > *options_.deadline) break;
       const BodyMotion motion = space_.motion(p.u);
+      double value = judge_.single() ? 0 : judged(motion);
+      if (out_.found && !(value < out_.value)) continue;
       const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
-      if (no_landing(l.end) || (out_.found && !(l.peak < out_.landing.peak))) continue;
-      out_.motion = motion, out_.landing = l, out_.found = true, out_.edges = space_.edges(p.u);
+      if (judge_.single()) value = l.peak;
+      if (no_landing(l.end) || (out_.found && !(value < out_.value))) continue;
+      out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true, out_.edges = space_.edges(p.u);
     }
     if (!out_.found)
       out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
@@ -228,6 +361,9 @@ class BodySearch {
   const BodyPlanOptions& options_;
   const BodySpace space_;
   BodyPlan& out_;
+  const long evaluations_;
+  BodyGoal final_, judge_;          ///< what is searched for; what the best few are judged by
+  const BodyGoal* goal_ = &final_;  ///< what motions are tried by now
   Random random_;
   Archive best_{kFew, kApart}, starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
   Stopwatch watch_{Stopwatch::Time::kWall};
@@ -241,6 +377,20 @@ BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
   scene.validate(), options.validate();
   BodyPlan out;
   BodySearch(scene, options, out).run();
+  const bool told = options.measure || options.scatter || scene.scatter;
+  if (!told || !out.found || options.deadline || options.fresh == 0 || options.monitor.stopped()) return out;
+  constexpr std::uint64_t kFresh = 0xf4e5a;  // seeds of searches are others
+  BodyUnderScatter under{.scatter = BodySearch::scatter_of(scene, options),
+                         .assumed = !options.scatter && !scene.scatter};
+  const BodyDropModel model(scene, under.scatter,
+                            {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});
+  const std::vector<BodyDrop> drops = model.independent(options.fresh, options.seed ^ kFresh << 32);
+  const std::vector<double> planned = peaks_over(drops, out.motion, kSearchAccuracy, options.threads),
+                            held = peaks_over(drops, out.hold, kSearchAccuracy, options.threads);
+  under.planned = distribution(planned), under.held = distribution(held);
+  under.measured = estimated(options.measure.value_or(Measure{}), planned);
+  under.from_floor = std::count_if(drops.begin(), drops.end(), [](auto& d) { return d.from_floor; });
+  out.under = under;
   return out;
 }
 

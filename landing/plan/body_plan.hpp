@@ -1,4 +1,5 @@
-// The best landing of a robot of any joints: a quintic for every driven joint, one duration for all. Ours.
+// The best landing of a robot of any joints: a quintic for every driven joint, one duration for all; for the scene's
+// own drop, within the execution tolerance, or over drops that scatter. Ours.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,9 @@
 
 #include "common/monitor.hpp"
 #include "landing/body/body_run.hpp"
-#include "landing/model/motion_space.hpp"
+#include "landing/plan/body_drops.hpp"
+#include "landing/scatter/measure.hpp"
+#include "landing/search/objective.hpp"
 
 namespace ukemi::landing {
 
@@ -34,16 +37,24 @@ class BodySpace {
 };
 
 struct BodyPlanOptions {
-  long evaluations = kDefaultEvaluations;  ///< motions that are tried in all, >= 1; with a deadline no more than these
-  std::optional<double> deadline;          ///< when the answer stands, from the call on [s], > 0
-  double accuracy = 1e-9;                  ///< at which the best are judged, see SimulateOptions
+  Goal goal = Goal::kPeak;          ///< kTolerant: the worst of execution_drops; kRobust is told by `measure`
+  std::optional<Measure> measure;   ///< of the peaks over drops that scatter; with kTolerant each is played inexactly
+  std::optional<Scatter> scatter;   ///< absent: the scene's, else assumed_scatter
+  double inflate = 1;               ///< see BodyDropModel::Options
+  long samples = 64;                ///< drops that are searched on, 1 to 4096; fewer by a short deadline
+  long judging = 256;               ///< others, that the best few are judged on; the same range
+  long fresh = 2048;                ///< others again, that the answer is told on, 0 to 1e6; with a deadline none
+  std::optional<long> evaluations;  ///< motions that are tried in all, with a measure landings, >= 1; absent:
+                                    ///< default_evaluations, with a deadline no limit
+  std::optional<double> deadline;   ///< when the answer stands, from the call on [s], > 0
+  double accuracy = 1e-9;           ///< at which the best are judged, see SimulateOptions
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all cores; without influence on the results
-  double rate = 0;  ///< rows of the answer's trajectories a second [Hz]; 0: none
+  double rate = 0;  ///< rows of the answer's trajectory a second [Hz]; 0: none
   Monitor monitor;
   void validate() const;  ///< throws InputError
 
-  static constexpr long kDefaultEvaluations = 40'000;
+  long default_evaluations() const { return measure ? 100'000 : goal == Goal::kTolerant ? 5'000 : 40'000; }
 };
 
 /// A moment at which the best became better.
@@ -52,24 +63,37 @@ struct BodyProgress {
   double seconds, value;
 };
 
+/// A plan over fresh drops, beside the held posture.
+struct BodyUnderScatter {
+  Scatter scatter;
+  bool assumed = false;  ///< nobody said what the scatter is
+  Distribution planned, held;
+  Estimated measured;   ///< BodyPlanOptions::measure of the plan; without one the mean
+  long from_floor = 0;  ///< drops that would begin below the floor
+};
+
 struct BodyPlan {
-  BodyMotion motion;    ///< the best; holding where nothing was better
-  BodyLanding landing;  ///< of it, at BodyPlanOptions::accuracy
-  BodyMotion hold;      ///< the posture of `held_posture`
-  BodyLanding held;     ///< its landing, judged first
+  BodyMotion motion;      ///< the best; holding where nothing was better
+  BodyLanding landing;    ///< of it, at BodyPlanOptions::accuracy
+  BodyMotion hold;        ///< the posture of `held_posture`
+  BodyLanding held;       ///< its landing
+  double value = 0;       ///< the goal: the peak, the tolerant peak, the measure over BodyPlanOptions::judging drops
+  double held_value = 0;  ///< the same of the held posture, judged first
+  std::optional<BodyUnderScatter> under;  ///< with a measure, or a scatter of the scene or of the options
   std::vector<Variable> variables;
   Edges edges{};  ///< of the ranges that the motion lies on
   long evaluations = 0;
-  double seconds = 0;                  ///< from the call to the answer
+  double seconds = 0;                  ///< from the call to the answer, without `under`
   bool found = false;                  ///< false: not even holding could be followed to the floor
   std::string message;                 ///< why nothing was found, or why the search ended early
   std::vector<BodyProgress> progress;  ///< in the search's own accuracy
 };
 
-/// The motion with the smallest peak of the robot's point. The held posture comes first, and the answer is never worse.
+/// The motion with the smallest goal. The held posture comes first, and the answer is never worse.
 /// Scouts from anywhere, then covariance adaptation (landing/search) by turns from the best places and from anywhere;
-/// the best few are judged at a tight accuracy. The same for a seed and a number of evaluations whatever the number of
-/// threads; with a deadline the clock decides. Throws InputError as `simulate`. Tests: test/legs/plans.cpp.
+/// the best few are judged at a tight accuracy. A goal of many drops begins with the peak of the scene's own, and
+/// leaves a motion as soon as it cannot be better. The same for a seed and a number of evaluations whatever the number
+/// of threads; with a deadline the clock decides. Throws InputError as `simulate`. Tests: test/legs/plans.cpp.
 [[nodiscard]] BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options = {});
 
 }  // namespace ukemi::landing

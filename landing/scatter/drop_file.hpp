@@ -16,8 +16,8 @@ struct DropNumbers {
   double stiffness, damping_normal, damping_tangential;  ///< of the floor
   double delay;                                          ///< of the touchdown's detection
   double phi_off, rate_off;                              ///< of the joint at release, beside the planned
-  double k_p, k_d, k_sea, c_sea, i_motor;                ///< of the actuator
   double phi_i_off, phi_f_off, duration_off;             ///< of the motion, beside the planned
+  SeaParameters<double> sea;                             ///< the actuator's constants
 };
 DropNumbers numbers(const ScatteredDrop& drop, const SeaParameters<double>& sea);
 
@@ -26,7 +26,11 @@ struct DropColumn {
   const char* name;
   double unit;  ///< of the column, in SI: a degree or 1
   double DropNumbers::*number;
-  Range (*range)();
+  Range range;
+  double SeaParameters<double>::*constant = nullptr;  ///< in place of `number`
+
+  const double& of(const DropNumbers& n) const { return constant ? n.sea.*constant : n.*number; }
+  double& of(DropNumbers& n) const { return constant ? n.sea.*constant : n.*number; }
 };
 /// Those in which a drop differs from what the scene and the actuator say: with them the drops read back.
 std::vector<DropColumn> scattered_columns(std::span<const ScatteredDrop> drops, const Scene& scene,

@@ -10,26 +10,28 @@
 #include "common/actuator.hpp"
 #include "landing/model/motion_space.hpp"
 #include "landing/model/scatter.hpp"
+#include "landing/scatter/sampler.hpp"
 
 namespace ukemi::landing {
 
+/// The drive with every constant moved by so much, in the order of actuator_constants(); none leaves its range.
+SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> by);
+/// Moves height, pitch and speeds. Returns whether the drop would begin below the floor; it then begins on it.
+bool move_drop(Drop& drop, const Scatter& by);
+/// The motion of a joint that is released so far beside the planned angle and rate [rad], [rad/s].
+Motion released_beside(Motion motion, double phi, double rate);
+
 /// A drop as it may come, and how what is played then differs from what was planned.
 struct ScatteredDrop {
-  Scene scene;                                 ///< its drop, floor and detection
-  double phi = 0, rate = 0;                    ///< of the joint at release, beside the planned [rad], [rad/s]
-  std::array<double, kConstants> constants{};  ///< beside the actuator's own; none falls to 0
-  Deviation deviation{};                       ///< of the motion, within the scene's execution tolerance
-  bool from_floor = false;                     ///< it would begin below the floor, and begins on it
+  Scene scene;                                         ///< its drop, floor and detection
+  double phi = 0, rate = 0;                            ///< of the joint at release, beside the planned [rad], [rad/s]
+  std::array<double, kActuatorConstants> constants{};  ///< beside the actuator's own, within their ranges
+  Deviation deviation{};                               ///< of the motion, within the scene's execution tolerance
+  bool from_floor = false;                             ///< it would begin below the floor, and begins on it
 
   /// What is planned, as this drop plays it.
   Play played(const MotionSpace& space, const Play& planned) const;
   Play played(const Play& planned) const;
-};
-
-/// Numbers that are drawn together, with one word for all of them.
-struct ScatterGroup {
-  std::string name;
-  int first, count;  ///< coordinates
 };
 
 class DropModel {
@@ -53,14 +55,18 @@ class DropModel {
   }
 
   /// Whether drops differ at all.
-  bool scatters() const { return dimension_ > 0 || !measured_.empty(); }
+  bool scatters() const { return dimension() > 0 || !measured_.empty(); }
   /// Of the coordinates that a drop is drawn from; 0: nothing scatters.
-  int dimension() const { return dimension_; }
-  const std::vector<ScatterGroup>& groups() const { return groups_; }
+  int dimension() const { return sampler_.dimension(); }
+  const std::vector<ScatterGroup>& groups() const { return sampler_.groups(); }
+  /// What a drop is drawn from.
+  const Sampler& sampler() const { return sampler_; }
   const Scene& scene() const { return scene_; }
   /// The drop of a point inside the unit cube, dimension() numbers; normal numbers are cut at three deviations.
   ScatteredDrop drop(std::span<const double> u) const;
 
+  /// The drops of points, one after the other; where nothing scatters the scene's own, `count` times.
+  std::vector<ScatteredDrop> drops(const std::vector<double>& points, long count) const;
   /// Scrambled Sobol points from point `first` on: for searches, which do best with a power of two of them. Of measured
   /// drops at most so many, spread over all of them.
   std::vector<ScatteredDrop> even(long count, std::uint64_t seed, long first = 0) const;
@@ -68,23 +74,15 @@ class DropModel {
   std::vector<ScatteredDrop> independent(long count, std::uint64_t seed) const;
 
  private:
-  void add(const std::string& name, int count);
   void scatter_floor(const Uncertainty& known);
 
   Scene scene_;
   std::vector<ScatteredDrop> measured_;
-  Scatter scatter_;
-  std::vector<int> terms_;                   ///< of kScatterTerms, those that scatter
-  std::vector<int> constants_;               ///< of U, those of the covariance
-  Eigen::MatrixXd root_;                     ///< R R^T is their covariance
-  std::vector<double Scatter::*> of_floor_;  ///< the numbers of the scene's [uncertainty], as a scatter has them
-  Eigen::MatrixXd floor_root_;               ///< of those, relative for the floor's constants
+  Sampler sampler_;
+  std::vector<double Scatter::*> of_drop_;   ///< what the sampler's first numbers are
+  std::vector<double Scatter::*> of_floor_;  ///< of the scene's [uncertainty]; the floor's constants relative
+  std::vector<int> constants_;               ///< of actuator_constants(), those of the covariance
   bool inexact_;
-  int dimension_ = 0;
-  std::vector<ScatterGroup> groups_;
 };
-
-/// A standard normal number cut at three, for u in (0, 1): its quantile.
-double cut_normal(double u);
 
 }  // namespace ukemi::landing

@@ -97,15 +97,44 @@ TEST_CASE("a drive of a robot of links comes from its file, or from --actuator J
   CHECK(Json::parse(read(f.at("out/summary.json")))["peak_acceleration"].get<double>() == Approx(1097).epsilon(5e-4));
 }
 
+TEST_CASE("optimize plans for drops that scatter, risk plays the plan over them, of a robot of links") {
+  const Folder f;
+  done(f, {"optimize", kHopper, "--robust", "cvar", "--evaluations", "6000", "--samples", "16", "-o", "best"});
+  const Json s = Json::parse(read(f.at("best/summary.json")));
+  CHECK(s["robust"]["measure"] == "cvar");
+  const double promised = s["robust"]["promised"], fresh = s["scatter"]["measured"];
+  CHECK(std::abs(fresh / promised - 1) < 0.05);
+  CHECK(fresh < 0.7 * s["scatter"]["held"]["cvar90"].get<double>());
+  CHECK(s["scatter"]["deviations"] == "pitch_deg=1,height=0.01");
+  const Result r = done(f, {"risk", kHopper, "--motion", "best/motion.toml", "--samples", "1000", "-o", "risk"});
+  CHECK_THAT(r.err, Contains("pitch_deg=1,height=0.01 is assumed"));
+  const Json told = Json::parse(read(f.at("risk/summary.json")));
+  CHECK(told["peak"]["cvar90"].get<double>() == Approx(fresh).epsilon(0.03));
+  CHECK(told["sobol"]["pitch"]["total"].get<double>() > 0.5);
+  CHECK(told["contacts"][0]["point"] == "foot");
+  CHECK(told["motion"]["hip"]["phi_i_deg"] == s["motion"]["hip"]["phi_i_deg"]);
+  CHECK_THAT(read(f.at("risk/histogram.csv")), Contains("lower,upper,count,count_held"));
+  CHECK_THAT(read(f.at("risk/report.html")), Contains("figure-sobol") && Contains("The constants of the drives"));
+  for (const char* goal : {"peak", "tolerant"}) {
+    done(f, {"optimize", kHopper, "--objective", goal, "--deadline", "0.4", "--robust", "mean", "-o", goal});
+    const Json quick = Json::parse(read(f.at(std::string(goal) + "/summary.json")));
+    CHECK(quick["objective"] == goal);
+    CHECK(quick["value"].get<double>() < quick["hold"]["value"].get<double>());
+  }
+}
+
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  const std::string can = "simulate, optimize of the peak, robot", two = "a robot of links: `ukemi simulate`";
-  check_refused(f, {"optimize", kHopper, "--robust", "mean"}, {"--robust: ", can});
-  check_refused(f, {"optimize", kHopper, "--objective", "tolerant"}, {"--objective: ", can});
+  const std::string can = "simulate, optimize, risk, robot", two = "a robot of links: `ukemi simulate`";
+  check_refused(f, {"optimize", kHopper, "--drops", "x.csv"}, {"--drops: ", can});
+  check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
+  check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
+                {"scatter: forward_speed", "this base"});
   check_refused(f, {"optimize", kHopper, "--bumps", "2"}, {"--bumps", can});
   check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
   check_refused(f, {"simulate", kHopper, "--export", "ros2"}, {"--export: ", can});
-  check_refused(f, {"risk", kHopper, "--actuator", kTable2, "--hold", "-45"}, {two});
+  check_refused(f, {"risk", kHopper, "--forbid", "knee"}, {"--forbid: ", can});
+  check_refused(f, {"risk", kHopper, "--hold", "-45"}, {"--hold: '-45': ", "NAME=VALUE"});
   check_refused(f, {"map", kHopper, "--actuator", kTable2}, {two});
   check_refused(f, {"ratings", kHopper, "--actuator", kTable2, "--motor-speed", "1:2:2"}, {two});
   check_refused(f, {"compare", "--nominal", kNominal, "--identified", kTable2, "--scene", kHopper}, {two});

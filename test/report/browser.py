@@ -225,6 +225,8 @@ def made(program, data, folder):
     rig = ['--rig', data + '/rigs/paper.toml']
     runs = {
         'simulate': ['simulate', *scene, '--hold', '-30'],
+        'links': ['simulate', data + '/scenes/foot.toml'],
+        'robot': ['robot', data + '/scenes/foot.toml'],
         'optimize': ['optimize', *scene, '--evaluations', '2000'],
         'robust': ['optimize', *scene, '--robust', 'cvar', '--evaluations', '20000'],
         'identify': ['identify', *trials, *rig],

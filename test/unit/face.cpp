@@ -124,7 +124,7 @@ std::vector<Number> numbers() {
                              UKEMI_FIELD(actuator.sea.c_sea),
                              UKEMI_FIELD(actuator.sea.i_motor),
                              UKEMI_FIELD(actuator.sea.tau_max)};
-  for (const OptionalConstant& c : optional_constants())
+  for (const ActuatorConstant& c : optional_constants())
     out.push_back({c.key, [at = c.at](Input& x) -> double& { return x.actuator.sea.*at; }});
   for (const ScatterTerm& t : kScatterTerms)
     out.push_back({t.name, [at = t.deviation](Input& x) -> double& { return x.scatter.*at; }});

@@ -519,7 +519,7 @@ TEST_CASE("whatever an actuator's file may hold the library takes, and what the 
   Actuator a;
   a.name = "a", a.sea = {50, 1, 65, 1.6, 0.085, 20};
   a.speed_max = 5, a.motor_torque_max = 30;
-  for (const OptionalConstant& c : optional_constants()) a.sea.*c.at = c.range.holds(0.05) ? 0.05 : c.absent;
+  for (const ActuatorConstant& c : optional_constants()) a.sea.*c.at = c.range.holds(0.05) ? 0.05 : c.absent;
   a.uncertain = uncertain_constants();
   CHECK(a.uncertain.size() == kConstants + 1 + optional_constants().size());
   a.covariance = 1e-6 * Eigen::MatrixXd::Identity(long(a.uncertain.size()), long(a.uncertain.size()));

@@ -112,7 +112,7 @@ std::vector<std::pair<std::string, Place>> places() {
       {"options.starts.fit_steps", [](auto& in, double x) { in.options.starts.fit_steps = x; }}};
   for (const RigErrorKey& k : rig_error_keys())
     out.emplace_back(std::string("rig.errors.") + k.key, [at = k.at](auto& in, double x) { in.rig.errors.*at = x; });
-  for (const OptionalConstant& c : optional_constants())
+  for (const ActuatorConstant& c : optional_constants())
     out.emplace_back(std::string("sea.") + c.key, [at = c.at](auto& in, double x) { in.sea.*at = x; });
   return out;
 }

@@ -89,15 +89,6 @@ TEST_CASE("a drop on another floor than the scene's has no verdicts of it") {
   CHECK(read_drops(f.path, scene, table2().sea)[0].scene.verdicts.empty());
 }
 
-TEST_CASE("drops do not scatter where the covariance is of constants alone that no landing draws") {
-  Actuator a = table2();
-  a.sea.friction = 0.1, a.sea.tau_max = 20;
-  for (const char* name : {"friction", "tau_max"}) {
-    a.uncertain = {name}, a.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);
-    CHECK_FALSE(DropModel(paper(), Scatter{}, a, {}).scatters());
-  }
-}
-
 TEST_CASE("a normal number that is cut at three") {
   CHECK(cut_normal(0.5) == Approx(0).margin(1e-15));
   CHECK(cut_normal(0) == Approx(-3));
@@ -174,6 +165,28 @@ TEST_CASE("a covariance that is none is refused, one that is scatters the consta
     for (int j = 0; j < 3; ++j) CHECK(std::abs(sum(i, j) - expected(i, j)) < 0.02 * scale[i] * scale[j]);
 }
 
+TEST_CASE("every constant whose error is known scatters, and stays within its range") {
+  Actuator a = table2();
+  a.sea.friction = 0.3, a.sea.control_delay = 1e-3, a.sea.tau_max = 30;
+  a.uncertain = {"friction", "tau_max", "control_delay"};
+  a.covariance = Eigen::Vector3d(0.04, 4, 1e-6).asDiagonal();
+  const DropModel model(paper(), Scatter{}, a, {});
+  CHECK(model.dimension() == 3);
+  const Play planned{{-0.4, -1.4, 0.26}, a.sea};
+  double sum = 0, square = 0, least = 1, least_delay = 1;
+  constexpr int kDrops = 1024;
+  for (const ScatteredDrop& d : model.even(kDrops, 1)) {
+    const SeaParameters<double> sea = d.played(planned).sea;
+    sum += (sea.tau_max - 30) / kDrops, square += std::pow(sea.tau_max - 30, 2) / kDrops;
+    least = std::min(least, sea.friction), least_delay = std::min(least_delay, sea.control_delay);
+    CHECK(sea.k_p == a.sea.k_p);
+  }
+  CHECK(std::abs(sum) < 0.02);
+  CHECK(std::sqrt(square) == Approx(2 * 0.98658).epsilon(0.01));
+  CHECK(least == 0);
+  CHECK(least_delay == 0);
+}
+
 TEST_CASE("a scatter goes through its file and its text") {
   Scene s = paper();
   CHECK_FALSE(read_scene(File("scene.toml", to_toml(s, "")).path).scatter);
@@ -204,7 +217,7 @@ TEST_CASE("drops go through their file, whatever scatters") {
   csv.header(header);
   for (const ScatteredDrop& d : drops) {
     csv.cell(1).cell("x");
-    for (const DropColumn& c : columns) csv.cell(numbers(d, actuator.sea).*c.number / c.unit);
+    for (const DropColumn& c : columns) csv.cell(c.of(numbers(d, actuator.sea)) / c.unit);
     csv.end_row();
   }
   const File f("drops.csv", csv.text());
@@ -213,7 +226,7 @@ TEST_CASE("drops go through their file, whatever scatters") {
   const Play planned{{-0.4, -1.4, 0.26}, actuator.sea};
   for (std::size_t i = 0; i < read.size(); ++i) {
     const DropNumbers was = numbers(drops[i], actuator.sea), is = numbers(read[i], actuator.sea);
-    for (const DropColumn& c : columns) CHECK(is.*c.number == Approx(was.*c.number).epsilon(1e-12).margin(1e-12));
+    for (const DropColumn& c : columns) CHECK(c.of(is) == Approx(c.of(was)).epsilon(1e-12).margin(1e-12));
     const Eigen::Matrix<double, kPlayNumbers, 1> played = numbers(drops[i].played(planned));
     CHECK((numbers(read[i].played(planned)) - played).cwiseAbs().maxCoeff() < 1e-9);
   }

@@ -32,7 +32,7 @@ std::string sheet(const Actuator& a, const Places& places) {
   };
   const auto five = constants(a.sea);
   for (int i = by_command(a.sea) ? 2 : 0; i < kConstants; ++i) line(kConstantNames[i], five[i], kConstantUnits[i]);
-  for (const OptionalConstant& c : optional_constants())
+  for (const ActuatorConstant& c : optional_constants())
     if (a.sea.*c.at != c.absent) line(c.key, a.sea.*c.at, c.unit);
   if (std::isfinite(a.sea.tau_max)) line("tau_max", a.sea.tau_max, "Nm, limit of the spring's torque");
   if (a.speed_max) line("speed_max", *a.speed_max, "rad/s, the motor's rating");

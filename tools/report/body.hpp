@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "landing/plan/body_plan.hpp"
+#include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/report.hpp"
@@ -40,6 +41,8 @@ int report(const landing::CheckedBody& checked, const std::optional<landing::Bod
 /// `rate`: rows of motion.csv a second [Hz].
 int report(const landing::BodyScene& scene, const landing::BodyPlan& plan, const landing::BodyPlanOptions& options,
            double rate, Run& run);
+int report(const landing::BodyScene& scene, const landing::BodyMotion& motion, const landing::BodyRisk& risk,
+           const landing::BodyRiskOptions& options, Run& run);
 int report_robot(const landing::BodyScene& scene, Run& run);
 
 }  // namespace ukemi::tools

@@ -102,6 +102,7 @@ Json animation_of(const BodyScene& scene, const BodyFall& f) {
   }
   for (std::size_t k = 0; k < robot.joints.size(); ++k)
     out["joints"].push_back({{"name", robot.joints[k].name}, {"phi", column([k](auto& s) { return s.phi[k]; }, 1e-4)}});
+  if (robot.base == Base::kRail) out["rail"] = {std::cos(robot.rail_direction), std::sin(robot.rail_direction)};
   out["peak"] = {{"link", robot.peak_link}, {"at", place_json(robot.peak)}};
   return out;
 }
@@ -181,9 +182,9 @@ Figure drawing(const BodyScene& given) {
   scene.t_end = 1e-6;
   const BodyLanding l = simulate(scene, held_posture(scene), {}, 1000);
   Figure out;
-  out.name = "robot", out.width = Figure::Width::kWhole, out.panel_height = 420;
+  out.name = "robot", out.panel_height = 480;
   Panel panel;
-  panel.scale = Panel::Scale::kEqual, panel.x_label = "x [m]", panel.y_label = "y [m]";
+  panel.scale = Panel::Scale::kBare;
   if (l.trajectory.empty()) return out;
   const BodySample& s = l.trajectory.front();
   const Robot& robot = scene.robot;
@@ -200,18 +201,38 @@ Figure drawing(const BodyScene& given) {
     add(masses, k, robot.links[std::size_t(k)].com);
     if (robot.joint_of(k)) add(joints, k, {});
   }
+  double low = scene.floor ? 0 : s.y[0], high = low, left = s.x[0], right = left;
+  const auto name = [&](const std::string& text, double x, double y, double side) {
+    panel.marks.push_back({x + side, y, text});
+    low = std::min(low, y), high = std::max(high, y), left = std::min(left, x), right = std::max(right, x);
+  };
+  const double beside = 0.12 * reach(robot) + 0.02;  // a name stands so far beside what it names [m]
   for (const ContactPoint& c : robot.contacts) {
     add(contacts, c.link, c.at);
-    panel.marks.push_back({contacts.x.back(), contacts.y.back(), c.name});
+    const bool outside = contacts.x.back() >= masses.x[std::size_t(c.link)];
+    name(c.name, contacts.x.back(), contacts.y.back(), outside ? beside : -beside);
   }
+  for (int k = 0; k < int(robot.links.size()); ++k)
+    name(robot.links[std::size_t(k)].name, masses.x[std::size_t(k)], masses.y[std::size_t(k)] + 0.4 * beside, -beside);
   add(peak, robot.peak_link, robot.peak);
-  const double side = 0.6 * reach(robot) + 0.1;
+  const double room = 0.1 * (high - low) + 0.03, middle = 0.5 * (left + right),
+               half = 1.15 * (0.5 * (high - low) + room);  // the drawing is somewhat wider than it is high
+  const double floor = 0.99 * half;                        // within the drawing, or it is not drawn
+  panel.y_range = {low - room, high + room}, panel.x_range = {middle - half, middle + half};
   if (scene.floor)
     panel.series.push_back({"floor",
-                            {s.x[0] - side, s.x[0] + side},
-                            {std::tan(scene.slope) * (s.x[0] - side), std::tan(scene.slope) * (s.x[0] + side)},
+                            {middle - floor, middle + floor},
+                            {std::tan(scene.slope) * (middle - floor), std::tan(scene.slope) * (middle + floor)},
                             Series::Look::kLine,
                             Series::kGrey});
+  if (robot.base == Base::kRail) {
+    const double dx = std::cos(robot.rail_direction), dy = std::sin(robot.rail_direction);
+    panel.series.push_back({"rail",
+                            {s.x[0] - half * dx, s.x[0] + half * dx},
+                            {s.y[0] - half * dy, s.y[0] + half * dy},
+                            Series::Look::kDashed,
+                            Series::kGrey});
+  }
   for (Series* series : {&joints, &contacts, &masses, &peak})
     if (!series->x.empty()) panel.series.push_back(*series);
   out.panels.push_back(panel);

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/uncertainty.hpp"
+#include "landing/model/scatter_file.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/risk.hpp"
+#include "tools/report/scatter.hpp"
 
 namespace ukemi::tools {
 
@@ -12,7 +16,11 @@ using namespace landing;
 
 namespace {
 
-Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& plan) {
+/// "held: hip 35, knee -70 deg".
+std::string held_words(const Robot& robot, const BodyMotion& hold) { return "held: " + motion_words(robot, hold); }
+
+Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& plan, const std::string& goal,
+                                     bool landings) {
   Quantities<BodyPlan> out;
   append(out, "motion/", motion_quantities(scene.robot, plan.motion), [](const BodyPlan& p) { return p.motion; });
   const Robot& robot = scene.robot;
@@ -20,12 +28,16 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
       out.end(),
       {{"", "peak_acceleration", "peak |a| [m/s^2]", peak_words, [](auto& p) { return p.landing.peak; }},
        {"", "peak_time", [](auto& p) { return p.landing.t_peak; }},
-       {"", "hold/peak_acceleration", "held: " + motion_words(robot, plan.hold) + " [m/s^2]", peak_words,
+       {"", "hold/peak_acceleration", held_words(robot, plan.hold) + " [m/s^2]", peak_words,
         [](auto& p) { return p.held.peak; }},
        {"", "hold/peak", [](auto& p) { return p.held.peak; }},
        {"", "reduction", "reduction", percent_words, [](auto& p) { return 1 - p.landing.peak / p.held.peak; }},
        {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(p.landing.peaks, contact_name(robot)); }},
-       {"", "evaluations", "motions evaluated", {}, &BodyPlan::evaluations}});
+       {"", "evaluations", landings ? "landings" : "motions evaluated", {}, &BodyPlan::evaluations}});
+  if (goal != "peak") {
+    out.push_back({"", "value", goal + " [m/s^2]", peak_words, [](auto& p) { return p.value; }});
+    out.push_back({"", "hold/value", "the same, held [m/s^2]", peak_words, [](auto& p) { return p.held_value; }});
+  }
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven())
       out.push_back({"", "hold/phi_deg/" + robot.joints[i].name, [i](auto& p) { return p.hold[i].phi_i * kDegrees; }});
@@ -49,16 +61,74 @@ Series descent(const BodyPlan& plan) {
   return out;
 }
 
+Json scatter_json(const BodyUnderScatter& u) {
+  return {{"deviations", text_of(u.scatter)},
+          {"assumed", u.assumed},
+          {"planned", distribution_json(u.planned)},
+          {"held", distribution_json(u.held)},
+          {"measured", number(u.measured.value)},
+          {"measured_std", number(u.measured.standard_error)},
+          {"from_floor", u.from_floor}};
+}
+
+/// The plan and the held posture over fresh drops, and whether what was promised is kept there.
+void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, Report& report,
+                  Run& run) {
+  const BodyUnderScatter& u = *p.under;
+  const std::string drops = text_of(u.scatter) + (u.assumed ? "; assumed" : "");
+  run.say(fmt::format("under scatter ({}; {} fresh drops): {}; {}: {}", drops, u.planned.samples,
+                      distribution_words(u.planned), held, distribution_words(u.held)));
+  if (options.measure)
+    run.say(fmt::format("promised {}, fresh {} +- {:.2g} ({:+.1f} %)", short_peak_words(p.value),
+                        short_peak_words(u.measured.value), kNormal975 * u.measured.standard_error,
+                        100 * (u.measured.value / p.value - 1)));
+  if (u.from_floor > 0)
+    run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
+                         u.planned.samples));
+  if (u.planned.cvar90.value > u.held.cvar90.value)
+    run.warn(
+        fmt::format("in the worst tenth of scattered drops the motion's peak is {} m/s^2, {} {}: doing nothing is "
+                    "safer{}",
+                    short_peak_words(u.planned.cvar90.value), held, short_peak_words(u.held.cvar90.value),
+                    options.measure ? "" : "; --robust cvar plans for that"));
+  report.heading("Under scatter");
+  report.paragraph(fmt::format("Drops: {}. The same {} for both; they are others than those that were searched on.",
+                               drops, u.planned.samples));
+  report.table(Table(named_quantities(), {{"planned", u.planned}, {held, u.held}}));
+}
+
 }  // namespace
+
+int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
+           Run& run) {
+  const Robot& robot = scene.robot;
+  const bool uncertain =
+      std::any_of(robot.joints.begin(), robot.joints.end(), [](auto& j) { return j.covariance.size() > 0; });
+  Json of_motion = Table::of(motion_quantities(robot, motion), motion).object();
+  const RiskTexts texts{.scene = scene.name,
+                        .source = scene.source,
+                        .motion = motion_words(robot, motion),
+                        .drops = drops_words(risk.scatter, risk.assumed, "drives", uncertain, options.drops.inflate,
+                                             options.drops.inexact),
+                        .held = held_words(robot, held_posture(scene)),
+                        .scatter = risk.scatter,
+                        .assumed = risk.assumed,
+                        .of_motion = of_motion,
+                        .point = contact_name(robot),
+                        .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; }};
+  return report(
+      risk, texts, [] { return std::string(); }, run);
+}
 
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate, Run& run) {
   constexpr double kShort = 2;  // gnuplot takes some 0.1 s: a short deadline is for the search [s]
   const Robot& robot = scene.robot;
+  const std::string goal = goal_words(options.goal, options.measure);
   if (!plan.message.empty()) run.warn(plan.message);
   warn_of_edges(plan.variables, plan.edges, run);
   Json summary;
   if (plan.found) {
-    const Table table = Table::of(plan_quantities(scene, plan), plan);
+    const Table table = Table::of(plan_quantities(scene, plan, goal, options.measure.has_value()), plan);
     summary = table.object();
     summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
     summary["contacts"] = Table(contact_quantities(robot), plan.landing.touches).objects();
@@ -70,12 +140,16 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     run.add("progress.csv", progress_csv(run, plan));
     Report report("Best landing: " + scene.name);
     report.table(table.turned());
+    if (plan.under) {
+      summary["scatter"] = scatter_json(*plan.under);
+      tell_scatter(plan, options, held_words(robot, plan.hold), report, run);
+    }
     report.distrust(run.warnings());
     const bool drawn = !options.deadline || *options.deadline >= kShort;
     if (drawn) {
       show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
       report.heading("The search");
-      report.plot("search", "motions evaluated", "best peak [m/s²]", {descent(plan)}, Axes::kLogarithmic);
+      report.plot("search", "motions evaluated", goal + " [m/s²]", {descent(plan)}, Axes::kLogarithmic);
     } else {
       report.paragraph(
           "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
@@ -86,7 +160,10 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
   } else {
     summary = {{"motion", nullptr}, {"evaluations", plan.evaluations}};
   }
-  summary["solver"] = "auto", summary["objective"] = "peak", summary["seed"] = options.seed;
+  summary["solver"] = "auto", summary["objective"] = kGoalNames[std::size_t(options.goal)],
+  summary["seed"] = options.seed;
+  if (options.measure)
+    summary["robust"] = {{"measure", options.measure->name()}, {"promised", plan.value}, {"samples", options.samples}};
   return run.finish(summary, plan.found ? kDone : kNumbers);
 }
 

@@ -36,29 +36,30 @@ Quantities<Share> share_quantities(const std::string& heading) {
           {"", "share", "share", percent_words, [](auto& s) { return s.share(); }}};
 }
 
-Share share_of(const RiskEvent& e, long of) {
+Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
   using Kind = RiskEvent::Kind;
+  const std::string joint = e.joint >= 0 ? t.joint(e.joint) : "", key = joint.empty() ? "" : "_" + joint,
+                    motor = joint.empty() ? "the motor" : "the motor of " + joint;
   switch (e.kind) {
     case Kind::kTouch:
-      return {kPointNames[std::size_t(e.point)], fmt::format("the {} touches", kPointNames[std::size_t(e.point)]),
-              e.drops, of};
+      return {t.point(e.point), fmt::format("the {} touches", t.point(e.point)), e.drops, of};
     case Kind::kSpeed:
-      return {"speed_max", fmt::format("the motor turns faster than {:.4g} rad/s", e.limit), e.drops, of};
+      return {"speed_max" + key, fmt::format("{} turns faster than {:.4g} rad/s", motor, e.limit), e.drops, of};
     case Kind::kTorque:
-      return {"motor_torque_max", fmt::format("the motor pulls with more than {:.4g} Nm", e.limit), e.drops, of};
+      return {"motor_torque_max" + key, fmt::format("{} pulls with more than {:.4g} Nm", motor, e.limit), e.drops, of};
     case Kind::kStops:
       return {"joint", "the joint leaves its stops", e.drops, of};
   }
   return {};
 }
 
-Quantities<PeakContact> peak_contact_quantities(long of) {
+Quantities<PeakContact> peak_contact_quantities(const PointName& name, long of) {
   return {{"", "contact", &PeakContact::number},
-          {"", "point", [](auto& c) { return c.point < 0 ? Json() : Json(kPointNames[std::size_t(c.point)]); }},
+          {"", "point", [name](auto& c) { return c.point < 0 ? Json() : Json(name(c.point)); }},
           {"", "", "contact that makes the peak", "{}",
-           [](const PeakContact& c) -> Json {
+           [name](const PeakContact& c) -> Json {
              if (c.number == 0) return "none: before the first";
-             return fmt::format("{}, {}", c.number, kPointNames[std::size_t(c.point)]);
+             return fmt::format("{}, {}", c.number, name(c.point));
            }},
           {"", "drops", "drops", {}, &PeakContact::drops},
           {"", "share", "share", percent_words, [of](auto& c) { return double(c.drops) / double(of); }}};
@@ -67,18 +68,19 @@ Quantities<PeakContact> peak_contact_quantities(long of) {
 std::string interval_words(const Interval& i) {
   return std::isnan(i.value) ? "" : fmt::format("{:.3f} ({:.3f} to {:.3f})", i.value, i.low, i.high);
 }
-Quantities<Risk::Uncertainty> index_quantities() {
-  Quantities<Risk::Uncertainty> out = {
-      {"name", "", &Risk::Uncertainty::name},
-      {"", "", "uncertainty", "{}", [](const Risk::Uncertainty& u) { return spaced(u.name); }}};
+Quantities<PeakRisk::Uncertainty> index_quantities() {
+  Quantities<PeakRisk::Uncertainty> out = {
+      {"name", "", &PeakRisk::Uncertainty::name},
+      {"", "", "uncertainty", "{}", [](const PeakRisk::Uncertainty& u) { return spaced(u.name); }}};
   const auto index = [&](const std::string& key, const std::string& words, Interval SobolIndex::*which) {
     const auto number = [&](const std::string& csv, const std::string& json, double Interval::*of) {
-      out.push_back({csv, json, "", {}, [=](const Risk::Uncertainty& u) { return u.index.*which.*of; }});
+      out.push_back({csv, json, "", {}, [=](const PeakRisk::Uncertainty& u) { return u.index.*which.*of; }});
     };
     number(key, key, &Interval::value);
     number(key + "_low", key + "_ci95/0", &Interval::low);
     number(key + "_high", key + "_ci95/1", &Interval::high);
-    out.push_back({"", "", words, "{}", [=](const Risk::Uncertainty& u) { return interval_words(u.index.*which); }});
+    out.push_back(
+        {"", "", words, "{}", [=](const PeakRisk::Uncertainty& u) { return interval_words(u.index.*which); }});
   };
   index("first", "share of the variance alone (95 %)", &SobolIndex::first);
   index("total", "with the others (95 %)", &SobolIndex::total);
@@ -96,7 +98,7 @@ Table worst_drops(const RiskStudy& s) {
   Quantities<NumberedDrop> columns = {{"row", &NumberedDrop::row}, {"peak", [](auto& d) { return d.of.peak; }}};
   for (const DropColumn& c : scattered_columns(drops, s.scene, s.actuator.sea))
     columns.push_back({c.name, "", [c, sea = s.actuator.sea](const NumberedDrop& d) {
-                         return numbers(d.of.drop, sea).*c.number / c.unit;
+                         return c.of(numbers(d.of.drop, sea)) / c.unit;
                        }});
   return Table(columns, rows);
 }
@@ -109,7 +111,7 @@ Quantities<PeakBin> bin_quantities() {
 }
 
 /// Sobol's indices as bars with their intervals.
-Figure sobol_figure(const Risk& r) {
+Figure sobol_figure(const PeakRisk& r) {
   Figure out;
   out.name = "sobol";
   Panel p;
@@ -117,7 +119,7 @@ Figure sobol_figure(const Risk& r) {
   Series total{"with the others", {}, {}, Series::Look::kBars, 5},
       first{"alone (95 %)", {}, {}, Series::Look::kIntervals, 1};
   for (std::size_t i = 0; i < r.uncertainties.size(); ++i) {
-    const Risk::Uncertainty& u = r.uncertainties[i];
+    const PeakRisk::Uncertainty& u = r.uncertainties[i];
     const double row = double(r.uncertainties.size() - i);
     p.rows.push_back(spaced(u.name));
     total.x.push_back(u.index.total.value), total.y.push_back(row);
@@ -126,7 +128,7 @@ Figure sobol_figure(const Risk& r) {
   }
   Series spread{"with the others (95 %)", total.x, total.y, Series::Look::kIntervals, Series::kInk};
   for (double& y : spread.y) y += 0.18;
-  for (const Risk::Uncertainty& u : r.uncertainties)
+  for (const PeakRisk::Uncertainty& u : r.uncertainties)
     spread.low.push_back(u.index.total.low), spread.high.push_back(u.index.total.high);
   p.series = {total, spread, first};
   out.panels = {p}, out.panel_height = 110 + 30.0 * double(p.rows.size());
@@ -135,24 +137,9 @@ Figure sobol_figure(const Risk& r) {
   return out;
 }
 
-/// Where the drops come from.
-std::string scatter_words(const RiskStudy& s) {
-  if (!s.scatter) return "Drops as they were measured.";
-  const std::string text = text_of(*s.scatter);
-  const std::string constants =
-      s.actuator.covariance.size() == 0 ? "do not scatter: their file holds no [uncertainty]"
-      : s.scattering.inflate == 0       ? "do not scatter"
-      : s.scattering.inflate == 1
-          ? "scatter by the covariance of their fit"
-          : fmt::format("scatter by the covariance of their fit, standard errors times {:g}", s.scattering.inflate);
-  return fmt::format("Standard deviations of the drops: {}{}. The actuator's constants {}.{}",
-                     text.empty() ? "none" : text, s.assumed ? ", assumed: nobody said" : "", constants,
-                     s.scattering.inexact ? " The motion is played anywhere within the execution tolerance." : "");
-}
-
 /// Which uncertainty matters most, or why that is not known.
-std::string index_words(const Risk& r) {
-  using WhyNone = Risk::WhyNone;
+std::string index_words(const PeakRisk& r) {
+  using WhyNone = PeakRisk::WhyNone;
   switch (r.why_none) {
     case WhyNone::kMeasured:
       return "Which uncertainty matters most is not asked of measured drops: they say nothing of what else could come.";
@@ -167,28 +154,27 @@ std::string index_words(const Risk& r) {
   }
   if (r.uncertainties.empty() || !std::isfinite(r.uncertainties.front().index.total.value))
     return "The peak does not depend on what scatters.";
-  const Risk::Uncertainty& u = r.uncertainties.front();
+  const PeakRisk::Uncertainty& u = r.uncertainties.front();
   return fmt::format("What matters most: {}, with {} of the variance alone and {} with the others.", spaced(u.name),
                      percent_words(u.index.first.value), percent_words(u.index.total.value));
 }
 
-std::string held_comparison(const Risk& r) {
+std::string held_comparison(const PeakRisk& r) {
   const double own = r.peaks.cvar90.value, held = r.held.cvar90.value;
   if (!std::isfinite(held)) return "The held reference could not be followed.";
   return fmt::format("The worst tenth of the drops: {:.4g} m/s^2 on average, {:.1f} % {} holding's {:.4g}.", own,
                      100 * std::abs(1 - own / held), own > held ? "above" : "below", held);
 }
 
-void warn(const RiskStudy& s, Run& run) {
-  const Risk& r = s.risk;
+void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
   const long n = r.peaks.samples + r.failed;
-  if (s.assumed)
-    run.warn(fmt::format("the scene has no [scatter]: {} is assumed; --scatter says it", text_of(*s.scatter)));
+  if (t.assumed)
+    run.warn(fmt::format("the scene has no [scatter]: {} is assumed; --scatter says it", text_of(*t.scatter)));
   if (r.failed > 0)
     run.warn(fmt::format("{} of {} drops could not be followed to the floor: they are left out", r.failed, n));
   if (r.held_failed > 0)
     run.warn(fmt::format("{} of {} drops could not be followed with the reference {}: they are left out of its column",
-                         r.held_failed, r.held.samples + r.held_failed, held_words()));
+                         r.held_failed, r.held.samples + r.held_failed, t.held));
   if (r.from_floor > 0)
     run.warn(fmt::format("{} of {} drops would begin below the floor: they begin on it", r.from_floor, n));
   if (r.lost > 0)
@@ -196,28 +182,41 @@ void warn(const RiskStudy& s, Run& run) {
                          r.lost, n));
   if (r.held_lost > 0)
     run.warn(fmt::format("in {} of {} drops the drive loses the joint with the reference {}", r.held_lost,
-                         r.held.samples, held_words()));
+                         r.held.samples, t.held));
   if (r.index_failed > 0)
     run.warn(fmt::format("{} of the {} landings of the indices could not be followed: their base points are left out",
                          r.index_failed, r.index_landings));
   if (r.peaks.cvar90.value > r.held.cvar90.value)
     run.warn(fmt::format("the worst tenth of the drops is worse than that of the reference {}: {:.4g} and {:.4g} m/s^2",
-                         held_words(), r.peaks.cvar90.value, r.held.cvar90.value));
+                         t.held, r.peaks.cvar90.value, r.held.cvar90.value));
 }
 
 }  // namespace
 
-int report(const RiskStudy& s, Run& run) {
-  const Risk& r = s.risk;
-  warn(s, run);
-  const std::vector<NamedDistribution> both = {{"motion", r.peaks}, {held_words(), r.held}};
+std::string drops_words(const Scatter& scatter, bool assumed, const std::string& whose, bool uncertain, double inflate,
+                        bool inexact) {
+  const std::string text = text_of(scatter);
+  const std::string constants =
+      !uncertain     ? "do not scatter: no file of theirs holds [uncertainty]"
+      : inflate == 0 ? "do not scatter"
+      : inflate == 1 ? "scatter by the covariance of their fit"
+                     : fmt::format("scatter by the covariance of their fit, standard errors times {:g}", inflate);
+  return fmt::format("Standard deviations of the drops: {}{}. The constants of the {} {}.{}",
+                     text.empty() ? "none" : text, assumed ? ", assumed: nobody said" : "", whose, constants,
+                     inexact ? " The motion is played anywhere within the execution tolerance." : "");
+}
+
+int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::string()>& worst, Run& run) {
+  warn(r, t, run);
+  const std::vector<NamedDistribution> both = {{"motion", r.peaks}, {t.held, r.held}};
   const Table peaks(named_quantities(), both);
   std::vector<Share> touches, passings;
   for (const RiskEvent& e : r.events)
-    (e.kind == RiskEvent::Kind::kTouch ? touches : passings).push_back(share_of(e, r.peaks.samples));
+    (e.kind == RiskEvent::Kind::kTouch ? touches : passings).push_back(share_of(e, t, r.peaks.samples));
   const Table touched(share_quantities("forbidden"), touches), passed(share_quantities("rating or stop"), passings),
-      contacts(peak_contact_quantities(r.peaks.samples), r.contacts), indices(index_quantities(), r.uncertainties);
-  const auto keyed = [](const Table& t) { return t.keyed().is_null() ? Json::object() : t.keyed(); };
+      contacts(peak_contact_quantities(t.point, r.peaks.samples), r.contacts),
+      indices(index_quantities(), r.uncertainties);
+  const auto keyed = [](const Table& x) { return x.keyed().is_null() ? Json::object() : x.keyed(); };
   Json summary = {{"peak", peaks.object(0)},
                   {"held", peaks.object(1)},
                   {"contacts", contacts.objects()},
@@ -225,25 +224,25 @@ int report(const RiskStudy& s, Run& run) {
                   {"ratings", keyed(passed)},
                   {"sobol", keyed(indices)},
                   {"sobol_landings", r.index_landings},
-                  {"scatter", s.scatter ? Json(text_of(*s.scatter)) : Json()},
-                  {"scatter_assumed", s.assumed},
+                  {"scatter", t.scatter ? Json(text_of(*t.scatter)) : Json()},
+                  {"scatter_assumed", t.assumed},
                   {"failed", r.failed},
                   {"held_failed", r.held_failed},
                   {"joint_lost", r.lost},
                   {"held_joint_lost", r.held_lost},
                   {"from_floor", r.from_floor},
-                  {"motion", motion_json(s.motion)}};
+                  {"motion", t.of_motion}};
   if (r.peaks.samples == 0) {
     run.warn("no drop could be followed to the floor: there is no distribution");
     return run.finish(summary, kNumbers);
   }
-  Report page("Risk: " + s.scene.name);
-  floor_source(page, s.scene);
-  page.paragraph(motion_words(s.motion) + ".");
-  page.paragraph(scatter_words(s));
+  Report page("Risk: " + t.scene);
+  if (!t.source.empty()) page.paragraph("Floor constants: " + t.source + ".");
+  page.paragraph(t.motion + ".");
+  page.paragraph(t.drops);
   tell(peaks, page, run);
   for (const std::string& sentence : {held_comparison(r), index_words(r)}) run.say(sentence), page.paragraph(sentence);
-  Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, held_words(), r.held.samples);
+  Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, t.held, r.held.samples);
   peak_figure.caption += " (histogram.csv)";
   page.figure(peak_figure);
   if (!r.uncertainties.empty()) page.figure(sobol_figure(r));
@@ -251,15 +250,33 @@ int report(const RiskStudy& s, Run& run) {
     tell(indices, page, run, "sobol.csv",
          "Shares of the variance of the peak: first, what a number brings alone; total, with what it does together "
          "with others; low, high: 95 % intervals.");
-  for (const Table* t : {&contacts, &touched, &passed})
-    if (!t->shown().empty()) tell(*t, page, run);
+  for (const Table* x : {&contacts, &touched, &passed})
+    if (!x->shown().empty()) tell(*x, page, run);
   page.distrust(run.warnings());
   run.add("histogram.csv", Table(bin_quantities(), r.histogram).csv(run, "Drops by their peak [m/s^2]."));
-  run.add("risk.csv", worst_drops(s).csv(run,
-                                         "The worst drops, the worst first: `ukemi simulate --drop-from` replays a "
-                                         "row. peak [m/s^2]; what does not stand here is as planned."));
+  if (const std::string rows = worst(); !rows.empty()) run.add("risk.csv", rows);
   page.write(run);
   return run.finish(summary, kDone);
+}
+
+int report(const RiskStudy& s, Run& run) {
+  const RiskTexts texts{.scene = s.scene.name,
+                        .source = s.scene.floor_source,
+                        .motion = motion_words(s.motion),
+                        .drops = s.scatter
+                                     ? drops_words(*s.scatter, s.assumed, "actuator", s.actuator.covariance.size() > 0,
+                                                   s.scattering.inflate, s.scattering.inexact)
+                                     : "Drops as they were measured.",
+                        .held = held_words(),
+                        .scatter = s.scatter,
+                        .assumed = s.assumed,
+                        .of_motion = motion_json(s.motion)};
+  const auto worst = [&] {
+    return worst_drops(s).csv(run,
+                              "The worst drops, the worst first: `ukemi simulate --drop-from` replays a row. peak "
+                              "[m/s^2]; what does not stand here is as planned.");
+  };
+  return report(s.risk, texts, worst, run);
 }
 
 }  // namespace ukemi::tools

@@ -40,9 +40,13 @@ Quantities<NamedDistribution> named_quantities() {
   return out;
 }
 
+std::string goal_words(Goal goal, const std::optional<Measure>& measure) {
+  const std::string plain = goal == Goal::kTolerant ? "tolerant peak" : "peak";
+  return measure ? fmt::format("{} under scatter ({})", plain, measure->name()) : plain;
+}
 std::string goal_words(const AnswerOptions& options) {
-  const std::string plain = options.search.goal == Goal::kPeak ? "peak" : "tolerant peak";
-  return options.robust.measure ? fmt::format("{} under scatter ({})", plain, options.robust.measure->name()) : plain;
+  // A search under scatter has Goal::kTolerant where its drops are played inexactly.
+  return goal_words(options.search.goal == Goal::kPeak ? Goal::kPeak : Goal::kTolerant, options.robust.measure);
 }
 
 std::string held_words() { return fmt::format("held at {:.0f} deg", kHeld.phi_i * kDegrees); }
@@ -69,9 +73,9 @@ Series outline(const std::string& name, const std::vector<PeakBin>& bins, long P
   return out;
 }
 
-Json json_of(const Distribution& d) { return Table::of(distribution_quantities(), d).object(); }
-
 }  // namespace
+
+Json distribution_json(const Distribution& d) { return Table::of(distribution_quantities(), d).object(); }
 
 Figure histogram_figure(const std::vector<PeakBin>& bins, const std::string& name, const Distribution& of,
                         const std::string& beside, long beside_samples) {
@@ -126,7 +130,7 @@ Json scatter_json(const Answer& a) {
     if (a.promised) robust["promised_std"] = number(a.promised->standard_error);
     if (a.under_scatter) {
       const Estimated& u = a.under_scatter->measured;
-      robust["fresh"] = json_of(a.under_scatter->planned);
+      robust["fresh"] = distribution_json(a.under_scatter->planned);
       robust["fresh"]["measured"] = number(u.value), robust["fresh"]["measured_std"] = number(u.standard_error);
       robust["optimism"] = u.value / a.best.value - 1;
     }
@@ -135,14 +139,14 @@ Json scatter_json(const Answer& a) {
     Json& scatter = out["scatter"];
     scatter = {{"deviations", a.scatter ? Json(text_of(*a.scatter)) : Json()},
                {"assumed", a.scatter_assumed},
-               {"planned", json_of(u->planned)},
-               {"held", json_of(u->held)},
-               {"best_posture", json_of(u->posture)},
+               {"planned", distribution_json(u->planned)},
+               {"held", distribution_json(u->held)},
+               {"best_posture", distribution_json(u->posture)},
                {"broken", u->broken},
                {"joint_lost", u->lost},
                {"from_floor", u->from_floor}};
     if (u->nominal) {
-      scatter["nominal"] = json_of(*u->nominal);
+      scatter["nominal"] = distribution_json(*u->nominal);
       scatter["nominal"]["motion"] = motion_json(a.nominal->motion);
     }
     scatter["best_posture"]["phi_deg"] = u->posture_phi * kDegrees;

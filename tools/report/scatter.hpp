@@ -20,6 +20,7 @@ struct NamedDistribution {
 Quantities<NamedDistribution> named_quantities();
 
 /// What is minimised: "peak", "tolerant peak", "mean peak under scatter".
+std::string goal_words(landing::Goal goal, const std::optional<landing::Measure>& measure);
 std::string goal_words(const landing::AnswerOptions& options);
 /// The reference that does nothing: "held at -45 deg".
 std::string held_words();
@@ -33,6 +34,8 @@ std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool a
 Figure histogram_figure(const std::vector<landing::PeakBin>& bins, const std::string& name,
                         const landing::Distribution& of, const std::string& beside, long beside_samples);
 
+/// What all measures make of the peaks.
+Json distribution_json(const landing::Distribution& d);
 /// "robust" and "scatter" of an answer; what is not known is absent.
 Json scatter_json(const landing::Answer& answer);
 /// One sentence of the motion under scatter, beside the references that do nothing; and a warning where its worst tenth

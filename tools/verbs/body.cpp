@@ -1,4 +1,4 @@
-// ukemi simulate and ukemi optimize of a robot of links; ukemi robot.
+// ukemi simulate, optimize and risk of a robot of links; ukemi robot.
 #include "tools/verbs/body.hpp"
 
 #include <fmt/format.h>
@@ -9,9 +9,13 @@
 
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "landing/model/scatter_file.hpp"
+#include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
+#include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/body.hpp"
+#include "tools/report/scatter.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -20,18 +24,23 @@ using namespace landing;
 
 namespace {
 
-constexpr const char* kCan = "of a robot of links it is not there yet; what is: simulate, optimize of the peak, robot";
+constexpr const char* kCan = "of a robot of links it is not there yet; what is: simulate, optimize, risk, robot";
 
 /// FILE, or JOINT=FILE; what stands before '=' is a joint's name, not a path.
-std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, Run& run) {
+std::vector<GivenDrive> drives_of(const std::vector<std::string>& given) {
   std::vector<GivenDrive> out;
   for (const std::string& text : given) {
     const std::size_t equal = text.find('=');
     const bool named = equal != std::string::npos && text.find_first_of("/.\\") > equal;
     out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1)} : GivenDrive{"", text});
-    run.input(out.back().file);
   }
   return out;
+}
+/// The files behind a scene are inputs of the run; warns of drives that their fits did not trust.
+void note_files(const BodyScene& scene, const std::string& path, Run& run) {
+  run.input(path);
+  if (!scene.robot_file.empty()) run.input(scene.robot_file);
+  for (const std::string& drive : scene.drive_files) (void)actuator_of(drive, run);
 }
 
 /// Every driven joint held as the scene says, or as NAME=DEG,... does; of one driven joint also DEG.
@@ -66,13 +75,22 @@ void refuse(bool given, const char* option) {
   if (given) throw InputError(fmt::format("{}: {}", option, kCan));
 }
 
-/// The scene, or with `alone` what may be a robot without a drop.
 BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run) {
-  BodyScene scene = read_body_scene(path, drives_of(actuators, run));
-  run.input(path);
+  BodyScene scene = read_body_scene(path, drives_of(actuators));
+  note_files(scene, path, run);
   for (const std::string& doubt : doubts(scene.robot)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
   return scene;
+}
+
+std::optional<Scatter> scatter_of(const ScatterArguments& a) {
+  return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
+}
+double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
+  const auto fitted = [](const Joint& j) { return j.covariance.size() > 0; };
+  if (a.inflate && std::none_of(scene.robot.joints.begin(), scene.robot.joints.end(), fitted))
+    run.warn("--inflate makes no difference: no drive's file holds [uncertainty], so their constants do not scatter");
+  return checked_inflate(a);
 }
 
 double rate_of(double rate) {
@@ -88,8 +106,8 @@ int run_robot(const RobotArguments& a, const CommonOptions& common) {
   Run run("robot", common);
   if (!has_links(a.file))
     throw InputError(Location{a.file}, "[robot] has no links: [[robot.link]], or robot = \"FILE\", is needed");
-  const BodyScene scene = read_robot(a.file, drives_of(a.actuators, run));
-  run.input(a.file);
+  const BodyScene scene = read_robot(a.file, drives_of(a.actuators));
+  note_files(scene, a.file, run);
   return report_robot(scene, run);
 }
 
@@ -124,10 +142,9 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
 int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const Stopwatch watch(Stopwatch::Time::kWall);
   Run run("optimize", common);
-  refuse(a.goal != Goal::kPeak, "--objective"), refuse(a.robust.has_value(), "--robust");
   refuse(!a.forbid.empty(), "--forbid"), refuse(!a.exports.formats.empty(), "--export");
   refuse(a.ratings == OptimizeArguments::Ratings::kRespect, "--respect-ratings");
-  refuse(a.scatter.scatter || a.scatter.inflate || !a.scatter.drops.empty(), "--scatter, --inflate, --drops");
+  refuse(!a.scatter.drops.empty(), "--drops");
   const FreedomArguments& f = a.freedom;
   refuse(f.bumps || f.gains || f.release_phi || f.release_rate || f.from, "--bumps, --landing-gains, --release-...");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
@@ -136,21 +153,43 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const double rate = rate_of(a.rate);
   constexpr double kShort = 2, kWriting = 0.02;  // [s]
   BodyPlanOptions options;
-  if (a.deadline) options.evaluations = a.evaluations.value_or(1'000'000'000);
-  if (!a.deadline && a.evaluations) options.evaluations = *a.evaluations;
+  options.goal = a.goal, options.evaluations = a.evaluations;
+  if (a.robust) options.measure = Measure::parse("--robust", *a.robust);
+  if (a.samples) options.samples = *a.samples;
+  options.scatter = scatter_of(a.scatter), options.inflate = inflate_of(a.scatter, scene, run);
   options.seed = common.seed, options.threads = common.threads;
   options.deadline = a.deadline;
   options.validate();
   const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
   options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
-  options.monitor = run.monitor("optimize, motions");
-  run.info(fmt::format(
-      "optimising the peak of {} over {} variables: {}, seed {}", scene.name, BodySpace(scene).dimension(),
-      a.deadline ? fmt::format("{:g} s", *a.deadline) : fmt::format("{} motions", options.evaluations), options.seed));
+  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
+  options.monitor = run.monitor(options.measure ? "optimize, landings" : "optimize, motions");
+  const std::string limit = a.deadline
+                                ? fmt::format("{:g} s", *a.deadline)
+                                : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations()),
+                                              options.measure ? "landings" : "motions");
+  run.info(fmt::format("optimising the {} of {} over {} variables: {}, seed {}",
+                       goal_words(options.goal, options.measure), scene.name, BodySpace(scene).dimension(), limit,
+                       options.seed));
   const BodyPlan best = plan(scene, options);
   options.deadline = a.deadline;
   return report(scene, best, options, rate, run);
+}
+
+int risk_body(const RiskArguments& a, const CommonOptions& common) {
+  Run run("risk", common);
+  refuse(!a.scatter.drops.empty(), "--drops"), refuse(!a.forbid.empty(), "--forbid");
+  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  const BodyMotion motion = motion_of(scene, a.motion, run);
+  BodyRiskOptions options;
+  options.samples = samples_of(a);
+  options.scatter = scatter_of(a.scatter);
+  options.drops = {.inflate = inflate_of(a.scatter, scene, run),
+                   .inexact = a.execution == RiskArguments::Execution::kInexact};
+  options.seed = common.seed, options.threads = common.threads;
+  options.monitor = run.monitor("risk");
+  return report(scene, motion, body_risk(scene, motion, options), options, run);
 }
 
 void add_robot(CLI::App& app, Action& chosen) {

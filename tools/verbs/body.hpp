@@ -1,4 +1,4 @@
-// What simulate and optimize do with a robot of links, and the verb that shows one.
+// What simulate, optimize and risk do with a robot of links, and the verb that shows one.
 #pragma once
 
 #include <optional>
@@ -19,9 +19,21 @@ struct SimulateArguments {
   std::optional<double> rate, accuracy;
   Exports exports;
 };
+struct RiskArguments {
+  std::string scene;
+  std::vector<std::string> actuators;
+  MotionArguments motion;
+  ScatterArguments scatter;
+  std::optional<long> samples;
+  enum class Execution { kExact, kInexact } execution = Execution::kExact;
+  std::vector<std::string> forbid;
+};
+/// Their --samples, checked.
+long samples_of(const RiskArguments& arguments);
 /// Whether a scene's robot is in the long form; the file is an input of the run.
 bool is_body(const std::string& scene);
 int simulate_body(const SimulateArguments& arguments, const CommonOptions& common);
+int risk_body(const RiskArguments& arguments, const CommonOptions& common);
 int optimize_body(const OptimizeArguments& arguments, const CommonOptions& common);
 
 }  // namespace ukemi::tools

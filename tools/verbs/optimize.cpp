@@ -35,11 +35,11 @@ class Clock {
 
 RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Actuator& actuator, Run& run) {
   const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
-  RobustOptions out{
-      .scatter = scattering.scatter, .drops = scattering.measured, .inflate = scattering.inflate, .samples = a.samples};
+  RobustOptions out{.scatter = scattering.scatter, .drops = scattering.measured, .inflate = scattering.inflate};
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
-  if (!(a.samples >= 16 && a.samples <= 4096))
-    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", a.samples));
+  out.samples = a.samples.value_or(out.samples);
+  if (!(out.samples >= 16 && out.samples <= 4096))
+    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", out.samples));
   if (!(a.penalty > 0 && a.penalty <= 1e6))
     throw InputError(fmt::format("--penalty: {}: above 0 to 1e6 m/s^2 is needed", a.penalty));
   out.penalty = a.penalty;
@@ -128,7 +128,8 @@ void add_optimize(CLI::App& app, Action& chosen) {
       },
       "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
   verb->add_option("--evaluations", args->evaluations,
-                   "how many motions are tried in all, with --robust landings [40000; tolerant 10000; with n > 3 "
+                   "how many motions are tried in all, with --robust landings [40000; tolerant 10000, of a robot of "
+                   "links 5000; with n > 3 "
                    "variables 2 (n - 2) times as "
                    "many; no limit with --deadline]");
   verb->add_option("--deadline", args->deadline,
@@ -149,7 +150,8 @@ void add_optimize(CLI::App& app, Action& chosen) {
                    "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "
                    "--objective tolerant each drop plays the motion somewhere in its execution box");
   add_scatter(*verb, args->scatter);
-  verb->add_option("--samples", args->samples, "with --robust, drops that are searched on, best a power of two [256]");
+  verb->add_option("--samples", args->samples,
+                   "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
   verb->add_option("--penalty", args->penalty,
                    "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");

@@ -11,6 +11,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/risk.hpp"
+#include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/given_motion.hpp"
 #include "tools/verbs/scattering.hpp"
@@ -21,15 +22,6 @@ namespace ukemi::tools {
 using namespace landing;
 
 namespace {
-
-struct RiskArguments {
-  std::string scene, actuator;
-  MotionArguments motion;
-  ScatterArguments scatter;
-  std::optional<long> samples;
-  enum class Execution { kExact, kInexact } execution = Execution::kExact;
-  std::vector<std::string> forbid;
-};
 
 /// What says how drops are drawn has no say where they were measured.
 void check_measured(const RiskArguments& a) {
@@ -42,9 +34,7 @@ void check_measured(const RiskArguments& a) {
 
 RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, const Run& run) {
   RiskOptions out;
-  if (a.samples && (*a.samples < 100 || *a.samples > 10'000'000))
-    throw InputError(fmt::format("--samples: {}: 100 to 10000000 are needed", *a.samples));
-  out.samples = a.samples.value_or(out.samples);
+  out.samples = samples_of(a);
   for (const std::string& point : a.forbid)
     out.forbidden[choice_index("--forbid", point, {kPointNames.begin(), kPointNames.end()})] = true;
   out.seed = common.seed, out.threads = common.threads;
@@ -53,9 +43,10 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
 }
 
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
+  if (is_body(a.scene)) return risk_body(a, common);
   Run run("risk", common);
   const Scene scene = scene_of(a.scene, run);
-  const Actuator actuator = rated_actuator_of(a.actuator, run);
+  const Actuator actuator = rated_actuator_of(only_actuator(a.actuators), run);
   const Motion motion = motion_of(a.motion, "risk", run);
   RiskOptions options = options_of(a, common, run);
   RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};
@@ -74,11 +65,20 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
 
 }  // namespace
 
+long samples_of(const RiskArguments& a) {
+  if (a.samples && (*a.samples < 100 || *a.samples > 10'000'000))
+    throw InputError(fmt::format("--samples: {}: 100 to 10000000 are needed", *a.samples));
+  return a.samples.value_or(RiskOptions().samples);
+}
+
 void add_risk(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<RiskArguments>();
   CLI::App* verb = app.add_subcommand("risk", "the peaks of a motion over drops that scatter, and what scatters them");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option(
+          "--actuator", args->actuators,
+          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
+      ->allow_extra_args(false);
   add_motion(*verb, args->motion);
   add_scatter(*verb, args->scatter);
   verb->add_flag_callback(

@@ -53,7 +53,7 @@ struct OptimizeArguments {
   FreedomArguments freedom;
   std::optional<std::string> robust;  ///< a measure
   ScatterArguments scatter;
-  long samples = landing::RobustOptions().samples;
+  std::optional<long> samples;
   double penalty = landing::RobustOptions().penalty;
   Exports exports;
 };

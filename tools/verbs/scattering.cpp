@@ -17,10 +17,15 @@ void add_scatter(CLI::App& verb, ScatterArguments& a) {
   verb.add_option("--drops", a.drops, "CSV file of drops as they were measured, in place of drawn ones");
 }
 
-Scattering scattering_of(const ScatterArguments& a, const landing::Scene& scene, const Actuator& actuator, Run& run) {
-  Scattering out;
+double checked_inflate(const ScatterArguments& a) {
   if (a.inflate && !(*a.inflate >= 0 && *a.inflate <= 100))
     throw InputError(fmt::format("--inflate: {}: 0 to 100 is needed", *a.inflate));
+  return a.inflate.value_or(1);
+}
+
+Scattering scattering_of(const ScatterArguments& a, const landing::Scene& scene, const Actuator& actuator, Run& run) {
+  Scattering out;
+  out.inflate = checked_inflate(a);
   if (!a.drops.empty()) {
     if (const char* given = a.scatter ? "--scatter" : a.inflate ? "--inflate" : nullptr)
       throw InputError(fmt::format("{}: beside --drops it has no say: the drops come as they were measured", given));
@@ -31,7 +36,6 @@ Scattering scattering_of(const ScatterArguments& a, const landing::Scene& scene,
   if (a.inflate && actuator.covariance.size() == 0)
     run.warn(fmt::format("--inflate makes no difference: {} holds no [uncertainty], so its constants do not scatter",
                          actuator.name));
-  out.inflate = a.inflate.value_or(1);
   if (a.scatter) out.scatter = landing::parse_scatter("--scatter", *a.scatter);
   (void)landing::DropModel(scene, {}, actuator, {.inflate = out.inflate});  // refuses what is no covariance
   return out;

@@ -18,6 +18,9 @@ struct ScatterArguments {
 };
 void add_scatter(CLI::App& verb, ScatterArguments& arguments);
 
+/// Their --inflate, 1 where it is not given. Throws InputError.
+double checked_inflate(const ScatterArguments& arguments);
+
 /// What they say. Throws InputError.
 struct Scattering {
   std::optional<landing::Scatter> scatter;       ///< none: the scene's, or what is assumed

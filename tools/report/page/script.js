@@ -70,6 +70,10 @@
                                'aria-label': 'animation: ' + landing.name}, stage);
       const slope = landing.slope || 0;
       make('line', {x1: box.x0, x2: box.x1, y1: -slope * box.x0, y2: -slope * box.x1, class: 'ground'}, svg);
+      if (landing.rail) {
+        const [x, y] = [landing.links[0].x[0], landing.links[0].y[0]], [dx, dy] = landing.rail;
+        make('line', {x1: x - 9 * dx, y1: -y + 9 * dy, x2: x + 9 * dx, y2: -y - 9 * dy, class: 'ghost'}, svg);
+      }
       this.ghosts = (landing.ghosts || []).map(ghost => [ghost, make('polyline', {class: 'ghost'}, svg)]);
       this.trace = make('polyline', {class: 'trace'}, svg);
       const count = landing.links ? landing.links.length : 2;
@@ -109,6 +113,8 @@
         head.setAttribute('d', `M${ex + ux * .03} ${ey + uy * .03}L${ex - uy * .014} ${ey + ux * .014}L${ex + uy * .014} ${ey - ux * .014}Z`);
       });
       const peak = this.landing.peaks.find(p => Math.abs(p.t - t) < 1e-3);
+      // Rows are 1 ms apart, and two events may be less than the rounding apart: at a peak's own time its value is known.
+      if (peak && Math.abs(peak.t - t) < 2e-6) now.acceleration = peak.acceleration;
       this.badge.textContent = peak ? circled(peak.n) : '';
       this.badge.setAttribute('x', now.trace[0]);
       this.badge.setAttribute('y', -now.trace[1] - .05);

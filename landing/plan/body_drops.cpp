@@ -1,0 +1,126 @@
+#include "landing/plan/body_drops.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "common/checks.hpp"
+#include "common/parallel.hpp"
+#include "landing/scatter/drop_model.hpp"
+
+namespace ukemi::landing {
+
+BodyMotion BodyDrop::played(const BodyMotion& planned) const {
+  BodyMotion out = planned;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!scene.robot.joints[i].driven()) continue;
+    const Joint& at = joints[i];
+    out[i] = released_beside(deviated(planned[i], scene.execution, at.deviation), at.phi, at.rate);
+  }
+  return out;
+}
+
+BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, const Options& options)
+    : scene_(scene), phi_(scatter.phi > 0), rate_(scatter.rate > 0), inexact_(options.inexact) {
+  scene.validate(), scatter.validate(), check_not_negative("inflate", options.inflate);
+  const Robot& robot = scene.robot;
+  for (const auto& [deviation, base, what] :
+       {std::tuple(scatter.forward_speed, robot.base != Base::kFree, "forward_speed"),
+        {scatter.pitch_rate, robot.base == Base::kRail, "pitch_rate"},
+        {scatter.height, robot.base == Base::kPinned, "height"}})
+    if (deviation > 0 && base) throw InputError(std::string("scatter: ") + what + ": a robot on this base has none");
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].driven()) driven_.push_back(int(i));
+  for (const ScatterTerm& t : kScatterTerms) {
+    const bool of_joints = t.deviation == &Scatter::phi || t.deviation == &Scatter::rate;
+    if (!(scatter.*t.deviation > 0) || of_joints) continue;
+    of_scene_.push_back(t.deviation);
+    sampler_.normal(t.name, scatter.*t.deviation);
+  }
+  if (phi_) sampler_.normal("phi", scatter.phi, int(driven_.size()));
+  if (rate_) sampler_.normal("rate", scatter.rate, int(driven_.size()));
+  for (const int i : driven_) {
+    const Joint& joint = robot.joints[std::size_t(i)];
+    if (joint.covariance.size() == 0 || options.inflate == 0) continue;
+    fitted_.emplace_back(i, constant_indices(joint.uncertain));
+    sampler_.correlated("drive of " + joint.name, joint.covariance, options.inflate);
+  }
+  if (inexact_) sampler_.uniform("execution", 2 * int(driven_.size()) + 1);
+}
+
+BodyDrop BodyDropModel::drop(std::span<const double> u) const {
+  const std::vector<double> by = sampler_.at(u);
+  auto next = by.begin();
+  BodyDrop out{scene_, std::vector<BodyDrop::Joint>(scene_.robot.joints.size())};
+  Scatter z;
+  for (double Scatter::*const name : of_scene_) z.*name = *next++;
+  out.from_floor = move_drop(out.scene.drop, z);
+  out.scene.detection_delay = std::max(0.0, scene_.detection_delay + z.delay);
+  for (ContactPoint& c : out.scene.robot.contacts) {
+    c.law.stiffness *= std::exp(z.stiffness), c.law.damping_normal *= std::exp(z.damping_normal);
+    c.law.damping_tangential *= std::exp(z.damping_tangential);
+  }
+  const auto of = [&](int i) -> BodyDrop::Joint& { return out.joints[std::size_t(i)]; };
+  for (const int i : driven_)
+    if (phi_) of(i).phi = *next++;
+  for (const int i : driven_)
+    if (rate_) of(i).rate = *next++;
+  for (const auto& [i, constants] : fitted_) {
+    std::array<double, kActuatorConstants> moves{};
+    for (const int k : constants) moves[std::size_t(k)] = *next++;
+    SeaParameters<double>& sea = out.scene.robot.joints[std::size_t(i)].sea;
+    sea = moved(sea, moves);
+  }
+  if (!inexact_) return out;
+  const double duration = *next++;
+  for (const int i : driven_) {
+    const double a = *next++, b = *next++;
+    of(i).deviation = {a, b, duration};
+  }
+  return out;
+}
+
+std::vector<BodyDrop> BodyDropModel::drops(const std::vector<double>& points, long count) const {
+  const auto d = std::size_t(sampler_.dimension());
+  std::vector<BodyDrop> out;
+  out.reserve(std::size_t(count));
+  for (std::size_t n = 0; n < std::size_t(count); ++n) out.push_back(drop(std::span(points).subspan(n * d, d)));
+  return out;
+}
+
+Scatter assumed_scatter(const Robot& robot) {
+  Scatter out = Scatter::assumed();
+  if (robot.base != Base::kFree) out.forward_speed = 0;
+  if (robot.base == Base::kPinned) out.height = 0;
+  return out;
+}
+
+std::vector<BodyDrop> execution_drops(const BodyScene& scene) {
+  const std::size_t joints = scene.robot.joints.size();
+  const BodyDrop own{scene, std::vector<BodyDrop::Joint>(joints)};
+  std::vector<BodyDrop> out = {own};
+  const auto add = [&](std::size_t from, std::size_t to, const Deviation& d) {
+    out.push_back(own);
+    for (std::size_t i = from; i < to; ++i) out.back().joints[i].deviation = d;
+  };
+  for (const double s : {-1.0, 1.0}) {
+    add(0, joints, {0, 0, s});
+    for (std::size_t i = 0; i < joints; ++i)
+      if (scene.robot.joints[i].driven()) add(i, i + 1, {s, 0, 0}), add(i, i + 1, {0, s, 0});
+  }
+  for (int k = 7; k < kExecutionPoints; ++k) add(0, joints, execution_deviation(k));
+  return out;
+}
+
+std::vector<double> peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
+                               const std::function<bool()>* over) {
+  std::vector<double> out(drops.size(), std::numeric_limits<double>::infinity());
+  parallel_for(int(drops.size()), threads, [&](int k) {
+    if (over && (*over)()) return;
+    const BodyDrop& d = drops[std::size_t(k)];
+    const BodyLanding l = peak_acceleration(d.scene, d.played(motion), {.accuracy = accuracy, .over = over});
+    if (!no_landing(l.end) && l.end != End::kStopped) out[std::size_t(k)] = l.peak;
+  });
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,81 @@
+// How a drop of a robot of links may come: the scene's scatter, each drive's constants by the covariance of their fit,
+// how exactly the motions are played. Ours.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "landing/body/body_run.hpp"
+#include "landing/model/motion_space.hpp"
+#include "landing/scatter/measure.hpp"
+#include "landing/scatter/sampler.hpp"
+
+namespace ukemi::landing {
+
+/// A drop as it may come, and how what is played then differs from what was planned.
+struct BodyDrop {
+  /// Of a joint that is driven.
+  struct Joint {
+    double phi = 0, rate = 0;  ///< at release, beside the planned [rad], [rad/s]
+    Deviation deviation{};     ///< of its motion, within the scene's execution tolerance
+  };
+  BodyScene scene;            ///< its drop, floor, detection and drives
+  std::vector<Joint> joints;  ///< of Robot::joints
+  bool from_floor = false;    ///< it would begin below the floor, and begins on it
+
+  /// What is planned, as this drop plays it.
+  BodyMotion played(const BodyMotion& planned) const;
+};
+
+class BodyDropModel {
+ public:
+  struct Options {
+    double inflate = 1;    ///< factor of the standard errors of the drives' constants, >= 0
+    bool inexact = false;  ///< the motions are played anywhere in the execution box, uniformly
+  };
+  /// Every term of a scatter counts, `phi` and `rate` for each driven joint on its own; those of the floor scale all
+  /// contacts alike. Throws InputError for a scene or a scatter that is not valid, for one of `forward_speed` or
+  /// `pitch_rate` where the base has none, and for a covariance that is not positive semidefinite.
+  BodyDropModel(const BodyScene& scene, const Scatter& scatter, const Options& options);
+  BodyDropModel(const BodyScene& scene, const Scatter& scatter) : BodyDropModel(scene, scatter, Options()) {}
+
+  const BodyScene& scene() const { return scene_; }
+  /// What a drop is drawn from.
+  const Sampler& sampler() const { return sampler_; }
+  bool scatters() const { return sampler_.dimension() > 0; }
+  /// The drop of a point inside the unit cube, sampler().dimension() numbers.
+  BodyDrop drop(std::span<const double> u) const;
+  /// The drops of points, one after the other; where nothing scatters the scene's own, `count` times.
+  std::vector<BodyDrop> drops(const std::vector<double>& points, long count) const;
+  /// Scrambled Sobol points: for searches, which do best with a power of two of them.
+  std::vector<BodyDrop> even(long count, std::uint64_t seed, long first = 0) const {
+    return drops(sampler_.even(count, seed, first), count);
+  }
+  /// Independent ones: for what is said of a plan that was found.
+  std::vector<BodyDrop> independent(long count, std::uint64_t seed) const {
+    return drops(sampler_.independent(count, seed), count);
+  }
+
+ private:
+  BodyScene scene_;
+  Sampler sampler_;
+  std::vector<int> driven_;                  ///< of Robot::joints
+  std::vector<double Scatter::*> of_scene_;  ///< what the sampler's first numbers are
+  bool phi_, rate_, inexact_;
+  std::vector<std::pair<int, std::vector<int>>> fitted_;  ///< joints whose covariance is known, their constants
+};
+
+/// Scatter::assumed(), without what a base of this kind has not.
+Scatter assumed_scatter(const Robot& robot);
+
+/// The drops of the tolerant peak: the scene's own, those in which one number is missed by the execution tolerance, and
+/// the eight corners in which all joints miss alike. For one joint the fifteen of the paper's robot.
+std::vector<BodyDrop> execution_drops(const BodyScene& scene);
+
+/// Peaks of one motion over drops [m/s^2]; infinite where a landing could not be followed or `over` cut it off.
+std::vector<double> peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
+                               const std::function<bool()>* over = nullptr);
+
+}  // namespace ukemi::landing

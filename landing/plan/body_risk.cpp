@@ -1,0 +1,141 @@
+#include "landing/plan/body_risk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "common/checks.hpp"
+#include "common/parallel.hpp"
+
+namespace ukemi::landing {
+
+void BodyRiskOptions::validate() const { check_count("samples", samples, 1, 10'000'000); }
+
+namespace {
+
+constexpr double kAccuracy = 1e-6, kBalanced = 1e-7;  // of a peak; of a run whose energy balance must close
+constexpr long kChunk = 2048;                         // landings that are held in memory at once
+constexpr long kHeldDrops = 16'384;                   // that the held posture is played over
+
+std::vector<RiskEvent> events_of(const Robot& robot) {
+  using Kind = RiskEvent::Kind;
+  std::vector<RiskEvent> out;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& j = robot.joints[i];
+    if (!j.driven()) continue;
+    if (j.speed_max) out.push_back({.kind = Kind::kSpeed, .joint = int(i), .limit = *j.speed_max});
+    if (j.motor_torque_max) out.push_back({.kind = Kind::kTorque, .joint = int(i), .limit = *j.motor_torque_max});
+  }
+  return out;
+}
+bool passed(const RiskEvent& e, const BodyLanding& l) {
+  const JointDemands& d = l.demands[std::size_t(e.joint)];
+  return (e.kind == RiskEvent::Kind::kSpeed ? d.motor_speed : d.motor_torque) > e.limit;
+}
+
+/// Which touchdown opened the interval that holds the peak, from 1; 0: before the first.
+PeakContact peak_contact(const BodyLanding& l) {
+  PeakContact out{0, -1};
+  const auto highest = std::max_element(l.peaks.begin(), l.peaks.end(),
+                                        [](auto& a, auto& b) { return a.acceleration < b.acceleration; });
+  if (highest == l.peaks.end() || highest->point < 0) return out;
+  for (auto p = l.peaks.begin(); p <= highest; ++p) out.number += p->point >= 0;
+  out.point = highest->point;
+  return out;
+}
+
+class Course {
+ public:
+  Course(const BodyRiskOptions& options, long planned) : options_(options), planned_(planned) {}
+  bool stopped() const { return options_.monitor.stopped(); }
+  void tell(long landings) { options_.monitor.progress(played_ += landings, planned_); }
+  std::vector<double> peaks(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
+    return peaks_over(drops, motion, kAccuracy, options_.threads, &over_);
+  }
+  std::vector<BodyLanding> landings(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
+    std::vector<BodyLanding> out(drops.size());
+    parallel_for(int(drops.size()), options_.threads, [&](int k) {
+      const BodyDrop& d = drops[std::size_t(k)];
+      if (!over_()) out[std::size_t(k)] = simulate(d.scene, d.played(motion), {.accuracy = kBalanced, .over = &over_});
+    });
+    return out;
+  }
+
+ private:
+  const BodyRiskOptions& options_;
+  const std::function<bool()> over_ = [this] { return stopped(); };
+  long planned_, played_ = 0;
+};
+
+void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyMotion& motion, long samples,
+                const BodyRiskOptions& options, Course& course) {
+  const BodyMotion hold = held_posture(model.scene());
+  std::vector<double> peaks, held;
+  std::map<std::pair<int, int>, long> contacts;
+  for (long first = 0; first < samples; first += kChunk) {
+    const std::vector<BodyDrop> drops = model.even(std::min(kChunk, samples - first), options.seed, first);
+    const auto of_held = std::span(drops).first(std::size_t(std::clamp(kHeldDrops - first, 0L, long(drops.size()))));
+    const std::vector<double> held_peaks = course.peaks(of_held, hold);
+    const std::vector<BodyLanding> landings = course.landings(drops, motion);
+    if (course.stopped()) break;
+    for (const double x : held_peaks) {
+      if (std::isfinite(x)) held.push_back(x);
+      out.held_failed += !std::isfinite(x);
+    }
+    for (const BodyDrop& d : drops) out.from_floor += d.from_floor;
+    for (const BodyLanding& l : landings) {
+      if (no_landing(l.end) || !std::isfinite(l.peak)) {
+        ++out.failed;
+        continue;
+      }
+      peaks.push_back(l.peak);
+      out.lost += std::any_of(l.demands.begin(), l.demands.end(),
+                              [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
+      const PeakContact c = peak_contact(l);
+      ++contacts[{c.number, c.point}];
+      for (RiskEvent& e : out.events) e.drops += passed(e, l);
+    }
+    course.tell(long(drops.size() + of_held.size()));
+  }
+  out.peaks = distribution(peaks), out.held = distribution(held);
+  for (const auto& [contact, count] : contacts) out.contacts.push_back({contact.first, contact.second, count});
+  std::stable_sort(out.contacts.begin(), out.contacts.end(), [](auto& a, auto& b) { return a.drops > b.drops; });
+  out.histogram = histogram(peaks, held, out.peaks.q99.value);
+}
+
+}  // namespace
+
+BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyRiskOptions& options) {
+  options.validate(), validate(scene.robot, motion);
+  using WhyNone = PeakRisk::WhyNone;
+  BodyRisk out;
+  out.scatter = options.scatter ? *options.scatter : scene.scatter.value_or(assumed_scatter(scene.robot));
+  out.assumed = !options.scatter && !scene.scatter;
+  out.events = events_of(scene.robot);
+  const BodyDropModel model(scene, out.scatter, options.drops);
+  const long samples = model.scatters() ? options.samples : 1;
+  IndexPlan plan(model.sampler(), samples);
+  Course course(options, samples + std::min(samples, kHeldDrops) + plan.landings());
+  play_drops(out, model, motion, samples, options, course);
+  const auto stop = [&] { out.why_none = WhyNone::kStopped; };
+  if (!model.scatters())
+    out.why_none = WhyNone::kNothingScatters;
+  else if (plan.base_points() == 0)
+    out.why_none = WhyNone::kOneGroup;
+  else if (course.stopped())
+    stop();
+  if (out.why_none != WhyNone::kThere) return out;
+  const long part = std::max(1L, kChunk / long(plan.blocks()));
+  for (long first = 0; first < plan.base_points(); first += part) {
+    const long count = std::min(part, plan.base_points() - first), landings = count * long(plan.blocks());
+    const std::vector<double> peaks =
+        course.peaks(model.drops(plan.points(count, options.seed, first), landings), motion);
+    if (course.stopped()) return stop(), out;
+    plan.add(peaks), course.tell(landings);
+  }
+  plan.finish(out, options.seed, options.threads);
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,54 @@
+// Points of the unit cube as numbers that scatter, group by group.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace ukemi::landing {
+
+/// A standard normal number cut at three, for u in (0, 1): its quantile.
+double cut_normal(double u);
+
+/// Numbers that are drawn together, with one word for all of them.
+struct ScatterGroup {
+  std::string name;
+  int first, count;  ///< coordinates
+};
+
+class Sampler {
+ public:
+  /// Independent normal numbers with this standard deviation, cut at three deviations.
+  void normal(const std::string& name, double deviation, int count = 1);
+  /// Normal numbers with a covariance, their standard deviations times `factor`. Throws InputError for a covariance
+  /// that is not positive semidefinite.
+  void correlated(const std::string& name, const Eigen::MatrixXd& covariance, double factor = 1);
+  /// Uniform from -1 to 1.
+  void uniform(const std::string& name, int count);
+
+  /// Of the coordinates that a sample is drawn from, one for each number; 0: nothing scatters.
+  int dimension() const { return dimension_; }
+  const std::vector<ScatterGroup>& groups() const { return groups_; }
+  /// The numbers of a point inside the cube, dimension() of them, in the order in which their groups were added.
+  std::vector<double> at(std::span<const double> u) const;
+
+  /// Scrambled Sobol points from point `first` on, one after the other: see ScrambledSobol.
+  std::vector<double> even(long count, std::uint64_t seed, long first = 0) const;
+  /// Independent points.
+  std::vector<double> independent(long count, std::uint64_t seed) const;
+
+ private:
+  struct Block {
+    int first;
+    Eigen::MatrixXd root;  ///< R R^T is the covariance; empty: uniform
+  };
+  void add(const std::string& name, int count, Eigen::MatrixXd root);
+
+  std::vector<Block> blocks_;
+  std::vector<ScatterGroup> groups_;
+  int dimension_ = 0;
+};
+
+}  // namespace ukemi::landing

@@ -1,0 +1,197 @@
+// Robots of links over drops that scatter: what is drawn, what a plan promises, what risk tells. Of one elastic joint
+// everything is also the paper's robot's, whose own path is another program.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/degrees.hpp"
+#include "landing/judge/risk.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/plan/body_plan.hpp"
+#include "landing/plan/body_risk.hpp"
+#include "landing/search/tolerant_peak.hpp"
+#include "test/folder.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+BodyScene shipped(const std::string& name) { return read_body_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
+
+/// The paper's scene in the long form.
+BodyScene long_paper(const Scene& s, const Actuator& a) {
+  BodyScene out;
+  const double l = s.robot.link_length;
+  Robot& r = out.robot;
+  r.gravity = s.robot.gravity;
+  r.links = {{.name = "thigh", .mass = s.robot.mass[0], .inertia_com = s.robot.inertia_com[0], .com = {l / 2, 0}},
+             {.name = "shank",
+              .parent = 0,
+              .at = {l, 0},
+              .mass = s.robot.mass[1],
+              .inertia_com = s.robot.inertia_com[1],
+              .com = {l / 2, 0}}};
+  r.peak = r.links[0].com;
+  const ContactLaw law{.stiffness = s.floor->stiffness,
+                       .damping_normal = s.floor->damping_normal,
+                       .damping_tangential = s.floor->damping_tangential};
+  r.contacts = {{"hip", 0, {0, 0}, law, {}}, {"knee", 0, {l, 0}, law, {}}, {"foot", 1, {l, 0}, law, {}}};
+  Joint j;
+  j.name = "knee", j.child = 1, j.sea = a.sea, j.uncertain = a.uncertain, j.covariance = a.covariance;
+  r.joints = {j};
+  out.floor = true, out.drop = s.drop;
+  out.search.resize(1);
+  out.execution = s.execution;
+  return out;
+}
+Actuator fitted() {
+  Actuator a = read_actuator(UKEMI_DATASETS "/actuators/table2.toml");
+  a.uncertain = {"k_p", "k_sea"};
+  a.covariance = Eigen::Matrix2d{{0.5, 0.3}, {0.3, 2}};
+  return a;
+}
+const Scatter kAll{.pitch = 0.02,
+                   .height = 0.01,
+                   .forward_speed = 0.03,
+                   .phi = 0.01,
+                   .rate = 0.1,
+                   .stiffness = 0.1,
+                   .damping_normal = 0.1,
+                   .damping_tangential = 0.2,
+                   .delay = 1e-3};
+
+}  // namespace
+
+TEST_CASE("legs: a scatter reaches what it names, on bases that have it") {
+  const BodyScene hopper = shipped("hopper");
+  CHECK_THROWS_WITH(BodyDropModel(hopper, {.forward_speed = 0.1}), Catch::Matchers::Contains("forward_speed"));
+  CHECK_THROWS_WITH(BodyDropModel(hopper, {.pitch_rate = 0.1}), Catch::Matchers::Contains("pitch_rate"));
+  CHECK(assumed_scatter(hopper.robot).forward_speed == 0);
+  CHECK_FALSE(BodyDropModel(hopper, {}).scatters());
+
+  const BodyDropModel model(hopper, {.height = 0.2, .phi = 0.02, .rate = 0.1, .stiffness = 0.1});
+  CHECK(model.sampler().dimension() == 6);  // height, stiffness, two joints twice
+  const BodyMotion planned = held_posture(hopper);
+  bool some_from_floor = false;
+  for (const BodyDrop& d : model.even(64, 1)) {
+    const double factor = d.scene.robot.contacts[0].law.stiffness / 20'000;
+    for (const ContactPoint& c : d.scene.robot.contacts)
+      CHECK(c.law.stiffness == Approx(20'000 * factor).epsilon(1e-12));
+    CHECK(d.scene.drop.height >= 0);
+    some_from_floor = some_from_floor || d.from_floor;
+    const BodyMotion m = d.played(planned);
+    CHECK(m[0].release_phi() == Approx(planned[0].phi_i + d.joints[0].phi));
+    CHECK(m[1].release_rate() == Approx(d.joints[1].rate));
+    CHECK(m[0].phi_f == planned[0].phi_f);
+    CHECK(d.joints[0].phi != d.joints[1].phi);
+    CHECK(simulate(d.scene, m).end == End::kRest);
+  }
+  CHECK(some_from_floor);
+}
+
+TEST_CASE("legs: with one joint, drops, tolerant peaks and risk are those of the paper's robot") {
+  const Scene scene = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const Actuator a = fitted();
+  const BodyScene body = long_paper(scene, a);
+  const Motion motion{-20 * kDegree, -80 * kDegree, 0.3};
+  const BodyMotion same = {motion};
+  CHECK(simulate(body, same).peak == Approx(simulate(scene, a.sea, motion).peak).epsilon(1e-8));
+
+  const std::vector<BodyDrop> box = execution_drops(body);
+  CHECK(box.size() == std::size_t(kExecutionPoints));
+  double worst = 0;
+  for (const double p : peaks_over(box, same, 1e-9, 0)) worst = std::max(worst, p);
+  double two_link = 0;
+  const ReferenceSpace space(scene, a.sea);
+  for (int k = 0; k < kExecutionPoints; ++k) {
+    const Play p = space.execution_point({motion, a.sea}, scene.execution, k);
+    two_link = std::max(two_link, peak_acceleration(scene, p.sea, p.motion).peak);
+  }
+  CHECK(worst == Approx(two_link).epsilon(1e-7));
+
+  const BodyDropModel model(body, kAll, {});
+  const DropModel paper(scene, kAll, a, {});
+  CHECK(model.sampler().dimension() == paper.dimension());
+  BodyRiskOptions of_body{.samples = 512};
+  of_body.scatter = kAll;
+  const BodyRisk r = body_risk(body, same, of_body);
+  const Risk known = risk(paper, a, motion, {.samples = 512});
+  // phi and rate come behind the floor's numbers here: other drops of one distribution.
+  const double error = std::hypot(r.peaks.mean.standard_error, known.peaks.mean.standard_error);
+  CHECK(std::abs(r.peaks.mean.value - known.peaks.mean.value) < 3 * error);
+  CHECK(r.peaks.samples == 512);
+  CHECK(r.failed == 0);
+  CHECK(r.uncertainties.size() == paper.groups().size());
+  CHECK(r.contacts.front().drops > 0);
+}
+
+TEST_CASE("legs: risk is what its drops are played to, the same on one thread, stopped where it is told") {
+  const BodyScene scene = shipped("hopper");
+  const BodyMotion m = held_posture(scene);
+  const BodyRiskOptions options{.samples = 128};
+  const BodyRisk r = body_risk(scene, m, options);
+  const BodyDropModel model(scene, assumed_scatter(scene.robot));
+  double mean = 0;
+  for (const BodyDrop& d : model.even(128, 1)) mean += simulate(d.scene, d.played(m)).peak / 128;
+  CHECK(r.peaks.mean.value == Approx(mean).epsilon(1e-4));
+  CHECK(r.held.mean.value == Approx(mean).epsilon(1e-3));
+  CHECK(r.assumed);
+  CHECK(r.uncertainties.size() == 2);
+  BodyRiskOptions one = options;
+  one.threads = 1;
+  CHECK(body_risk(scene, m, one).peaks.mean.value == r.peaks.mean.value);
+  BodyRiskOptions stopped = options;
+  stopped.monitor.stop = [] { return true; };
+  CHECK(body_risk(scene, m, stopped).peaks.samples == 0);
+  BodyScene rated = scene;
+  rated.robot.joints[1].speed_max = 0.5, rated.robot.joints[1].motor_torque_max = 1e6;
+  const BodyRisk of_rated = body_risk(rated, m, options);
+  REQUIRE(of_rated.events.size() == 2);
+  CHECK(of_rated.events[0].drops == 128);
+  CHECK(of_rated.events[1].drops == 0);
+}
+
+TEST_CASE("legs: a plan is never worse than holding by its own goal, with every goal and a deadline") {
+  const BodyScene scene = shipped("hopper");
+  using Kind = Measure::Kind;
+  for (const Goal goal : {Goal::kPeak, Goal::kTolerant})
+    for (const std::optional<Measure>& measure :
+         {std::optional<Measure>(), std::optional(Measure{Kind::kMean}), std::optional(Measure{Kind::kCvar}),
+          std::optional(Measure{Kind::kQuantile, 0.8}), std::optional(Measure{Kind::kWorst})})
+      for (const std::optional<double>& deadline : {std::optional<double>(), std::optional(0.4)}) {
+        BodyPlanOptions o;
+        o.goal = goal, o.measure = measure, o.deadline = deadline;
+        o.samples = 16, o.judging = 32, o.fresh = 64;
+        if (!deadline) o.evaluations = measure ? 3'000 : 600;
+        const BodyPlan p = plan(scene, o);
+        INFO(int(goal) << " " << (measure ? measure->name() : "none") << " " << deadline.value_or(0));
+        REQUIRE(p.found);
+        CHECK(p.value < p.held_value);
+        CHECK(p.under.has_value() == (measure && !deadline));
+        if (!measure && goal == Goal::kTolerant) {
+          double worst = 0;
+          for (const double x : peaks_over(execution_drops(scene), p.motion, 1e-9, 0)) worst = std::max(worst, x);
+          CHECK(p.value == Approx(worst).epsilon(1e-6));
+          CHECK(p.value >= p.landing.peak * (1 - 1e-9));
+        }
+      }
+}
+
+TEST_CASE("legs: plans of one seed are the same on one thread and two, what they promise is kept on fresh drops") {
+  const BodyScene scene = shipped("hopper");
+  BodyPlanOptions o;
+  o.measure = Measure{Measure::Kind::kCvar}, o.evaluations = 8'000, o.samples = 32, o.threads = 2, o.fresh = 1024;
+  const BodyPlan p = plan(scene, o);
+  o.threads = 1;
+  const BodyPlan one = plan(scene, o);
+  CHECK(p.value == one.value);
+  CHECK(p.motion[0].phi_i == one.motion[0].phi_i);
+  REQUIRE(p.under);
+  CHECK(std::abs(p.under->measured.value / p.value - 1) < 0.03);
+  CHECK(p.under->measured.value < p.under->held.cvar90.value);
+  BodyPlanOptions wrong = o;
+  wrong.goal = Goal::kRobust;
+  CHECK_THROWS_WITH(plan(scene, wrong), Catch::Matchers::Contains("a measure makes it robust"));
+  wrong = o, wrong.samples = 0;
+  CHECK_THROWS_WITH(plan(scene, wrong), Catch::Matchers::Contains("samples"));
+}
