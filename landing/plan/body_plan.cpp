@@ -145,7 +145,9 @@ class BodySearch {
     land_held();
     set_goals();
     judge_held();
-    const BodyGoal first_look = own_drop(scene_);
+    BodyGoal first_look = own_drop(scene_);
+    if (options_.measure)  // the mean of a few: the deepest place of one drop is often a cliff
+      first_look = {{}, {final_.drops.begin(), final_.drops.begin() + long(std::min(kFewDrops, final_.drops.size()))}};
     if (!final_.single()) {
       goal_ = &first_look, best_.clear();
       descend();
@@ -162,6 +164,7 @@ class BodySearch {
   static constexpr double kNarrow = 0.05;                // a distribution's first width beside a good place
   static constexpr double kReserve = 4;                  // accurate landings that a deadline keeps back
   static constexpr double kFirstLook = 0.35;             // of the budget: on the scene's own drop
+  static constexpr std::size_t kFewDrops = 8;            // of the first look under scatter
   static constexpr std::size_t kJudged = 5;              // of the best, where many drops judge
   static constexpr std::size_t kStarts = 12, kRuns = 3;  // places that scouts keep; that are searched from at first
   static constexpr std::size_t kBasins = 8;

@@ -393,3 +393,28 @@ def test_times_of_any_origin(actuator):
     assert ukemi.predict([there], rig, actuator).rms < 1e-5
     with pytest.raises(ukemi.InputError, match="less than 100000 s"):
         ukemi.Trial([0, 1, 2e5], phi_ref=[0, 0, 1])
+
+
+def test_player_sends_what_was_planned():
+    motion = ukemi.Motion(phi_i_deg=-20, phi_f_deg=-80, duration=0.3, gain_p=0.5)
+    player = ukemi.Player(motion)
+    assert player.joints == 1 and not player.landing
+    assert player.released(10.0) and not player.released(float("nan"))
+    assert player.at(10.1)[0] == [motion.phi_i, 0, 1, 1]
+    assert player.touchdown(10.25) and not player.touchdown(10.3)
+    phi, dphi = motion.reference(np.array([0.1]))
+    assert player.at(10.35)[0][:2] == pytest.approx([phi[0], dphi[0]], rel=1e-12)
+    assert player.at(10.35)[0][2] == 0.5
+    assert player.end == pytest.approx(10.55)
+    assert player.at(99)[0][0] == motion.phi_f
+
+
+def test_player_of_several_joints():
+    motions = ukemi.read_motions(str(pathlib.Path(__file__).parent.parent / "data/hopper_motion.toml"),
+                                 ukemi.dataset("scenes/hopper.toml"))
+    assert list(motions) == ["hip", "knee"]
+    player = ukemi.Player(list(motions.values()))
+    assert player.joints == 2 and player.released(0) and player.touchdown(0.25)
+    assert [c[0] for c in player.at(5)] == pytest.approx([motions["hip"].phi_f, motions["knee"].phi_f])
+    with pytest.raises(ukemi.InputError):
+        ukemi.Player([])

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include "common/files.hpp"
+#include "landing/body/body_scene.hpp"
+#include "landing/model/player.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/landing.hpp"
@@ -130,6 +132,46 @@ void bind_motion(py::module_& m) {
       "Holds the reference at an angle [deg]; the joint stays compliant.");
 }
 
+void bind_player(py::module_& m) {
+  py::class_<Player> c(m, "Player",
+                       "A plan played on a robot: what each drive is sent at any time of the robot's own clock.");
+  c.def(py::init([](const Motion& motion) { return Player({motion}); }), py::arg("motion"),
+        "Of the paper's robot, or of one joint.")
+      .def(py::init<std::vector<Motion>>(), py::arg("motions"), "A motion for each joint, in the robot's order.")
+      .def_property_readonly("joints", &Player::joints, "How many joints it plays.")
+      .def_property_readonly("landing", &Player::landing, "Whether the touchdown was told.")
+      .def_property_readonly("end", &Player::end,
+                             "When the last landing motion ends [s]; infinite before the touchdown.")
+      .def("released", &Player::released, py::arg("t"),
+           "The robot lets go at a time of its clock [s]. False, and nothing changes, for one that is not finite.")
+      .def("touchdown", &Player::touchdown, py::arg("t"),
+           "The first touchdown was noticed [s]. Counts once after a release; else False, and nothing changes.")
+      .def(
+          "at",
+          [](const Player& x, double t) {
+            std::vector<std::array<double, 4>> out;
+            for (int k = 0; k < x.joints(); ++k) {
+              const DriveCommand command = x.at(k, t);
+              out.push_back({command.phi, command.dphi, command.gain_p, command.gain_d});
+            }
+            return out;
+          },
+          py::arg("t"), "(phi_ref [rad], dphi_ref [rad/s], factor of K_p, factor of K_d) of every joint at a time [s].")
+      .def("__repr__", [](const Player& x) { return fmt::format("<ukemi.Player of {} joints>", x.joints()); });
+  m.def(
+      "read_motions",
+      [](const std::string& path, const std::string& scene) {
+        const Robot robot = read_body_scene(scene).robot;
+        const BodyMotion motion = read_body_motion(path, robot);
+        py::dict out;
+        for (std::size_t i = 0; i < motion.size(); ++i)
+          if (robot.joints[i].driven()) out[py::str(robot.joints[i].name)] = motion[i];
+        return out;
+      },
+      py::arg("path"), py::arg("scene"),
+      "Reads a motion file of a robot of links: the motion of each driven joint by its name, in the robot's order.");
+}
+
 void bind_trajectory(py::class_<Played>& c) {
   const auto add = [&](const char* name, auto address, const char* words) {
     c.def_property_readonly(
@@ -236,7 +278,7 @@ void bind_landing_class(py::module_& m) {
 }  // namespace
 
 void bind_landing(py::module_& m) {
-  bind_scene(m), bind_motion(m), bind_landing_class(m);
+  bind_scene(m), bind_motion(m), bind_player(m), bind_landing_class(m);
   m.def(
       "simulate",
       [](const Scene& scene, const Actuator& actuator, const Motion& motion, double rate, double accuracy) {
