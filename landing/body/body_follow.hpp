@@ -224,7 +224,8 @@ class BodyFollower {
   void find_shortest() {
     shortest_ = kNever;
     for (int i = 0; i < joints(); ++i)
-      if (system_.joint[i].phase == Phase::kMoving && system_.piece[i].a != system_.piece[i].b)
+      if (system_.joint[i].phase == Phase::kMoving &&
+          (system_.piece[i].a != system_.piece[i].b || has_bumps(motion_of(i))))
         shortest_ = std::min(shortest_, system_.piece[i].duration);
   }
 

@@ -60,10 +60,12 @@ std::string body_motion_toml(const BodyMotion& motion, const Robot& robot, const
 std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double rate, const std::string& comments) {
   std::vector<double> times;
   std::vector<std::string> names = {"t"};
+  const bool gains = std::any_of(motion.begin(), motion.end(), [](auto& m) { return m.gain_p != 1 || m.gain_d != 1; });
   for (std::size_t i = 0; i < motion.size(); ++i) {
     if (!robot.joints[i].driven()) continue;
     const std::string of = alone(robot) ? "" : "_" + robot.joints[i].name;
     names.insert(names.end(), {"phi_ref" + of, "dphi_ref" + of});
+    if (gains) names.insert(names.end(), {"gain_p" + of, "gain_d" + of});
     const MotionRows rows = rows_of(motion[i], std::numeric_limits<double>::infinity(), rate);
     times.insert(times.end(), rows.t.begin(), rows.t.end());
   }
@@ -79,6 +81,7 @@ std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double
       if (!robot.joints[i].driven()) continue;
       const Reference<double> r = reference_of(motion[i], t);
       csv.cell(r.phi).cell(r.dphi);
+      if (gains) csv.cell(motion[i].gain_p).cell(motion[i].gain_d);
     }
     csv.end_row();
   }

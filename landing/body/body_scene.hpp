@@ -34,7 +34,9 @@ struct BodyScene {
   double detection_delay = 0;                ///< from the first touchdown to the motion's start [s], >= 0
   std::optional<double> t_end;               ///< upper bound of a run, from release [s]; absent: as Scene::t_end
   std::vector<JointSearch> search;           ///< of Robot::joints; of those that are not driven without meaning
-  std::array<double, 2> duration{0.1, 1.0};  ///< of a plan, one for all joints [s]
+  std::array<double, 2> duration{0.1, 1.0};  ///< of a plan, one for all joints or for each [s]
+  bool own_durations = false;                ///< each driven joint has its own
+  Freedom freedom;                           ///< what a plan may have beside, in every driven joint
   std::optional<Scatter> scatter;            ///< of its drops; absent: nothing is said
   ExecutionTolerance execution;              ///< how exactly every joint plays its motion
 

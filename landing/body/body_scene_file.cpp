@@ -8,6 +8,7 @@
 #include "common/degrees.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/model/scatter_file.hpp"
+#include "landing/model/scene_file.hpp"
 
 namespace ukemi::landing {
 
@@ -85,6 +86,10 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
   out.search.resize(out.robot.joints.size());
   if (auto drop = alone ? file.optional("drop") : file.require("drop")) read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);
+  if (auto motion = file.optional("motion")) {
+    out.freedom = read_freedom(*motion);
+    out.own_durations = motion->optional_choice("duration", {"shared", "own"}) == "own";
+  }
   if (auto scatter = file.optional("scatter")) out.scatter = read_scatter(*scatter);
   if (auto execution = file.optional("execution")) out.execution = read_execution(*execution);
   if (auto run = file.optional("run")) out.t_end = run->optional_number("t_end", Range::positive());
@@ -120,6 +125,8 @@ void BodyScene::validate() const {
   for (const JointSearch& s : search) rising("search.phi", s.phi), check_finite("search.hold", s.held());
   check_not_negative("execution.phi", execution.phi), check_not_negative("execution.duration", execution.duration);
   if (scatter) scatter->validate();
+  check_count("freedom.bumps", freedom.bumps, 0, kMostBumps), rising("freedom.bump", freedom.bump);
+  if (freedom.gains) rising("freedom.gains", *freedom.gains), check_not_negative("freedom.gains", (*freedom.gains)[0]);
   rising("duration", duration), check_positive("duration", duration[0]);
 }
 

@@ -92,14 +92,6 @@ Eigen::MatrixXd MotionSpace::jacobian(const Coordinates& values) const {
 
 namespace {
 
-/// Where the numbers of a motion stand behind Eq. 6's three.
-constexpr int kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps, kToSlot = kGainSlot + 2;
-
-std::array<double*, kMotionNumbers> numbers_of(Motion& m, double& to) {
-  return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
-          &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   &to};
-}
-
 /// The move in the air ends before a robot that does not move would meet the floor, but lasts its shortest.
 std::array<double, 2> ends_of_move(const Scene& scene) {
   constexpr double kShortest = 0.02, kRoom = 0.08;  // [s]
@@ -109,11 +101,16 @@ std::array<double, 2> ends_of_move(const Scene& scene) {
 
 }  // namespace
 
+std::array<double*, kMotionNumbers> motion_numbers(Motion& m, double& to) {
+  return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
+          &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   &to};
+}
+
 Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
   Eigen::Matrix<double, kPlayNumbers, 1> n;
   Motion m = p.motion;
   double to = m.reposition ? m.reposition->to : 0;
-  const auto of = numbers_of(m, to);
+  const auto of = motion_numbers(m, to);
   for (int k = 0; k < kMotionNumbers; ++k) n[k] = *of[std::size_t(k)];
   n.tail<5>() << p.sea.k_p, p.sea.k_d, p.sea.k_sea, p.sea.c_sea, p.sea.i_motor;
   return n;
@@ -170,7 +167,7 @@ void ReferenceSpace::release(const Scene& scene) {
 Motion ReferenceSpace::motion(const Coordinates& x) const {
   Motion m{};
   double to = 0;
-  const auto of = numbers_of(m, to);
+  const auto of = motion_numbers(m, to);
   for (int k = 0; k < dimension(); ++k) *of[std::size_t(slots_[std::size_t(k)])] = x[k];
   if (release_) m.reposition = Reposition{release_->phi, release_->rate, release_->from, to};
   return m;

@@ -43,6 +43,10 @@ struct Play {
 /// the motion, phi_I, phi_F and duration first, then K_p, K_d, K_SEA, C_SEA, I_motor.
 inline constexpr int kMotionNumbers = 10, kPlayNumbers = kMotionNumbers + 5;
 Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p);
+/// Those of the motion, in this order: phi_I, phi_F, duration, b_k, gain_p, gain_d, the end `to` of the move in the
+/// air.
+std::array<double*, kMotionNumbers> motion_numbers(Motion& motion, double& to);
+inline constexpr int kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps, kToSlot = kGainSlot + 2;
 
 /// The motions of the tolerant peak: x (k = 0), six face centres, eight corners of the box of an execution tolerance.
 inline constexpr int kExecutionPoints = 15;

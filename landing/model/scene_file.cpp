@@ -26,13 +26,8 @@ std::array<double, 2> rising(const TomlSection& section, const std::string& key,
 
 /// [motion], [release], [joint], [uncertainty], [verdict], [scatter] and [detection]: what this scene has beside the
 /// paper's.
-void read_freedom(TomlFile& file, Scene& scene) {
-  if (auto motion = file.optional("motion")) {
-    scene.freedom.bumps = int(motion->optional_count("bumps", 0, kMostBumps).value_or(0));
-    if (const auto bump = motion->optional_angle_pair("bump")) scene.freedom.bump = rising(*motion, "bump_deg", *bump);
-    if (const auto gains = motion->optional_numbers("landing_gains", 2, Range::non_negative()))
-      scene.freedom.gains = rising(*motion, "landing_gains", *gains);
-  }
+void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
+  if (auto motion = file.optional("motion")) scene.freedom = read_freedom(*motion);
   if (auto joint = file.optional("joint"))
     if (const auto stops = joint->optional_angle_pair("phi")) scene.joint = rising(*joint, "phi_deg", *stops);
   if (auto release = file.optional("release")) {
@@ -53,6 +48,15 @@ void read_freedom(TomlFile& file, Scene& scene) {
 }
 
 }  // namespace
+
+Freedom read_freedom(TomlSection& motion) {
+  Freedom out;
+  out.bumps = int(motion.optional_count("bumps", 0, kMostBumps).value_or(0));
+  if (const auto bump = motion.optional_angle_pair("bump")) out.bump = rising(motion, "bump_deg", *bump);
+  if (const auto gains = motion.optional_numbers("landing_gains", 2, Range::non_negative()))
+    out.gains = rising(motion, "landing_gains", *gains);
+  return out;
+}
 
 std::optional<ReleaseFault> release_fault(const Scene& scene) {
   if (!scene.release) return std::nullopt;
@@ -113,7 +117,7 @@ Scene read_scene(const std::string& path) {
   }
   if (auto execution = file.optional("execution")) scene.execution = read_execution(*execution);
   if (auto run = file.optional("run")) scene.t_end = run->optional_number("t_end", Range::positive());
-  read_freedom(file, scene);
+  read_tables_beyond_the_paper(file, scene);
   file.finish();
   return scene;
 }

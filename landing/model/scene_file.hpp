@@ -15,6 +15,10 @@ namespace ukemi::landing {
 /// term. Throws InputError with file:line:column.
 Scene read_scene(const std::string& path);
 
+/// What motions may have beside the paper's three numbers, of [motion]: bumps, bump_deg, landing_gains. Throws
+/// InputError.
+Freedom read_freedom(TomlSection& motion);
+
 /// What is wrong with a scene's release.
 struct ReleaseFault {
   std::string key, message;

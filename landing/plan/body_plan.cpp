@@ -16,38 +16,60 @@
 namespace ukemi::landing {
 
 BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
-  for (std::size_t i = 0; i < scene.robot.joints.size(); ++i) {
-    const Joint& joint = scene.robot.joints[i];
-    if (!joint.driven()) continue;
-    driven_.push_back(int(i));
-    const auto& [low, high] = scene.search[i].phi;
-    variables_.push_back({"phi_i_" + joint.name, "phi_I of " + joint.name, "rad", low, high});
-    variables_.push_back({"phi_f_" + joint.name, "phi_F of " + joint.name, "rad", low, high});
-  }
+  const std::vector<Joint>& joints = scene.robot.joints;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (joints[i].driven()) driven_.push_back(int(i));
   if (driven_.empty()) throw InputError("no joint is driven: there is no motion to plan");
-  variables_.push_back({"duration", "duration", "s", scene.duration[0], scene.duration[1]});
+  const auto each = [&](auto&& f) {
+    for (const int i : driven_) f(i, joints[std::size_t(i)].name, scene.search[std::size_t(i)].phi);
+  };
+  each([&](int i, const std::string& name, auto& phi) {
+    add(i, 0, {"phi_i_" + name, "phi_I of " + name, "rad", phi[0], phi[1]});
+    add(i, 1, {"phi_f_" + name, "phi_F of " + name, "rad", phi[0], phi[1]});
+  });
+  const auto& [shortest, longest] = scene.duration;
+  if (!scene.own_durations) add(-1, 2, {"duration", "duration", "s", shortest, longest});
+  const Freedom& free = scene.freedom;
+  each([&](int i, const std::string& name, auto&) {
+    if (scene.own_durations) add(i, 2, {"duration_" + name, "duration of " + name, "s", shortest, longest});
+    for (int k = 0; k < free.bumps; ++k)
+      add(i, kBumpSlot + k,
+          {fmt::format("b{}_{}", k, name), fmt::format("b_{} of {}", k, name), "rad", free.bump[0], free.bump[1], 0.0});
+    if (!free.gains) return;
+    const auto& [low, high] = *free.gains;
+    add(i, kGainSlot, {"gain_p_" + name, "factor of K_p of " + name, "1", low, high, 1.0});
+    add(i, kGainSlot + 1, {"gain_d_" + name, "factor of K_d of " + name, "1", low, high, 1.0});
+  });
   if (dimension() > kMostVariables)
-    throw InputError(
-        fmt::format("{} driven joints: a plan holds at most {}", driven_.size(), (kMostVariables - 1) / 2));
+    throw InputError(fmt::format("a plan of {} variables for {} driven joints: at most {} are needed", dimension(),
+                                 driven_.size(), kMostVariables));
+}
+
+void BodySpace::add(int joint, int number, const Variable& variable) {
+  slots_.push_back({joint, number}), variables_.push_back(variable);
 }
 
 BodyMotion BodySpace::motion(const Coordinates& unit) const {
   BodyMotion out = rest_;
-  const auto value = [&](std::size_t k) { return std::lerp(variables_[k].lower, variables_[k].upper, unit[long(k)]); };
-  for (std::size_t j = 0; j < driven_.size(); ++j)
-    out[std::size_t(driven_[j])] = {value(2 * j), value(2 * j + 1), value(2 * driven_.size())};
+  for (std::size_t k = 0; k < variables_.size(); ++k) {
+    const double value = std::lerp(variables_[k].lower, variables_[k].upper, unit[long(k)]);
+    for (const int i : driven_) {
+      double to = 0;
+      if (slots_[k].joint < 0 || slots_[k].joint == i)
+        *motion_numbers(out[std::size_t(i)], to)[std::size_t(slots_[k].number)] = value;
+    }
+  }
   return out;
 }
 
 Coordinates BodySpace::unit(const BodyMotion& motion) const {
   Coordinates out(dimension());
-  const auto set = [&](std::size_t k, double value) {
+  for (std::size_t k = 0; k < variables_.size(); ++k) {
     const Variable& v = variables_[k];
+    Motion m = motion[std::size_t(slots_[k].joint < 0 ? driven_.front() : slots_[k].joint)];
+    double to = 0;
+    const double value = *motion_numbers(m, to)[std::size_t(slots_[k].number)];
     out[long(k)] = std::clamp((value - v.lower) / (v.upper - v.lower), 0.0, 1.0);
-  };
-  for (std::size_t j = 0; j < driven_.size(); ++j) {
-    const Motion& m = motion[std::size_t(driven_[j])];
-    set(2 * j, m.phi_i), set(2 * j + 1, m.phi_f), set(2 * driven_.size(), m.duration);
   }
   return out;
 }
@@ -57,6 +79,13 @@ Edges BodySpace::edges(const Coordinates& unit) const {
   Edges out{};
   for (int k = 0; k < dimension(); ++k) out[std::size_t(k)] = unit[k] < kEdge ? -1 : unit[k] > 1 - kEdge ? 1 : 0;
   return out;
+}
+
+long BodyPlanOptions::default_evaluations(const BodyScene& scene) const {
+  const long own = measure ? 100'000 : goal == Goal::kTolerant ? 5'000 : 40'000;
+  const auto driven =
+      std::count_if(scene.robot.joints.begin(), scene.robot.joints.end(), [](auto& j) { return j.driven(); });
+  return own + own / 2 * std::max(0L, BodySpace(scene).dimension() - 2 * driven - 1);
 }
 
 void BodyPlanOptions::validate() const {
@@ -115,7 +144,8 @@ class BodySearch {
         options_(options),
         space_(scene),
         out_(out),
-        evaluations_(options.evaluations.value_or(options.deadline ? 1'000'000'000 : options.default_evaluations())),
+        evaluations_(
+            options.evaluations.value_or(options.deadline ? 1'000'000'000 : options.default_evaluations(scene))),
         random_(options.seed) {}
 
   /// Searches by one goal until its part of the budget is spent.
@@ -169,6 +199,7 @@ class BodySearch {
   static constexpr std::size_t kStarts = 12, kRuns = 3;  // places that scouts keep; that are searched from at first
   static constexpr std::size_t kBasins = 8;
   static constexpr double kStartsApart = 0.1, kBasinsApart = 0.2;
+  static constexpr double kPlain = 0.5;                                // of the scouts, without shape terms and gains
   static constexpr long kFirst = 96, kMostScouts = 1'500, kRace = 64;  // motions of the scouts
 
   /// When a run ends: its width, in parts of the box; by which part of its value it must better itself meanwhile.
@@ -270,7 +301,7 @@ class BodySearch {
       const double bound = starts_.bound();
       for (Candidate& p : batch) {
         p = starts_.empty() || random_.uniform() < anywhere
-                ? random_point(random_, space_.dimension())
+                ? point_of(random_, space_.variables(), kPlain)
                 : beside(starts_[low_index(random_, starts_.size())], std::pow(10.0, -random_.uniform(0.5, 1.5)),
                          random_);
         p.bound = bound;

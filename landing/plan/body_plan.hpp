@@ -1,4 +1,5 @@
-// The best landing of a robot of any joints: a quintic for every driven joint, one duration for all; for the scene's
+// The best landing of a robot of any joints: a quintic for every driven joint, with shape terms and gains of its own
+// where the scene lets it; for the scene's
 // own drop, within the execution tolerance, or over drops that scatter. Ours.
 #pragma once
 
@@ -15,13 +16,14 @@
 
 namespace ukemi::landing {
 
-/// The motions that a search may choose from: phi_I and phi_F of each driven joint in their order, then the duration.
+/// The motions that a search may choose from: phi_I and phi_F of each driven joint in their order, the duration (with
+/// BodyScene::own_durations of each), then what BodyScene::freedom adds to each joint: shape terms, gains.
 class BodySpace {
  public:
   /// Throws InputError where no joint is driven, or more of them than kMostVariables hold.
   explicit BodySpace(const BodyScene& scene);
   int dimension() const { return int(variables_.size()); }
-  /// phi_i_JOINT, phi_f_JOINT ..., duration.
+  /// phi_i_JOINT, phi_f_JOINT ..., duration, b0_JOINT ..., gain_p_JOINT ...
   const std::vector<Variable>& variables() const { return variables_; }
   /// What a point of the unit cube stands for.
   BodyMotion motion(const Coordinates& unit) const;
@@ -31,8 +33,16 @@ class BodySpace {
   Edges edges(const Coordinates& unit) const;
 
  private:
-  BodyMotion rest_;          ///< of joints that are not driven
+  BodyMotion rest_;  ///< of joints that are not driven
+  /// Which number of motion_numbers of which joint a variable is.
+  struct Slot {
+    int joint;  ///< of Robot::joints; -1: of all that are driven
+    int number;
+  };
+  void add(int joint, int number, const Variable& variable);
+
   std::vector<int> driven_;  ///< indices of Robot::joints
+  std::vector<Slot> slots_;
   std::vector<Variable> variables_;
 };
 
@@ -54,7 +64,8 @@ struct BodyPlanOptions {
   Monitor monitor;
   void validate() const;  ///< throws InputError
 
-  long default_evaluations() const { return measure ? 100'000 : goal == Goal::kTolerant ? 5'000 : 40'000; }
+  /// Of a scene: half as many again for each variable more than the quintics have.
+  long default_evaluations(const BodyScene& scene) const;
 };
 
 /// A moment at which the best became better.

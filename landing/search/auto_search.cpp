@@ -97,7 +97,7 @@ void AutoSearch::run_with_leads() {
     generation_.assign(kBatch, search_->nothing());
     for (Candidate& p : generation_) {
       if (n < kFree || starts_.empty() || random_.uniform() < (n < kEarly ? kAnywhere : kLater)) {
-        p = point_of(random_, search_->objective().space(), kPlain);
+        p = point_of(random_, search_->objective().space().variables(), kPlain);
         p.bound = starts_.bound();
       } else {  // the better a lead, the more follow it
         const Candidate& lead = starts_[low_index(random_, starts_.size())];
@@ -210,7 +210,7 @@ Candidate AutoSearch::fresh(const Coordinates* about) {
   constexpr double kSide = 0.15;
   Candidate p = search_->nothing();
   for (int n = 0; n < kAttempts; ++n) {
-    p = point_of(random_, search_->objective().space(), kPlain);
+    p = point_of(random_, search_->objective().space().variables(), kPlain);
     if (about) p.u = (*about + kSide * (p.u - Coordinates::Constant(p.u.size(), 0.5))).cwiseMax(0).cwiseMin(1);
     if (!basins_.beside(p, kNoMotion)) break;
   }

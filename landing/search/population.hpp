@@ -20,12 +20,11 @@ inline Candidate random_point(Random& r, int dimension) {
   for (double& u : p.u) u = r.uniform();
   return p;
 }
-/// Anywhere in the space's cube; with the probability `plain` without the variables that can do nothing, where there
-/// are such: within ratings the motions that keep them are often the plain ones.
-inline Candidate point_of(Random& r, const MotionSpace& space, double plain) {
-  Candidate p = random_point(r, space.dimension());
+/// Anywhere in the cube of these variables; with the probability `plain` without the variables that can do nothing,
+/// where there are such: within ratings the motions that keep them are often the plain ones.
+inline Candidate point_of(Random& r, const std::vector<Variable>& variables, double plain) {
+  Candidate p = random_point(r, int(variables.size()));
   const auto inside = [](const Variable& v) { return v.neutral && *v.neutral >= v.lower && *v.neutral <= v.upper; };
-  const std::vector<Variable>& variables = space.variables();
   if (std::none_of(variables.begin(), variables.end(), inside) || r.uniform() >= plain) return p;
   for (std::size_t k = 0; k < variables.size(); ++k)
     if (const Variable& v = variables[k]; inside(v) && v.upper > v.lower)

@@ -130,7 +130,8 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
                 {"scatter: forward_speed", "this base"});
-  check_refused(f, {"optimize", kHopper, "--bumps", "2"}, {"--bumps", can});
+  check_refused(f, {"optimize", kHopper, "--release-phi", "2"}, {"--release-phi", can});
+  check_refused(f, {"optimize", kHopper, "--bumps", "4"}, {"13 variables for 2 driven joints", "at most 12"});
   check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
   check_refused(f, {"simulate", kHopper, "--export", "ros2"}, {"--export: ", can});
   check_refused(f, {"risk", kHopper, "--forbid", "knee"}, {"--forbid: ", can});

@@ -109,6 +109,48 @@ TEST_CASE("legs: plans are better than holding, the same on one thread, and come
   CHECK(simulate(scene, read_body_motion(csv, scene.robot)).peak == Approx(p.landing.peak).epsilon(1e-9));
 }
 
+TEST_CASE("legs: shape terms, gains and durations of each joint are planned, played and kept in files") {
+  BodyScene scene = shipped("hopper");
+  scene.freedom.bumps = 1, scene.freedom.gains = std::array{0.5, 2.0}, scene.own_durations = true;
+  const BodySpace space(scene);
+  CHECK(space.dimension() == 12);
+  const char* names[] = {"phi_i_hip",  "phi_f_hip",  "phi_i_knee",    "phi_f_knee", "duration_hip", "b0_hip",
+                         "gain_p_hip", "gain_d_hip", "duration_knee", "b0_knee",    "gain_p_knee",  "gain_d_knee"};
+  for (int k = 0; k < 12; ++k) CHECK(space.variables()[std::size_t(k)].name == names[k]);
+  const BodyMotion m = random_motion(scene, 5);
+  CHECK(m[0].duration != m[1].duration);
+  CHECK(m[0].bumps[0] != 0);
+  CHECK(m[1].gain_p != 1);
+  CHECK(m[1].bumps[1] == 0);
+  CHECK((space.motion(space.unit(m))[1].bumps[0] == Approx(m[1].bumps[0])));
+  const BodyLanding l = simulate(scene, m);
+  CHECK(l.energy_residual < 1e-8);
+  int differ = 0;
+  for (std::uint64_t n = 0; n < 10; ++n) {
+    const BodyMotion shaped = random_motion(scene, n);
+    BodyMotion plain = shaped;
+    plain[0].bumps = {}, plain[1].bumps = {};
+    differ += std::abs(simulate(scene, plain).peak / simulate(scene, shaped).peak - 1) > 1e-3;
+  }
+  CHECK(differ >= 5);
+
+  const BodyPlan p = plan(scene, {.evaluations = 1'500, .seed = 2});
+  REQUIRE(p.found);
+  CHECK(p.landing.peak < 0.7 * p.held.peak);
+  const test::Folder f;
+  for (const auto& [file, text] : {std::pair{"m.toml", body_motion_toml(p.motion, scene.robot, "a plan")},
+                                   {"m.csv", body_motion_csv(p.motion, scene.robot, 1000, "a plan")}}) {
+    const BodyMotion read = read_body_motion(f.write(file, text), scene.robot);
+    INFO(file);
+    CHECK(simulate(scene, read).peak == Approx(p.landing.peak).epsilon(1e-6));
+    CHECK(read[1].gain_d == Approx(p.motion[1].gain_d));
+    CHECK(read[0].bumps[0] == Approx(p.motion[0].bumps[0]).margin(1e-6));
+  }
+  BodyMotion still = held_posture(scene);  // a reference that leaves and comes back
+  still[1].bumps[0] = 0.3, still[1].duration = 0.15;
+  CHECK(simulate(scene, still, {.accuracy = 1e-7}).peak == Approx(simulate(scene, still).peak).epsilon(1e-5));
+}
+
 TEST_CASE("legs: a plan of one motion is to hold, and a robot that touches nothing has none") {
   BodyScene scene = shipped("three_links");
   const BodyPlan held = plan(scene, {.evaluations = 1});

@@ -146,10 +146,11 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   refuse(a.ratings == OptimizeArguments::Ratings::kRespect, "--respect-ratings");
   refuse(!a.scatter.drops.empty(), "--drops");
   const FreedomArguments& f = a.freedom;
-  refuse(f.bumps || f.gains || f.release_phi || f.release_rate || f.from, "--bumps, --landing-gains, --release-...");
+  refuse(f.release_phi || f.release_rate || f.from, "--release-phi, --release-rate, --release-from");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
-  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  BodyScene scene = body_of(a.scene, a.actuators, run);
+  apply(f, scene.freedom);
   const double rate = rate_of(a.rate);
   constexpr double kShort = 2, kWriting = 0.02;  // [s]
   BodyPlanOptions options;
@@ -167,7 +168,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   options.monitor = run.monitor(options.measure ? "optimize, landings" : "optimize, motions");
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)
-                                : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations()),
+                                : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations(scene)),
                                               options.measure ? "landings" : "motions");
   run.info(fmt::format("optimising the {} of {} over {} variables: {}, seed {}",
                        goal_words(options.goal, options.measure), scene.name, BodySpace(scene).dimension(), limit,

@@ -23,20 +23,24 @@ void add_freedom(CLI::App& verb, FreedomArguments& a) {
   verb.add_option("--release-from", a.from, "when the reference may begin to move, from release [s; 0]");
 }
 
-namespace {
-
-/// In place of what the scene says.
-void apply(const FreedomArguments& a, Scene& scene) {
+void apply(const FreedomArguments& a, Freedom& freedom) {
   if (a.bumps) {
     if (*a.bumps < 0 || *a.bumps > kMostBumps)
       throw InputError(fmt::format("--bumps: {}: a whole number from 0 to {} is needed", *a.bumps, kMostBumps));
-    scene.freedom.bumps = *a.bumps;
+    freedom.bumps = *a.bumps;
   }
   if (a.gains) {
     const NumberRange r = number_range("--landing-gains", *a.gains, false);
     if (r.lower < 0) throw InputError(fmt::format("--landing-gains: {}: at least 0 is needed", shortest(r.lower)));
-    scene.freedom.gains = {r.lower, r.upper};
+    freedom.gains = {r.lower, r.upper};
   }
+}
+
+namespace {
+
+/// In place of what the scene says.
+void apply(const FreedomArguments& a, Scene& scene) {
+  apply(a, scene.freedom);
   if (!a.release_phi && !a.release_rate && !a.from) return;
   if (!a.release_phi && !scene.release)
     throw InputError(fmt::format("{}: --release-phi is needed with it: the joint's angle at release",

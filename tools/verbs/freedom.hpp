@@ -17,6 +17,8 @@ struct FreedomArguments {
   std::optional<double> release_phi, release_rate, from;  ///< deg, deg/s, s
 };
 void add_freedom(CLI::App& verb, FreedomArguments& arguments);
+/// What they say of bumps and gains, in place of what a scene says. Throws InputError.
+void apply(const FreedomArguments& arguments, landing::Freedom& freedom);
 /// The scene of a file, an input of the run, with a warning of what its calibration did not trust. Throws InputError.
 landing::Scene scene_of(const std::string& path, Run& run);
 /// The same, with the arguments in place of what it says. Throws InputError.
