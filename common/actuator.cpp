@@ -21,10 +21,10 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
 
 Range lateness() { return {0, kMostLate, false, fmt::format("from 0 to {} s", kMostLate)}; }
 
-const std::vector<ActuatorConstant>& actuator_constants() {
+const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants() {
   using Sea = SeaParameters<double>;
   const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = lateness();
-  static const std::vector<ActuatorConstant> list = {
+  static const std::array<ActuatorConstant, kActuatorConstants> list = {{
       {kConstantNames[0], &Sea::k_p, kConstantUnits[0], level},
       {kConstantNames[1], &Sea::k_d, kConstantUnits[1], level},
       {kConstantNames[2], &Sea::k_sea, kConstantUnits[2], level},
@@ -44,7 +44,7 @@ const std::vector<ActuatorConstant>& actuator_constants() {
       {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", Range::any()},
       {"control_delay", &Sea::control_delay, "s", late},
       {"velocity_filter", &Sea::velocity_filter, "s", late},
-  };
+  }};
   return list;
 }
 

@@ -46,7 +46,7 @@ struct ActuatorConstant {
 };
 /// All of them: the five, tau_max, then the optional ones.
 inline constexpr int kActuatorConstants = 19;
-const std::vector<ActuatorConstant>& actuator_constants();
+const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants();
 /// Those that a file needs only where they are not as in no file.
 std::span<const ActuatorConstant> optional_constants();
 /// The keys of all: what an actuator's [uncertainty] may name.

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -114,6 +115,10 @@ struct Robot {
     return nullptr;
   }
   double mass() const;  ///< [kg]
+  /// Whether the errors of any drive's constants are known.
+  bool fitted() const {
+    return std::any_of(joints.begin(), joints.end(), [](const Joint& j) { return j.covariance.size() > 0; });
+  }
   /// Throws InputError for a number outside the range that stands beside it, more of anything than the equations hold,
   /// a parent that does not come first, a joint that is missing, given twice or late.
   void validate() const;

@@ -54,16 +54,18 @@ struct PeakRisk {
     SobolIndex index;
   };
 
-  Distribution peaks, held;  ///< of the motion, of what is held over the same drops, of drawn ones 16,384 at most
-  long failed = 0, held_failed = 0;        ///< landings that could not be followed to the floor: they are left out
-  long lost = 0, held_lost = 0;            ///< of the others, those whose drive lost the joint: LandingPeak::joint_lost
-  long from_floor = 0;                     ///< drops that would begin below the floor: they begin on it
-  std::vector<PeakContact> contacts;       ///< most drops first
-  std::vector<RiskEvent> events;           ///< of the drops that were followed
-  std::vector<PeakBin> histogram;          ///< of the motion, beside it of what is held
+  Distribution peaks, held;           ///< of the motion, of what is held over the same drops, of drawn ones kHeldDrops
+  long failed = 0, held_failed = 0;   ///< landings that could not be followed to the floor: they are left out
+  long lost = 0, held_lost = 0;       ///< of the others, those whose drive lost the joint: LandingPeak::joint_lost
+  long from_floor = 0;                ///< drops that would begin below the floor: they begin on it
+  std::vector<PeakContact> contacts;  ///< most drops first
+  std::vector<RiskEvent> events;      ///< of the drops that were followed
+  std::vector<PeakBin> histogram;     ///< of the motion, beside it of what is held
   std::vector<Uncertainty> uncertainties;  ///< the largest total index first; empty: see `why_none`
   enum class WhyNone { kThere, kMeasured, kNothingScatters, kOneGroup, kStopped } why_none = WhyNone::kThere;
   long index_landings = 0, index_failed = 0;  ///< played for them; of these could not be followed
+  /// What is held is played over so many drawn drops at most: its tail is known to 1 % from so many.
+  static constexpr long kHeldDrops = 16'384;
 };
 
 struct RiskyDrop {
@@ -75,28 +77,6 @@ struct RiskyDrop {
 struct Risk : PeakRisk {
   std::vector<RiskyDrop> worst;  ///< kWorst at most, the worst first
   static constexpr int kWorst = 100;
-};
-
-/// The points at which Sobol's indices are worked out: n base points each of A and B, and of A with one group of
-/// numbers at a time from B.
-class IndexPlan {
- public:
-  /// As many points as samples, or none where fewer than two groups scatter.
-  IndexPlan(const Sampler& sampler, long samples);
-  long base_points() const { return n_; }
-  std::size_t blocks() const { return sampler_->groups().size() + 2; }
-  long landings() const { return n_ * long(blocks()); }
-  /// Those of `count` base points, block by block.
-  std::vector<double> points(long count, std::uint64_t seed, long first) const;
-  /// Adds the peaks of such points, infinite where there is none, to those before.
-  void add(std::span<const double> peaks);
-  /// What all of them say.
-  void finish(PeakRisk& out, std::uint64_t seed, int threads) const;
-
- private:
-  const Sampler* sampler_;
-  long n_ = 0;
-  std::vector<std::vector<double>> values_;  ///< by block
 };
 
 /// Plays a motion over the drops of a model, or over measured ones, in lanes: peaks are right to 1e-3. Beside them the

@@ -73,21 +73,19 @@ void UnderScatterOptions::validate() const {
 }
 
 std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOptions& options, std::uint64_t seed) {
-  constexpr std::uint64_t kApart = 0x9d6e5;  // the drops that judge are others than those that are searched on
   options.validate();
   if (!options.measure) throw InputError("robust: a measure is needed");
   auto robust = std::make_shared<Robust>();
   robust->measure = *options.measure, robust->penalty = options.penalty;
   robust->drops = model.even(options.samples, seed);
-  robust->judging = model.even(options.judging, seed ^ kApart << 32);
+  robust->judging = model.even(options.judging, judging_seed(seed));
   return robust;
 }
 
 UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const Play& planned,
                            const UnderScatterOptions& options) {
   options.validate();
-  constexpr std::uint64_t kFresh = 0xf4e5a;  // seeds of searches are others
-  const std::vector<ScatteredDrop> drops = model.independent(options.samples, options.seed ^ kFresh << 32);
+  const std::vector<ScatteredDrop> drops = model.independent(options.samples, fresh_seed(options.seed));
   Players play(space, options);
   UnderScatter out;
   Limits limits = options.limits;

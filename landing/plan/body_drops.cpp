@@ -94,6 +94,10 @@ Scatter assumed_scatter(const Robot& robot) {
   return out;
 }
 
+Scatter scatter_for(const std::optional<Scatter>& asked, const BodyScene& scene) {
+  return asked ? *asked : scene.scatter.value_or(assumed_scatter(scene.robot));
+}
+
 std::vector<BodyDrop> execution_drops(const BodyScene& scene) {
   const std::size_t joints = scene.robot.joints.size();
   const BodyDrop own{scene, std::vector<BodyDrop::Joint>(joints)};

@@ -69,6 +69,8 @@ class BodyDropModel {
 
 /// Scatter::assumed(), without what a base of this kind has not.
 Scatter assumed_scatter(const Robot& robot);
+/// How drops scatter: as asked for, else as the scene says, else assumed_scatter().
+Scatter scatter_for(const std::optional<Scatter>& asked, const BodyScene& scene);
 
 /// The drops of the tolerant peak: the scene's own, those in which one number is missed by the execution tolerance, and
 /// the eight corners in which all joints miss alike. For one joint the fifteen of the paper's robot.

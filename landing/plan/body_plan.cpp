@@ -1,7 +1,5 @@
 #include "landing/plan/body_plan.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,72 +12,6 @@
 #include "landing/search/population.hpp"
 
 namespace ukemi::landing {
-
-BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
-  const std::vector<Joint>& joints = scene.robot.joints;
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (joints[i].driven()) driven_.push_back(int(i));
-  if (driven_.empty()) throw InputError("no joint is driven: there is no motion to plan");
-  const auto each = [&](auto&& f) {
-    for (const int i : driven_) f(i, joints[std::size_t(i)].name, scene.search[std::size_t(i)].phi);
-  };
-  each([&](int i, const std::string& name, auto& phi) {
-    add(i, 0, {"phi_i_" + name, "phi_I of " + name, "rad", phi[0], phi[1]});
-    add(i, 1, {"phi_f_" + name, "phi_F of " + name, "rad", phi[0], phi[1]});
-  });
-  const auto& [shortest, longest] = scene.duration;
-  if (!scene.own_durations) add(-1, 2, {"duration", "duration", "s", shortest, longest});
-  const Freedom& free = scene.freedom;
-  each([&](int i, const std::string& name, auto&) {
-    if (scene.own_durations) add(i, 2, {"duration_" + name, "duration of " + name, "s", shortest, longest});
-    for (int k = 0; k < free.bumps; ++k)
-      add(i, kBumpSlot + k,
-          {fmt::format("b{}_{}", k, name), fmt::format("b_{} of {}", k, name), "rad", free.bump[0], free.bump[1], 0.0});
-    if (!free.gains) return;
-    const auto& [low, high] = *free.gains;
-    add(i, kGainSlot, {"gain_p_" + name, "factor of K_p of " + name, "1", low, high, 1.0});
-    add(i, kGainSlot + 1, {"gain_d_" + name, "factor of K_d of " + name, "1", low, high, 1.0});
-  });
-  if (dimension() > kMostVariables)
-    throw InputError(fmt::format("a plan of {} variables for {} driven joints: at most {} are needed", dimension(),
-                                 driven_.size(), kMostVariables));
-}
-
-void BodySpace::add(int joint, int number, const Variable& variable) {
-  slots_.push_back({joint, number}), variables_.push_back(variable);
-}
-
-BodyMotion BodySpace::motion(const Coordinates& unit) const {
-  BodyMotion out = rest_;
-  for (std::size_t k = 0; k < variables_.size(); ++k) {
-    const double value = std::lerp(variables_[k].lower, variables_[k].upper, unit[long(k)]);
-    for (const int i : driven_) {
-      double to = 0;
-      if (slots_[k].joint < 0 || slots_[k].joint == i)
-        *motion_numbers(out[std::size_t(i)], to)[std::size_t(slots_[k].number)] = value;
-    }
-  }
-  return out;
-}
-
-Coordinates BodySpace::unit(const BodyMotion& motion) const {
-  Coordinates out(dimension());
-  for (std::size_t k = 0; k < variables_.size(); ++k) {
-    const Variable& v = variables_[k];
-    Motion m = motion[std::size_t(slots_[k].joint < 0 ? driven_.front() : slots_[k].joint)];
-    double to = 0;
-    const double value = *motion_numbers(m, to)[std::size_t(slots_[k].number)];
-    out[long(k)] = std::clamp((value - v.lower) / (v.upper - v.lower), 0.0, 1.0);
-  }
-  return out;
-}
-
-Edges BodySpace::edges(const Coordinates& unit) const {
-  constexpr double kEdge = 1e-3;
-  Edges out{};
-  for (int k = 0; k < dimension(); ++k) out[std::size_t(k)] = unit[k] < kEdge ? -1 : unit[k] > 1 - kEdge ? 1 : 0;
-  return out;
-}
 
 long BodyPlanOptions::default_evaluations(const BodyScene& scene) const {
   const long own = measure ? 100'000 : goal == Goal::kTolerant ? 5'000 : 40'000;
@@ -166,10 +98,6 @@ class BodySearch {
     }
   }
 
-  static Scatter scatter_of(const BodyScene& scene, const BodyPlanOptions& options) {
-    return options.scatter ? *options.scatter : scene.scatter.value_or(assumed_scatter(scene.robot));
-  }
-
   void run() {
     out_.variables = space_.variables();
     land_held();
@@ -230,12 +158,12 @@ class BodySearch {
   }
   /// What is searched for, and what the best few are judged by: over drops as many as the deadline has time for.
   void set_goals() {
-    constexpr std::uint64_t kOthers = 0x9d6e5;  // the drops that judge are others than those that are searched on
     final_ = judge_ = own_drop(scene_);
     const bool tolerant = options_.goal == Goal::kTolerant;
     if (tolerant && !options_.measure) final_.drops = judge_.drops = execution_drops(scene_);
     if (!options_.measure) return;
-    const BodyDropModel model(scene_, scatter_of(scene_, options_), {.inflate = options_.inflate, .inexact = tolerant});
+    const BodyDropModel model(scene_, scatter_for(options_.scatter, scene_),
+                              {.inflate = options_.inflate, .inexact = tolerant});
     if (!model.scatters()) return;
     long searched = options_.samples, judging = options_.judging;
     if (options_.deadline) {
@@ -251,7 +179,7 @@ class BodySearch {
       judging = fit(judging, kJudging / (double(kJudged + 1) * each));
     }
     final_ = {*options_.measure, model.even(searched, options_.seed)};
-    judge_ = {*options_.measure, model.even(judging, options_.seed ^ kOthers << 32)};
+    judge_ = {*options_.measure, model.even(judging, judging_seed(options_.seed))};
   }
   void judge_held() {
     if (no_landing(out_.held.end)) return;
@@ -413,12 +341,10 @@ BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
   BodySearch(scene, options, out).run();
   const bool told = options.measure || options.scatter || scene.scatter;
   if (!told || !out.found || options.deadline || options.fresh == 0 || options.monitor.stopped()) return out;
-  constexpr std::uint64_t kFresh = 0xf4e5a;  // seeds of searches are others
-  BodyUnderScatter under{.scatter = BodySearch::scatter_of(scene, options),
-                         .assumed = !options.scatter && !scene.scatter};
+  BodyUnderScatter under{.scatter = scatter_for(options.scatter, scene), .assumed = !options.scatter && !scene.scatter};
   const BodyDropModel model(scene, under.scatter,
                             {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});
-  const std::vector<BodyDrop> drops = model.independent(options.fresh, options.seed ^ kFresh << 32);
+  const std::vector<BodyDrop> drops = model.independent(options.fresh, fresh_seed(options.seed));
   const std::vector<double> planned = peaks_over(drops, out.motion, kSearchAccuracy, options.threads),
                             held = peaks_over(drops, out.hold, kSearchAccuracy, options.threads);
   under.planned = distribution(planned), under.held = distribution(held);

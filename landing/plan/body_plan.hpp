@@ -1,6 +1,5 @@
-// The best landing of a robot of any joints: a quintic for every driven joint, with shape terms and gains of its own
-// where the scene lets it; for the scene's
-// own drop, within the execution tolerance, or over drops that scatter. Ours.
+// The best landing of a robot of any joints: for the scene's own drop, within the execution tolerance, or over drops
+// that scatter. Ours.
 #pragma once
 
 #include <cstdint>
@@ -11,45 +10,16 @@
 #include "common/monitor.hpp"
 #include "landing/body/body_run.hpp"
 #include "landing/plan/body_drops.hpp"
+#include "landing/plan/body_space.hpp"
 #include "landing/scatter/measure.hpp"
 #include "landing/search/objective.hpp"
 
 namespace ukemi::landing {
 
-/// The motions that a search may choose from: phi_I and phi_F of each driven joint in their order, the duration (with
-/// BodyScene::own_durations of each), then what BodyScene::freedom adds to each joint: shape terms, gains.
-class BodySpace {
- public:
-  /// Throws InputError where no joint is driven, or more of them than kMostVariables hold.
-  explicit BodySpace(const BodyScene& scene);
-  int dimension() const { return int(variables_.size()); }
-  /// phi_i_JOINT, phi_f_JOINT ..., duration, b0_JOINT ..., gain_p_JOINT ...
-  const std::vector<Variable>& variables() const { return variables_; }
-  /// What a point of the unit cube stands for.
-  BodyMotion motion(const Coordinates& unit) const;
-  /// The place of a motion in the cube, the nearest where it lies beyond.
-  Coordinates unit(const BodyMotion& motion) const;
-  /// Which variables of a point lie on an edge of their range, to a thousandth of it.
-  Edges edges(const Coordinates& unit) const;
-
- private:
-  BodyMotion rest_;  ///< of joints that are not driven
-  /// Which number of motion_numbers of which joint a variable is.
-  struct Slot {
-    int joint;  ///< of Robot::joints; -1: of all that are driven
-    int number;
-  };
-  void add(int joint, int number, const Variable& variable);
-
-  std::vector<int> driven_;  ///< indices of Robot::joints
-  std::vector<Slot> slots_;
-  std::vector<Variable> variables_;
-};
-
 struct BodyPlanOptions {
   Goal goal = Goal::kPeak;          ///< kTolerant: the worst of execution_drops; kRobust is told by `measure`
   std::optional<Measure> measure;   ///< of the peaks over drops that scatter; with kTolerant each is played inexactly
-  std::optional<Scatter> scatter;   ///< absent: the scene's, else assumed_scatter
+  std::optional<Scatter> scatter;   ///< see scatter_for
   double inflate = 1;               ///< see BodyDropModel::Options
   long samples = 64;                ///< drops that are searched on, 1 to 4096; fewer by a short deadline
   long judging = 256;               ///< others, that the best few are judged on; the same range
@@ -102,9 +72,10 @@ struct BodyPlan {
 
 /// The motion with the smallest goal. The held posture comes first, and the answer is never worse.
 /// Scouts from anywhere, then covariance adaptation (landing/search) by turns from the best places and from anywhere;
-/// the best few are judged at a tight accuracy. A goal of many drops begins with the peak of the scene's own, and
-/// leaves a motion as soon as it cannot be better. The same for a seed and a number of evaluations whatever the number
-/// of threads; with a deadline the clock decides. Throws InputError as `simulate`. Tests: test/legs/plans.cpp.
+/// the best few are judged at a tight accuracy. The search for a tolerant peak begins with
+/// the peak, that under scatter with the mean of a few drops; a motion is left as soon as it cannot be better. The same
+/// for a seed and a number of evaluations whatever the number of threads; with a deadline the clock decides. Throws
+/// InputError as `simulate`. Tests: test/legs/plans.cpp, scatter.cpp.
 [[nodiscard]] BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options = {});
 
 }  // namespace ukemi::landing

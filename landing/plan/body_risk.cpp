@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
+#include "landing/judge/census.hpp"
 
 namespace ukemi::landing {
 
@@ -71,70 +71,51 @@ class Course {
 void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyMotion& motion, long samples,
                 const BodyRiskOptions& options, Course& course) {
   const BodyMotion hold = held_posture(model.scene());
-  std::vector<double> peaks, held;
-  std::map<std::pair<int, int>, long> contacts;
+  PeakCensus census;
   for (long first = 0; first < samples; first += kChunk) {
     const std::vector<BodyDrop> drops = model.even(std::min(kChunk, samples - first), options.seed, first);
-    const auto of_held = std::span(drops).first(std::size_t(std::clamp(kHeldDrops - first, 0L, long(drops.size()))));
+    const auto of_held =
+        std::span(drops).first(std::size_t(std::clamp(PeakRisk::kHeldDrops - first, 0L, long(drops.size()))));
     const std::vector<double> held_peaks = course.peaks(of_held, hold);
     const std::vector<BodyLanding> landings = course.landings(drops, motion);
     if (course.stopped()) break;
-    for (const double x : held_peaks) {
-      if (std::isfinite(x)) held.push_back(x);
-      out.held_failed += !std::isfinite(x);
-    }
+    for (const double x : held_peaks) census.held(x);
     for (const BodyDrop& d : drops) out.from_floor += d.from_floor;
     for (const BodyLanding& l : landings) {
-      if (no_landing(l.end) || !std::isfinite(l.peak)) {
-        ++out.failed;
-        continue;
-      }
-      peaks.push_back(l.peak);
+      if (!census.motion(no_landing(l.end) ? std::numeric_limits<double>::infinity() : l.peak)) continue;
       out.lost += std::any_of(l.demands.begin(), l.demands.end(),
                               [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
       const PeakContact c = peak_contact(l);
-      ++contacts[{c.number, c.point}];
+      census.contact(c.number, c.point);
       for (RiskEvent& e : out.events) e.drops += passed(e, l);
     }
     course.tell(long(drops.size() + of_held.size()));
   }
-  out.peaks = distribution(peaks), out.held = distribution(held);
-  for (const auto& [contact, count] : contacts) out.contacts.push_back({contact.first, contact.second, count});
-  std::stable_sort(out.contacts.begin(), out.contacts.end(), [](auto& a, auto& b) { return a.drops > b.drops; });
-  out.histogram = histogram(peaks, held, out.peaks.q99.value);
+  census.finish(out);
 }
 
 }  // namespace
 
 BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyRiskOptions& options) {
   options.validate(), validate(scene.robot, motion);
-  using WhyNone = PeakRisk::WhyNone;
   BodyRisk out;
-  out.scatter = options.scatter ? *options.scatter : scene.scatter.value_or(assumed_scatter(scene.robot));
+  out.scatter = scatter_for(options.scatter, scene);
   out.assumed = !options.scatter && !scene.scatter;
   out.events = events_of(scene.robot);
   const BodyDropModel model(scene, out.scatter, options.drops);
   const long samples = model.scatters() ? options.samples : 1;
-  IndexPlan plan(model.sampler(), samples);
-  Course course(options, samples + std::min(samples, kHeldDrops) + plan.landings());
+  const IndexPlan plan(model.sampler(), samples);
+  Course course(options, samples + std::min(samples, PeakRisk::kHeldDrops) + plan.landings());
   play_drops(out, model, motion, samples, options, course);
-  const auto stop = [&] { out.why_none = WhyNone::kStopped; };
-  if (!model.scatters())
-    out.why_none = WhyNone::kNothingScatters;
-  else if (plan.base_points() == 0)
-    out.why_none = WhyNone::kOneGroup;
-  else if (course.stopped())
-    stop();
-  if (out.why_none != WhyNone::kThere) return out;
-  const long part = std::max(1L, kChunk / long(plan.blocks()));
-  for (long first = 0; first < plan.base_points(); first += part) {
-    const long count = std::min(part, plan.base_points() - first), landings = count * long(plan.blocks());
-    const std::vector<double> peaks =
-        course.peaks(model.drops(plan.points(count, options.seed, first), landings), motion);
-    if (course.stopped()) return stop(), out;
-    plan.add(peaks), course.tell(landings);
-  }
-  plan.finish(out, options.seed, options.threads);
+  out.why_none = plan.why_none(course.stopped());
+  if (out.why_none != PeakRisk::WhyNone::kThere) return out;
+  plan.work_out(out, kChunk, options.seed, options.threads,
+                [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {
+                  std::vector<double> peaks = course.peaks(model.drops(points, count), motion);
+                  if (course.stopped()) return std::nullopt;
+                  course.tell(count);
+                  return peaks;
+                });
   return out;
 }
 

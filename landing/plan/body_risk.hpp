@@ -10,7 +10,7 @@ namespace ukemi::landing {
 
 struct BodyRiskOptions {
   long samples = 10'000;           ///< drops that are drawn: scrambled Sobol points; 1 to 10,000,000
-  std::optional<Scatter> scatter;  ///< absent: the scene's, else assumed_scatter
+  std::optional<Scatter> scatter;  ///< see scatter_for
   BodyDropModel::Options drops;
   std::uint64_t seed = 1;
   int threads = 0;        ///< 0: all cores; without influence on the results

@@ -19,7 +19,7 @@ Reposition standing_until_touchdown(double phi, double rate) {
 }  // namespace
 
 SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> by) {
-  const std::vector<ActuatorConstant>& all = actuator_constants();
+  const auto& all = actuator_constants();
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (by[k] == 0) continue;
     constexpr double kLeast = 1e-12;  // an inertia of 0 is none

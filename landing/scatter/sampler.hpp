@@ -9,6 +9,11 @@
 
 namespace ukemi::landing {
 
+/// Seeds of other drops than those that a search by this seed is made on: on which its best few are judged, and on
+/// which the answer is told.
+constexpr std::uint64_t judging_seed(std::uint64_t seed) { return seed ^ std::uint64_t{0x9d6e5} << 32; }
+constexpr std::uint64_t fresh_seed(std::uint64_t seed) { return seed ^ std::uint64_t{0xf4e5a} << 32; }
+
 /// A standard normal number cut at three, for u in (0, 1): its quantile.
 double cut_normal(double u);
 

@@ -102,14 +102,12 @@ void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::
 int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
            Run& run) {
   const Robot& robot = scene.robot;
-  const bool uncertain =
-      std::any_of(robot.joints.begin(), robot.joints.end(), [](auto& j) { return j.covariance.size() > 0; });
   Json of_motion = Table::of(motion_quantities(robot, motion), motion).object();
   const RiskTexts texts{.scene = scene.name,
                         .source = scene.source,
                         .motion = motion_words(robot, motion),
-                        .drops = drops_words(risk.scatter, risk.assumed, "drives", uncertain, options.drops.inflate,
-                                             options.drops.inexact),
+                        .drops = drops_words(risk.scatter, risk.assumed, "drives", robot.fitted(),
+                                             options.drops.inflate, options.drops.inexact),
                         .held = held_words(robot, held_posture(scene)),
                         .scatter = risk.scatter,
                         .assumed = risk.assumed,

@@ -87,8 +87,7 @@ std::optional<Scatter> scatter_of(const ScatterArguments& a) {
   return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
 }
 double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
-  const auto fitted = [](const Joint& j) { return j.covariance.size() > 0; };
-  if (a.inflate && std::none_of(scene.robot.joints.begin(), scene.robot.joints.end(), fitted))
+  if (a.inflate && !scene.robot.fitted())
     run.warn("--inflate makes no difference: no drive's file holds [uncertainty], so their constants do not scatter");
   return checked_inflate(a);
 }

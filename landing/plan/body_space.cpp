@@ -1,0 +1,78 @@
+#include "landing/plan/body_space.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+
+namespace ukemi::landing {
+
+BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
+  const std::vector<Joint>& joints = scene.robot.joints;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (joints[i].driven()) driven_.push_back(int(i));
+  if (driven_.empty()) throw InputError("no joint is driven: there is no motion to plan");
+  const auto each = [&](auto&& f) {
+    for (const int i : driven_) f(i, joints[std::size_t(i)].name, scene.search[std::size_t(i)].phi);
+  };
+  each([&](int i, const std::string& name, auto& phi) {
+    add(i, 0, {"phi_i_" + name, "phi_I of " + name, "rad", phi[0], phi[1]});
+    add(i, 1, {"phi_f_" + name, "phi_F of " + name, "rad", phi[0], phi[1]});
+  });
+  const auto& [shortest, longest] = scene.duration;
+  if (!scene.own_durations) add(-1, 2, {"duration", "duration", "s", shortest, longest});
+  const Freedom& free = scene.freedom;
+  each([&](int i, const std::string& name, auto&) {
+    if (scene.own_durations) add(i, 2, {"duration_" + name, "duration of " + name, "s", shortest, longest});
+    for (int k = 0; k < free.bumps; ++k)
+      add(i, kBumpSlot + k,
+          {fmt::format("b{}_{}", k, name), fmt::format("b_{} of {}", k, name), "rad", free.bump[0], free.bump[1], 0.0});
+    if (!free.gains) return;
+    const auto& [low, high] = *free.gains;
+    add(i, kGainSlot, {"gain_p_" + name, "factor of K_p of " + name, "1", low, high, 1.0});
+    add(i, kGainSlot + 1, {"gain_d_" + name, "factor of K_d of " + name, "1", low, high, 1.0});
+  });
+  if (dimension() > kMostVariables)
+    throw InputError(fmt::format("a plan of {} variables for {} driven joints: at most {} are needed", dimension(),
+                                 driven_.size(), kMostVariables));
+}
+
+void BodySpace::add(int joint, int number, const Variable& variable) {
+  slots_.push_back({joint, number}), variables_.push_back(variable);
+}
+
+BodyMotion BodySpace::motion(const Coordinates& unit) const {
+  BodyMotion out = rest_;
+  for (std::size_t k = 0; k < variables_.size(); ++k) {
+    const double value = std::lerp(variables_[k].lower, variables_[k].upper, unit[long(k)]);
+    for (const int i : driven_) {
+      double to = 0;
+      if (slots_[k].joint < 0 || slots_[k].joint == i)
+        *motion_numbers(out[std::size_t(i)], to)[std::size_t(slots_[k].number)] = value;
+    }
+  }
+  return out;
+}
+
+Coordinates BodySpace::unit(const BodyMotion& motion) const {
+  Coordinates out(dimension());
+  for (std::size_t k = 0; k < variables_.size(); ++k) {
+    const Variable& v = variables_[k];
+    Motion m = motion[std::size_t(slots_[k].joint < 0 ? driven_.front() : slots_[k].joint)];
+    double to = 0;
+    const double value = *motion_numbers(m, to)[std::size_t(slots_[k].number)];
+    out[long(k)] = std::clamp((value - v.lower) / (v.upper - v.lower), 0.0, 1.0);
+  }
+  return out;
+}
+
+Edges BodySpace::edges(const Coordinates& unit) const {
+  constexpr double kEdge = 1e-3;
+  Edges out{};
+  for (int k = 0; k < dimension(); ++k) out[std::size_t(k)] = unit[k] < kEdge ? -1 : unit[k] > 1 - kEdge ? 1 : 0;
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,42 @@
+// The motions of a robot of any joints that a search may choose from: a quintic for every driven joint, and what the
+// scene lets it have beside. Ours.
+#pragma once
+
+#include <vector>
+
+#include "landing/body/body_scene.hpp"
+#include "landing/model/motion_space.hpp"
+
+namespace ukemi::landing {
+
+/// The motions that a search may choose from: phi_I and phi_F of each driven joint in their order, the duration (with
+/// BodyScene::own_durations of each), then what BodyScene::freedom adds to each joint: shape terms, gains.
+class BodySpace {
+ public:
+  /// Throws InputError where no joint is driven, or more of them than kMostVariables hold.
+  explicit BodySpace(const BodyScene& scene);
+  int dimension() const { return int(variables_.size()); }
+  /// phi_i_JOINT, phi_f_JOINT ..., duration, b0_JOINT ..., gain_p_JOINT ...
+  const std::vector<Variable>& variables() const { return variables_; }
+  /// What a point of the unit cube stands for.
+  BodyMotion motion(const Coordinates& unit) const;
+  /// The place of a motion in the cube, the nearest where it lies beyond.
+  Coordinates unit(const BodyMotion& motion) const;
+  /// Which variables of a point lie on an edge of their range, to a thousandth of it.
+  Edges edges(const Coordinates& unit) const;
+
+ private:
+  BodyMotion rest_;  ///< of joints that are not driven
+  /// Which number of motion_numbers of which joint a variable is.
+  struct Slot {
+    int joint;  ///< of Robot::joints; -1: of all that are driven
+    int number;
+  };
+  void add(int joint, int number, const Variable& variable);
+
+  std::vector<int> driven_;  ///< indices of Robot::joints
+  std::vector<Slot> slots_;
+  std::vector<Variable> variables_;
+};
+
+}  // namespace ukemi::landing
