@@ -45,6 +45,8 @@ Profile profile(const Experiment& experiment, const Fit& fit, const std::string&
   const double best = deviance(fit, experiment.trials, given);
 
   Profile out{.constant = constant, .unit = found->unit, .threshold = fit.half_width * fit.half_width};
+  const double variance_of_the_rig = std::max(*found->std * *found->std - *found->std_noise * *found->std_noise, 0.0);
+  const double of_the_rig = fit.half_width * std::sqrt(variance_of_the_rig);  // half the width of its 95 % interval
   const int half = options.points / 2;
   out.value.assign(std::size_t(options.points), found->value);
   out.rise.assign(std::size_t(options.points), 0.0);
@@ -53,7 +55,7 @@ Profile profile(const Experiment& experiment, const Fit& fit, const std::string&
         side < 0 ? std::max(given.terms.lower_of(term), 1e-6 * found->value) : given.terms.upper_of(term);
     const double reach = std::min(options.reach * *found->std_noise, std::abs(limit - found->value));
     SeaParameters<double> from = fit.sea;  // each point starts where the one before it ended
-    std::optional<double>& end = side < 0 ? out.low : out.high;
+    std::optional<double>& end = side < 0 ? out.low_noise : out.high_noise;
     for (int i = 1; i <= half; ++i) {
       const auto here = std::size_t(half + side * i), before = std::size_t(half + side * (i - 1));
       out.value[here] = found->value + side * reach * i / half;
@@ -66,6 +68,9 @@ Profile profile(const Experiment& experiment, const Fit& fit, const std::string&
       if (!end && out.rise[here] > out.threshold)
         end = crossing(out.value[before], out.rise[before], out.value[here], out.rise[here], out.threshold);
     }
+    if (!end) continue;
+    const double width = std::hypot(*end - found->value, of_the_rig);
+    (side < 0 ? out.low : out.high) = found->value + side * std::min(width, std::abs(limit - found->value));
   }
   return out;
 }

@@ -1,5 +1,6 @@
 // Profile likelihood: one constant held on a grid, everything else refitted. Where it is not a parabola the linear
-// interval misleads, and this one, unsymmetric, holds. It is of the logs' noise: errors of the rig are not in it.
+// interval misleads, and this one, unsymmetric, holds. What the errors of the rig add to the constant's own error is
+// added to each side, as squares.
 #pragma once
 
 #include <optional>
@@ -15,7 +16,8 @@ struct Profile {
   std::vector<double> value;  ///< increasing
   std::vector<double> rise;   ///< of the deviance above its minimum; infinite where no rollout is possible
   double threshold = 0;       ///< rise at the ends of the 95 % interval: the squared half width in standard errors
-  std::optional<double> low, high;  ///< of that interval; absent where the grid ends before
+  std::optional<double> low_noise, high_noise;  ///< of the interval by the logs' noise alone; absent where the grid ends
+  std::optional<double> low, high;              ///< of the interval with the errors of the rig; as absent
 };
 
 struct ProfileOptions {

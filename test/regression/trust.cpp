@@ -240,6 +240,18 @@ TEST_CASE("profile likelihood: the linear interval where the trials are good, it
   CHECK(p.rise[6] == 0);
   CHECK(p.rise.front() == Approx(9).epsilon(0.05));
   CHECK(std::is_sorted(p.value.begin(), p.value.end()));
+  // An error of the rig widens both ends, by as much as it widens the linear interval.
+  Rig rough = rig();
+  rough.errors.inertia = 0.05;
+  const Fit of_rough = refit(rough, trials, truth(), {});
+  const Estimate& wide = of_rough.parameters[2];
+  REQUIRE(wide.half_width() > 1.5 * e.half_width());
+  const Profile r = profile({rough, trials, {}}, of_rough, "k_sea", {.points = 13});
+  REQUIRE(r.low.has_value());
+  REQUIRE(r.high.has_value());
+  CHECK(*r.low == Approx(wide.ci_low).margin(0.02 * wide.half_width()));
+  CHECK(*r.high == Approx(wide.ci_high).margin(0.02 * wide.half_width()));
+  CHECK(*r.low_noise == Approx(*p.low).margin(0.02 * e.half_width()));
 
   const auto weak = noisy(simulated({hit(1, 0.02), hit(1, 0.02)}, truth()), 3);
   const Fit g = refit(rig(), weak, truth(), {});

@@ -192,7 +192,9 @@ void tell_profiles(const std::vector<identify::Profile>& profiles, const Fit& fi
   csv.header({"constant", "value", "rise", "threshold"});
   for (const identify::Profile& p : profiles) {
     const identify::Estimate& e = fit.parameters[constant_index("--profile", p.constant)];
-    j["profile"][p.constant] = {{"ci95", {number(p.low), number(p.high)}}, {"linear", {e.ci_low, e.ci_high}}};
+    j["profile"][p.constant] = {{"ci95", {number(p.low), number(p.high)}},
+                                {"ci95_noise", {number(p.low_noise), number(p.high_noise)}},
+                                {"linear", {e.ci_low, e.ci_high}}};
     run.say(fmt::format("{} by profile likelihood, 95 %: {}", p.constant, interval(p)));
     report.heading("Profile likelihood of " + p.constant);
     report.paragraph("95 %: " + interval(p));
