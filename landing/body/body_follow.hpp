@@ -75,7 +75,11 @@ class BodyFollower {
   /// long again as any landing [s].
   double flight_limit() const {
     const Robot& robot = scene_.robot;
-    const double g = robot.gravity, far = 2 * reach(robot), rise = far * std::abs(scene_.drop.pitch_rate);
+    double rates = std::abs(scene_.drop.pitch_rate);
+    for (int i = 0; i < joints(); ++i)
+      if (joint_of(i).driven()) rates += std::abs(motion_of(i).release_rate());
+    const double g = robot.gravity, far = 2 * reach(robot),
+                 rise = far * rates + std::max(0.0, scene_.drop.vertical_speed);
     if (!scene_.touches() || !(g > 0) || robot.base == Base::kPinned) return Scene::kFollow;
     return (rise + std::sqrt(rise * rise + 2 * g * (scene_.drop.height + 2 * far))) / g + Scene::kFollow;
   }
@@ -114,14 +118,16 @@ class BodyFollower {
     const double lift = scene_.drop.height - (lowest < kNever ? lowest : 0);
     if (robot.base == Base::kRail) {
       system_.base = {0, lift};
+      if (const double up = scene_.drop.vertical_speed; up != 0) y[System::kVx] = up / std::sin(robot.rail_direction);
       return;
     }
     // The first link's origin begins over x = 0, and has the forward speed.
     const auto origin = position(system_.body.first, p, system_.body.bodies),
                speed = velocity(system_.body.first, p, system_.body.bodies);
-    const double v = scene_.drop.forward_speed;
+    const double v = scene_.drop.forward_speed, up = scene_.drop.vertical_speed, c = std::cos(scene_.slope),
+                 s = std::sin(scene_.slope);
     y[System::kX] = -origin[0], y[System::kY] = lift;
-    y[System::kVx] = v * std::cos(scene_.slope) - speed[0], y[System::kVy] = -v * std::sin(scene_.slope) - speed[1];
+    y[System::kVx] = v * c + up * s - speed[0], y[System::kVy] = -v * s + up * c - speed[1];
   }
 
   /// One step, and what it means for the landing: how the run ended, if it did.
@@ -136,7 +142,9 @@ class BodyFollower {
       if (!peak_.step(system_, driver)) return failed(Failure::kUnresolved);
       if (softened(driver.state())) return failed(Failure::kGivesWay);
       if constexpr (kReport) recorder_.step(system_, driver);
+      if (!scene_.limits.joints.empty() && !out_.broken) look(driver);
     }
+    if (out_.broken && scene_.limits.broken == BodyLimits::Broken::kEnds) return End::kBroken;
     if (peak_.square > options_.abandon_above * options_.abandon_above) return End::kAbandoned;
     if (options_.stopped(n)) return End::kStopped;
     if (outcome.event >= 0) return cross(driver, outcome.event), std::nullopt;
@@ -148,6 +156,28 @@ class BodyFollower {
         options_.rest == SimulateOptions::Rest::kStop && out_.first_touchdown < kNever && detected_ == kNever;
     if (asked && at_rest(system_, t_, driver.state(), peak_.square, impact_)) return End::kRest;
     return std::nullopt;
+  }
+  void broken(BrokenLimit::Kind kind, int index) {
+    if (!out_.broken) out_.broken = {kind, index, t_};
+  }
+  /// Whether the step breaks a joint's limits at its quarters, at which a report too looks for demands.
+  template <class Driver>
+  void look(Driver& driver) {
+    const auto& step = driver.step();
+    for (const double part : {0.25, 0.5, 0.75, 1.0}) {
+      const double t = step.t + part * step.h;
+      const State y = driver.dense().at(part);
+      for (int i = 0; i < joints(); ++i) {
+        if (!joint_of(i).driven()) continue;
+        const int joint = system_.body.joint[i].joint;
+        const BodyLimits::Joint& most = scene_.limits.joints[std::size_t(joint)];
+        const SeaState<double> q = system_.joint_state(i, y);
+        const auto [speed, torque] = motor_demand(system_, i, t, q);
+        if (!(most.phi[0] <= q.phi && q.phi <= most.phi[1])) broken(BrokenLimit::Kind::kStop, joint);
+        if (speed > most.motor_speed) broken(BrokenLimit::Kind::kMotorSpeed, joint);
+        if (torque > most.motor_torque) broken(BrokenLimit::Kind::kMotorTorque, joint);
+      }
+    }
   }
   bool softened(const State& y) const {
     for (int i = 0; i < joints(); ++i) {
@@ -174,6 +204,8 @@ class BodyFollower {
     const int touched = system_.cross(event, y);
     const bool surface = event < System::kJointGuards && event % System::kOfContact == System::kSurface;
     driver.refresh(y);
+    if (touched >= 0 && !scene_.limits.forbidden.empty() && scene_.limits.forbidden[std::size_t(touched)])
+      broken(BrokenLimit::Kind::kForbidden, touched);
     if (touched >= 0 && out_.first_touchdown == kNever) {
       out_.first_touchdown = t_;
       if (!scene_.t_end) limit_ = t_ + Scene::kFollow;
@@ -198,6 +230,10 @@ class BodyFollower {
     detected_ = kNever;
     for (int i = 0; i < joints(); ++i) {
       if (!joint_of(i).driven()) continue;
+      const auto& limits = scene_.limits.joints;
+      const int joint = system_.body.joint[i].joint;
+      if (!limits.empty() && peak_reference_rate(motion_of(i), t_) > limits[std::size_t(joint)].reference_rate)
+        broken(BrokenLimit::Kind::kReferenceRate, joint);
       set(i, Turn::kLand), system_.joint[i].phase = Phase::kMoving;
       air_[i] = kNever, end_[i] = t_ + motion_of(i).duration;
       system_.drive[i].sea = with_landing_gains(system_.drive[i].sea, motion_of(i));

@@ -11,6 +11,17 @@
 
 namespace ukemi::landing {
 
+/// Of a driven joint: |speed| of its motor at the output [rad/s] and |torque| [Nm].
+template <class System>
+std::pair<double, double> motor_demand(const System& s, int i, double t, const SeaState<double>& q) {
+  const auto& drive = s.drive[i];
+  const bool geared = drive.kind == DriveKind::kGeared;
+  const double torque = geared
+                            ? limited_torque<System::kSea>(drive.sea, s.geared_torque(i, t, q), s.joint[i].saturation)
+                            : motor_torque<System::kSea>(drive.sea, q, s.reference(i, t));
+  return {std::abs(geared ? q.dphi : q.dphi_m), std::abs(torque)};
+}
+
 /// Collects touches, peaks, demands, the energy check and the trajectory; without kReport nothing.
 template <class System, bool kReport>
 class BodyRecorder {
@@ -73,16 +84,11 @@ class BodyRecorder {
       const SeaState<double> q = s.joint_state(i, y);
       const auto& drive = s.drive[i];
       JointDemands& d = out_.demands[std::size_t(s.body.joint[i].joint)];
-      const bool geared = drive.kind == DriveKind::kGeared;
       d.phi_min = std::min(d.phi_min, q.phi), d.phi_max = std::max(d.phi_max, q.phi);
       d.torque = std::max(d.torque, std::abs(s.torque(i, t, y)));
-      if (geared || drive.kind == DriveKind::kElastic) {
-        d.motor_speed = std::max(d.motor_speed, std::abs(geared ? q.dphi : q.dphi_m));
-        const double motor =
-            geared ? limited_torque<System::kSea>(drive.sea, s.geared_torque(i, t, q), s.joint[i].saturation)
-                   : motor_torque<System::kSea>(drive.sea, q, s.reference(i, t));
-        d.motor_torque = std::max(d.motor_torque, std::abs(motor));
-      }
+      if (drive.kind != DriveKind::kGeared && drive.kind != DriveKind::kElastic) continue;
+      const auto [speed, torque] = motor_demand(s, i, t, q);
+      d.motor_speed = std::max(d.motor_speed, speed), d.motor_torque = std::max(d.motor_torque, torque);
     }
   }
 

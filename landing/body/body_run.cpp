@@ -6,6 +6,24 @@
 
 namespace ukemi::landing {
 
+const char* words(BrokenLimit::Kind kind) {
+  switch (kind) {
+    case BrokenLimit::Kind::kForbidden:
+      return "touches the floor";
+    case BrokenLimit::Kind::kStop:
+      return "passes its stop";
+    case BrokenLimit::Kind::kMotorSpeed:
+      return "motor speed";
+    case BrokenLimit::Kind::kMotorTorque:
+      return "motor torque";
+    case BrokenLimit::Kind::kReferenceRate:
+      return "reference rate";
+    case BrokenLimit::Kind::kNone:
+      break;
+  }
+  return "";
+}
+
 BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, double rate) {
   scene.validate(), validate(scene.robot, motion), options.validate();
   constexpr double kMostRows = 2e6, kLongest = 30;  // [s]
@@ -14,7 +32,8 @@ BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const Sim
   constexpr Capacity kAny{kMostLinks, kMostJoints, kMostContacts};
   BodyLanding out;
   BodyFollower<integrate::DormandPrince853, kAny, true>(scene, motion, options, out, rate).follow();
-  if (out.end != End::kFailed && !(out.energy_residual <= energy_tolerance(options.accuracy)))
+  if (out.end != End::kFailed && out.end != End::kBroken &&
+      !(out.energy_residual <= energy_tolerance(options.accuracy)))
     out.end = End::kFailed, out.failure = Failure::kUnbalanced;
   return out;
 }

@@ -29,10 +29,21 @@ struct JointDemands {
   double phi_min = 0, phi_max = 0;  ///< range of the joint [rad]
 };
 
+/// Where a landing first breaks a limit of its scene.
+struct BrokenLimit {
+  enum class Kind { kNone, kForbidden, kStop, kMotorSpeed, kMotorTorque, kReferenceRate } kind = Kind::kNone;
+  int index = -1;  ///< of Robot::joints, of kForbidden of Robot::contacts
+  double t = 0;    ///< [s]
+  explicit operator bool() const { return kind != Kind::kNone; }
+};
+/// "touches the floor", "passes its stop", "motor speed", "motor torque", "reference rate".
+const char* words(BrokenLimit::Kind kind);
+
 /// A landing, with everything that a report needs. What only the long form has is empty where peak_acceleration made
 /// it: touches, peaks, demands, trajectory, energy_residual.
 struct BodyLanding : RunEnd {
   double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
+  BrokenLimit broken;                                                ///< of BodyScene::limits
   std::vector<Touch> touches;                                        ///< in their order
   std::vector<Peak> peaks;                     ///< between touchdowns, chatter left out; point: of Robot::contacts
   std::vector<JointDemands> demands;           ///< of Robot::joints

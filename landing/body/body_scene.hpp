@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,6 +20,35 @@ struct JointSearch {
   std::optional<double> hold;                         ///< where the joint is held without a plan [rad]
   /// Absent: the middle of the range.
   double held() const { return hold.value_or(0.5 * (phi[0] + phi[1])); }
+};
+
+/// How the joints are where the robot lets go, or where a plan arrives; the reference stands there until `from`.
+struct BodyRelease {
+  struct Joint {
+    double phi = 0;   ///< the spring relaxed [rad]
+    double rate = 0;  ///< [rad/s]
+  };
+  std::vector<Joint> joints;  ///< of Robot::joints; of those that are not driven without meaning
+  double from = 0;            ///< when the references may begin to move, from release [s], >= 0
+};
+
+/// What a landing must not do. Searches keep it; a run says where it is first broken (BodyLanding::broken).
+struct BodyLimits {
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  struct Joint {
+    std::array<double, 2> phi{-kNone, kNone};  ///< stops of the joint's angle [rad]
+    double motor_speed = kNone;                ///< of |dphi_m|, of a geared drive of |dphi| [rad/s]
+    double motor_torque = kNone;               ///< [Nm]
+    double reference_rate = kNone;             ///< of |dphi_ref| [rad/s]
+    bool stops() const { return phi[0] > -kNone || phi[1] < kNone; }
+  };
+  std::vector<Joint> joints;    ///< of Robot::joints; empty: none of them has limits
+  std::vector<bool> forbidden;  ///< of Robot::contacts, which must never touch; empty: each may
+  enum class Broken {
+    kTold,  ///< a run goes on
+    kEnds,  ///< it ends with End::kBroken
+  } broken = Broken::kTold;
+  bool any() const { return !joints.empty() || !forbidden.empty(); }
 };
 
 struct BodyScene {
@@ -39,6 +69,8 @@ struct BodyScene {
   Freedom freedom;                           ///< what a plan may have beside, in every driven joint
   std::optional<Scatter> scatter;            ///< of its drops; absent: nothing is said
   ExecutionTolerance execution;              ///< how exactly every joint plays its motion
+  std::optional<BodyRelease> release;        ///< absent: released at phi_I
+  BodyLimits limits;
 
   /// Throws InputError for a number outside the range that stands beside it.
   void validate() const;
@@ -49,7 +81,7 @@ struct BodyScene {
 /// nothing, whatever stands there.
 using BodyMotion = std::vector<Motion>;
 
-/// Every driven joint held where JointSearch::held says.
+/// Every driven joint held where it is released, without a release where JointSearch::held says.
 BodyMotion held_posture(const BodyScene& scene);
 /// Throws InputError unless there is a motion for every joint, and those of driven joints are motions.
 void validate(const Robot& robot, const BodyMotion& motion);

@@ -47,26 +47,60 @@ void read_drop(TomlSection& s, const Robot& robot, Drop& drop) {
   drop.pitch_rate = s.optional_number("pitch_rate", Range::any()).value_or(0);
 }
 
-/// The angle of a joint in a table of joints, within their range where it has one.
-void read_search(TomlSection& s, const Robot& robot, BodyScene& scene) {
-  if (const auto d = s.optional_numbers("duration", 2, Range::positive())) {
-    if (!((*d)[0] < (*d)[1])) s.fail("duration", "the range is empty: [low, high] with low < high is needed");
-    scene.duration = {(*d)[0], (*d)[1]};
-  }
+/// [low, high] of phi_deg.
+std::optional<std::array<double, 2>> rising_angles(TomlSection& s) {
+  const auto phi = s.optional_angle_pair("phi");
+  if (phi && !((*phi)[0] < (*phi)[1])) s.fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
+  return phi;
+}
+
+/// f(table, index) for each joint of Robot::joints that has a table in `s`; it must be driven.
+template <class F>
+void for_driven(TomlSection& s, const Robot& robot, F&& f) {
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
     auto section = s.optional_section(joint.name);
     if (!section) continue;
     if (!joint.driven())
       s.fail(joint.name, std::string("the joint is ") + name(joint.kind) + ": a joint that is driven is needed");
-    JointSearch& search = scene.search[i];
-    if (const auto phi = section->optional_angle_pair("phi")) {
-      if (!((*phi)[0] < (*phi)[1]))
-        section->fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
-      search.phi = *phi;
-    }
-    search.hold = section->optional_angle("hold");
+    f(*section, i);
   }
+}
+
+void read_search(TomlSection& s, const Robot& robot, BodyScene& scene) {
+  if (const auto d = s.optional_numbers("duration", 2, Range::positive())) {
+    if (!((*d)[0] < (*d)[1])) s.fail("duration", "the range is empty: [low, high] with low < high is needed");
+    scene.duration = {(*d)[0], (*d)[1]};
+  }
+  for_driven(s, robot, [&](TomlSection& section, std::size_t i) {
+    JointSearch& search = scene.search[i];
+    if (const auto phi = rising_angles(section)) search.phi = *phi;
+    search.hold = section.optional_angle("hold");
+  });
+}
+
+/// [release] from, [release.JOINT] phi_deg, rate_deg: every driven joint is needed.
+void read_release(TomlSection& s, const Robot& robot, BodyScene& scene) {
+  BodyRelease release{.joints = std::vector<BodyRelease::Joint>(robot.joints.size())};
+  release.from = s.optional_number("from", Range::non_negative()).value_or(0);
+  std::vector<bool> there(robot.joints.size(), false);
+  for_driven(s, robot, [&](TomlSection& section, std::size_t i) {
+    release.joints[i] = {section.angle("phi"), section.optional_rate("rate").value_or(0)};
+    there[i] = true;
+  });
+  for (std::size_t i = 0; i < there.size(); ++i)
+    if (robot.joints[i].driven() && !there[i])
+      s.fail(robot.joints[i].name,
+             fmt::format("a table [release.{}] is needed: the joint is driven", robot.joints[i].name));
+  scene.release = release;
+}
+
+/// [joint.JOINT] phi_deg: its stops.
+void read_stops(TomlSection& s, const Robot& robot, BodyLimits& limits) {
+  limits.joints.resize(robot.joints.size());
+  for_driven(s, robot, [&](TomlSection& section, std::size_t i) {
+    if (const auto phi = rising_angles(section)) limits.joints[i].phi = *phi;
+  });
 }
 
 BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, bool alone) {
@@ -86,6 +120,8 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
   out.search.resize(out.robot.joints.size());
   if (auto drop = alone ? file.optional("drop") : file.require("drop")) read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);
+  if (auto release = file.optional("release")) read_release(*release, out.robot, out);
+  if (auto stops = file.optional("joint")) read_stops(*stops, out.robot, out.limits);
   if (auto motion = file.optional("motion")) {
     out.freedom = read_freedom(*motion);
     out.own_durations = motion->optional_choice("duration", {"shared", "own"}) == "own";
@@ -103,6 +139,28 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
   return out;
 }
 
+void check(const BodyRelease& release, const Robot& robot) {
+  if (release.joints.size() != robot.joints.size())
+    throw InputError(
+        fmt::format("release: {}: one for each of {} joints is needed", release.joints.size(), robot.joints.size()));
+  for (const BodyRelease::Joint& j : release.joints)
+    check_finite("release.phi", j.phi), check_finite("release.rate", j.rate);
+  check_not_negative("release.from", release.from);
+}
+void check(const BodyLimits& limits, const Robot& robot) {
+  const auto none_or = [](const char* what, std::size_t given, std::size_t needed) {
+    if (given != 0 && given != needed)
+      throw InputError(fmt::format("{}: {}: none, or one for each of {} is needed", what, given, needed));
+  };
+  none_or("limits.joints", limits.joints.size(), robot.joints.size());
+  none_or("limits.forbidden", limits.forbidden.size(), robot.contacts.size());
+  for (const BodyLimits::Joint& j : limits.joints) {
+    if (!(j.phi[0] < j.phi[1])) throw InputError("limits.phi: low < high is needed");
+    for (const double x : {j.motor_speed, j.motor_torque, j.reference_rate})
+      if (!(x >= 0)) throw InputError(fmt::format("limits: {}: at least 0 is needed", shortest(x)));
+  }
+}
+
 }  // namespace
 
 void BodyScene::validate() const {
@@ -111,8 +169,12 @@ void BodyScene::validate() const {
     throw InputError(fmt::format("slope: {} rad: within a right angle is needed", shortest(slope)));
   check_not_negative("drop.height", drop.height), check_finite("drop.pitch", drop.pitch);
   check_finite("drop.forward_speed", drop.forward_speed), check_finite("drop.pitch_rate", drop.pitch_rate);
-  if (drop.vertical_speed != 0)
-    throw InputError("drop.vertical_speed: 0 is needed: a robot of links is released at rest");
+  check_finite("drop.vertical_speed", drop.vertical_speed);
+  const bool falls = robot.base == Base::kFree || (robot.base == Base::kRail && std::sin(robot.rail_direction) != 0);
+  if (drop.vertical_speed != 0 && !falls)
+    throw InputError("drop.vertical_speed: 0 is needed: this base keeps the robot from falling");
+  if (release) check(*release, robot);
+  check(limits, robot);
   check_not_negative("detection_delay", detection_delay);
   if (t_end) check_positive("t_end", *t_end);
   if (search.size() != robot.joints.size())
@@ -131,9 +193,15 @@ void BodyScene::validate() const {
 }
 
 BodyMotion held_posture(const BodyScene& scene) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
   BodyMotion out;
   for (std::size_t i = 0; i < scene.robot.joints.size(); ++i) {
     const Joint& joint = scene.robot.joints[i];
+    if (joint.driven() && scene.release) {
+      const auto& [phi, rate] = scene.release->joints[i];
+      out.push_back({.phi_i = phi, .phi_f = phi, .duration = 1, .reposition = Reposition{phi, rate, kNever, kNever}});
+      continue;
+    }
     const double phi = joint.driven() ? scene.search[i].held() : joint.phi;
     out.push_back({phi, phi, 1});
   }

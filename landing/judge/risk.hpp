@@ -34,7 +34,7 @@ struct RiskEvent {
     kStops,   ///< the joint leaves its stops
   } kind;
   int point = -1;    ///< with kTouch
-  int joint = -1;    ///< of a robot of links, with kSpeed and kTorque
+  int joint = -1;    ///< of a robot of links, but with kTouch
   double limit = 0;  ///< with kSpeed [rad/s] and kTorque [Nm]
   long drops = 0;
 };

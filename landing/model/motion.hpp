@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <type_traits>
@@ -158,8 +159,11 @@ bool has_bumps(const MotionOf<T>& m) {
   }
   return false;
 }
-/// Whether the reference moves at all after the touchdown.
-inline bool moves(const Motion& m) { return m.phi_i != m.phi_f || m.reposition || has_bumps(m); }
+/// Whether the reference moves at all, in the air or after the touchdown.
+inline bool moves(const Motion& m) {
+  const bool in_air = m.reposition && (std::isfinite(m.reposition->from) || m.reposition->phi != m.phi_f);
+  return m.phi_i != m.phi_f || in_air || has_bumps(m);
+}
 
 /// Whether the reference moves before a landing motion that starts at a finite time from release.
 bool moves_in_air(const Motion& m, double start);

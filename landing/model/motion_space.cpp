@@ -90,16 +90,10 @@ Eigen::MatrixXd MotionSpace::jacobian(const Coordinates& values) const {
   return j;
 }
 
-namespace {
-
-/// The move in the air ends before a robot that does not move would meet the floor, but lasts its shortest.
-std::array<double, 2> ends_of_move(const Scene& scene) {
+std::array<double, 2> ends_of_move(double from, double fall) {
   constexpr double kShortest = 0.02, kRoom = 0.08;  // [s]
-  const double from = scene.release->from, fall = fall_time(scene);
   return {from + kShortest, std::max(from + kShortest + kRoom, std::isfinite(fall) ? fall : 0)};
 }
-
-}  // namespace
 
 std::array<double*, kMotionNumbers> motion_numbers(Motion& m, double& to) {
   return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
@@ -136,7 +130,7 @@ std::vector<ReferenceSpace::Number> ReferenceSpace::variables_of(const Scene& sc
     out.push_back({kGainSlot + 1, {"gain_d", "factor of K_d", "1", (*gains)[0], (*gains)[1], 1.0}});
   }
   if (scene.release) {
-    const auto to = ends_of_move(scene);
+    const auto to = ends_of_move(scene.release->from, fall_time(scene));
     out.push_back({kToSlot, {"to", "end of the move in the air", "s", to[0], to[1]}});
   }
   return out;
@@ -160,7 +154,7 @@ void ReferenceSpace::release(const Scene& scene) {
   assert(scene.release.has_value() == release_.has_value());
   if (!scene.release) return;
   release_ = scene.release;
-  const auto to = ends_of_move(scene);
+  const auto to = ends_of_move(scene.release->from, fall_time(scene));
   set_range(dimension() - 1, to[0], to[1]);
 }
 

@@ -48,6 +48,10 @@ Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p);
 std::array<double*, kMotionNumbers> motion_numbers(Motion& motion, double& to);
 inline constexpr int kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps, kToSlot = kGainSlot + 2;
 
+/// The range of `to` where the reference may move from `from` on and the floor comes after `fall` [s]: a move ends
+/// before a robot that does not move would meet the floor, but lasts its shortest.
+std::array<double, 2> ends_of_move(double from, double fall);
+
 /// The motions of the tolerant peak: x (k = 0), six face centres, eight corners of the box of an execution tolerance.
 inline constexpr int kExecutionPoints = 15;
 struct Deviation {

@@ -39,12 +39,17 @@ typename System::State released(const System& system, const Scene& scene, const 
 /// With no rates at release nothing moves relative to anything else until the floor is reached or the reference moves:
 /// ballistic, in closed form.
 inline bool is_ballistic(const Drop& drop, double joint_rate) { return drop.pitch_rate == 0 && joint_rate == 0; }
-/// How long it takes to the floor where nothing moves; infinite if it never comes [s].
-inline double fall_time(const Scene& scene) {
-  const double g = scene.robot.gravity, h = scene.drop.height, v = scene.drop.vertical_speed;
-  if (!scene.touches() || !(g > 0 || h == 0 || v < 0)) return std::numeric_limits<double>::infinity();
+/// How long a fall of height h [m] takes at an acceleration g [m/s^2] from a speed v upwards [m/s]; infinite if it
+/// never ends [s].
+inline double fall_time(double g, double h, double v) {
+  if (!(g > 0 || h == 0 || v < 0)) return std::numeric_limits<double>::infinity();
   if (!(g > 0)) return h == 0 ? 0 : h / -v;
   return v == 0 ? std::sqrt(2 * h / g) : (v + std::sqrt(v * v + 2 * g * h)) / g;
+}
+/// How long it takes to the floor where nothing moves; infinite if it never comes [s].
+inline double fall_time(const Scene& scene) {
+  if (!scene.touches()) return std::numeric_limits<double>::infinity();
+  return fall_time(scene.robot.gravity, scene.drop.height, scene.drop.vertical_speed);
 }
 /// How long a run without t_end is followed for its first touchdown: until every point must have met the floor, and as
 /// long again as any landing; with t_end until then [s].

@@ -1,5 +1,6 @@
 #include "landing/plan/body_drops.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -115,15 +116,18 @@ std::vector<BodyDrop> execution_drops(const BodyScene& scene) {
   return out;
 }
 
-std::vector<double> peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
-                               const std::function<bool()>* over) {
-  std::vector<double> out(drops.size(), std::numeric_limits<double>::infinity());
+PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
+                     const std::function<bool()>* over) {
+  PeaksOver out{.peaks = std::vector<double>(drops.size(), std::numeric_limits<double>::infinity())};
+  std::atomic<long> broken{0};
   parallel_for(int(drops.size()), threads, [&](int k) {
     if (over && (*over)()) return;
     const BodyDrop& d = drops[std::size_t(k)];
     const BodyLanding l = peak_acceleration(d.scene, d.played(motion), {.accuracy = accuracy, .over = over});
-    if (!no_landing(l.end) && l.end != End::kStopped) out[std::size_t(k)] = l.peak;
+    if (!no_landing(l.end) && l.end != End::kStopped) out.peaks[std::size_t(k)] = l.peak;
+    broken += bool(l.broken);
   });
+  out.broken = broken;
   return out;
 }
 

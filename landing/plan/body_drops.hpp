@@ -77,7 +77,11 @@ Scatter scatter_for(const std::optional<Scatter>& asked, const BodyScene& scene)
 std::vector<BodyDrop> execution_drops(const BodyScene& scene);
 
 /// Peaks of one motion over drops [m/s^2]; infinite where a landing could not be followed or `over` cut it off.
-std::vector<double> peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
-                               const std::function<bool()>* over = nullptr);
+struct PeaksOver {
+  std::vector<double> peaks;
+  long broken = 0;  ///< drops in which a limit of the scene was broken
+};
+PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
+                     const std::function<bool()>* over = nullptr);
 
 }  // namespace ukemi::landing

@@ -1,5 +1,7 @@
 #include "landing/plan/body_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -40,23 +42,31 @@ constexpr double kSearchAccuracy = 1e-6;
 struct BodyGoal {
   Measure measure;
   std::vector<BodyDrop> drops;
+  std::size_t counted = drops.size();  ///< of the drops, the first; the others only keep the limits
+  double share = 1;                    ///< of all drops, in which the limits are kept
+
   bool single() const { return drops.size() == 1; }
+  long may_break() const { return long(std::floor((1 - share) * double(drops.size()) + 1e-9)); }
 
   /// `played`: receives the landings that it took. A value above `bound` is a bound of the value: what is still to come
   /// can only add.
   double value(const BodyMotion& motion, double accuracy, double bound, const std::function<bool()>* over,
                long& played) const {
     const bool worst = single() || measure.kind == Measure::Kind::kWorst;
-    std::vector<double> peaks(drops.size(), 0.0), copy;
+    std::vector<double> peaks(counted, 0.0), copy;
     played = 0;
+    long broken = 0;
     for (std::size_t k = 0; k < drops.size(); ++k) {
       SimulateOptions options{.accuracy = accuracy, .over = over};
-      if (worst) options.abandon_above = bound;
+      const bool counts = k < counted;
+      if (worst && counts) options.abandon_above = bound;
       const BodyLanding l = peak_acceleration(drops[k].scene, drops[k].played(motion), options);
       ++played;
       if (no_landing(l.end) || l.end == End::kStopped) return kNoMotion;
+      if (l.broken && ++broken > may_break()) return kNoMotion;
+      if (!counts) continue;
       peaks[k] = l.peak;
-      if (!(bound < kNoMotion) && k + 1 < drops.size()) continue;
+      if (!(bound < kNoMotion) && k + 1 < counted) continue;
       copy = peaks;
       if (const double v = measure.of(copy); v > bound) return v;
     }
@@ -64,8 +74,19 @@ struct BodyGoal {
   }
 };
 
+/// A run of a search by one drop ends where it first breaks a limit.
+BodyScene strict(BodyScene scene) {
+  scene.limits.broken = BodyLimits::Broken::kEnds;
+  return scene;
+}
 BodyGoal own_drop(const BodyScene& scene) {
-  return {{Measure::Kind::kWorst}, {{scene, std::vector<BodyDrop::Joint>(scene.robot.joints.size())}}};
+  return {{Measure::Kind::kWorst}, {{strict(scene), std::vector<BodyDrop::Joint>(scene.robot.joints.size())}}};
+}
+/// The execution box: the goal, or what keeps the limits.
+BodyGoal execution_box(const BodyScene& scene, bool counts) {
+  BodyGoal out{{Measure::Kind::kWorst}, execution_drops(strict(scene))};
+  if (!counts) out.counted = 1;
+  return out;
 }
 
 /// The search's state: what was spent, the best few so far.
@@ -84,6 +105,11 @@ class BodySearch {
   void descend() {
     if (basins_.empty()) {
       scout(options_.deadline ? kFirst : std::clamp(evaluations_ / 8 / cost(), kFirst, kMostScouts), 0.6);
+      for (const BodyMotion& m : options_.starts) {
+        Candidate start{space_.unit(m)};
+        evaluate(std::span(&start, 1));
+        if (start.value < kNoMotion && !over()) close_in(start, kNarrow, kRough);
+      }
       const Archive first = starts_;
       for (std::size_t i = 0; i < std::min(kRuns, first.size()) && !over(); ++i) close_in(first[i], kNarrow, kRough);
     }
@@ -106,7 +132,7 @@ class BodySearch {
     BodyGoal first_look = own_drop(scene_);
     if (options_.measure)  // the mean of a few: the deepest place of one drop is often a cliff
       first_look = {{}, {final_.drops.begin(), final_.drops.begin() + long(std::min(kFewDrops, final_.drops.size()))}};
-    if (!final_.single()) {
+    if (final_.counted > 1) {
       goal_ = &first_look, best_.clear();
       descend();
       judge_anew();
@@ -160,7 +186,8 @@ class BodySearch {
   void set_goals() {
     final_ = judge_ = own_drop(scene_);
     const bool tolerant = options_.goal == Goal::kTolerant;
-    if (tolerant && !options_.measure) final_.drops = judge_.drops = execution_drops(scene_);
+    if (!options_.measure && tolerant) final_ = judge_ = execution_box(scene_, true);
+    if (!options_.measure && !tolerant && scene_.limits.any()) judge_ = execution_box(scene_, false);
     if (!options_.measure) return;
     const BodyDropModel model(scene_, scatter_for(options_.scatter, scene_),
                               {.inflate = options_.inflate, .inexact = tolerant});
@@ -178,20 +205,25 @@ class BodySearch {
       searched = fit(searched, kSearched / (kMotions * each));
       judging = fit(judging, kJudging / (double(kJudged + 1) * each));
     }
-    final_ = {*options_.measure, model.even(searched, options_.seed)};
-    judge_ = {*options_.measure, model.even(judging, judging_seed(options_.seed))};
+    const auto over = [&](std::vector<BodyDrop> drops) {
+      return BodyGoal{.measure = *options_.measure, .drops = std::move(drops), .share = options_.measure->share()};
+    };
+    final_ = over(model.even(searched, options_.seed));
+    judge_ = over(model.even(judging, judging_seed(options_.seed)));
   }
   void judge_held() {
     if (no_landing(out_.held.end)) return;
     out_.held_value = out_.held.peak;
     if (!judge_.single()) {
       const double begin = watch_.seconds();
-      out_.held_value = judged(out_.hold);
+      const Judged held = judged(out_.hold);
+      out_.held_value = held.value, out_.held_keeps_limits = held.keeps_limits;
       spent_ += options_.measure ? long(judge_.drops.size()) : 0;
       if (options_.deadline) reserve_ += double(kJudged) * (watch_.seconds() - begin);
     }
-    if (!(out_.held_value < kNoMotion)) return;
+    if (!(out_.held_value < kNoMotion) || !out_.held_keeps_limits) return;
     out_.motion = out_.hold, out_.landing = out_.held, out_.value = out_.held_value, out_.found = true;
+    if (scene_.release) return;  // no motion of the space holds the joints where they are let go
     Candidate c{space_.unit(out_.hold)};
     c.value = out_.held_value;
     keep(c);
@@ -209,11 +241,22 @@ class BodySearch {
       Candidate& p = points[std::size_t(i)];
       p.value = goal_->value(space_.motion(p.u), kSearchAccuracy, p.bound, &stop, played[std::size_t(i)]);
     });
+    if (goal_->single() && !judge_.single()) check_limits(points.first(allowed), stop);
     for (std::size_t i = 0; i < allowed; ++i) {
       spent_ += options_.measure ? played[i] : 1;
       if (points[i].value <= points[i].bound && points[i].value < kNoMotion) keep(points[i]);
     }
     if (!options_.deadline) options_.monitor.progress(std::min(spent_, evaluations_), evaluations_);
+  }
+  /// What would be the best by its own landing must keep the limits in the whole execution box.
+  void check_limits(std::span<Candidate> points, const std::function<bool()>& stop) {
+    const double best = best_.empty() ? kNoMotion : best_[0].value;
+    parallel_for(int(points.size()), options_.threads, [&](int i) {
+      Candidate& p = points[std::size_t(i)];
+      long played = 0;
+      if (p.value < best && !(judge_.value(space_.motion(p.u), kSearchAccuracy, kNoMotion, &stop, played) < kNoMotion))
+        p.value = kNoMotion;
+    });
   }
   void keep(const Candidate& p) {
     if (goal_ == &final_ && (best_.empty() || p.value < best_[0].value))
@@ -261,7 +304,9 @@ class BodySearch {
       distribution.learn(points);
       still = best.value < milestone * (1 - enough.better) ? 0 : still + 1;
       if (still == 0) milestone = best.value;
-      if (n > kFree && best.value > best_[0].value * (1 + (kBehind - 1) * std::pow(kForgives, n - kFree))) break;
+      if (n > kFree && !best_.empty() &&
+          best.value > best_[0].value * (1 + (kBehind - 1) * std::pow(kForgives, n - kFree)))
+        break;
     }
     basins_.add(best);
   }
@@ -289,12 +334,17 @@ class BodySearch {
       if (p.value < kNoMotion) basins_.add(p);
   }
 
-  /// The value on the drops that judge; kNoMotion where one of them cannot be followed.
-  double judged(const BodyMotion& motion) const {
-    std::vector<double> peaks =
-        peaks_over(judge_.drops, motion, options_.measure ? kSearchAccuracy : options_.accuracy, options_.threads);
-    const double v = judge_.measure.of(peaks);
-    return std::isfinite(v) ? v : kNoMotion;
+  struct Judged {
+    double value;  ///< on the drops that judge; kNoMotion where one of them cannot be followed
+    bool keeps_limits;
+  };
+  Judged judged(const BodyMotion& motion) const {
+    std::vector<BodyDrop> drops = judge_.drops;
+    for (BodyDrop& d : drops) d.scene.limits.broken = BodyLimits::Broken::kTold;
+    PeaksOver over =
+        peaks_over(drops, motion, options_.measure ? kSearchAccuracy : options_.accuracy, options_.threads);
+    const double v = judge_.measure.of(std::span(over.peaks).first(judge_.counted));
+    return {std::isfinite(v) ? v : kNoMotion, over.broken <= judge_.may_break()};
   }
 
   /// The best few at a tight accuracy: many a best stands on a cliff. Those of a measure on other drops.
@@ -305,8 +355,9 @@ class BodySearch {
       if (options_.measure && n++ >= kJudged) break;
       if (options_.deadline && out_.value < out_.held_value && watch_.seconds() > *options_.deadline) break;
       const BodyMotion motion = space_.motion(p.u);
-      double value = judge_.single() ? 0 : judged(motion);
-      if (out_.found && !(value < out_.value)) continue;
+      const Judged by = judge_.single() ? Judged{0, true} : judged(motion);
+      double value = by.value;
+      if (!by.keeps_limits || (out_.found && !(value < out_.value))) continue;
       const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
       if (judge_.single()) value = l.peak;
       if (no_landing(l.end) || (out_.found && !(value < out_.value))) continue;
@@ -314,9 +365,20 @@ class BodySearch {
     }
     if (!out_.found)
       out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
+                     : scene_.limits.any()            ? "no motion was found that keeps the limits" + held_breaks()
                                                       : "no motion could be followed to the floor";
     else if (options_.monitor.stopped())
       out_.message = "interrupted: the best so far";
+  }
+
+  /// What the held posture breaks first.
+  std::string held_breaks() const {
+    const BrokenLimit& b = out_.held.broken;
+    if (!b) return "";
+    const bool contact = b.kind == BrokenLimit::Kind::kForbidden;
+    const std::string& name =
+        contact ? scene_.robot.contacts[std::size_t(b.index)].name : scene_.robot.joints[std::size_t(b.index)].name;
+    return fmt::format("; holding breaks them after {:.3g} s: {}, {}", b.t, name, words(b.kind));
   }
 
   const BodyScene& scene_;
@@ -345,10 +407,10 @@ BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
   const BodyDropModel model(scene, under.scatter,
                             {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});
   const std::vector<BodyDrop> drops = model.independent(options.fresh, fresh_seed(options.seed));
-  const std::vector<double> planned = peaks_over(drops, out.motion, kSearchAccuracy, options.threads),
-                            held = peaks_over(drops, out.hold, kSearchAccuracy, options.threads);
-  under.planned = distribution(planned), under.held = distribution(held);
-  under.measured = estimated(options.measure.value_or(Measure{}), planned);
+  const PeaksOver planned = peaks_over(drops, out.motion, kSearchAccuracy, options.threads),
+                  held = peaks_over(drops, out.hold, kSearchAccuracy, options.threads);
+  under.planned = distribution(planned.peaks), under.held = distribution(held.peaks), under.broken = planned.broken;
+  under.measured = estimated(options.measure.value_or(Measure{}), planned.peaks);
   under.from_floor = std::count_if(drops.begin(), drops.end(), [](auto& d) { return d.from_floor; });
   out.under = under;
   return out;

@@ -29,8 +29,9 @@ struct BodyPlanOptions {
   std::optional<double> deadline;   ///< when the answer stands, from the call on [s], > 0
   double accuracy = 1e-9;           ///< at which the best are judged, see SimulateOptions
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: all cores; without influence on the results
-  double rate = 0;  ///< rows of the answer's trajectory a second [Hz]; 0: none
+  int threads = 0;                 ///< 0: all cores; without influence on the results
+  std::vector<BodyMotion> starts;  ///< tried before all others, and searched from
+  double rate = 0;                 ///< rows of the answer's trajectory a second [Hz]; 0: none
   Monitor monitor;
   void validate() const;  ///< throws InputError
 
@@ -51,6 +52,7 @@ struct BodyUnderScatter {
   Distribution planned, held;
   Estimated measured;   ///< BodyPlanOptions::measure of the plan; without one the mean
   long from_floor = 0;  ///< drops that would begin below the floor
+  long broken = 0;      ///< drops in which the plan breaks a limit of the scene
 };
 
 struct BodyPlan {
@@ -60,6 +62,7 @@ struct BodyPlan {
   BodyLanding held;       ///< its landing
   double value = 0;       ///< the goal: the peak, the tolerant peak, the measure over BodyPlanOptions::judging drops
   double held_value = 0;  ///< the same of the held posture, judged first
+  bool held_keeps_limits = true;          ///< false: holding is no answer
   std::optional<BodyUnderScatter> under;  ///< with a measure, or a scatter of the scene or of the options
   std::vector<Variable> variables;
   Edges edges{};  ///< of the ranges that the motion lies on
@@ -70,12 +73,13 @@ struct BodyPlan {
   std::vector<BodyProgress> progress;  ///< in the search's own accuracy
 };
 
-/// The motion with the smallest goal. The held posture comes first, and the answer is never worse.
-/// Scouts from anywhere, then covariance adaptation (landing/search) by turns from the best places and from anywhere;
-/// the best few are judged at a tight accuracy. The search for a tolerant peak begins with
-/// the peak, that under scatter with the mean of a few drops; a motion is left as soon as it cannot be better. The same
-/// for a seed and a number of evaluations whatever the number of threads; with a deadline the clock decides. Throws
-/// InputError as `simulate`. Tests: test/legs/plans.cpp, scatter.cpp.
+/// The motion with the smallest goal that keeps BodyScene::limits: in every landing of the execution box, with a
+/// measure in Measure::share of the drops. The held posture comes first, and where it keeps them the answer is never
+/// worse. Scouts from anywhere, then covariance adaptation (landing/search) by turns from the best places and from
+/// anywhere; the best few are judged at a tight accuracy. The search for a tolerant peak begins with the peak, that
+/// under scatter with the mean of a few drops; a motion is left as soon as it cannot be better. The same for a seed and
+/// a number of evaluations whatever the number of threads; with a deadline the clock decides. Throws InputError as
+/// `simulate`. Tests: test/legs/plans.cpp, scatter.cpp.
 [[nodiscard]] BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options = {});
 
 }  // namespace ukemi::landing

@@ -18,20 +18,30 @@ constexpr double kAccuracy = 1e-6, kBalanced = 1e-7;  // of a peak; of a run who
 constexpr long kChunk = 2048;                         // landings that are held in memory at once
 constexpr long kHeldDrops = 16'384;                   // that the held posture is played over
 
-std::vector<RiskEvent> events_of(const Robot& robot) {
-  using Kind = RiskEvent::Kind;
+using Kind = RiskEvent::Kind;
+
+std::vector<RiskEvent> events_of(const BodyScene& scene) {
+  const Robot& robot = scene.robot;
+  const BodyLimits& limits = scene.limits;
   std::vector<RiskEvent> out;
+  for (std::size_t i = 0; i < limits.forbidden.size(); ++i)
+    if (limits.forbidden[i]) out.push_back({.kind = Kind::kTouch, .point = int(i)});
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& j = robot.joints[i];
     if (!j.driven()) continue;
     if (j.speed_max) out.push_back({.kind = Kind::kSpeed, .joint = int(i), .limit = *j.speed_max});
     if (j.motor_torque_max) out.push_back({.kind = Kind::kTorque, .joint = int(i), .limit = *j.motor_torque_max});
+    if (!limits.joints.empty() && limits.joints[i].stops()) out.push_back({.kind = Kind::kStops, .joint = int(i)});
   }
   return out;
 }
-bool passed(const RiskEvent& e, const BodyLanding& l) {
+bool passed(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
+  if (e.kind == Kind::kTouch)
+    return std::any_of(l.touches.begin(), l.touches.end(), [&](const Touch& t) { return t.point == e.point; });
   const JointDemands& d = l.demands[std::size_t(e.joint)];
-  return (e.kind == RiskEvent::Kind::kSpeed ? d.motor_speed : d.motor_torque) > e.limit;
+  if (e.kind != Kind::kStops) return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > e.limit;
+  const auto& [low, high] = scene.limits.joints[std::size_t(e.joint)].phi;
+  return d.phi_min < low || d.phi_max > high;
 }
 
 /// Which touchdown opened the interval that holds the peak, from 1; 0: before the first.
@@ -51,7 +61,7 @@ class Course {
   bool stopped() const { return options_.monitor.stopped(); }
   void tell(long landings) { options_.monitor.progress(played_ += landings, planned_); }
   std::vector<double> peaks(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
-    return peaks_over(drops, motion, kAccuracy, options_.threads, &over_);
+    return peaks_over(drops, motion, kAccuracy, options_.threads, &over_).peaks;
   }
   std::vector<BodyLanding> landings(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
     std::vector<BodyLanding> out(drops.size());
@@ -87,7 +97,7 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyMotion& mot
                               [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
       const PeakContact c = peak_contact(l);
       census.contact(c.number, c.point);
-      for (RiskEvent& e : out.events) e.drops += passed(e, l);
+      for (RiskEvent& e : out.events) e.drops += passed(e, model.scene(), l);
     }
     course.tell(long(drops.size() + of_held.size()));
   }
@@ -101,7 +111,7 @@ BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyR
   BodyRisk out;
   out.scatter = scatter_for(options.scatter, scene);
   out.assumed = !options.scatter && !scene.scatter;
-  out.events = events_of(scene.robot);
+  out.events = events_of(scene);
   const BodyDropModel model(scene, out.scatter, options.drops);
   const long samples = model.scatters() ? options.samples : 1;
   const IndexPlan plan(model.sampler(), samples);

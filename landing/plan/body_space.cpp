@@ -6,8 +6,26 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "landing/model/release.hpp"
 
 namespace ukemi::landing {
+
+namespace {
+
+/// A number of a motion by its place among motion_numbers. A motion without a move in the air has no `to`.
+double& number(Motion& m, int which) {
+  double none = 0;
+  return *motion_numbers(m, m.reposition ? m.reposition->to : none)[std::size_t(which)];
+}
+
+}  // namespace
+
+double fall_time(const BodyScene& scene) {
+  const Robot& robot = scene.robot;
+  if (!scene.touches() || robot.base == Base::kPinned) return std::numeric_limits<double>::infinity();
+  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1;
+  return landing::fall_time(robot.gravity * along * along, scene.drop.height, scene.drop.vertical_speed);
+}
 
 BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
   const std::vector<Joint>& joints = scene.robot.joints;
@@ -34,6 +52,12 @@ BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
     add(i, kGainSlot, {"gain_p_" + name, "factor of K_p of " + name, "1", low, high, 1.0});
     add(i, kGainSlot + 1, {"gain_d_" + name, "factor of K_d of " + name, "1", low, high, 1.0});
   });
+  if (scene.release) {
+    const double from = scene.release->from;
+    const auto [soonest, latest] = ends_of_move(from, fall_time(scene));
+    add(-1, kToSlot, {"to", "end of the move in the air", "s", soonest, latest});
+    for (const int i : driven_) rest_[std::size_t(i)].reposition->from = from;
+  }
   if (dimension() > kMostVariables)
     throw InputError(fmt::format("a plan of {} variables for {} driven joints: at most {} are needed", dimension(),
                                  driven_.size(), kMostVariables));
@@ -47,11 +71,8 @@ BodyMotion BodySpace::motion(const Coordinates& unit) const {
   BodyMotion out = rest_;
   for (std::size_t k = 0; k < variables_.size(); ++k) {
     const double value = std::lerp(variables_[k].lower, variables_[k].upper, unit[long(k)]);
-    for (const int i : driven_) {
-      double to = 0;
-      if (slots_[k].joint < 0 || slots_[k].joint == i)
-        *motion_numbers(out[std::size_t(i)], to)[std::size_t(slots_[k].number)] = value;
-    }
+    for (const int i : driven_)
+      if (slots_[k].joint < 0 || slots_[k].joint == i) number(out[std::size_t(i)], slots_[k].number) = value;
   }
   return out;
 }
@@ -61,9 +82,8 @@ Coordinates BodySpace::unit(const BodyMotion& motion) const {
   for (std::size_t k = 0; k < variables_.size(); ++k) {
     const Variable& v = variables_[k];
     Motion m = motion[std::size_t(slots_[k].joint < 0 ? driven_.front() : slots_[k].joint)];
-    double to = 0;
-    const double value = *motion_numbers(m, to)[std::size_t(slots_[k].number)];
-    out[long(k)] = std::clamp((value - v.lower) / (v.upper - v.lower), 0.0, 1.0);
+    if (!m.reposition) m.reposition = Reposition{m.phi_i, 0, 0, v.upper};
+    out[long(k)] = std::clamp((number(m, slots_[k].number) - v.lower) / (v.upper - v.lower), 0.0, 1.0);
   }
   return out;
 }

@@ -9,6 +9,9 @@
 
 namespace ukemi::landing {
 
+/// How long a robot falls whose joints stand and that does not turn; infinite where nothing falls [s].
+double fall_time(const BodyScene& scene);
+
 /// The motions that a search may choose from: phi_I and phi_F of each driven joint in their order, the duration (with
 /// BodyScene::own_durations of each), then what BodyScene::freedom adds to each joint: shape terms, gains.
 class BodySpace {
@@ -16,7 +19,7 @@ class BodySpace {
   /// Throws InputError where no joint is driven, or more of them than kMostVariables hold.
   explicit BodySpace(const BodyScene& scene);
   int dimension() const { return int(variables_.size()); }
-  /// phi_i_JOINT, phi_f_JOINT ..., duration, b0_JOINT ..., gain_p_JOINT ...
+  /// phi_i_JOINT, phi_f_JOINT ..., duration, b0_JOINT ..., gain_p_JOINT ...; with a release `to`, one for all joints.
   const std::vector<Variable>& variables() const { return variables_; }
   /// What a point of the unit cube stands for.
   BodyMotion motion(const Coordinates& unit) const;
@@ -26,7 +29,7 @@ class BodySpace {
   Edges edges(const Coordinates& unit) const;
 
  private:
-  BodyMotion rest_;  ///< of joints that are not driven
+  BodyMotion rest_;  ///< of joints that are not driven; of those that are, their release
   /// Which number of motion_numbers of which joint a variable is.
   struct Slot {
     int joint;  ///< of Robot::joints; -1: of all that are driven

@@ -93,6 +93,27 @@ TEST_CASE("legs: bad robots are refused with their place and the rule") {
   refused(with("phi_deg = [-90, 0]", "phi_deg = [0, -90]"), "29:19: ", "the range is empty");
   refused(with("hip = {", "hop = {"), "29:1: ", "unknown key 'hop'");
   refused(with("[drop]", "[stop]"), "", "[drop] is missing");
+  refused(kGood + "[release]\nfrom = 0.1\n", "", "a table [release.hip] is needed: the joint is driven");
+  refused(kGood + "[release]\nfrom = -0.1\nhip = { phi_deg = 1 }\n", "", "must be at least 0");
+  refused(kGood + "[release.hip]\nrate_deg = 1\n", "", "'phi_deg' is missing");
+  refused(kGood + "[release]\nhip = { phi_deg = 1 }\nhop = { phi_deg = 1 }\n", "", "unknown key 'hop'");
+  refused(kGood + "[joint.hip]\nphi_deg = [1, 0]\n", "", "the range is empty");
+}
+
+TEST_CASE("legs: the release and the stops of each joint are read") {
+  const test::Folder f;
+  const BodyScene scene = read_body_scene(
+      f.write("leg.toml", std::string(kGood) + "[release]\nfrom = 0.1\nhip = { phi_deg = -90, rate = 0.5 }\n" +
+                              "[joint.hip]\nphi_deg = [-90, 180]\n"));
+  REQUIRE(scene.release);
+  CHECK(scene.release->from == 0.1);
+  CHECK(scene.release->joints[0].phi == Approx(-1.5707963267948966));
+  CHECK(scene.release->joints[0].rate == 0.5);
+  CHECK(scene.limits.joints[0].phi[1] == Approx(3.141592653589793));
+  const BodyMotion held = held_posture(scene);
+  CHECK(held[0].release_phi() == scene.release->joints[0].phi);
+  CHECK(held[0].release_rate() == 0.5);
+  CHECK_FALSE(moves(held[0]));
 }
 
 TEST_CASE("legs: links that are too many, and a robot of links where two are needed") {

@@ -7,13 +7,14 @@
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "test/folder.hpp"
+#include "test/legs/robots.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using legs::shipped;
 
 namespace {
 
-BodyScene shipped(const std::string& name) { return read_body_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
 BodyMotion random_motion(const BodyScene& scene, std::uint64_t index) {
   Random r(20261124, index);
   const BodySpace space(scene);

@@ -10,40 +10,14 @@
 #include "landing/plan/body_risk.hpp"
 #include "landing/search/tolerant_peak.hpp"
 #include "test/folder.hpp"
+#include "test/legs/robots.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using legs::long_paper, legs::shipped;
 
 namespace {
 
-BodyScene shipped(const std::string& name) { return read_body_scene(UKEMI_DATASETS "/scenes/" + name + ".toml"); }
-
-/// The paper's scene in the long form.
-BodyScene long_paper(const Scene& s, const Actuator& a) {
-  BodyScene out;
-  const double l = s.robot.link_length;
-  Robot& r = out.robot;
-  r.gravity = s.robot.gravity;
-  r.links = {{.name = "thigh", .mass = s.robot.mass[0], .inertia_com = s.robot.inertia_com[0], .com = {l / 2, 0}},
-             {.name = "shank",
-              .parent = 0,
-              .at = {l, 0},
-              .mass = s.robot.mass[1],
-              .inertia_com = s.robot.inertia_com[1],
-              .com = {l / 2, 0}}};
-  r.peak = r.links[0].com;
-  const ContactLaw law{.stiffness = s.floor->stiffness,
-                       .damping_normal = s.floor->damping_normal,
-                       .damping_tangential = s.floor->damping_tangential};
-  r.contacts = {{"hip", 0, {0, 0}, law, {}}, {"knee", 0, {l, 0}, law, {}}, {"foot", 1, {l, 0}, law, {}}};
-  Joint j;
-  j.name = "knee", j.child = 1, j.sea = a.sea, j.uncertain = a.uncertain, j.covariance = a.covariance;
-  r.joints = {j};
-  out.floor = true, out.drop = s.drop;
-  out.search.resize(1);
-  out.execution = s.execution;
-  return out;
-}
 Actuator fitted() {
   Actuator a = read_actuator(UKEMI_DATASETS "/actuators/table2.toml");
   a.uncertain = {"k_p", "k_sea"};
@@ -100,7 +74,7 @@ TEST_CASE("legs: with one joint, drops, tolerant peaks and risk are those of the
   const std::vector<BodyDrop> box = execution_drops(body);
   CHECK(box.size() == std::size_t(kExecutionPoints));
   double worst = 0;
-  for (const double p : peaks_over(box, same, 1e-9, 0)) worst = std::max(worst, p);
+  for (const double p : peaks_over(box, same, 1e-9, 0).peaks) worst = std::max(worst, p);
   double two_link = 0;
   const ReferenceSpace space(scene, a.sea);
   for (int k = 0; k < kExecutionPoints; ++k) {
@@ -170,7 +144,7 @@ TEST_CASE("legs: a plan is never worse than holding by its own goal, with every 
         CHECK(p.under.has_value() == (measure && !deadline));
         if (!measure && goal == Goal::kTolerant) {
           double worst = 0;
-          for (const double x : peaks_over(execution_drops(scene), p.motion, 1e-9, 0)) worst = std::max(worst, x);
+          for (const double x : peaks_over(execution_drops(scene), p.motion, 1e-9, 0).peaks) worst = std::max(worst, x);
           CHECK(p.value == Approx(worst).epsilon(1e-6));
           CHECK(p.value >= p.landing.peak * (1 - 1e-9));
         }

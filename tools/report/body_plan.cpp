@@ -68,7 +68,8 @@ Json scatter_json(const BodyUnderScatter& u) {
           {"held", distribution_json(u.held)},
           {"measured", number(u.measured.value)},
           {"measured_std", number(u.measured.standard_error)},
-          {"from_floor", u.from_floor}};
+          {"from_floor", u.from_floor},
+          {"broken", u.broken}};
 }
 
 /// The plan and the held posture over fresh drops, and whether what was promised is kept there.
@@ -82,6 +83,9 @@ void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::
     run.say(fmt::format("promised {}, fresh {} +- {:.2g} ({:+.1f} %)", short_peak_words(p.value),
                         short_peak_words(u.measured.value), kNormal975 * u.measured.standard_error,
                         100 * (u.measured.value / p.value - 1)));
+  if (u.broken > 0)
+    run.warn(fmt::format("the plan breaks a limit in {} of {} fresh drops ({:.2g} %)", u.broken, u.planned.samples,
+                         100.0 * double(u.broken) / double(u.planned.samples)));
   if (u.from_floor > 0)
     run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
                          u.planned.samples));
@@ -123,6 +127,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
   const Robot& robot = scene.robot;
   const std::string goal = goal_words(options.goal, options.measure);
   if (!plan.message.empty()) run.warn(plan.message);
+  if (plan.found && !plan.held_keeps_limits) run.warn("holding breaks the limits: it is no answer");
   warn_of_edges(plan.variables, plan.edges, run);
   Json summary;
   if (plan.found) {

@@ -48,7 +48,8 @@ Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
     case Kind::kTorque:
       return {"motor_torque_max" + key, fmt::format("{} pulls with more than {:.4g} Nm", motor, e.limit), e.drops, of};
     case Kind::kStops:
-      return {"joint", "the joint leaves its stops", e.drops, of};
+      return {"joint" + key, fmt::format("the joint {}leaves its stops", joint.empty() ? "" : joint + " "), e.drops,
+              of};
   }
   return {};
 }

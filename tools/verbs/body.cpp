@@ -92,6 +92,38 @@ double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
   return checked_inflate(a);
 }
 
+/// --release-from, in place of what the scene's [release] says.
+void apply(const std::optional<double>& from, std::optional<BodyRelease>& release) {
+  if (!from) return;
+  if (!release) throw InputError("--release-from: the scene has no [release] with a table for each driven joint");
+  if (!(*from >= 0 && std::isfinite(*from)))
+    throw InputError(fmt::format("--release-from: {}: at least 0 s is needed", *from));
+  release->from = *from;
+}
+/// --forbid: contacts that must never touch.
+void forbid(const std::vector<std::string>& names, BodyScene& scene) {
+  if (names.empty()) return;
+  std::vector<std::string> known;
+  for (const ContactPoint& c : scene.robot.contacts) known.push_back(c.name);
+  scene.limits.forbidden.assign(known.size(), false);
+  for (const std::string& name : names) scene.limits.forbidden[choice_index("--forbid", name, known)] = true;
+}
+/// --respect-ratings: the drives' ratings are limits, and no reference is faster than its motor.
+void respect_ratings(BodyScene& scene, Run& run) {
+  const std::vector<Joint>& joints = scene.robot.joints;
+  scene.limits.joints.resize(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = joints[i];
+    if (!joint.driven()) continue;
+    if (!joint.speed_max && !joint.motor_torque_max)
+      run.warn(
+          fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint.name));
+    BodyLimits::Joint& limits = scene.limits.joints[i];
+    limits.motor_speed = limits.reference_rate = joint.speed_max.value_or(BodyLimits::kNone);
+    limits.motor_torque = joint.motor_torque_max.value_or(BodyLimits::kNone);
+  }
+}
+
 double rate_of(double rate) {
   if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
   return rate;
@@ -141,15 +173,15 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
 int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const Stopwatch watch(Stopwatch::Time::kWall);
   Run run("optimize", common);
-  refuse(!a.forbid.empty(), "--forbid"), refuse(!a.exports.formats.empty(), "--export");
-  refuse(a.ratings == OptimizeArguments::Ratings::kRespect, "--respect-ratings");
-  refuse(!a.scatter.drops.empty(), "--drops");
+  refuse(!a.exports.formats.empty(), "--export"), refuse(!a.scatter.drops.empty(), "--drops");
   const FreedomArguments& f = a.freedom;
-  refuse(f.release_phi || f.release_rate || f.from, "--release-phi, --release-rate, --release-from");
+  refuse(f.release_phi || f.release_rate, "--release-phi, --release-rate: the scene's [release.JOINT] says it");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a.scene, a.actuators, run);
-  apply(f, scene.freedom);
+  apply(f, scene.freedom), apply(f.from, scene.release);
+  forbid(a.forbid, scene);
+  if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(scene, run);
   const double rate = rate_of(a.rate);
   constexpr double kShort = 2, kWriting = 0.02;  // [s]
   BodyPlanOptions options;
@@ -179,8 +211,9 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
 
 int risk_body(const RiskArguments& a, const CommonOptions& common) {
   Run run("risk", common);
-  refuse(!a.scatter.drops.empty(), "--drops"), refuse(!a.forbid.empty(), "--forbid");
-  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  refuse(!a.scatter.drops.empty(), "--drops");
+  BodyScene scene = body_of(a.scene, a.actuators, run);
+  forbid(a.forbid, scene);
   const BodyMotion motion = motion_of(scene, a.motion, run);
   BodyRiskOptions options;
   options.samples = samples_of(a);

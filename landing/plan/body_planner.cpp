@@ -1,0 +1,106 @@
+#include "landing/plan/body_planner.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <initializer_list>
+
+#include "common/error.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+struct Number {
+  double value, low, high;
+  const char* rule;
+};
+/// What is wrong with the first of the numbers that is out of its range or NaN; empty: nothing.
+std::string fault_of(std::initializer_list<Number> numbers) {
+  for (const Number& n : numbers)
+    if (!(n.value >= n.low && n.value <= n.high)) return n.rule;
+  return "";
+}
+constexpr double kFar = 1e4, kFast = 1e3, kTurn = 6.283185307179586;
+
+std::string fault_of(const Drop& d, double deadline) {
+  return fault_of({{deadline, 1e-6, kFast, "deadline: above 0 to 1e3 s is needed"},
+                   {d.height, 0, kFar, "height: 0 to 1e4 m is needed"},
+                   {d.forward_speed, -kFast, kFast, "forward_speed: at most 1e3 m/s either way is needed"},
+                   {d.pitch, -kTurn, kTurn, "pitch: radians, at most 2 pi either way, are needed"},
+                   {d.pitch_rate, -kFast, kFast, "pitch_rate: at most 1e3 rad/s either way is needed"},
+                   {d.vertical_speed, -kFast, kFast, "vertical_speed: at most 1e3 m/s either way is needed"}});
+}
+std::string fault_of(const BodyFallState& s, std::size_t joints) {
+  if (s.joints.size() != joints)
+    return fmt::format("joints: {}: one for each of {} joints is needed", s.joints.size(), joints);
+  for (const BodyRelease::Joint& j : s.joints) {
+    const std::string wrong = fault_of({{j.phi, -kTurn, kTurn, "phi: radians, at most 2 pi either way, are needed"},
+                                        {j.rate, -kFast, kFast, "rate: at most 1e3 rad/s either way is needed"}});
+    if (!wrong.empty()) return wrong;
+  }
+  return fault_of({{s.gone, 0, kFast, "gone: 0 to 1e3 s is needed"}});
+}
+BodyAnswer refused(std::string wrong) { return {.status = BodyAnswer::Status::kBadInput, .wrong = std::move(wrong)}; }
+
+/// The ends of the moves in the air, so much later [s].
+BodyMotion later(BodyMotion motion, double seconds) {
+  for (Motion& m : motion)
+    if (m.reposition) m.reposition->to += seconds;
+  return motion;
+}
+
+}  // namespace
+
+const char* name(BodyAnswer::Status status) {
+  constexpr std::array<const char*, 4> kNames = {"found", "nothing", "floor_first", "bad_input"};
+  return kNames[std::size_t(status)];
+}
+
+BodyPlanner::BodyPlanner(const BodyScene& scene, const BodyPlanOptions& options) : scene_(scene), options_(options) {
+  options_.deadline.reset(), options_.starts.clear();
+  options_.validate(), scene_.validate();
+  (void)BodySpace(scene_);
+}
+
+BodyAnswer BodyPlanner::search(const BodyScene& scene, double deadline, std::uint64_t seed) {
+  BodyPlanOptions options = options_;
+  options.deadline = deadline, options.seed = seed;
+  if (!last_.empty()) options.starts = {last_};
+  BodyAnswer out;
+  try {
+    out.plan = landing::plan(scene, options);
+  } catch (const InputError& e) {  // as a speed of a base that has none
+    return refused(e.what());
+  }
+  out.status = out.plan.found ? BodyAnswer::Status::kFound : BodyAnswer::Status::kNothing;
+  return out;
+}
+
+BodyAnswer BodyPlanner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
+  if (std::string wrong = fault_of(drop, deadline); !wrong.empty()) return refused(std::move(wrong));
+  BodyScene scene = scene_;
+  scene.drop = drop;
+  const BodyAnswer out = search(scene, deadline, seed);
+  if (out.found()) last_ = out.plan.motion;
+  return out;
+}
+
+BodyAnswer BodyPlanner::plan(const BodyFallState& s, double deadline, std::uint64_t seed) {
+  const Robot& robot = scene_.robot;
+  BodyScene scene = scene_;
+  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1,
+               fallen = robot.base == Base::kPinned ? 0 : -robot.gravity * along * along * s.gone;
+  scene.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, s.vertical_speed.value_or(fallen)};
+  for (std::string wrong : {fault_of(s, robot.joints.size()), fault_of(scene.drop, deadline)})
+    if (!wrong.empty()) return refused(std::move(wrong));
+  scene.release = BodyRelease{s.joints, deadline};
+  if (!(fall_time(scene) > deadline)) return {.status = BodyAnswer::Status::kFloorFirst};
+  last_ = later(std::move(last_), -s.gone);
+  const BodyAnswer out = search(scene, deadline, seed);
+  last_ = later(out.found() ? out.plan.motion : std::move(last_), s.gone);
+  return out;
+}
+
+}  // namespace ukemi::landing

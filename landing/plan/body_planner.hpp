@@ -1,0 +1,63 @@
+// The search as a part of the control program of a robot of links: an answer by a deadline, again and again.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "landing/plan/body_plan.hpp"
+
+namespace ukemi::landing {
+
+/// What a robot of links measures while it falls. A number beyond its range, or NaN, is refused with
+/// BodyAnswer::Status::kBadInput.
+struct BodyFallState {
+  double height;                           ///< clearance of the lowest contact now, 0 to 1e4 [m]
+  std::vector<BodyRelease::Joint> joints;  ///< of Robot::joints, at most 2 pi and 1e3 rad/s either way
+  double forward_speed = 0;                ///< of a free base, at most 1e3 either way [m/s]
+  double pitch = 0;                        ///< theta of the first link, at most 2 pi either way [rad]
+  double pitch_rate = 0;                   ///< not on a rail, at most 1e3 either way [rad/s]
+  double gone = 0;                         ///< since release, which was at rest; 0 to 1e3 [s]
+  std::optional<double> vertical_speed =
+      {};  ///< upwards, at most 1e3 either way [m/s]; absent: of a free fall of `gone`
+};
+
+/// What it answers with.
+struct BodyAnswer {
+  enum class Status {
+    kFound,
+    kNothing,     ///< nothing could be followed within the limits in the time given
+    kFloorFirst,  ///< the floor comes before the deadline: there is no time to plan
+    kBadInput,    ///< a number of the fall or the deadline is none that can be; `wrong` says which
+  } status = Status::kNothing;
+  BodyPlan plan;      ///< times of its moves in the air count from the call
+  std::string wrong;  ///< with kBadInput: the number and its rule
+  bool found() const { return status == Status::kFound; }
+};
+/// "found", "nothing", "floor_first", "bad_input".
+const char* name(BodyAnswer::Status status);
+
+/// Owns a scene, and what was planned last: the next plan of a fall begins there. Not to be called from two threads at
+/// once. Unlike Planner it allocates, and searches on BodyPlanOptions::threads. Tests: test/legs/planner.cpp.
+class BodyPlanner {
+ public:
+  /// Of the options `deadline` and `starts` are set by each call. Throws InputError as `plan`.
+  explicit BodyPlanner(const BodyScene& scene, const BodyPlanOptions& options = {.goal = Goal::kTolerant});
+
+  /// The best motion for a drop from rest that is found within `deadline` seconds from the call (> 0, finite).
+  [[nodiscard]] BodyAnswer plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
+  /// The same for a robot in the air, whose references stand at the measured angles until the deadline and can move
+  /// from then on. No worse than to stand there, where that keeps the limits. Throws nothing for whatever was measured.
+  [[nodiscard]] BodyAnswer plan(const BodyFallState& state, double deadline, std::uint64_t seed = 1);
+  /// A new fall: the last plan is forgotten.
+  void forget() { last_.clear(); }
+
+ private:
+  BodyAnswer search(const BodyScene& scene, double deadline, std::uint64_t seed);
+
+  BodyScene scene_;
+  BodyPlanOptions options_;
+  BodyMotion last_;  ///< in the air the ends of its moves count from release
+};
+
+}  // namespace ukemi::landing
