@@ -102,6 +102,12 @@ void add_link(const urdf::Link& link, int parent, SpatialRobot& out, std::set<st
   for (const auto& child : link.child_links) add_link(*child, index, out, seen);
 }
 
+/// The parser goes on after an error, without what it could not read. That may be a shape or a colour, never a mass.
+bool of_a_look(const std::string& text) {
+  for (const char* part : {"isual", "ollision", "eometry", "aterial", "olor", "esh", "exture"})
+    if (text.find(part) != std::string::npos) return true;
+  return false;
+}
 std::string joined(const std::vector<std::string>& texts) {
   std::string out;
   for (std::size_t i = 0; i < texts.size() && i < 3; ++i) out += (i ? "; " : "") + texts[i];
@@ -122,11 +128,11 @@ SpatialRobot read_urdf(const std::string& path) {
   } catch (const std::exception& e) {
     messages.errors.push_back(e.what());
   }
-  if (!model || !model->getRoot())
+  std::erase_if(messages.errors, [&](const std::string& text) { return model && of_a_look(text); });
+  if (!model || !model->getRoot() || !messages.errors.empty())
     throw InputError(
         {path}, messages.errors.empty() ? "liburdfdom finds no robot in it" : "liburdfdom: " + joined(messages.errors));
-  out.warnings = messages.errors;
-  out.warnings.insert(out.warnings.end(), messages.warnings.begin(), messages.warnings.end());
+  out.warnings = messages.warnings;
   std::set<std::string> seen;
   add_link(*model->getRoot(), -1, out, seen);
   std::size_t visuals = 0, collisions = 0;
