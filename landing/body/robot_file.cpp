@@ -127,15 +127,6 @@ void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& f
   }
 }
 
-/// Drives of such a robot follow Eq. 3 at once.
-void take(const Actuator& a, Joint& joint, const Location& where) {
-  joint.sea = a.sea, joint.speed_max = a.speed_max, joint.motor_torque_max = a.motor_torque_max;
-  joint.uncertain = a.uncertain, joint.covariance = a.covariance;
-  if (is_late(a.sea))
-    throw InputError(where, "control_delay, velocity_filter: 0 is needed: a robot of links has no drive that is late");
-  if (a.sea.k_t != 0) throw InputError(where, "k_t: a landing needs the gains of its controller, k_p and k_d (Eq. 3)");
-}
-
 /// A motor that turns with the joint: all friction is its own.
 void read_geared(TomlSection& s, Joint& joint) {
   SeaParameters<double>& sea = joint.sea;
@@ -161,7 +152,7 @@ void read_drive(TomlSection& s, Joint& joint, const std::string& folder, std::ve
     else
       read_constants(s, a);
     (void)s.optional_text("name");
-    take(a, joint, s.where("file"));
+    set_elastic(a, joint, s.where("file"));
   } else if (joint.kind == kGeared) {
     read_geared(s, joint);
   } else {
@@ -237,8 +228,7 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
       if (!joints[i].driven())
         throw InputError("--actuator: joint " + ukemi::quoted(joints[i].name) + " is " + name(joints[i].kind) +
                          ": a joint that is driven is needed");
-      joints[i].kind = DriveKind::kElastic;
-      files.push_back(g->file), take(read_actuator(g->file), joints[i], {g->file});
+      files.push_back(g->file), set_elastic(read_actuator(g->file), joints[i], {g->file});
     } else if (open[i]) {
       reader.joints[i].fail("joint", fmt::format("{}: its drive is needed: a table [drive.{}], or --actuator {}=FILE",
                                                  ukemi::quoted(joints[i].name), joints[i].name, joints[i].name));
@@ -247,6 +237,15 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
 }
 
 }  // namespace
+
+void set_elastic(const Actuator& a, Joint& joint, const Location& where) {
+  joint.kind = DriveKind::kElastic;
+  joint.sea = a.sea, joint.speed_max = a.speed_max, joint.motor_torque_max = a.motor_torque_max;
+  joint.uncertain = a.uncertain, joint.covariance = a.covariance;
+  if (is_late(a.sea))
+    throw InputError(where, "control_delay, velocity_filter: 0 is needed: a robot of links has no drive that is late");
+  if (a.sea.k_t != 0) throw InputError(where, "k_t: a landing needs the gains of its controller, k_p and k_d (Eq. 3)");
+}
 
 ContactLaw read_law(TomlSection& s, const std::optional<ContactLaw>& floor) {
   ContactLaw law = floor.value_or(ContactLaw{});

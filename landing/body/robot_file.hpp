@@ -2,6 +2,7 @@
 // Private: not installed.
 #pragma once
 
+#include "common/actuator.hpp"
 #include "common/toml.hpp"
 #include "landing/body/body_scene.hpp"
 
@@ -10,6 +11,10 @@ namespace ukemi::landing {
 /// Constants of the floor's law, the same keys in [floor] and in a contact; `floor` holds what stands where a contact
 /// omits one, absent for [floor] itself.
 ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor);
+
+/// An elastic drive, as a file holds it. Drives of such a robot follow Eq. 3 at once: throws InputError for one that is
+/// late, or without the gains of its controller.
+void set_elastic(const Actuator& actuator, Joint& joint, const Location& where);
 
 /// The robot, of [robot] of a file and [drive] of that file or of the scene that names it (null: there is none), and
 /// the drives' files.

@@ -38,7 +38,7 @@ python3 "$source_dir/test/install/answers.py" answers "$source_dir/README.md"
 "$source_dir/tools/docs/landing.sh" landing.svg 2> picture.err
 for peak in 466 188; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s" "$source_dir/tools/docs/landing.svg"; done
 
-verbs="identify predict design simulate optimize map ratings risk atlas compare calibrate demo"
+verbs="identify predict design simulate optimize map ratings risk robot atlas compare calibrate demo"
 for v in $verbs; do ukemi "$v" --help; done > help.txt
 for b in integrators identify optimizers stability scenes; do ukemi bench $b --help; done >> help.txt
 options() { grep -o -e '--[a-z][a-z-]*' "$1" | sort -u; }

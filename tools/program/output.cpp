@@ -63,7 +63,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"map", {"map.csv", "basins.csv"}},
       {"ratings", {"ratings.csv"}},
       {"risk", {"histogram.csv", "risk.csv", "sobol.csv"}},
-      {"robot", {}},
+      {"robot", {"robot.toml"}},
       {"bench identify", {"identify.csv"}},
       {"bench integrators", {"integrators.csv"}},
       {"bench optimizers", {"optimizers.csv", "gaps.csv", "best_known.csv"}},

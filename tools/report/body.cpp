@@ -215,11 +215,17 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, Run& ru
   return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
 }
 
-int report_robot(const BodyScene& scene, Run& run) {
+int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& notes, Run& run) {
   const Robot& robot = scene.robot;
   for (const std::string& doubt : doubts(robot)) run.warn(doubt);
   Json summary = {{"mass", robot.mass()}, {"reach", reach(robot)}, {"base", base_words(robot)}};
   Json locked = Json::array();
+  std::vector<std::vector<std::string>> told;
+  for (const DescriptionNote& n : notes) {
+    run.say(fmt::format("  {:<10} {:<14} {}", n.what, n.name, n.text));
+    summary["projection"].push_back({{"what", n.what}, {"name", n.name}, {"text", n.text}});
+    told.push_back({n.what, n.name, n.text});
+  }
   run.say(fmt::format("{}: {} links, {:.4g} kg, reach {:.4g} m, base {}", scene.name, robot.links.size(), robot.mass(),
                       reach(robot), base_words(robot)));
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
@@ -246,6 +252,7 @@ int report_robot(const BodyScene& scene, Run& run) {
   report.distrust(run.warnings());
   report.figure(drawing(scene));
   robot_tables(scene, report);
+  if (!told.empty()) report.heading("From its description"), report.table({"", "name", "what became of it"}, told);
   report.write(run);
   return run.finish(summary, kDone);
 }

@@ -43,6 +43,11 @@ int report(const landing::BodyScene& scene, const landing::BodyPlan& plan, const
            double rate, Run& run);
 int report(const landing::BodyScene& scene, const landing::BodyMotion& motion, const landing::BodyRisk& risk,
            const landing::BodyRiskOptions& options, Run& run);
-int report_robot(const landing::BodyScene& scene, Run& run);
+/// What became of a part of a robot's description: "locked", "hip_roll", why.
+struct DescriptionNote {
+  std::string what, name, text;
+};
+/// `notes`: of a robot that was made from a description, else none.
+int report_robot(const landing::BodyScene& scene, const std::vector<DescriptionNote>& notes, Run& run);
 
 }  // namespace ukemi::tools

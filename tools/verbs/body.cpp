@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "common/error.hpp"
@@ -16,6 +17,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/scatter.hpp"
+#include "tools/robots/projection.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
@@ -132,14 +134,56 @@ double rate_of(double rate) {
 struct RobotArguments {
   std::string file;
   std::vector<std::string> actuators;
+  std::string normal;
+  std::vector<std::string> contacts, locked;
+  std::optional<Base> base;
+  std::optional<double> pin_height;
 };
+std::vector<std::string> names_of(const std::vector<std::string>& lists) {
+  std::vector<std::string> out;
+  for (const std::string& list : lists)
+    for (const std::string& name : split(list)) out.push_back(name);
+  return out;
+}
+
+/// URDF or MJCF on a plane: robot.toml, and what became of every part.
+int run_description(const RobotArguments& a, Run& run) {
+  if (a.normal.empty())
+    throw InputError("--normal: x, y or z is needed: the axis of the root's frame across the plane");
+  if (a.pin_height && !std::isfinite(*a.pin_height)) throw InputError("--pin-height: a finite number is needed");
+  ProjectionOptions options;
+  options.normal = a.normal, options.contacts = names_of(a.contacts), options.locked = names_of(a.locked);
+  options.base = a.base.value_or(Base::kFree), options.pin_height = a.pin_height;
+  options.drives = drives_of(a.actuators);
+  run.input(a.file);
+  const SpatialRobot from = read_description(a.file);
+  for (const std::string& warning : from.warnings) run.warn(a.file + ": " + warning);
+  const Projection made = project(from, options);
+  BodyScene scene;
+  scene.name = std::filesystem::path(a.file).stem().string(), scene.robot = made.robot;
+  scene.search.resize(made.robot.joints.size());
+  for (const std::string& file : made.drive_files)
+    if (!file.empty()) (void)actuator_of(file, run);
+  for (std::size_t i = 0; i < made.joints.size(); ++i)
+    if (const SpatialJoint& j = made.joints[i]; j.lower && j.upper && *j.lower < *j.upper)
+      scene.search[i].phi = {*j.lower, *j.upper};
+  run.add("robot.toml", robot_toml(made, from, run.options().folder, run.provenance_text()));
+  std::vector<DescriptionNote> notes;
+  for (const Note& n : made.notes) notes.push_back({n.what, n.name, n.text});
+  return report_robot(scene, notes, run);
+}
+
 int run_robot(const RobotArguments& a, const CommonOptions& common) {
   Run run("robot", common);
+  if (is_description(a.file)) return run_description(a, run);
+  if (!a.normal.empty() || !a.contacts.empty() || !a.locked.empty() || a.base || a.pin_height)
+    throw InputError("--normal, --contacts, --lock, --base, --pin-height: of URDF and MJCF alone; " +
+                     ukemi::quoted(a.file) + " has its own");
   if (!has_links(a.file))
     throw InputError(Location{a.file}, "[robot] has no links: [[robot.link]], or robot = \"FILE\", is needed");
   const BodyScene scene = read_robot(a.file, drives_of(a.actuators));
   note_files(scene, a.file, run);
-  return report_robot(scene, run);
+  return report_robot(scene, {}, run);
 }
 
 }  // namespace
@@ -229,10 +273,24 @@ void add_robot(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<RobotArguments>();
   CLI::App* verb =
       app.add_subcommand("robot", "a robot of links before anything falls: drawn, its tables, what looks wrong");
-  verb->add_option("FILE", args->file, "robot file or scene file (TOML)")->required();
+  verb->add_option("FILE", args->file, "robot file or scene file (TOML); URDF or MJCF, which becomes robot.toml")
+      ->required();
   verb->add_option("--actuator", args->actuators, "JOINT=FILE: the drive of a joint; once for each")
       ->allow_extra_args(false);
-  add_action<RobotArguments>(*verb, args, "ukemi robot leg.toml -o out", chosen, run_robot);
+  verb->add_option("--normal", args->normal,
+                   "of URDF, MJCF: x, y or z, the axis of the root's frame across the plane; joints about it stay");
+  verb->add_option("--contacts", args->contacts, "of URDF, MJCF: links (MJCF: sites, bodies, geoms) that may touch")
+      ->allow_extra_args(false);
+  verb->add_option("--lock", args->locked, "of URDF, MJCF: joints about the normal to hold at 0")
+      ->allow_extra_args(false);
+  add_choice<std::optional<Base>>(*verb, "--base", args->base,
+                                  {{"free", Base::kFree}, {"rail", Base::kRail}, {"pinned", Base::kPinned}},
+                                  "of URDF, MJCF: free, rail (upright) or pinned [free]");
+  verb->add_option("--pin-height", args->pin_height, "of a pinned base: its origin above the floor [m]");
+  add_action<RobotArguments>(*verb, args,
+                             "ukemi robot leg.toml -o out\n"
+                             "         ukemi robot leg.urdf --normal y --contacts foot,heel -o out",
+                             chosen, run_robot);
 }
 
 }  // namespace ukemi::tools
