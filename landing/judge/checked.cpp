@@ -1,6 +1,7 @@
 #include "landing/judge/checked.hpp"
 
 #include "common/drive_stability.hpp"
+#include "landing/judge/under_scatter.hpp"
 
 namespace ukemi::landing {
 
@@ -29,6 +30,12 @@ CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, con
           sensitivity(scene, actuator.sea, motion, options, l.peak),
           ratings(scene, actuator, motion, l),
           instability(scene, actuator.sea, motion)};
+}
+
+std::optional<Landing> held_beside(const CheckedLanding& c, const SeaParameters<double>& sea, double rate) {
+  if (!moves(c.motion) && c.motion.phi_i == kHeld.phi_i) return std::nullopt;
+  Landing held = simulate(c.scene, sea, kHeld, {.accuracy = c.accuracy}, rate);
+  return no_landing(held.end) ? std::nullopt : std::optional(std::move(held));
 }
 
 }  // namespace ukemi::landing

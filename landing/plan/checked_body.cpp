@@ -1,5 +1,7 @@
 #include "landing/plan/checked_body.hpp"
 
+#include <algorithm>
+
 namespace ukemi::landing {
 
 namespace {
@@ -30,6 +32,12 @@ CheckedBody checked_body(const BodyScene& scene, const BodyMotion& motion, const
   };
   out.sensitivity = sensitivity(out.landing.peak, options.accuracy, play, draws, 1);
   return out;
+}
+
+std::optional<BodyLanding> held_beside(const CheckedBody& c, double rate) {
+  if (std::none_of(c.motion.begin(), c.motion.end(), [](const Motion& m) { return moves(m); })) return std::nullopt;
+  BodyLanding held = simulate(c.scene, held_posture(c.scene), {.accuracy = c.accuracy}, rate);
+  return no_landing(held.end) ? std::nullopt : std::optional(std::move(held));
 }
 
 }  // namespace ukemi::landing

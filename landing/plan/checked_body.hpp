@@ -20,5 +20,8 @@ struct CheckedBody {
 /// and drop are moved by 1e-6 relative, up or down at random; as `sensitivity` of the paper's robot.
 [[nodiscard]] CheckedBody checked_body(const BodyScene& scene, const BodyMotion& motion,
                                        const SimulateOptions& options = {}, double rate = 0, int draws = 4);
+/// The landing of the held posture on the same drop, as exact, to stand beside it; none where nothing moves, or it
+/// cannot be followed.
+[[nodiscard]] std::optional<BodyLanding> held_beside(const CheckedBody& checked, double rate);
 
 }  // namespace ukemi::landing

@@ -91,6 +91,8 @@ void set_command_line(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) command_line += " " + shell_quoted(argv[i]);
 }
 
+void set_command_line(std::string text) { command_line = std::move(text); }
+
 Run::Run(std::string verb, const CommonOptions& options)
     : verb_(std::move(verb)),
       options_(options),
@@ -115,7 +117,8 @@ void Run::add(const std::string& name, std::string content) {
 }
 void Run::warn(const std::string& message) {
   warnings_.push_back(shown(message));
-  tell("ukemi " + verb_ + ": warning: " + message, Tone::kWarning);
+  if (options_.messages != CommonOptions::Messages::kNone)
+    tell("ukemi " + verb_ + ": warning: " + message, Tone::kWarning);
 }
 void Run::info(const std::string& message) const {
   if (options_.messages == CommonOptions::Messages::kShow) tell(message);
@@ -124,7 +127,7 @@ void Run::say(const std::string& line) const {
   if (options_.out == CommonOptions::Stdout::kText) print_line(line);
 }
 void Run::progress(const std::string& what, long done, long total) const {
-  if (options_.messages == CommonOptions::Messages::kQuiet || total <= 0) return;
+  if (options_.messages != CommonOptions::Messages::kShow || total <= 0) return;
   constexpr double kBar = 0.1, kLine = 10;  // between two sights of it [s]
   const std::lock_guard lock(progress_mutex_);
   const bool terminal = isatty(fileno(stderr));

@@ -30,11 +30,13 @@ struct CommonOptions {
   enum class Report { kWrite, kSkip } report = Report::kWrite;
   std::vector<std::string> figures;  ///< of svg, pdf, png: the report's figures as files of their own
   enum class Stdout { kText, kJson, kSilent } out = Stdout::kText;
-  enum class Messages { kShow, kQuiet } messages = Messages::kShow;
+  enum class Messages { kShow, kQuiet, kNone } messages = Messages::kShow;  ///< kNone: not even warnings
 };
 
 /// The command line as a shell takes it, for provenance.
 void set_command_line(int argc, char** argv);
+/// The same of another front end, as it stands.
+void set_command_line(std::string text);
 
 /// One verb's run: collects files, warnings and the summary, and at the end exchanges what an earlier run left for
 /// them. Nothing is written over that this run reads.
@@ -51,7 +53,7 @@ class Run {
   void add(const std::string& name, std::string content);
   /// For a run whose parts are runs of their own: until it finishes, its folder has no summary.
   void withdraw_summary() const { folder_.withdraw_summary(); }
-  /// To stderr, and into the summary's warnings.
+  /// Into the summary's warnings, and to stderr but with Messages::kNone.
   void warn(const std::string& message);
   void info(const std::string& message) const;  ///< to stderr unless --quiet
   /// A line of the result for a reader, to stdout unless --json.

@@ -12,6 +12,7 @@
 #include <future>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,12 +34,19 @@ struct Numbers {
   AnyNumbers array;
 };
 void refuse_masked(py::handle array);
+/// Of an argument that names a file or a folder: str or os.PathLike.
+struct Path {
+  std::string text;
+  operator const std::string&() const { return text; }
+};
 using Bounds = std::map<std::string, double>;
 using Priors = std::map<std::string, std::pair<double, double>>;  ///< value, standard deviation
 
 /// A value that a file would be allowed to hold. Throws InputError "WHAT: value: rule".
 double checked(const std::string& what, double value, const Range& range);
 std::optional<double> checked(const std::string& what, std::optional<double> value, const Range& range);
+/// Of any Python object. Throws InputError where it is no number.
+double number(const std::string& what, py::handle value);
 /// The numbers of one column. Throws InputError where it has another shape than `rows` (0: any).
 std::vector<double> column(const std::string& what, const Numbers& numbers, std::size_t rows = 0);
 std::vector<double> column(const std::string& what, const std::optional<Numbers>& numbers, std::size_t rows);
@@ -65,6 +73,16 @@ auto long_call(F&& f) {
     if (!raised && PyErr_CheckSignals() != 0) raised.emplace(), stop = true;
   if (raised) throw py::error_already_set(std::move(*raised));
   return result.get();
+}
+
+/// Scatter's factor of the constants' standard errors, 0 to 100.
+inline double inflation(double inflate) { return checked("inflate", inflate, {0, 100, false, "0 to 100"}); }
+/// Rows a second [Hz].
+inline double checked_rate(double rate) { return checked("rate", rate, {0, 1e6, true, "above 0 to 1e6 Hz"}); }
+/// An angle, which is in radians.
+inline double angle(const std::string& what, double radians) {
+  const double turn = 2 * std::numbers::pi;
+  return checked(what, radians, {-turn, turn, false, "-2 pi to 2 pi rad; math.radians makes them of degrees"});
 }
 
 /// A picture: notebooks show it by themselves.
@@ -119,14 +137,36 @@ void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates
 /// tools::require_gains of an argument.
 inline void require_gains(const Actuator& actuator) { tools::require_gains(actuator, {"actuator"}); }
 
-void bind_common(py::module_& m);    ///< errors, figures, the actuator
-void bind_identify(py::module_& m);  ///< rig, trials, fits
-void bind_landing(py::module_& m);   ///< scene, motion, one landing
-void bind_search(py::module_& m);    ///< the best motion, its risk, the map, the planner
-void bind_study(py::module_& m);     ///< drops and calibration
+void bind_common(py::module_& m);     ///< errors, figures, the actuator
+void bind_trials(py::module_& m);     ///< rig, trials
+void bind_identify(py::module_& m);   ///< fits and predictions
+void bind_design(py::module_& m);     ///< the next hits
+void bind_scene(py::module_& m);      ///< scene, motion, player
+void bind_landing(py::module_& m);    ///< one landing
+void bind_optimize(py::module_& m);   ///< the best motion
+void bind_risk(py::module_& m);       ///< over drops that scatter
+void bind_map(py::module_& m);        ///< the box of motions, ratings
+void bind_planner(py::module_& m);    ///< for control programs
+void bind_atlas(py::module_& m);      ///< the table that a robot carries, its reader
+void bind_calibrate(py::module_& m);  ///< drops, the floor
+void bind_compare(py::module_& m);    ///< two sets of constants
+void bind_body(py::module_& m);       ///< robots of links: one landing
+void bind_body_plan(py::module_& m);  ///< their plans, their risk
+void bind_report(py::module_& m);     ///< write_report
 
 }  // namespace ukemi::python
 
+template <>
+struct pybind11::detail::type_caster<ukemi::python::Path> {
+  PYBIND11_TYPE_CASTER(ukemi::python::Path, const_name("Union[str, os.PathLike]"));
+  bool load(handle source, bool) {
+    const object path = reinterpret_steal<object>(PyOS_FSPath(source.ptr()));
+    if (!path) return PyErr_Clear(), false;
+    value.text = path.cast<std::string>();
+    return true;
+  }
+  static handle cast(const ukemi::python::Path& path, return_value_policy, handle) { return str(path.text).release(); }
+};
 template <>
 struct pybind11::detail::type_caster<ukemi::python::Numbers> {
   PYBIND11_TYPE_CASTER(ukemi::python::Numbers, handle_type_name<ukemi::python::AnyNumbers>::name);

@@ -6,7 +6,7 @@
 #include "common/csv.hpp"
 #include "common/files.hpp"
 #include "tools/program/output.hpp"
-#include "tools/python/bind.hpp"
+#include "tools/python/value.hpp"
 
 namespace ukemi::python {
 
@@ -17,6 +17,13 @@ double checked(const std::string& what, double value, const Range& range) {
 std::optional<double> checked(const std::string& what, std::optional<double> value, const Range& range) {
   if (value) checked(what, *value, range);
   return value;
+}
+
+double number(const std::string& what, py::handle value) {
+  const double out = PyFloat_AsDouble(value.ptr());
+  if (!PyErr_Occurred()) return out;
+  PyErr_Clear();
+  throw InputError(what + ": " + py::repr(value).cast<std::string>() + ": a number is needed");
 }
 
 void refuse_masked(py::handle array) {
@@ -66,6 +73,25 @@ Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, F
   return out;
 }
 
+void bind_constants(py::class_<Actuator>& c) {
+  using Sea = SeaParameters<double>;
+  const std::pair<const char*, std::pair<double Sea::*, const char*>> numbers[] = {
+      {"k_p", {&Sea::k_p, "Proportional gain [Nm/rad]."}},
+      {"k_d", {&Sea::k_d, "Derivative gain [Nm/(rad/s)]."}},
+      {"k_sea", {&Sea::k_sea, "Stiffness of the spring [Nm/rad]."}},
+      {"c_sea", {&Sea::c_sea, "Damping of the spring [Nm/(rad/s)]."}},
+      {"i_motor", {&Sea::i_motor, "Reflected inertia of the motor [kg m^2]."}},
+      {"tau_max", {&Sea::tau_max, "Limit of the spring's torque [Nm]; infinite: none."}},
+      {"friction", {&Sea::friction, "Dry friction on the motor [Nm]."}},
+      {"viscous_friction", {&Sea::viscous, "Viscous friction on the motor [Nm/(rad/s)]."}},
+      {"k_sea_cubic", {&Sea::k_sea_cubic, "Cubic stiffness of the spring [Nm/rad^3]; below 0: softening."}},
+      {"control_delay", {&Sea::control_delay, "From what the drive measures to its torque [s]."}},
+      {"velocity_filter", {&Sea::velocity_filter, "Time constant of the filter of the rate that K_d sees [s]."}}};
+  for (const auto& [name, what] : numbers)
+    c.def_property_readonly(
+        name, [member = what.first](const Actuator& a) { return a.sea.*member; }, what.second);
+}
+
 void bind_actuator(py::module_& m) {
   py::enum_<Feedback>(m, "Feedback", "Which angle Eq. 3 feeds back.")
       .value("output", Feedback::kOutput)
@@ -89,22 +115,7 @@ void bind_actuator(py::module_& m) {
         py::arg("speed_max") = py::none(), py::arg("friction") = 0.0, py::arg("viscous_friction") = 0.0,
         py::arg("k_sea_cubic") = 0.0, py::arg_v("feedback", Feedback::kOutput, "Feedback.output"), py::arg("name") = "",
         py::arg("motor_torque_max") = py::none(), py::arg("control_delay") = 0.0, py::arg("velocity_filter") = 0.0);
-  using Sea = SeaParameters<double>;
-  const std::pair<const char*, std::pair<double Sea::*, const char*>> numbers[] = {
-      {"k_p", {&Sea::k_p, "Proportional gain [Nm/rad]."}},
-      {"k_d", {&Sea::k_d, "Derivative gain [Nm/(rad/s)]."}},
-      {"k_sea", {&Sea::k_sea, "Stiffness of the spring [Nm/rad]."}},
-      {"c_sea", {&Sea::c_sea, "Damping of the spring [Nm/(rad/s)]."}},
-      {"i_motor", {&Sea::i_motor, "Reflected inertia of the motor [kg m^2]."}},
-      {"tau_max", {&Sea::tau_max, "Limit of the spring's torque [Nm]; infinite: none."}},
-      {"friction", {&Sea::friction, "Dry friction on the motor [Nm]."}},
-      {"viscous_friction", {&Sea::viscous, "Viscous friction on the motor [Nm/(rad/s)]."}},
-      {"k_sea_cubic", {&Sea::k_sea_cubic, "Cubic stiffness of the spring [Nm/rad^3]; below 0: softening."}},
-      {"control_delay", {&Sea::control_delay, "From what the drive measures to its torque [s]."}},
-      {"velocity_filter", {&Sea::velocity_filter, "Time constant of the filter of the rate that K_d sees [s]."}}};
-  for (const auto& [name, what] : numbers)
-    c.def_property_readonly(
-        name, [member = what.first](const Actuator& a) { return a.sea.*member; }, what.second);
+  bind_constants(c);
   c.def_readonly("name", &Actuator::name, "What it is called.")
       .def_readonly("speed_max", &Actuator::speed_max, "Rated speed of the motor at the output [rad/s], or None.")
       .def_readonly("motor_torque_max", &Actuator::motor_torque_max,
@@ -119,16 +130,15 @@ void bind_actuator(py::module_& m) {
           "How far the fit that found a constant may be relied on, by its name.")
       .def("standard_error", &Actuator::standard_error, py::arg("constant"),
            "Standard error of a constant [its unit], or None.")
-      .def(
-          "toml", [](const Actuator& a) { return to_toml(a); }, "The text of an actuator file.")
-      .def(
-          "save", [](const Actuator& a, const std::string& path) { write_file(path, to_toml(a)); }, py::arg("path"),
-          "Writes an actuator file.")
       .def("__repr__", [](const Actuator& a) {
         return fmt::format("<ukemi.Actuator '{}': k_p {:.6g}, k_d {:.6g}, k_sea {:.6g}, c_sea {:.6g}, i_motor {:.6g}>",
                            a.name, a.sea.k_p, a.sea.k_d, a.sea.k_sea, a.sea.c_sea, a.sea.i_motor);
       });
-  m.def("read_actuator", &read_actuator, py::arg("path"), "Reads an actuator file (TOML).");
+  bind_file(c, "an actuator file", [](const Actuator& a) { return to_toml(a); });
+  bind_value(c);
+  m.def(
+      "read_actuator", [](const Path& path) { return read_actuator(path); }, py::arg("path"),
+      "Reads an actuator file (TOML).");
 }
 
 }  // namespace
@@ -137,15 +147,16 @@ void bind_common(py::module_& m) {
   py::register_exception<InputError>(m, "InputError", PyExc_ValueError).attr("__doc__") =
       "Bad input: where, what, the value and the rule, on one line.";
   m.def("dataset", &tools::dataset, py::arg("name"), "Path of a file of the shipped data, as \"scenes/paper.toml\".");
-  py::class_<Figure>(m, "Figure", "A picture; notebooks show it by themselves.")
-      .def_readonly("svg", &Figure::svg, "Its text (SVG).")
+  py::class_<Figure> figure(m, "Figure", "A picture; notebooks show it by themselves.");
+  figure.def_readonly("svg", &Figure::svg, "Its text (SVG).")
       .def(
-          "save", [](const Figure& f, const std::string& path) { write_file(path, f.svg); }, py::arg("path"),
+          "save", [](const Figure& f, const Path& path) { write_file(path, f.svg); }, py::arg("path"),
           "Writes it as an SVG file.")
       .def(
           "_repr_svg_", [](const Figure& f) { return f.svg; }, "What a notebook shows.");
-  py::class_<Estimate>(m, "Estimate", "What a fit came to for one term.")
-      .def_readonly("name", &Estimate::name, "The term.")
+  bind_value(figure);
+  py::class_<Estimate> estimate(m, "Estimate", "What a fit came to for one term.");
+  estimate.def_readonly("name", &Estimate::name, "The term.")
       .def_readonly("unit", &Estimate::unit, "Its unit.")
       .def_readonly("value", &Estimate::value, "Its value [unit].")
       .def_readonly("std", &Estimate::std, "Standard error [unit], or None where it cannot be estimated.")
@@ -166,6 +177,7 @@ void bind_common(py::module_& m) {
         return fmt::format("<ukemi.Estimate {} {:.6g}{} {}>", e.name, e.value,
                            e.std ? fmt::format(" +- {:.2g}", *e.std) : "", e.unit);
       });
+  bind_value(estimate);
   bind_actuator(m);
 }
 

@@ -1,14 +1,8 @@
-// Rig, trials and fits for Python.
+// Fits and predictions for Python.
 #include <fmt/format.h>
 
-#include <cmath>
-#include <numbers>
-
-#include "common/csv.hpp"
-#include "identify/logs/drive_command.hpp"
-#include "identify/logs/hits.hpp"
-#include "tools/program/trials.hpp"
-#include "tools/python/bind.hpp"
+#include "tools/python/trials.hpp"
+#include "tools/python/value.hpp"
 #include "tools/report/identify.hpp"
 
 namespace ukemi::python {
@@ -19,44 +13,25 @@ namespace {
 
 using tools::IdentifyQuestion;
 
-Trial trial_of(const Numbers& t, const std::optional<Numbers>& phi, const std::optional<Numbers>& force,
-               const std::optional<Numbers>& phi_ref, const std::optional<Numbers>& dphi_ref,
-               const std::optional<Numbers>& phi_motor, const std::optional<Numbers>& torque,
-               const std::optional<Numbers>& command, bool multi_turn, const std::string& name) {
-  Trial out;
-  out.file = name;
-  out.t = column("t", t);
-  const auto load = [&](const char* what, const std::optional<Numbers>& from, std::vector<double>& to, bool one_turn) {
-    to = column(what, from, out.t.size());
-    for (std::size_t i = 0; i < to.size() && one_turn; ++i)
-      if (std::abs(to[i]) > 2 * std::numbers::pi)
-        throw InputError(fmt::format("{}: {}[{}]: {}: an angle within 2 pi rad, or multi_turn=True, is needed", name,
-                                     what, i, shortest(to[i])));
-  };
-  load("phi", phi, out.phi, !multi_turn), load("force", force, out.force, false);
-  load("phi_ref", phi_ref, out.phi_ref, !multi_turn), load("dphi_ref", dphi_ref, out.dphi_ref, false);
-  load("phi_motor", phi_motor, out.phi_motor, !multi_turn), load("torque", torque, out.torque, false);
-  load("command", command, out.command, false);
-  if (out.force.empty() && out.phi_ref.empty() && out.command.empty())
-    throw InputError(name + ": no force, no phi_ref and no command: at least one excitation is needed");
-  count_from_first(out);
-  out.validate();
-  return out;
-}
-
-/// The trials as the verbs take them: the force at rest between hits, the command as the rig's drive gives it.
-std::vector<Trial> prepared(std::vector<Trial> trials, const Rig& rig, std::optional<double> force_noise) {
-  checked("force_noise", force_noise, Range::non_negative());
-  for (Trial& t : trials) rest_between_hits(t, force_noise), t.command = drive_command(t, rig.drive);
-  return trials;
-}
-
 /// An answer with what was asked, for figures and the actuator.
 struct Identified {
   IdentifyQuestion question;
   Identification found;
-  std::optional<Judgement> judgement = {};  ///< of a prediction
+  std::optional<Judgement> judgement = {};          ///< of a prediction
+  std::optional<tools::LandingOfFit> landing = {};  ///< of a fit, where it was asked for
 };
+
+/// The landing that a fit is for.
+struct AskedLanding {
+  std::optional<landing::Scene> scene;
+  std::optional<landing::Motion> motion;
+};
+
+int tell(const Identified& i, tools::Run& run) {
+  if (i.judgement)
+    return report(i.question, Prediction{i.found.fit, *i.judgement}, tools::Doubt::kReport, tools::Json::object(), run);
+  return report(i.question, i.found, i.landing, tools::Doubt::kReport, tools::Json::object(), run);
+}
 
 Figure trial_figure(const Identified& i, std::size_t trial) {
   if (trial >= i.question.trials.size())
@@ -66,7 +41,10 @@ Figure trial_figure(const Identified& i, std::size_t trial) {
 }
 
 Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,
-                           const FitOptions& options, const TrustOptions& trust, std::optional<double> force_noise) {
+                           const FitOptions& options, const TrustOptions& trust, std::optional<double> force_noise,
+                           const AskedLanding& landing) {
+  if (landing.scene.has_value() != landing.motion.has_value())
+    throw InputError("scene, motion: both are needed for a landing of the fit, or none");
   Identified out{{.rig = rig, .trials = prepared(trials, rig, force_noise), .options = options, .given = start}, {}};
   out.question.base = tools::base_of(rig, start);
   options.validate();
@@ -81,6 +59,11 @@ Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, con
     return identify::identify({out.question.rig, out.question.trials, out.question.options}, from, out.question.base,
                               trust);
   });
+  if (landing.scene && out.found.trust) {
+    const py::gil_scoped_release release;
+    out.landing = tools::landing_of_fit(*landing.scene, fitted_actuator(out.question, out.found.fit), *landing.motion,
+                                        options.seed, options.threads);
+  }
   out.question.options.monitor = {};
   return out;
 }
@@ -94,7 +77,7 @@ InitialState initial_state(const py::object& start_angle) {
       throw InputError("start_angle: " + quoted(text) + ": a number [rad], \"fit\" or None is needed");
     return {Kind::kFitted};
   }
-  return {Kind::kGiven, *checked("start_angle", std::optional(start_angle.cast<double>()), Range::any())};
+  return {Kind::kGiven, angle("start_angle", number("start_angle", start_angle))};
 }
 
 Identified predict_trials(const std::vector<Trial>& trials, const Rig& rig, const Actuator& actuator, double accuracy,
@@ -119,107 +102,9 @@ Identified predict_trials(const std::vector<Trial>& trials, const Rig& rig, cons
   return out;
 }
 
-double RigErrors::*error_named(const std::string& name) {
-  std::vector<std::string> known;
-  for (const RigErrorKey& k : rig_error_keys()) {
-    if (k.key == name) return k.at;
-    known.emplace_back(k.key);
-  }
-  throw InputError("RigErrors: " + one_of(name, known));
-}
-double error_of(const py::handle& name, const py::handle& value) {
-  return *checked(py::str(name), std::optional(value.cast<double>()), Range::non_negative());
-}
-
-void bind_inputs(py::module_& m) {
-  py::class_<RigErrors> bound(m, "RigErrors",
-                              "Standard deviations of what a rig states: terms that are not fitted count with them.");
-  bound
-      .def(py::init([](const py::kwargs& given) {
-             RigErrors out;
-             for (const auto& [name, value] : given) out.*error_named(py::str(name)) = error_of(name, value);
-             return out;
-           }),
-           "inertia, length, force_gain, encoder_gain [parts of the value], delay, filter, time_shift [s]; what is not "
-           "given: 0.01, 0.005, 0.01, 0.001, 1e-3, 1e-3, 0.")
-      .def_static("exact", &RigErrors::exact, "All are 0: simulated logs.");
-  for (const RigErrorKey& k : rig_error_keys())
-    bound.def_readonly(
-        k.key, k.at,
-        k.unit == RigErrorKey::Unit::kPart ? "Standard deviation [part of the value]." : "Standard deviation [s].");
-  py::class_<Rig>(m, "Rig", "The rig of the impact tests: one link on a fixed base, in the horizontal plane.")
-      .def(py::init([](double length, double inertia, std::optional<double> tau_max, std::optional<double> gear_ratio,
-                       std::optional<Feedback> feedback, std::optional<double> speed_max,
-                       std::optional<double> motor_torque_max, const RigErrors& errors) {
-             return Rig{.length = checked("length", length, Range::positive()),
-                        .inertia = checked("inertia", inertia, Range::positive()),
-                        .tau_max = checked("tau_max", tau_max, Range::non_negative()),
-                        .gear_ratio = checked("gear_ratio", gear_ratio, Range::positive()),
-                        .feedback = feedback,
-                        .speed_max = checked("speed_max", speed_max, Range::positive()),
-                        .motor_torque_max = checked("motor_torque_max", motor_torque_max, Range::positive()),
-                        .errors = errors};
-           }),
-           "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max "
-           "[Nm] of the spring; speed_max [rad/s] and motor_torque_max [Nm], the motor's ratings; errors of all this. "
-           "Without feedback identify fits both sides.",
-           py::arg("length"), py::arg("inertia"), py::arg("tau_max") = py::none(), py::arg("gear_ratio") = py::none(),
-           py::arg("feedback") = py::none(), py::arg("speed_max") = py::none(),
-           py::arg("motor_torque_max") = py::none(), py::arg_v("errors", RigErrors{}, "RigErrors()"))
-      .def_readonly("length", &Rig::length, "From the joint to where the force acts [m].")
-      .def_readonly("inertia", &Rig::inertia, "Of the link about the joint [kg m^2].")
-      .def_readonly("errors", &Rig::errors, "Of what it states.")
-      .def_readonly("tau_max", &Rig::tau_max, "Limit of the spring's torque [Nm], or None.");
-  m.def("read_rig", &read_rig, py::arg("path"), "Reads a rig file (TOML).");
-
-  py::class_<Trial> c(m, "Trial", "One logged trial.");
-  c.def(py::init(&trial_of),
-        "Times t [s], kept from the first on (t_origin); measured angles phi and phi_motor [rad], force at the link's "
-        "tip [N], reference phi_ref [rad] and "
-        "dphi_ref [rad/s], measured torque of the spring [Nm], command [V, A or Nm]: arrays as long as t, or None. "
-        "multi_turn: angles beyond 2 "
-        "pi are meant.",
-        py::arg("t"), py::arg("phi") = py::none(), py::arg("force") = py::none(), py::arg("phi_ref") = py::none(),
-        py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("torque") = py::none(),
-        py::arg("command") = py::none(), py::arg("multi_turn") = false, py::arg("name") = "trial");
-  const std::pair<const char*, std::pair<std::vector<double> Trial::*, const char*>> kept[] = {
-      {"t", {&Trial::t, "Times [s]."}},
-      {"phi", {&Trial::phi, "Measured output angle [rad]."}},
-      {"force", {&Trial::force, "Force at the link's tip [N]."}},
-      {"phi_ref", {&Trial::phi_ref, "Reference [rad]."}},
-      {"phi_motor", {&Trial::phi_motor, "Measured angle of the motor at the output side [rad]."}},
-      {"torque", {&Trial::torque, "Measured torque of the spring [Nm]."}},
-      {"command", {&Trial::command, "What the motor was told [V, A or Nm]."}}};
-  for (const auto& [name, what] : kept)
-    c.def_property_readonly(
-        name, [member = what.first](const py::object& self) { return view(self.cast<const Trial&>().*member, self); },
-        what.second);
-  c.def_readonly("t_origin", &Trial::t_origin, "What the log's clock read at t = 0, its first row [s].")
-      .def_readonly("name", &Trial::file, "Its file, or the name that it was given.")
-      .def_readonly("notes", &Trial::notes, "What was handled while reading, a sentence each.");
-  m.def(
-      "read_trial",
-      [](const std::string& path, const std::string& columns, const std::string& module,
-         std::optional<double> gear_ratio) {
-        tools::TrialArguments a;
-        a.columns = columns, a.module = module;
-        Rig rig{};
-        rig.gear_ratio = checked("gear_ratio", gear_ratio, Range::positive());
-        tools::Json modules;
-        return tools::read_any(
-            path, a, {.columns = columns, .require_phi = false, .gear_ratio = gear_ratio.value_or(1)}, rig, modules);
-      },
-      py::arg("path"), py::arg("columns") = "", py::arg("module") = "", py::arg("gear_ratio") = py::none(),
-      "Reads a trial: CSV (t [s], phi [rad], force [N], phi_ref [rad]), or a HEBI log. columns as the program's "
-      "--columns.");
-}
-
-}  // namespace
-
-void bind_identify(py::module_& m) {
-  bind_inputs(m);
-  py::class_<TrialResult>(m, "TrialFit", "A trial as the constants predict it.")
-      .def_readonly("name", &TrialResult::file, "Of the trial.")
+void bind_trial_fit(py::module_& m) {
+  py::class_<TrialResult> c(m, "TrialFit", "A trial as the constants predict it.");
+  c.def_readonly("name", &TrialResult::file, "Of the trial.")
       .def_readonly("rms", &TrialResult::rms, "Of the residual [rad].")
       .def_readonly("noise", &TrialResult::noise, "The log's own noise [rad].")
       .def_property_readonly(
@@ -231,7 +116,28 @@ void bind_identify(py::module_& m) {
       .def_property_readonly(
           "torque", [](const py::object& self) { return view(self.cast<const TrialResult&>().torque, self); },
           "Predicted torque of the spring [Nm].");
-  py::class_<Identified> c(m, "Identification", "A fit of the actuator's constants, and how far it can be trusted.");
+  bind_value(c);
+}
+
+void bind_landing_of_fit(py::class_<Identified>& c) {
+  c.def_property_readonly(
+      "landing",
+      [](const Identified& i) {
+        std::map<std::string, double> out;
+        if (const auto& l = i.landing)
+          out = {{"peak", l->peak},
+                 {"mean", l->mean},
+                 {"deviation", l->deviation},
+                 {"worst_tenth", l->worst_tenth},
+                 {"samples", double(l->samples)},
+                 {"failed", double(l->failed)}};
+        return out;
+      },
+      "With a scene: what the fit's errors do to the motion's peak there [m/s^2]: peak, mean, deviation, "
+      "worst_tenth; samples, failed [1]. Empty without.");
+}
+
+void bind_identification(py::class_<Identified>& c) {
   bind_estimates(
       c, +[](const Identified& i) -> const Estimates& { return i.found.fit; });
   c.def_property_readonly(
@@ -279,13 +185,31 @@ void bind_identify(py::module_& m) {
         return fmt::format("<ukemi.Identification of {} trials, rms {:.3g} rad{}>", i.question.trials.size(),
                            i.found.fit.rms, i.found.fit.trusted() ? ", trusted" : "");
       });
+}
+
+}  // namespace
+
+void bind_identify(py::module_& m) {
+  bind_trial_fit(m);
+  py::class_<Identified> c(m, "Identification", "A fit of the actuator's constants, and how far it can be trusted.");
+  bind_identification(c);
+  bind_landing_of_fit(c);
+  bind_value(c);
+  c.def(
+      "write_report",
+      [](const Identified& i, const Path& folder, const std::vector<std::string>& figures) {
+        return written(i, i.judgement ? "predict" : "identify", folder, figures, i.question.options.seed, tell);
+      },
+      py::arg("folder"), py::arg("figures") = std::vector<std::string>{},
+      report_words("identify` or `predict").c_str());
   m.def(
       "identify",
       [](const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,
          const std::optional<std::vector<std::string>>& free, const std::vector<std::string>& nuisance,
          const Priors& priors, const Bounds& lower, const Bounds& upper, double huber, bool trial_weights,
          double accuracy, std::optional<double> force_noise, bool multi_turn, int starts, bool diagnose,
-         const std::vector<std::string>& profile, std::uint64_t seed, int threads) {
+         const std::vector<std::string>& profile, std::uint64_t seed, int threads,
+         const std::optional<landing::Scene>& scene, const std::optional<landing::Motion>& motion) {
         FitOptions o;
         o.terms = choose(std::move(o.terms), free, nuisance, priors, lower, upper);
         if (multi_turn) o.escape = Term::kInfinity;
@@ -294,19 +218,19 @@ void bind_identify(py::module_& m) {
         using enum TrustOptions::Depth;
         return identify_trials(trials, rig, start, o,
                                {.depth = diagnose ? kRefit : kResiduals, .profiles = profile, .threads = threads},
-                               force_noise);
+                               force_noise, {scene, motion});
       },
       py::arg("trials"), py::arg("rig"), py::arg("start") = py::none(), py::arg("free") = py::none(),
       py::arg("nuisance") = std::vector<std::string>{}, py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
       py::arg("upper") = Bounds{}, py::arg("huber") = 0.0, py::arg("trial_weights") = false, py::arg("accuracy") = 1e-9,
       py::arg("force_noise") = py::none(), py::arg("multi_turn") = false, py::arg("starts") = 0,
       py::arg("diagnose") = false, py::arg("profile") = std::vector<std::string>{}, py::arg("seed") = 1,
-      py::arg("threads") = 0,
+      py::arg("threads") = 0, py::arg("scene") = py::none(), py::arg("motion") = py::none(),
       "Fits the actuator's constants to impact trials, as `ukemi identify`. free: names of the constants that are "
       "fitted "
       "(None: all); priors: name -> (value, standard deviation); lower, upper: name -> bound, each in the term's unit; "
       "huber "
-      "[rad]; force_noise [N]; threads 0: all cores.");
+      "[rad]; force_noise [N]; threads 0: all cores; scene, motion: a landing whose peak the fit's errors move.");
   m.def("predict", &predict_trials, py::arg("trials"), py::arg("rig"), py::arg("actuator"), py::arg("accuracy") = 1e-9,
         py::arg("force_noise") = py::none(), py::arg("multi_turn") = false, py::arg("start_angle") = py::none(),
         "The rig's motion for given constants [rad] beside each trial's log, and whether it holds (error_factor); as "

@@ -19,11 +19,18 @@ def signature_and_words(doc):
     return typed(first), words.strip()
 
 
-def function(name, doc, indent):
+def definition(doc, indent):
     signature, words = signature_and_words(doc)
     signature = re.sub(r"\bself: \w+", "self", signature)
-    signature = re.sub(r"(\w+): float\b", r"\1: float", signature)
     return f'{indent}def {signature}:\n{indent}    """{words}"""\n'
+
+
+def function(name, doc, indent):
+    """A function, or each of its overloads: pybind11 numbers them, "2. name(...) -> ..."."""
+    if "Overloaded function." not in doc:
+        return definition(doc, indent)
+    each = re.split(rf"^\d+\. (?={name}\()", doc, flags=re.MULTILINE)[1:]
+    return "".join(f"{indent}@overload\n{definition(d, indent)}" for d in each)
 
 
 def class_(name, c):
@@ -47,7 +54,7 @@ def class_(name, c):
 
 
 def stubs():
-    out = f'"""{ukemi.__doc__}"""\nfrom typing import Callable, Optional\n\nimport numpy\nfrom numpy.typing import NDArray\n\n'
+    out = f'"""{ukemi.__doc__}"""\nimport os\nfrom typing import Callable, Optional, Union, overload\n\nimport numpy\nfrom numpy.typing import NDArray\n\n'
     out += "__version__: str\n\n"
     for name, value in sorted(vars(ukemi).items()):
         if name.startswith("_"):

@@ -206,12 +206,8 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   options.accuracy = a.accuracy.value_or(options.accuracy);
   options.validate();
   const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
-  std::optional<BodyLanding> held;
-  if (beside && std::any_of(motion.begin(), motion.end(), [](auto& m) { return moves(m); })) {
-    held = simulate(scene, held_posture(scene), options, rate);
-    if (no_landing(held->end)) held.reset();
-  }
-  return report(checked_body(scene, motion, options, rate), held, run);
+  const CheckedBody checked = checked_body(scene, motion, options, rate);
+  return report(checked, beside ? held_beside(checked, rate) : std::nullopt, run);
 }
 
 int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {

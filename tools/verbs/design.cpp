@@ -1,6 +1,4 @@
 // ukemi design: which hit to try next.
-#include "identify/design/design.hpp"
-
 #include <fmt/format.h>
 
 #include <memory>
@@ -27,76 +25,33 @@ struct DesignArguments {
   int hits = 2, check = 50;
 };
 
-identify::DesignOptions options_of(const DesignArguments& a, const std::vector<identify::Trial>& trials,
-                                   const CommonOptions& common) {
-  identify::DesignOptions o{.budget = a.budget, .log = a.log, .hits = a.hits, .criterion = a.criterion};
-  o.budget.min_width = a.width.front(), o.budget.max_width = a.width.back();
-  o.seed = common.seed, o.threads = common.threads;
-  if (trials.empty() && !a.noise) throw InputError("--noise: without trials the noise of the angle [rad] is needed");
-  o.log.noise = a.noise ? *a.noise : identify::noise_level(trials);
-  if (!(o.log.noise > 0) && !a.noise)
-    throw InputError("--noise: the trials show none: the noise of the angle [rad] is needed");
-  for (const identify::Trial& t : trials)
-    if (!t.phi_motor.empty()) o.log.outputs = identify::HitLog::Outputs::kLinkAndMotor;
-  o.validate();
-  return o;
-}
-
-/// What is known of the constants before the hits.
-identify::Knowledge knowledge_of(const DesignArguments& a, const identify::Rig& rig, Actuator actuator,
-                                 const std::vector<identify::Trial>& trials, double noise) {
-  actuator.sea = rig.mounted(actuator.sea);
-  actuator.sea.tau_max = a.tau_max.value_or(actuator.sea.tau_max);
-  const std::vector<int> uncertain = identify::uncertain_constants(actuator);
-  if (uncertain.empty()) throw InputError({a.actuator}, "no uncertain constant above 0: there is nothing to shrink");
-  const std::optional<identify::Knowledge> knowledge =
-      trials.empty() ? identify::knowledge_of(actuator)
-                     : identify::knowledge_of(rig, actuator.sea, uncertain, trials, noise);
-  if (!knowledge)
-    throw InputError({a.actuator}, "no covariance of the constants, or a singular one: give the trials in hand");
-  return *knowledge;
-}
-
-/// Warns where the knowledge may not hold.
-void warn_of(const DesignQuestion& question, const std::vector<identify::Trial>& trials, Run& run) {
-  const SeaParameters<double>& sea = question.knowledge.sea;
-  if (sea.friction != 0 || sea.k_sea_cubic != 0)
-    run.warn("friction and stiffening are taken as known: only the five constants are designed for");
-  if (trials.empty()) return;
-  const double rms = identify::predict(question.rig, trials, sea).rms, noise = question.options.log.noise;
-  if (rms > identify::kFarAboveNoise * noise)
-    run.warn(fmt::format("the actuator misses these trials by {:.3g} rad, {:.1f} times the noise: fit them first", rms,
-                         rms / noise));
+DesignRequest request_of(const DesignArguments& a, const CommonOptions& common, Run& run) {
+  DesignRequest out{.rig = rig_of(a.rig, a.reading),
+                    .actuator = {},
+                    .options = {.budget = a.budget, .log = a.log, .hits = a.hits, .criterion = a.criterion},
+                    .noise = a.noise,
+                    .tau_max = a.tau_max,
+                    .rig_name = a.rig,
+                    .actuator_name = a.actuator,
+                    .noise_name = "--noise"};
+  run.input(a.rig);
+  out.options.budget.min_width = a.width.front(), out.options.budget.max_width = a.width.back();
+  out.options.seed = common.seed, out.options.threads = common.threads;
+  return out;
 }
 
 int run_design(const DesignArguments& a, const CommonOptions& common) {
   Run run("design", common);
-  DesignQuestion question{.rig = rig_of(a.rig, a.reading)};
-  run.input(a.rig);
-  if (question.rig.drive.by_command())
-    throw InputError({a.rig},
-                     "the drive follows a command that is logged: of a hit to come none is known; "
-                     "a controller in the loop is needed ([drive] command_gain, angle = \"predicted\")");
-  const Actuator actuator = actuator_of(a.actuator, run);
+  DesignRequest request = request_of(a, common, run);
+  request.actuator = actuator_of(a.actuator, run);
   TrialInputs inputs;
   if (!a.trials.empty())
-    inputs = read_trials(a.trials, a.reading, question.rig, {.excitation = TrialNeeds::Excitation::kRequired}, run);
-  inputs.trials = with_force_curve(inputs.trials, a.reading, question.rig, question.rig.mounted(actuator.sea));
-  const std::vector<identify::Trial>& trials = inputs.trials;
-  const identify::DesignOptions& o = question.options = options_of(a, trials, common);
-  question.trials = trials;
-  question.knowledge = knowledge_of(a, question.rig, actuator, trials, o.log.noise);
-  warn_of(question, trials, run);
-
-  run.info(fmt::format("looking for {} hits", o.hits));
-  DesignAnswer answer{identify::design(question.rig, question.knowledge, o), {}};
-  if (answer.design.status == identify::Design::Status::kDone && a.check > 0) {
-    run.info(fmt::format("checking by {} simulated experiments", a.check));
-    std::vector<identify::Hit> hits;
-    for (const identify::ProposedHit& h : answer.design.hits) hits.push_back(h.hit);
-    answer.check = identify::check(question.rig, question.knowledge, trials, hits, o, a.check);
-  }
-  return report(question, answer, std::move(inputs.summary), run);
+    inputs = read_trials(a.trials, a.reading, request.rig, {.excitation = TrialNeeds::Excitation::kRequired}, run);
+  request.trials = with_force_curve(inputs.trials, a.reading, request.rig, request.rig.mounted(request.actuator.sea));
+  const DesignQuestion question = design_question(request);
+  for (const std::string& doubt : design_doubts(question)) run.warn(doubt);
+  run.info(fmt::format("looking for {} hits, and checking them by {} simulated experiments", a.hits, a.check));
+  return report(question, answer(question, a.check), std::move(inputs.summary), run);
 }
 
 }  // namespace

@@ -54,12 +54,9 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
     scene = drop.scene, motion = play.motion, actuator.sea = play.sea;
   }
   const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
-  std::optional<Landing> held;
-  if (beside && (moves(motion) || motion.phi_i != kHeld.phi_i)) {
-    held = simulate(scene, actuator.sea, kHeld, options, rate);
-    if (no_landing(held->end)) held.reset();
-  }
-  return report(checked_landing(scene, actuator, motion, options, rate), actuator, held, a.exports, run);
+  const CheckedLanding checked = checked_landing(scene, actuator, motion, options, rate);
+  const auto held = beside ? held_beside(checked, actuator.sea, rate) : std::nullopt;
+  return report(checked, actuator, held, a.exports, run);
 }
 
 }  // namespace

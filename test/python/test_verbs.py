@@ -1,0 +1,203 @@
+"""Every verb tells in Python what the program tells, and its report is the program's."""
+import html.parser
+import math
+import pathlib
+import re
+import subprocess
+
+import numpy as np
+import pytest
+
+import ukemi
+from told import BUILD, numbers, program
+
+SCENE, TABLE2 = ukemi.dataset("scenes/paper.toml"), ukemi.dataset("actuators/table2.toml")
+RIG, HOPPER = ukemi.dataset("rigs/paper.toml"), ukemi.dataset("scenes/hopper.toml")
+TRIALS = [ukemi.dataset(f"impact/trial_{i}.csv") for i in (1, 2)]
+MOTIONS = pathlib.Path(__file__).parent.parent / "data/hopper_motion.toml"
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return ukemi.read_rig(RIG)
+
+
+@pytest.fixture(scope="module")
+def trials():
+    return [ukemi.read_trial(p) for p in TRIALS]
+
+
+@pytest.fixture(scope="module")
+def fit(rig, trials):
+    return ukemi.identify(trials, rig)
+
+
+def same(result, folder, *arguments):
+    """The report's summary against the program's. Returns it."""
+    mine, told = ukemi.write_report(result, folder / "mine"), program(folder / "its", *arguments)
+    assert numbers(mine) == numbers(told)
+    assert (folder / "mine/report.html").stat().st_size > 10_000
+    return mine
+
+
+def test_identify_and_predict(rig, trials, fit, scene, actuator, tmp_path):
+    same(fit, tmp_path, "identify", *TRIALS, "--rig", RIG)
+    for_landing = ukemi.identify(trials, rig, scene=scene, motion=ukemi.hold(-45))
+    told = same(for_landing, tmp_path, "identify", *TRIALS, "--rig", RIG, "--scene", SCENE, "--hold", -45)
+    assert for_landing.landing["samples"] == 1024 and any("peak" in k or "landing" in k for k in told)
+    same(ukemi.predict(trials, rig, actuator), tmp_path, "predict", *TRIALS, "--rig", RIG, "--actuator", TABLE2)
+
+
+def test_design(rig, trials, fit, tmp_path):
+    fit.actuator.save(tmp_path / "fit.toml")
+    design = ukemi.design(rig, fit.actuator, trials, hits=1, check=4)
+    told = same(design, tmp_path, "design", *TRIALS, "--rig", RIG, "--actuator", tmp_path / "fit.toml", "--hits", 1,
+                "--check", 4)
+    assert design.found and len(design.hits) == 1 and design.agrees == told["check"]["agrees"]
+    assert design.hits[0].peak == told["hits"][0]["peak"] and design.value == told["criterion"]["after"]
+    assert design.after["k_sea"] == told["constants"]["k_sea"]["half_width_after"] < design.before["k_sea"]
+    assert f"criterion worst {design.value:.4g}" in repr(design)
+    with pytest.raises(ukemi.InputError, match="noise: without trials"):
+        ukemi.design(rig, fit.actuator)
+    with pytest.raises(ukemi.InputError, match="actuator: no covariance of the constants"):
+        ukemi.design(rig, ukemi.Actuator(0, 0, 0, 0, 1), noise=1e-4)
+    for wrong in ({"criterion": "best"}, {"directions": "up"}, {"hits": 0}, {"width": (0.02, 0.01)}, {"noise": math.nan},
+                  {"check": -1}, {"angle": -1}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.design(rig, fit.actuator, trials, **wrong)
+
+
+def test_compare(rig, trials, actuator, fit, scene, tmp_path):
+    fit.actuator.save(tmp_path / "fit.toml")
+    identified = ukemi.read_actuator(tmp_path / "fit.toml")
+    found = ukemi.compare(actuator, identified, scene=scene, trials=trials, rig=rig)
+    told = same(found, tmp_path, "compare", "--nominal", TABLE2, "--identified", tmp_path / "fit.toml", "--scene",
+                SCENE, "--trials", *TRIALS, "--rig", RIG)
+    assert found.complete and [m.set for m in found.motions] == ["nominal", "identified"]
+    assert {c.name: c.z for c in found.constants} == {k: v["z"] for k, v in told["parameters"].items()}
+    assert found.rms.keys() == found.motions[0].peaks.keys() == {"nominal", "identified"}
+    assert not ukemi.compare(actuator, identified).motions
+    for wrong in ({"robust": "mean"}, {"trials": trials}, {"rig": rig}, {"scene": scene, "robust": "worse"}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.compare(actuator, identified, **wrong)
+
+
+def test_simulate_optimize_risk(scene, actuator, tmp_path):
+    paper = [SCENE, "--actuator", TABLE2]
+    same(ukemi.simulate(scene, actuator, ukemi.hold(-30)), tmp_path, "simulate", *paper, "--hold", -30)
+    same(ukemi.optimize(scene, actuator, evaluations=500, objective="tolerant"), tmp_path, "optimize", *paper,
+         "--evaluations", 500, "--objective", "tolerant")
+    same(ukemi.risk(scene, actuator, ukemi.hold(-45), samples=500), tmp_path, "risk", *paper, "--hold", -45,
+         "--samples", 500)
+    best = ukemi.optimize(scene, actuator, evaluations=2000, robust="cvar", samples=16)
+    same(best, tmp_path, "optimize", *paper, "--evaluations", 2000, "--robust", "cvar", "--samples", 16)
+    assert best.motion.goal == best.goal and best.motion.value == best.value and "cvar" in best.goal
+
+
+def test_map_and_ratings(scene, actuator, tmp_path):
+    paper = [SCENE, "--actuator", TABLE2]
+    same(ukemi.map(scene, actuator, grid=[5, 4, 3], polish=2), tmp_path, "map", *paper, "--grid", "5,4,3", "--polish", 2)
+    rated = ukemi.ratings(scene, actuator, [4, 12], evaluations=500)
+    same(rated, tmp_path, "ratings", *paper, "--motor-speed", "4:12:2", "--evaluations", 500)
+    assert [p.motor_speed for p in rated.plans] == [4, 12] and rated.plans[0].lowest.value >= rated.plans[1].lowest.value
+    for speeds in ([], [12, 4], [0], [math.nan], [[1, 2]], np.ma.masked_array([1, 2], mask=[0, 1])):
+        with pytest.raises(ukemi.InputError):
+            ukemi.ratings(scene, actuator, speeds)
+
+
+def test_atlas_and_its_reader(scene, actuator, tmp_path):
+    grid = dict(height=(0.3, 0.5, 2), forward_speed=(0, 1, 2), pitch=(0, math.radians(20), 2))
+    atlas = ukemi.atlas(scene, actuator, **grid, evaluations=300)
+    same(atlas, tmp_path, "atlas", SCENE, "--actuator", TABLE2, "--height", "0.3:0.5:2", "--speed", "0:1:2",
+         "--pitch-deg", "0:20:2", "--evaluations", 300)
+    assert (tmp_path / "mine/atlas.bin").read_bytes() == (tmp_path / "its/atlas.bin").read_bytes()
+    assert atlas.value.shape == (2, 2, 2) and atlas.axes["pitch"][1] == pytest.approx(math.radians(20))
+    assert atlas.motion((1, 0, 1)).value == atlas.value[1, 0, 1]
+    atlas.save(tmp_path / "a.bin")
+    reader = ukemi.AtlasReader(tmp_path / "a.bin", scene, actuator, objective="peak", deadline=1)
+    entry = reader.at(0.3, 0.0, 0.0)
+    assert entry.found and entry.inside and entry.value <= atlas.value[0, 0, 0] * 1.001
+    assert entry.value == pytest.approx(ukemi.simulate(scene.dropped(0.3, 0, 0), actuator, entry.motion).peak, rel=1e-3)
+    assert not reader.at(5).inside
+    for wrong in ({"height": math.nan}, {"height": -1}, {"height": 1, "pitch": 18}, {"height": 1, "vertical_speed": math.inf}):
+        with pytest.raises(ukemi.InputError):
+            reader.at(**wrong)
+    with pytest.raises(ukemi.InputError, match="index 0: 2: 0 to 1"):
+        atlas.motion((2, 0, 0))
+    with pytest.raises(ukemi.InputError):
+        ukemi.AtlasReader(SCENE, scene, actuator)
+    with pytest.raises(ukemi.InputError):
+        ukemi.atlas(scene, actuator, **{**grid, "height": (0.5, 0.3, 2)})
+
+
+def test_calibrate(scene, actuator, tmp_path):
+    hold = ukemi.dataset("drops/hold.toml")
+    logs = [ukemi.dataset(f"drops/drop_{i}.csv") for i in (1, 2)]
+    guess = ukemi.dataset("drops/first_guess.toml")
+    drops = [ukemi.Drop(ukemi.read_drop(p), ukemi.read_motion(hold)) for p in logs]
+    found = ukemi.calibrate(ukemi.read_scene(guess), actuator, drops[:1], validate=drops[1:])
+    same(found, tmp_path, "calibrate", logs[0], "--scene", guess, "--actuator", TABLE2, "--motion", hold, "--validate",
+         logs[1])
+    assert len(found.drops) == len(found.validation) == 1
+
+
+def test_robots_of_links(hopper, tmp_path):
+    motions = ukemi.read_motions(MOTIONS, HOPPER)
+    assert motions == ukemi.read_motions(MOTIONS, hopper)
+    landing = ukemi.simulate(hopper, motions)
+    same(landing, tmp_path, "simulate", HOPPER, "--motion", MOTIONS)
+    assert set(landing.phi) >= set(motions) and landing.phi["knee"].shape == landing.t.shape
+    assert not landing.phi["knee"].flags.writeable and landing.contacts[0].point in hopper.contacts
+    best = ukemi.optimize(hopper, evaluations=60)
+    same(best, tmp_path, "optimize", HOPPER, "--evaluations", 60)
+    assert best.value <= best.held_value and f"{best.goal} {best.value:.6g} m/s^2" in repr(best)
+    same(ukemi.risk(hopper, motions, samples=100), tmp_path, "risk", HOPPER, "--motion", MOTIONS, "--samples", 100)
+    same(ukemi.robot(ukemi.dataset("robots/hopper.toml")), tmp_path, "robot", ukemi.dataset("robots/hopper.toml"))
+    ukemi.save_motions(tmp_path / "m.toml", hopper, motions)
+    again = ukemi.read_motions(tmp_path / "m.toml", hopper)
+    assert again["knee"].phi_f == pytest.approx(motions["knee"].phi_f, rel=1e-12)
+    with pytest.raises(ukemi.InputError, match="motions: 'toe'"):
+        ukemi.simulate(hopper, {"toe": motions["knee"]})
+    for wrong in ({"rate": math.nan}, {"accuracy": 1}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.simulate(hopper, **wrong)
+    for wrong in ({"robust": "worse"}, {"objective": "pek"}, {"samples": 0}, {"scatter": "forward_speed=1"}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.optimize(hopper, **wrong)
+    with pytest.raises(TypeError):
+        ukemi.simulate(hopper, [motions["knee"]])
+
+
+def test_a_report_is_the_program_s(scene, actuator, tmp_path):
+    landing = ukemi.simulate(scene, actuator, ukemi.hold(-30))
+    summary = landing.write_report(tmp_path / "mine", figures=["svg"])
+    subprocess.run([BUILD / "ukemi", "simulate", SCENE, "--actuator", TABLE2, "--hold", "-30", "--figures", "svg", "-o",
+                    tmp_path / "its", "--quiet"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    names = sorted(p.name for p in (tmp_path / "mine").iterdir())
+    assert names == sorted(p.name for p in (tmp_path / "its").iterdir()) and "acceleration.svg" in names
+
+    class Words(html.parser.HTMLParser):
+        def handle_data(self, data):
+            self.said = getattr(self, "said", "") + data
+
+    def said(folder):
+        words = Words()
+        text = (tmp_path / folder / "report.html").read_text()
+        words.feed(re.sub(r"(?s)<footer.*|<h2[^>]*>Provenance.*", "", text))
+        return words.said
+
+    assert said("mine")[:2000] == said("its")[:2000]
+    assert summary["provenance"]["command"].startswith("python3")
+    with pytest.raises(ukemi.InputError, match="figures: 'gif'"):
+        landing.write_report(tmp_path / "x", figures=["gif"])
+    with pytest.raises(ukemi.InputError, match="result: Motion"):
+        ukemi.write_report(ukemi.hold(-45), tmp_path / "x")
+    with pytest.raises(ukemi.InputError):
+        landing.write_report("")
+
+
+def test_every_verb_is_a_function():
+    said = subprocess.run([BUILD / "ukemi", "--help"], capture_output=True, text=True, check=True).stdout
+    verbs = re.findall(r"^  ([a-z]+) {2,}", said[said.lower().index("subcommands"):], re.MULTILINE)
+    assert len(verbs) >= 10
+    assert {v for v in verbs if not hasattr(ukemi, v)} <= {"bench", "demo", "help"}

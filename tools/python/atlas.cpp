@@ -1,0 +1,226 @@
+// The atlas for Python: planned, saved, and read as a control program reads it.
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "landing/atlas/atlas_reader.hpp"
+#include "landing/model/scene_file.hpp"
+#include "tools/python/search.hpp"
+#include "tools/report/atlas.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+/// A file's header has no gaps but is no struct of plain fields.
+template <>
+struct Carry<AtlasHeader> {
+  template <class A, class X>
+  static void go(A& a, X& x) {
+    static_assert(std::is_trivially_copyable_v<AtlasHeader>);
+    std::array<char, sizeof(AtlasHeader)> bytes;
+    if constexpr (!A::kReads) std::memcpy(bytes.data(), &x, sizeof x);
+    carry(a, bytes);
+    if constexpr (A::kReads) std::memcpy(static_cast<void*>(&x), bytes.data(), sizeof x);
+  }
+};
+
+namespace {
+
+struct AtlasPlan {
+  tools::AtlasResult result;
+  std::uint64_t seed = 1;
+
+  const std::vector<AtlasCell>& cells() const { return result.atlas.cells; }
+};
+
+using Axis = std::tuple<double, double, std::uint64_t>;
+AtlasAxis axis_of(const char* what, const Axis& axis) {
+  checked(what, std::get<0>(axis), Range::any()), checked(what, std::get<1>(axis), Range::any());
+  return {std::get<0>(axis), std::get<1>(axis), std::get<2>(axis)};
+}
+
+const char* goal_name(std::uint64_t goal) { return Goal(goal) == Goal::kPeak ? "peak" : "tolerant peak"; }
+
+AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& options) {
+  options.validate();
+  AtlasPlan out{{.scene = scene, .actuator = actuator}, options.search.seed};
+  tools::AtlasResult& r = out.result;
+  r.scene_toml = to_toml(scene, ""), r.actuator_toml = to_toml(actuator);
+  r.drops = options.shard.drops(options.grid);
+  r.atlas.header = atlas_header(scene, actuator, options);
+  r.atlas.cells.resize(options.grid.size());
+  long_call([&](const std::function<bool()>& stop) {
+    options.monitor.stop = stop;
+    plan_atlas(scene, actuator, options, r.atlas.cells);
+    r.atlas.header.safest = {};
+    if (r.atlas.open() == 0)
+      r.atlas.header.safest =
+          safest_motion(scene, actuator.sea, options.grid, r.atlas.cells, options.search.threads, {{}, stop});
+    return true;
+  });
+  return out;
+}
+
+/// A number of every cell, in the grid's shape.
+template <class Of>
+py::array_t<double> column_of(const AtlasPlan& p, Of of) {
+  std::vector<py::ssize_t> shape;
+  for (const AtlasAxis& a : p.result.atlas.header.grid.axes) shape.push_back(py::ssize_t(a.count));
+  py::array_t<double> out(shape);
+  for (std::size_t i = 0; i < p.cells().size(); ++i)
+    out.mutable_data()[i] = p.cells()[i].planned() ? of(p.cells()[i]) : std::nan("");
+  return out;
+}
+
+std::optional<PlannedMotion> motion_at(const AtlasPlan& p, const std::array<std::size_t, AtlasGrid::kAxes>& place) {
+  const AtlasHeader& h = p.result.atlas.header;
+  for (std::size_t k = 0; k < place.size(); ++k)
+    if (place[k] >= h.grid.axes[k].count)
+      throw InputError(fmt::format("index {}: {}: 0 to {} is needed", k, place[k], h.grid.axes[k].count - 1));
+  const AtlasCell& cell = p.cells()[h.grid.index(place)];
+  if (!cell.planned()) return std::nullopt;
+  const ReferenceSpace space(p.result.scene, p.result.actuator.sea);
+  return PlannedMotion{space.play(cell.coordinates(space.dimension())).motion, goal_name(h.goal), cell.value};
+}
+
+void bind_atlas_class(py::module_& m) {
+  py::class_<AtlasPlan> c(m, "Atlas", "The best motion for every drop of a grid: the table that a robot carries.");
+  c.def_property_readonly(
+       "value", [](const AtlasPlan& p) { return column_of(p, [](const AtlasCell& x) { return x.value; }); },
+       "The goal of each drop [m/s^2], axes height, forward_speed, pitch; NaN: no motion.")
+      .def_property_readonly(
+          "peak", [](const AtlasPlan& p) { return column_of(p, [](const AtlasCell& x) { return x.peak; }); },
+          "The peak of each drop itself [m/s^2].")
+      .def_property_readonly(
+          "tolerant_peak",
+          [](const AtlasPlan& p) { return column_of(p, [](const AtlasCell& x) { return x.tolerant_peak; }); },
+          "The same within the execution tolerance [m/s^2].")
+      .def_property_readonly(
+          "axes",
+          [](const AtlasPlan& p) {
+            const char* const names[] = {"height", "forward_speed", "pitch"};
+            py::dict out;
+            for (std::size_t k = 0; k < AtlasGrid::kAxes; ++k) {
+              const AtlasAxis& a = p.result.atlas.header.grid.axes[k];
+              py::array_t<double> values{py::ssize_t(a.count)};
+              for (std::size_t i = 0; i < a.count; ++i) values.mutable_at(py::ssize_t(i)) = a.at(i);
+              out[names[k]] = values;
+            }
+            return out;
+          },
+          "The grid's values along height [m], forward_speed [m/s], pitch [rad].")
+      .def("motion", &motion_at, py::arg("index"), "The motion of a drop by its indices along the axes, or None.")
+      .def(
+          "save", [](const AtlasPlan& p, const Path& path) { write_file(path, atlas_bytes(p.result.atlas)); },
+          py::arg("path"), "Writes atlas.bin, which AtlasReader opens.")
+      .def("__repr__", [](const AtlasPlan& p) {
+        return fmt::format("<ukemi.Atlas of {} drops, {} planned for the {}>", p.cells().size(),
+                           p.result.atlas.planned(), goal_name(p.result.atlas.header.goal));
+      });
+  bind_value(c);
+  bind_report(
+      c, "atlas", [](const AtlasPlan& p, tools::Run& run) { return report(p.result, run); },
+      [](const AtlasPlan& p) { return p.seed; });
+}
+
+/// What a reader found, with the goal's name.
+struct NamedEntry {
+  AtlasEntry entry;
+  std::string goal;
+};
+/// A reader that is asked by one thread at a time, whatever Python's do.
+class PythonReader {
+ public:
+  PythonReader(const Path& path, const Scene& scene, const Actuator& actuator, const AtlasReader::Options& options)
+      : reader_(path, scene, (require_gains(actuator), actuator.sea), options),
+        goal_(goal_name(std::uint64_t(options.goal))) {}
+  NamedEntry at(const Drop& drop) {
+    const std::unique_lock lock(asked_, std::try_to_lock);
+    if (!lock) throw std::runtime_error("the reader is asked by another thread already");
+    const py::gil_scoped_release release;
+    return {reader_.at(drop), goal_};
+  }
+
+ private:
+  AtlasReader reader_;
+  std::string goal_;
+  std::mutex asked_;
+};
+
+void bind_reader(py::module_& m) {
+  py::class_<NamedEntry> entry(m, "AtlasEntry", "What an atlas has for a drop.");
+  entry
+      .def_property_readonly(
+          "found", [](const NamedEntry& e) { return e.entry.found; }, "Whether there is a motion.")
+      .def_property_readonly(
+          "inside", [](const NamedEntry& e) { return e.entry.inside; },
+          "Whether the grid reaches so far; else the motion is the one that is safest over all drops.")
+      .def_property_readonly(
+          "motion",
+          [](const NamedEntry& e) {
+            return PlannedMotion{e.entry.motion, e.goal, e.entry.value};
+          },
+          "The motion, with the goal at this very drop.")
+      .def_property_readonly(
+          "value", [](const NamedEntry& e) { return e.entry.value; },
+          "The goal at this very drop [m/s^2]; infinite where no time was left to play it.")
+      .def_readonly("goal", &NamedEntry::goal, "By which the motions were compared.")
+      .def("__repr__", [](const NamedEntry& e) {
+        if (!e.entry.found) return std::string("<ukemi.AtlasEntry: none>");
+        return fmt::format("<ukemi.AtlasEntry: {}; {}>", tools::motion_words(e.entry.motion),
+                           minimised(e.goal, e.entry.value));
+      });
+  bind_value(entry);
+  py::class_<PythonReader>(m, "AtlasReader", "An atlas in a control program: an answer for the drop at hand in 2 ms.")
+      .def(py::init([](const Path& path, const Scene& scene, const Actuator& actuator, const std::string& objective,
+                       double deadline) {
+             AtlasReader::Options options{.goal = goal_of(objective)};
+             options.deadline = checked("deadline", deadline, Range::positive());
+             return std::make_unique<PythonReader>(path, scene, actuator, options);
+           }),
+           "path: atlas.bin; scene and actuator: those of the atlas; objective: peak or tolerant, by which motions are "
+           "compared; deadline for playing them [s]. All memory is taken here.",
+           py::arg("path"), py::arg("scene"), py::arg("actuator"), py::arg("objective") = "tolerant",
+           py::arg("deadline") = AtlasReader::Options().deadline)
+      .def(
+          "at",
+          [](PythonReader& r, double height, double forward_speed, double pitch, double pitch_rate,
+             double vertical_speed) {
+            Drop drop = dropped({}, {height, forward_speed, pitch, pitch_rate});
+            drop.vertical_speed = checked("vertical_speed", vertical_speed, Range::any());
+            return r.at(drop);
+          },
+          py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
+          py::arg("vertical_speed") = 0.0,
+          "For a drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s], vertical_speed [m/s], "
+          "upwards.");
+}
+
+}  // namespace
+
+void bind_atlas(py::module_& m) {
+  bind_atlas_class(m), bind_reader(m);
+  m.def(
+      "atlas",
+      [](const Scene& scene, const Actuator& actuator, const Axis& height, const Axis& forward_speed, const Axis& pitch,
+         const std::string& objective, std::optional<long> evaluations, const std::optional<std::string>& robust,
+         const std::optional<std::string>& scatter, double inflate, long samples, std::uint64_t seed, int threads) {
+        require_gains(actuator);
+        AtlasOptions options;
+        options.grid.axes = {axis_of("height", height), axis_of("forward_speed", forward_speed),
+                             axis_of("pitch", pitch)};
+        options.search.goal = goal_of(objective), options.search.evaluations = evaluations;
+        options.search.seed = seed, options.search.threads = threads;
+        options.robust = robust_of(robust, scatter, inflate, samples);
+        return planned(scene, actuator, options);
+      },
+      py::arg("scene"), py::arg("actuator"), py::arg("height"), py::arg("forward_speed"), py::arg("pitch"),
+      py::arg("objective") = "peak", py::arg("evaluations") = py::none(), py::arg("robust") = py::none(),
+      py::arg("scatter") = py::none(), py::arg("inflate") = 1.0, py::arg("samples") = RobustOptions().samples,
+      py::arg("seed") = 1, py::arg("threads") = 0,
+      "The best motion for every drop of a grid, as `ukemi atlas`. height [m], forward_speed [m/s], pitch [rad]: "
+      "(lowest, highest, how many); the rest as of `optimize`, for each drop. Shards and resumption: the program.");
+}
+
+}  // namespace ukemi::python

@@ -1,0 +1,242 @@
+// Robots of links for Python: read, shown, one landing.
+#include "tools/python/body.hpp"
+
+#include <fmt/format.h>
+
+#include "tools/report/body.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+BodyMotion motions_of(const BodyScene& scene, const JointMotions& motions) {
+  BodyMotion out = held_posture(scene);
+  std::vector<std::string> driven;
+  for (const Joint& j : scene.robot.joints)
+    if (j.driven()) driven.push_back(j.name);
+  for (const auto& [name, motion] : motions) {
+    if (std::find(driven.begin(), driven.end(), name) == driven.end())
+      throw InputError("motions: " + one_of(name, driven));
+    for (std::size_t i = 0; i < out.size(); ++i)
+      if (scene.robot.joints[i].name == name) out[i] = motion;
+  }
+  return out;
+}
+
+py::dict by_joint(const Robot& robot, const BodyMotion& motion) {
+  py::dict out;
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    if (robot.joints[i].driven()) out[py::str(robot.joints[i].name)] = motion[i];
+  return out;
+}
+
+namespace {
+
+using Drives = std::map<std::string, Path>;
+std::vector<GivenDrive> drives_of(const Drives& actuators) {
+  std::vector<GivenDrive> out;
+  for (const auto& [joint, file] : actuators) out.push_back({joint, file});
+  return out;
+}
+
+template <class Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
+  std::vector<std::string> out;
+  for (const Named& x : all) out.push_back(x.name);
+  return out;
+}
+
+void bind_robot_scene(py::module_& m) {
+  py::class_<BodyScene> c(m, "RobotScene", "A robot of links, its floor, its drop, and what a plan may be.");
+  c.def_readonly("name", &BodyScene::name, "What it is called.")
+      .def_property_readonly(
+          "links", [](const BodyScene& s) { return names_of(s.robot.links); }, "Names of the links.")
+      .def_property_readonly(
+          "joints",
+          [](const BodyScene& s) {
+            std::vector<std::string> out;
+            for (const Joint& j : s.robot.joints)
+              if (j.driven()) out.push_back(j.name);
+            return out;
+          },
+          "Names of the driven joints, in the robot's order.")
+      .def_property_readonly(
+          "contacts", [](const BodyScene& s) { return names_of(s.robot.contacts); }, "Names of the contact points.")
+      .def_property_readonly(
+          "mass", [](const BodyScene& s) { return s.robot.mass(); }, "Of the whole robot [kg].")
+      .def_property_readonly(
+          "doubts", [](const BodyScene& s) { return doubts(s.robot); }, "What looks wrong, a sentence each.")
+      .def_property_readonly(
+          "height", [](const BodyScene& s) { return s.drop.height; }, "Clearance of the lowest contact at release [m].")
+      .def_property_readonly(
+          "forward_speed", [](const BodyScene& s) { return s.drop.forward_speed; }, "At release [m/s].")
+      .def_property_readonly(
+          "pitch", [](const BodyScene& s) { return s.drop.pitch; }, "Angle of the first link at release [rad].")
+      .def_property_readonly(
+          "pitch_rate", [](const BodyScene& s) { return s.drop.pitch_rate; }, "At release [rad/s].")
+      .def(
+          "dropped",
+          [](BodyScene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
+             std::optional<double> pitch_rate) {
+            s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
+            s.validate();
+            return s;
+          },
+          py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
+          py::arg("pitch_rate") = py::none(),
+          "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].")
+      .def(
+          "held", [](const BodyScene& s) { return by_joint(s.robot, held_posture(s)); },
+          "The posture that it holds without a plan: a Motion for each driven joint by its name.")
+      .def("__repr__", [](const BodyScene& s) {
+        return fmt::format("<ukemi.RobotScene '{}': {} links, {} joints, {:.4g} kg>", s.name, s.robot.links.size(),
+                           s.robot.joints.size(), s.robot.mass());
+      });
+  bind_value(c);
+  bind_report(
+      c, "robot", [](const BodyScene& s, tools::Run& run) { return report_robot(s, run); },
+      [](const BodyScene&) { return 1; });
+}
+
+void bind_files(py::module_& m) {
+  m.def(
+      "robot", [](const Path& path, const Drives& actuators) { return read_robot(path, drives_of(actuators)); },
+      py::arg("path"), py::arg("actuators") = Drives{},
+      "A robot of links from its own file or a scene's (TOML), before anything falls, as `ukemi robot`. actuators: a "
+      "file for a joint by its name.");
+  m.def(
+      "read_robot_scene",
+      [](const Path& path, const Drives& actuators) { return read_body_scene(path, drives_of(actuators)); },
+      py::arg("path"), py::arg("actuators") = Drives{},
+      "Reads the scene file (TOML) of a robot of links. actuators: a file for a joint by its name.");
+  m.def(
+      "read_motions",
+      [](const Path& path, const Path& scene) {
+        const Robot robot = read_body_scene(scene).robot;
+        return by_joint(robot, read_body_motion(path, robot));
+      },
+      py::arg("path"), py::arg("scene"),
+      "Reads a motion file of a robot of links: the motion of each driven joint by its name, in the robot's order; "
+      "scene: its file or a RobotScene.");
+  m.def(
+      "read_motions",
+      [](const Path& path, const BodyScene& scene) {
+        return by_joint(scene.robot, read_body_motion(path, scene.robot));
+      },
+      py::arg("path"), py::arg("scene"), "The same for a scene that has been read.");
+  m.def(
+      "save_motions",
+      [](const Path& path, const BodyScene& scene, const JointMotions& motions) {
+        write_file(path, body_motion_toml(motions_of(scene, motions), scene.robot, ""));
+      },
+      py::arg("path"), py::arg("scene"), py::arg("motions"),
+      "Writes a motion file of a robot of links: motions of its joints by name.");
+}
+
+/// A number that every row has for each of `names`, by that name.
+template <std::size_t N>
+void bind_columns(py::class_<BodyPlayed>& c, const char* name, std::array<double, N> BodySample::*at,
+                  std::vector<std::string> (*names)(const Robot&), const char* words) {
+  c.def_property_readonly(
+      name,
+      [at, names](const py::object& self) {
+        const CheckedBody& b = self.cast<const BodyPlayed&>().checked;
+        const std::vector<BodySample>& rows = b.landing.trajectory;
+        py::dict out;
+        const std::vector<std::string> all = names(b.scene.robot);
+        for (std::size_t i = 0; i < all.size(); ++i)
+          out[py::str(all[i])] =
+              view(rows.empty() ? nullptr : &(rows.front().*at)[i], rows.size(), sizeof(BodySample), self);
+        return out;
+      },
+      words);
+}
+
+void bind_trajectory(py::class_<BodyPlayed>& c) {
+  const std::pair<const char*, std::pair<double BodySample::*, const char*>> columns[] = {
+      {"t", {&BodySample::t, "Times from release [s]; an event has two rows, its left and right limits."}},
+      {"acc", {&BodySample::acc, "Acceleration of the point that counts [m/s^2]."}},
+      {"acc_x", {&BodySample::acc_x, "Its forward component [m/s^2]."}},
+      {"acc_y", {&BodySample::acc_y, "Its upward component [m/s^2]."}},
+      {"energy", {&BodySample::energy, "Of the links [J]."}}};
+  for (const auto& [name, what] : columns)
+    c.def_property_readonly(
+        name,
+        [at = what.first](const py::object& self) {
+          const std::vector<BodySample>& rows = self.cast<const BodyPlayed&>().checked.landing.trajectory;
+          return view(rows.empty() ? nullptr : &(rows.front().*at), rows.size(), sizeof(BodySample), self);
+        },
+        what.second);
+  const auto links = +[](const Robot& r) { return names_of(r.links); };
+  const auto joints = +[](const Robot& r) { return names_of(r.joints); };
+  const auto contacts = +[](const Robot& r) { return names_of(r.contacts); };
+  bind_columns(c, "x", &BodySample::x, links, "Origin of each link by its name, forward [m].");
+  bind_columns(c, "y", &BodySample::y, links, "Origin of each link by its name, up [m].");
+  bind_columns(c, "theta", &BodySample::theta, links, "Absolute angle of each link by its name [rad].");
+  bind_columns(c, "phi", &BodySample::phi, joints, "Angle of each joint by its name [rad].");
+  bind_columns(c, "dphi", &BodySample::dphi, joints, "Rate of each joint by its name [rad/s].");
+  bind_columns(c, "phi_m", &BodySample::phi_m, joints, "Angle of each motor by its joint's name [rad].");
+  bind_columns(c, "tau", &BodySample::tau, joints, "Torque on the child of each joint by its name [Nm].");
+  bind_columns(c, "phi_ref", &BodySample::phi_ref, joints, "Reference of each joint by its name [rad].");
+  bind_columns(c, "force_x", &BodySample::force_x, contacts, "Force of the floor on each contact, forward [N].");
+  bind_columns(c, "force_y", &BodySample::force_y, contacts, "Force of the floor on each contact, up [N].");
+}
+
+Figure body_figure(const BodyPlayed& p) {
+  const std::vector<BodySample>& rows = p.checked.landing.trajectory;
+  tools::Series s{"acceleration", {}, {}};
+  for (const BodySample& row : rows) s.x.push_back(row.t), s.y.push_back(row.acc);
+  return {tools::lines_svg("t [s] after release", "acceleration [m/s^2]",
+                           rows.empty() ? std::vector<tools::Series>{} : std::vector{s})};
+}
+
+void bind_body_landing(py::module_& m) {
+  py::class_<BodyPlayed> c(m, "RobotLanding", "One landing of a robot of links, from release to rest.");
+  bind_run_end(
+      c, +[](const BodyPlayed& p) -> const RunEnd& { return p.checked.landing; }, "contact");
+  bind_sensitivity(
+      c, +[](const BodyPlayed& p) -> const Sensitivity& { return p.checked.sensitivity; });
+  c.def_property_readonly(
+       "contacts",
+       [](const BodyPlayed& p) { return named(p.checked.landing.touches, tools::contact_name(p.checked.scene.robot)); },
+       "Every contact, in the order of the touchdowns.")
+      .def_property_readonly(
+          "motions", [](const BodyPlayed& p) { return by_joint(p.checked.scene.robot, p.checked.motion); },
+          "What was played: a Motion of each driven joint by its name.")
+      .def_property_readonly(
+          "energy_residual", [](const BodyPlayed& p) { return p.checked.landing.energy_residual; },
+          "Mismatch of the energy check over the energy turned over [1].")
+      .def("__repr__", [](const BodyPlayed& p) {
+        return fmt::format("<ukemi.RobotLanding: peak {:.6g} m/s^2 at {:.4g} s>", p.checked.landing.peak,
+                           p.checked.landing.t_peak);
+      });
+  bind_figure(c, body_figure, "The acceleration that counts [m/s^2] over time [s].");
+  bind_trajectory(c);
+  bind_value(c);
+  bind_report(
+      c, "simulate",
+      [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_beside(p.checked, p.rate), run); },
+      [](const BodyPlayed&) { return 1; });
+}
+
+}  // namespace
+
+void bind_body(py::module_& m) {
+  bind_robot_scene(m), bind_files(m), bind_body_landing(m);
+  m.def(
+      "simulate",
+      [](const BodyScene& scene, const JointMotions& motions, double rate, double accuracy) {
+        SimulateOptions options{.accuracy = accuracy};
+        options.validate();
+        checked_rate(rate);
+        const BodyMotion motion = motions_of(scene, motions);
+        return long_call([&](const std::function<bool()>& stop) {
+          options.over = &stop;
+          return BodyPlayed{checked_body(scene, motion, options, rate), rate};
+        });
+      },
+      py::arg("scene"), py::arg("motions") = JointMotions{}, py::arg("rate") = 1000.0, py::arg("accuracy") = 1e-9,
+      "The same of a robot of links. motions: of its joints by name; one that is not named is held as its scene says.");
+}
+
+}  // namespace ukemi::python

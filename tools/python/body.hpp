@@ -1,0 +1,24 @@
+// What the bindings of robots of links share.
+#pragma once
+
+#include "landing/plan/body_plan.hpp"
+#include "landing/plan/body_risk.hpp"
+#include "landing/plan/checked_body.hpp"
+#include "tools/python/landing.hpp"
+
+namespace ukemi::python {
+
+/// Motions of driven joints by the joint's name.
+using JointMotions = std::map<std::string, landing::Motion>;
+/// Joints that are not named are held where the scene says. Throws InputError for one that is not driven.
+landing::BodyMotion motions_of(const landing::BodyScene& scene, const JointMotions& motions);
+/// Those of the driven joints, in the robot's order.
+py::dict by_joint(const landing::Robot& robot, const landing::BodyMotion& motion);
+
+/// A landing with the rate of its trajectory [Hz].
+struct BodyPlayed {
+  landing::CheckedBody checked;
+  double rate = 0;
+};
+
+}  // namespace ukemi::python

@@ -1,0 +1,147 @@
+// Plans and risk of robots of links for Python.
+#include <fmt/format.h>
+
+#include "tools/python/body.hpp"
+#include "tools/python/search.hpp"
+#include "tools/report/body.hpp"
+#include "tools/report/scatter.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+namespace {
+
+struct BodyOptimum {
+  BodyScene scene;
+  BodyPlan plan;
+  BodyPlanOptions options;
+
+  std::string goal() const { return tools::goal_words(options.goal, options.measure); }
+};
+struct BodyRiskResult {
+  BodyScene scene;
+  BodyMotion motion;
+  BodyRisk risk;
+  BodyRiskOptions options;
+};
+
+void bind_body_optimum(py::module_& m) {
+  py::class_<BodyOptimum> c(m, "RobotOptimum", "The best motions of a robot of links beside the held posture.");
+  const auto played = [](const BodyOptimum& o, const BodyMotion& motion, const BodyLanding& landing) {
+    return BodyPlayed{
+        {.scene = o.scene, .motion = motion, .landing = landing, .sensitivity = {}, .accuracy = o.options.accuracy},
+        o.options.rate};
+  };
+  c.def_property_readonly(
+       "found", [](const BodyOptimum& o) { return o.plan.found; }, "Whether anything could be followed to the floor.")
+      .def_property_readonly(
+          "message", [](const BodyOptimum& o) { return o.plan.message; },
+          "Why nothing was found, or why the search ended early.")
+      .def_property_readonly(
+          "motions", [](const BodyOptimum& o) { return by_joint(o.scene.robot, o.plan.motion); },
+          "The best motion of each driven joint by its name.")
+      .def_property_readonly("goal", &BodyOptimum::goal, "What was minimised.")
+      .def_property_readonly(
+          "value", [](const BodyOptimum& o) { return o.plan.value; }, "Of the goal [m/s^2].")
+      .def_property_readonly(
+          "held_value", [](const BodyOptimum& o) { return o.plan.held_value; }, "The same of the held posture [m/s^2].")
+      .def_property_readonly(
+          "peak", [](const BodyOptimum& o) { return o.plan.landing.peak; }, "Peak of the scene's own drop [m/s^2].")
+      .def_property_readonly(
+          "held_peak", [](const BodyOptimum& o) { return o.plan.held.peak; }, "The same of the held posture [m/s^2].")
+      .def_property_readonly(
+          "edges", [](const BodyOptimum& o) { return edges_of(o.plan.variables, o.plan.edges); },
+          "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".")
+      .def_property_readonly(
+          "evaluations", [](const BodyOptimum& o) { return o.plan.evaluations; },
+          "Motions that were searched, under scatter landings.")
+      .def_property_readonly(
+          "seconds", [](const BodyOptimum& o) { return o.plan.seconds; }, "From the call to the answer [s].")
+      .def_property_readonly(
+          "landing", [played](const BodyOptimum& o) { return played(o, o.plan.motion, o.plan.landing); },
+          "The landing of the motions.")
+      .def_property_readonly(
+          "held", [played](const BodyOptimum& o) { return played(o, o.plan.hold, o.plan.held); },
+          "The landing of the held posture.")
+      .def("__repr__", [](const BodyOptimum& o) {
+        if (!o.plan.found) return "<ukemi.RobotOptimum: " + o.plan.message + ">";
+        return fmt::format("<ukemi.RobotOptimum: {}; {}>", tools::motion_words(o.scene.robot, o.plan.motion),
+                           minimised(o.goal(), o.plan.value));
+      });
+  bind_value(c);
+  bind_report(
+      c, "optimize",
+      [](const BodyOptimum& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, run); },
+      [](const BodyOptimum& o) { return o.options.seed; });
+}
+
+BodyOptimum planned(const BodyScene& scene, BodyPlanOptions options) {
+  options.validate();
+  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
+  return long_call([&](const std::function<bool()>& stop) {
+    options.monitor.stop = stop;
+    BodyOptimum out{scene, plan(scene, options), options};
+    out.options.monitor = {};
+    return out;
+  });
+}
+
+void bind_body_optimize(py::module_& m) {
+  m.def(
+      "optimize",
+      [](const BodyScene& scene, std::uint64_t seed, const std::string& objective, std::optional<long> evaluations,
+         std::optional<double> deadline, const std::optional<std::string>& robust,
+         const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads) {
+        BodyPlanOptions options;
+        options.goal = goal_of(objective), options.evaluations = evaluations, options.deadline = deadline;
+        if (robust) options.measure = Measure::parse("robust", *robust);
+        options.scatter = asked_scatter(scatter), options.inflate = inflation(inflate), options.samples = samples;
+        options.seed = seed, options.threads = threads, options.rate = checked_rate(rate);
+        return planned(scene, options);
+      },
+      py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
+      py::arg("deadline") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
+      py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("rate") = 1000.0,
+      py::arg("threads") = 0, "The same of a robot of links: a motion for every driven joint.");
+}
+
+void bind_body_risk(py::module_& m) {
+  py::class_<BodyRiskResult> c(m, "RobotRisk", "The peaks of a robot of links over drops that scatter.");
+  bind_peak_risk(
+      c, +[](const BodyRiskResult& r) -> const PeakRisk& { return r.risk; });
+  c.def("__repr__", [](const BodyRiskResult& r) {
+    return "<ukemi.RobotRisk: " + tools::distribution_words(r.risk.peaks) + " m/s^2>";
+  });
+  bind_value(c);
+  bind_report(
+      c, "risk",
+      [](const BodyRiskResult& r, tools::Run& run) { return report(r.scene, r.motion, r.risk, r.options, run); },
+      [](const BodyRiskResult& r) { return r.options.seed; });
+  m.def(
+      "risk",
+      [](const BodyScene& scene, const JointMotions& motions, const std::optional<std::string>& scatter, double inflate,
+         bool inexact, long samples, std::uint64_t seed, int threads) {
+        BodyRiskOptions options{.samples = samples, .scatter = asked_scatter(scatter)};
+        options.drops = {.inflate = inflation(inflate), .inexact = inexact};
+        options.seed = seed, options.threads = threads;
+        options.validate();
+        const BodyMotion motion = motions_of(scene, motions);
+        return long_call([&](const std::function<bool()>& stop) {
+          options.monitor.stop = stop;
+          BodyRiskResult out{scene, motion, body_risk(scene, motion, options), options};
+          out.options.monitor = {};
+          return out;
+        });
+      },
+      py::arg("scene"), py::arg("motions"), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
+      py::arg("inexact") = false, py::arg("samples") = BodyRiskOptions().samples, py::arg("seed") = 1,
+      py::arg("threads") = 0,
+      "The same of a robot of links. motions: of its joints by name; one that is not named is held as its scene says.");
+}
+
+}  // namespace
+
+void bind_body_plan(py::module_& m) { bind_body_optimum(m), bind_body_optimize(m), bind_body_risk(m); }
+
+}  // namespace ukemi::python

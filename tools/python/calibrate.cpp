@@ -1,0 +1,198 @@
+// Logs of drops and the calibration of the floor for Python.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/actuator.hpp"
+#include "common/csv.hpp"
+#include "landing/model/scene_file.hpp"
+#include "tools/python/landing.hpp"
+#include "tools/report/estimates.hpp"
+#include "tools/report/results.hpp"
+#include "tools/study/calibration.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+namespace {
+
+using tools::Calibration, tools::LoggedDrop, tools::DropResult;
+
+DropLog log_of(const Numbers& t, const std::array<std::optional<Numbers>, kOutputs>& outputs, const std::string& name) {
+  DropLog out;
+  out.file = name;
+  out.t = column("t", t);
+  require_times("t", out.t);
+  if (out.t.front() < 0)
+    throw InputError(fmt::format("{}: t[0]: {}: times from the release on are needed", name, shortest(out.t.front())));
+  for (std::size_t o = 0; o < kOutputs; ++o) {
+    out.output[o] = column(kOutputNames[o], outputs[o], out.t.size());
+    for (std::size_t i = 0; i < out.output[o].size(); ++i)
+      if (std::isinf(out.output[o][i]))
+        throw InputError(
+            fmt::format("{}: {}[{}]: a number, or NaN where it was not measured, is needed", name, kOutputNames[o], i));
+  }
+  return out;
+}
+
+/// A log with how it was played; what is not said is the scene's.
+struct PlayedDrop {
+  DropLog log;
+  Motion motion;
+  std::optional<double> height, forward_speed;
+
+  LoggedDrop thrown(const Scene& scene) const {
+    LoggedDrop out{log, motion, scene.drop};
+    out.thrown.height = height.value_or(scene.drop.height);
+    out.thrown.forward_speed = forward_speed.value_or(scene.drop.forward_speed);
+    return out;
+  }
+};
+
+void bind_logs(py::module_& m) {
+  py::class_<DropLog> c(m, "DropLog", "What was measured of the thigh in one drop.");
+  c.def(py::init([](const Numbers& t, const std::optional<Numbers>& acc, const std::optional<Numbers>& ax,
+                    const std::optional<Numbers>& ay, const std::optional<Numbers>& x_0,
+                    const std::optional<Numbers>& y_0, const std::optional<Numbers>& phi_0, const std::string& name) {
+          return log_of(t, {acc, ax, ay, x_0, y_0, phi_0}, name);
+        }),
+        "Times t from release [s]; |ddr_0| acc, its components ax and ay [m/s^2], the centre of mass x_0, y_0 [m], "
+        "pitch "
+        "phi_0 [rad]: arrays as long as t, NaN where not measured, or None.",
+        py::arg("t"), py::arg("acc") = py::none(), py::arg("ax") = py::none(), py::arg("ay") = py::none(),
+        py::arg("x_0") = py::none(), py::arg("y_0") = py::none(), py::arg("phi_0") = py::none(),
+        py::arg("name") = "drop")
+      .def_readonly("name", &DropLog::file, "Its file, or the name that it was given.")
+      .def_property_readonly(
+          "t", [](const py::object& self) { return view(self.cast<const DropLog&>().t, self); },
+          "Times from release [s].");
+  for (std::size_t o = 0; o < kOutputs; ++o)
+    c.def_property_readonly(
+        kOutputNames[o], [o](const py::object& self) { return view(self.cast<const DropLog&>().output[o], self); },
+        fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]).c_str());
+  bind_value(c);
+  m.def(
+      "read_drop", [](const Path& path) { return read_drop(path); }, py::arg("path"), "Reads a log of a drop (CSV).");
+}
+
+void bind_drop(py::module_& m) {
+  py::class_<PlayedDrop> c(m, "Drop", "A log with the motion that was played, and how the robot was thrown.");
+  c.def(py::init([](const DropLog& log, const Motion& motion, std::optional<double> height,
+                    std::optional<double> forward_speed) {
+          return PlayedDrop{log, motion, checked("height", height, Range::non_negative()),
+                            checked("forward_speed", forward_speed, Range::any())};
+        }),
+        "height [m] and forward_speed [m/s]; None: the scene's.", py::arg("log"), py::arg("motion"),
+        py::arg("height") = py::none(), py::arg("forward_speed") = py::none())
+      .def_readonly("log", &PlayedDrop::log, "What was measured.")
+      .def_readonly("motion", &PlayedDrop::motion, "What was played.")
+      .def_readonly("height", &PlayedDrop::height, "Of the drop [m]; None: the scene's.")
+      .def_readonly("forward_speed", &PlayedDrop::forward_speed, "At release [m/s]; None: the scene's.");
+  bind_value(c);
+}
+
+/// A calibration with its drops, and those that were not fitted.
+struct Calibrated {
+  tools::CalibratedDrops fitted;
+  std::optional<tools::CalibratedDrops> validation;
+  std::uint64_t seed = 1;
+};
+
+std::vector<LoggedDrop> thrown(const std::vector<PlayedDrop>& played, const Scene& scene) {
+  std::vector<LoggedDrop> out;
+  for (const PlayedDrop& d : played) out.push_back(d.thrown(scene));
+  return out;
+}
+
+Calibrated calibrated(const Scene& scene, const Actuator& actuator, const std::vector<PlayedDrop>& played,
+                      const std::vector<PlayedDrop>& unseen, tools::CalibrationOptions options) {
+  options.validate();
+  require_gains(actuator);
+  Calibrated out{{thrown(played, scene), {}}, {}, options.seed};
+  const std::vector<LoggedDrop> others = thrown(unseen, scene);
+  check_drops(scene, out.fitted.drops);
+  if (!others.empty()) check_drops(scene, others);
+  long_call([&](const std::function<bool()>& stop) {
+    options.monitor.stop = stop;
+    Calibration& c = out.fitted.result = tools::calibrate(scene, actuator.sea, out.fitted.drops, options);
+    c.scene.floor_source = "calibrated from drop logs by ukemi";
+    if (!others.empty() && !stop()) out.validation = {others, tools::validate(c.scene, actuator.sea, others, options)};
+    return true;
+  });
+  return out;
+}
+
+void bind_drop_fit(py::module_& m) {
+  py::class_<DropResult> c(m, "DropFit", "One drop, simulated beside its log.");
+  c.def_readonly("name", &DropResult::file, "Of the log.")
+      .def_readonly("peak_measured", &DropResult::peak_measured,
+                    "Largest |ddr_0| of the log [m/s^2]; NaN: not measured.")
+      .def_readonly("peak_simulated", &DropResult::peak_simulated, "Largest |ddr_0| at the log's samples [m/s^2].");
+  bind_value(c);
+}
+
+void bind_calibration(py::module_& m) {
+  py::class_<Calibrated> c(m, "Calibration", "The floor's constants and the pitch, fitted to drops.");
+  bind_estimates(
+      c, +[](const Calibrated& x) -> const identify::Estimates& { return x.fitted.result; });
+  c.def_property_readonly(
+       "scene", [](const Calibrated& x) { return x.fitted.result.scene; }, "The given scene with the fitted constants.")
+      .def_property_readonly(
+          "model_rejected", [](const Calibrated& x) { return x.fitted.result.tests.model_rejected(); },
+          "Whether the residuals speak against the floor.")
+      .def_property_readonly(
+          "drops", [](const Calibrated& x) { return x.fitted.result.drops; }, "Each drop beside its log.")
+      .def_property_readonly(
+          "validation",
+          [](const Calibrated& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; },
+          "The same of drops that were not fitted.")
+      .def_property_readonly(
+          "rms",
+          [](const Calibrated& x) {
+            const Calibration& found = x.fitted.result;
+            std::map<std::string, double> out;
+            for (std::size_t o = 0; o < kOutputs; ++o)
+              if (std::isfinite(found.noise[o])) out[kOutputNames[o]] = found.rms[o];
+            return out;
+          },
+          "Residual of each output that was measured, by its name [m/s^2, m or rad].")
+      .def("__repr__", [](const Calibrated& x) {
+        return fmt::format("<ukemi.Calibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
+                           x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
+      });
+  bind_file(c, "the scene's file, with the constants' verdicts",
+            [](const Calibrated& x) { return to_toml(x.fitted.result.scene, ""); });
+  bind_value(c);
+  bind_report(
+      c, "calibrate",
+      [](const Calibrated& x, tools::Run& run) { return report(x.fitted, x.validation, tools::Doubt::kReport, run); },
+      [](const Calibrated& x) { return x.seed; });
+}
+
+}  // namespace
+
+void bind_calibrate(py::module_& m) {
+  bind_logs(m), bind_drop(m), bind_drop_fit(m), bind_calibration(m);
+  m.def(
+      "calibrate",
+      [](const Scene& scene, const Actuator& actuator, const std::vector<PlayedDrop>& drops,
+         const std::optional<std::vector<std::string>>& free, const std::vector<std::string>& nuisance,
+         const Priors& priors, const Bounds& lower, const Bounds& upper, double accuracy, std::uint64_t seed,
+         const std::vector<PlayedDrop>& validate) {
+        tools::CalibrationOptions o;
+        o.terms = choose(std::move(o.terms), free, nuisance, priors, lower, upper);
+        o.accuracy = accuracy, o.seed = seed;
+        return calibrated(scene, actuator, drops, validate, std::move(o));
+      },
+      py::arg("scene"), py::arg("actuator"), py::arg("drops"), py::arg("free") = py::none(),
+      py::arg("nuisance") = std::vector<std::string>{}, py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
+      py::arg("upper") = Bounds{}, py::arg("accuracy") = 1e-9, py::arg("seed") = 1,
+      py::arg("validate") = std::vector<PlayedDrop>{},
+      "Fits the floor's constants and the pitch to logs of drops, as `ukemi calibrate`. free: of stiffness, "
+      "damping_normal, damping_tangential, pitch (None: all); priors: name -> (value, standard deviation); lower, "
+      "upper: "
+      "name -> bound, each in the term's unit (pitch [rad]); validate: drops that are not fitted.");
+}
+
+}  // namespace ukemi::python

@@ -1,0 +1,136 @@
+// Which hit to try next, for Python.
+#include <fmt/format.h>
+
+#include "tools/program/arguments.hpp"
+#include "tools/python/trials.hpp"
+#include "tools/python/value.hpp"
+#include "tools/report/design.hpp"
+
+namespace ukemi::python {
+
+using namespace identify;
+
+namespace {
+
+struct DesignResult {
+  tools::DesignQuestion question;
+  tools::DesignAnswer answer;
+};
+
+/// Relative 95 % half widths by the constant's name.
+std::map<std::string, double> widths(const DesignResult& r, const Eigen::VectorXd& of) {
+  std::map<std::string, double> out;
+  for (Eigen::Index i = 0; i < of.size(); ++i)
+    out[kConstantNames[std::size_t(r.question.knowledge.constants[std::size_t(i)])]] = of[i];
+  return out;
+}
+
+void bind_hit(py::module_& m) {
+  py::class_<ProposedHit> c(m, "Hit", "A half-sine hit that is proposed.");
+  c.def_property_readonly(
+       "peak", [](const ProposedHit& h) { return h.hit.peak; }, "Its largest force [N]; below 0: the other way.")
+      .def_property_readonly(
+          "width", [](const ProposedHit& h) { return h.hit.width; }, "How long it lasts [s].")
+      .def_property_readonly(
+          "angle", [](const ProposedHit& h) { return h.safety.angle; }, "Largest |phi_1| at the estimate [rad].")
+      .def_property_readonly(
+          "worst_angle", [](const ProposedHit& h) { return h.safety.worst_angle; },
+          "The same within the constants' uncertainty [rad].")
+      .def_property_readonly(
+          "torque", [](const ProposedHit& h) { return h.safety.torque; },
+          "Largest torque of the spring before its limit [Nm].")
+      .def("__repr__", [](const ProposedHit& h) {
+        return fmt::format("<ukemi.Hit {:.4g} N for {:.4g} s>", h.hit.peak, h.hit.width);
+      });
+  bind_value(c);
+}
+
+void bind_design_class(py::module_& m) {
+  py::class_<DesignResult> c(m, "Design", "Hits that shrink the constants' error bars most.");
+  c.def_property_readonly(
+       "found", [](const DesignResult& r) { return r.answer.design.status == Design::Status::kDone; },
+       "Whether there are safe hits that determine the constants.")
+      .def_property_readonly(
+          "message", [](const DesignResult& r) { return r.answer.design.message; }, "Why there are none.")
+      .def_property_readonly(
+          "hits", [](const DesignResult& r) { return r.answer.design.hits; }, "The proposed hits, each a trial.")
+      .def_property_readonly(
+          "before", [](const DesignResult& r) { return widths(r, r.answer.design.before); },
+          "Half of each constant's 95 % interval over its value, in hand [1].")
+      .def_property_readonly(
+          "after", [](const DesignResult& r) { return widths(r, r.answer.design.after); },
+          "The same with the hits, predicted [1].")
+      .def_property_readonly(
+          "criterion", [](const DesignResult& r) { return name(r.question.options.criterion); },
+          "What was minimised: worst, d or e.")
+      .def_property_readonly(
+          "value", [](const DesignResult& r) { return r.answer.design.size_after; },
+          "Of the criterion, with the hits [1].")
+      .def_property_readonly(
+          "agrees",
+          [](const DesignResult& r) { return r.answer.check ? std::optional(r.answer.check->agrees) : std::nullopt; },
+          "Whether simulated experiments scatter as predicted, or None where none were made.")
+      .def("__repr__", [](const DesignResult& r) {
+        const Design& d = r.answer.design;
+        if (d.status != Design::Status::kDone) return "<ukemi.Design: " + d.message + ">";
+        return fmt::format("<ukemi.Design of {} hits; criterion {} {:.4g}, before {:.4g}>", d.hits.size(),
+                           name(r.question.options.criterion), d.size_after, d.size_before);
+      });
+  bind_value(c);
+  bind_report(
+      c, "design",
+      [](const DesignResult& r, tools::Run& run) {
+        for (const std::string& doubt : design_doubts(r.question)) run.warn(doubt);
+        return report(r.question, r.answer, tools::Json::object(), run);
+      },
+      [](const DesignResult& r) { return r.question.options.seed; });
+}
+
+DesignOptions options_of(double peak, const std::pair<double, double>& width, double angle, int hits,
+                         const std::string& criterion, const std::string& directions) {
+  using enum Criterion;
+  using enum HitBudget::Directions;
+  DesignOptions o;
+  o.budget.peak = peak, o.budget.min_width = width.first, o.budget.max_width = width.second, o.budget.angle = angle;
+  o.hits = hits;
+  o.criterion = tools::choice<Criterion>("criterion", criterion, {{"worst", kWorst}, {"d", kD}, {"e", kE}});
+  o.budget.directions =
+      tools::choice<HitBudget::Directions>("directions", directions, {{"both", kAlternate}, {"positive", kPositive}});
+  return o;
+}
+
+}  // namespace
+
+void bind_design(py::module_& m) {
+  bind_hit(m), bind_design_class(m);
+  m.def(
+      "design",
+      [](const Rig& rig, const Actuator& actuator, const std::vector<Trial>& trials, double peak,
+         const std::pair<double, double>& width, double angle, int hits, const std::string& criterion,
+         const std::string& directions, double rate, double duration, std::optional<double> noise,
+         std::optional<double> tau_max, int check, std::uint64_t seed, int threads) {
+        checked("check", check, {0, 100'000, false, "0 to 100000"});
+        tools::DesignRequest r{.rig = rig, .actuator = actuator, .trials = prepared(trials, rig, {})};
+        r.trials = with_nearer_force(rig, r.trials, rig.mounted(actuator.sea));
+        r.options = options_of(peak, width, angle, hits, criterion, directions);
+        r.options.log.rate = rate, r.options.log.duration = duration;
+        r.options.seed = seed, r.options.threads = threads;
+        r.noise = checked("noise", noise, Range::positive());
+        r.tau_max = checked("tau_max", tau_max, Range::non_negative());
+        const py::gil_scoped_release release;
+        DesignResult out{design_question(r), {}};
+        out.answer = answer(out.question, check);
+        return out;
+      },
+      py::arg("rig"), py::arg("actuator"), py::arg("trials") = std::vector<Trial>{}, py::arg("peak") = HitBudget().peak,
+      py::arg("width") = std::pair(HitBudget().min_width, HitBudget().max_width), py::arg("angle") = HitBudget().angle,
+      py::arg("hits") = DesignOptions().hits, py::arg("criterion") = "worst", py::arg("directions") = "both",
+      py::arg("rate") = HitLog().rate, py::arg("duration") = HitLog().duration, py::arg("noise") = py::none(),
+      py::arg("tau_max") = py::none(), py::arg("check") = 50, py::arg("seed") = 1, py::arg("threads") = 0,
+      "The hits that shrink the constants' error bars most, as `ukemi design`. trials: in hand (none: the actuator's "
+      "covariance); peak [N], width (shortest, longest) [s], angle [rad]: what a hit may be; criterion: worst, d or e; "
+      "directions: both or positive; rate [Hz], duration [s] of the next logs, noise of an angle [rad]; tau_max [Nm]; "
+      "check: simulated experiments that test the prediction.");
+}
+
+}  // namespace ukemi::python

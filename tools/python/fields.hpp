@@ -1,0 +1,74 @@
+// The fields of a struct, whichever it is: what equality, copies and pickles of Python are made of. A field that is
+// added to a struct of the libraries is one here without a line; a struct with a base names its own fields in
+// parts.hpp.
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+namespace ukemi::python {
+
+/// Stands for any field where they are counted.
+struct AnyField {
+  template <class T>
+  operator T() const;
+};
+template <std::size_t>
+using AnyFieldAt = AnyField;
+
+template <class T, std::size_t... I>
+constexpr bool takes(std::index_sequence<I...>) {
+  return requires { T{AnyFieldAt<I>{}...}; };
+}
+/// How many fields an aggregate has, its bases counted as one each; at most 32.
+template <class T, std::size_t N = 32>
+constexpr std::size_t field_count() {
+  static_assert(std::is_aggregate_v<T>, "not a struct of fields: see Carry of archive.hpp");
+  if constexpr (N == 0)
+    return 0;
+  else if constexpr (takes<T>(std::make_index_sequence<N>()))
+    return N;
+  else
+    return field_count<T, N - 1>();
+}
+
+/// f(field) of every field of a struct without a base, in their order.
+template <class T, class F>
+void for_each_field(T& x, F&& f) {
+  constexpr std::size_t n = field_count<std::remove_const_t<T>>();
+  [[maybe_unused]] const auto all = [&f](auto&... field) { (f(field), ...); };
+#define UKEMI_FIELDS(N, ...) \
+  if constexpr (n == N) {    \
+    auto& [__VA_ARGS__] = x; \
+    return all(__VA_ARGS__); \
+  }
+  UKEMI_FIELDS(1, a)
+  UKEMI_FIELDS(2, a, b)
+  UKEMI_FIELDS(3, a, b, c)
+  UKEMI_FIELDS(4, a, b, c, d)
+  UKEMI_FIELDS(5, a, b, c, d, e)
+  UKEMI_FIELDS(6, a, b, c, d, e, g)
+  UKEMI_FIELDS(7, a, b, c, d, e, g, h)
+  UKEMI_FIELDS(8, a, b, c, d, e, g, h, i)
+  UKEMI_FIELDS(9, a, b, c, d, e, g, h, i, j)
+  UKEMI_FIELDS(10, a, b, c, d, e, g, h, i, j, k)
+  UKEMI_FIELDS(11, a, b, c, d, e, g, h, i, j, k, l)
+  UKEMI_FIELDS(12, a, b, c, d, e, g, h, i, j, k, l, m)
+  UKEMI_FIELDS(13, a, b, c, d, e, g, h, i, j, k, l, m, o)
+  UKEMI_FIELDS(14, a, b, c, d, e, g, h, i, j, k, l, m, o, p)
+  UKEMI_FIELDS(15, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q)
+  UKEMI_FIELDS(16, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r)
+  UKEMI_FIELDS(17, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s)
+  UKEMI_FIELDS(18, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t)
+  UKEMI_FIELDS(19, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t, u)
+  UKEMI_FIELDS(20, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t, u, v)
+  UKEMI_FIELDS(21, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t, u, v, w)
+  UKEMI_FIELDS(22, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t, u, v, w, y)
+  UKEMI_FIELDS(23, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t, u, v, w, y, z)
+  UKEMI_FIELDS(24, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t, u, v, w, y, z, a1)
+  UKEMI_FIELDS(25, a, b, c, d, e, g, h, i, j, k, l, m, o, p, q, r, s, t, u, v, w, y, z, a1, a2)
+#undef UKEMI_FIELDS
+  static_assert(n <= 25, "more fields than are listed here");
+}
+
+}  // namespace ukemi::python

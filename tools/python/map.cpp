@@ -1,0 +1,185 @@
+// The box of motions on a grid and the motor's ratings, for Python.
+#include <fmt/format.h>
+
+#include "landing/judge/speed.hpp"
+#include "landing/judge/survey.hpp"
+#include "tools/python/landing.hpp"
+#include "tools/report/results.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+namespace {
+
+std::vector<double> axis(const PeakMap& map, int variable) {
+  std::vector<double> out;
+  for (int i = 0; i < map.cells[std::size_t(variable)]; ++i) out.push_back(map.coordinate(variable, i));
+  return out;
+}
+
+/// A survey with its seed.
+struct SurveyResult {
+  Survey survey;
+  std::uint64_t seed = 1;
+};
+
+Figure map_figure(const SurveyResult& r, int x, int y) {
+  const Survey& s = r.survey;
+  const int n = int(s.map.cells.size());
+  if (x < 0 || y < 0 || x >= n || y >= n || x == y)
+    throw InputError(fmt::format("x, y: {}, {}: two of the variables 0 to {} are needed", x, y, n - 1));
+  return {tools::Report("").heatmap(tools::projection(s.map, x, y))};
+}
+
+void bind_basin(py::module_& m) {
+  py::class_<JudgedBasin> c(m, "Basin", "The best motion found near a local minimum of a map.");
+  c.def_property_readonly(
+       "motion", [](const JudgedBasin& b) { return b.basin.play.motion; }, "The motion.")
+      .def_property_readonly(
+          "peak", [](const JudgedBasin& b) { return b.basin.peak; }, "Its peak [m/s^2].")
+      .def_property_readonly(
+          "tolerant_peak", [](const JudgedBasin& b) { return b.evidence.tolerant.value; },
+          "The worst peak within the scene's execution tolerance [m/s^2].");
+  bind_value(c);
+}
+
+void bind_survey(py::module_& m) {
+  py::class_<SurveyResult> c(m, "Map", "The box of motions on a grid, and its basins.");
+  c.def_property_readonly(
+       "peak",
+       [](const py::object& self) {
+         const PeakMap& map = self.cast<const SurveyResult&>().survey.map;
+         std::vector<py::ssize_t> shape(map.cells.begin(), map.cells.end()), strides(shape.size());
+         py::ssize_t step = sizeof(PeakMap::Cell);
+         for (std::size_t k = shape.size(); k-- > 0; step *= shape[k]) strides[k] = step;
+         py::array_t<double> out(shape, strides, &map.grid.front().peak, self);
+         out.attr("setflags")(false);
+         return out;
+       },
+       "Peaks [m/s^2], an axis for each variable; NaN where a landing could not be followed.")
+      .def_property_readonly(
+          "axes",
+          [](const SurveyResult& r) {
+            const Survey& s = r.survey;
+            py::dict out;
+            for (std::size_t k = 0; k < s.map.variables.size(); ++k) {
+              const std::vector<double> values = axis(s.map, int(k));
+              out[py::str(s.map.variables[k].name)] = py::array_t<double>(py::ssize_t(values.size()), values.data());
+            }
+            return out;
+          },
+          "The grid's values along each variable by its name [rad, s or 1].")
+      .def_property_readonly(
+          "basins", [](const SurveyResult& r) { return r.survey.basins; }, "The distinct basins, the best first.")
+      .def_property_readonly(
+          "failed", [](const SurveyResult& r) { return r.survey.failed; }, "Landings that could not be followed.")
+      .def_property_readonly(
+          "joint_lost", [](const SurveyResult& r) { return r.survey.lost; }, "Landings whose drive lost the joint.")
+      .def("figure", &map_figure, py::arg("x") = 0, py::arg("y") = 1,
+           "The smallest peak [m/s^2] over the variables that are not drawn.")
+      .def(
+          "_repr_svg_", [](const SurveyResult& r) { return map_figure(r, 0, 1).svg; }, "What a notebook shows.");
+  bind_value(c);
+  bind_report(
+      c, "map", [](const SurveyResult& r, tools::Run& run) { return report(r.survey, run); },
+      [](const SurveyResult& r) { return r.seed; });
+}
+
+void bind_map_call(py::module_& m) {
+  m.def(
+      "map",
+      [](const Scene& scene, const Actuator& actuator, const std::vector<int>& grid, int polish, std::uint64_t seed,
+         int threads) {
+        require_gains(actuator);
+        const ReferenceSpace space(scene, actuator.sea);
+        if (grid.size() < kPaperVariables || int(grid.size()) > space.dimension())
+          throw InputError(fmt::format("grid: {} numbers: {} to {} are needed", grid.size(), int(kPaperVariables),
+                                       space.dimension()));
+        SurveyOptions options;
+        options.map.cells = grid, options.map.polished = polish, options.map.seed = seed, options.map.threads = threads;
+        options.map.validate();
+        return long_call([&](const std::function<bool()>& stop) {
+          options.map.monitor.stop = options.basins.stop = options.evidence.stop = stop;
+          return SurveyResult{survey(scene, space, options), seed};
+        });
+      },
+      py::arg("scene"), py::arg("actuator"), py::arg("grid") = MapOptions().cells,
+      py::arg("polish") = MapOptions().polished, py::arg("seed") = 1, py::arg("threads") = 0,
+      "The whole box of motions on a grid, as `ukemi map`. grid: points of phi_i, phi_f, duration and, if the motion "
+      "has "
+      "more, those.");
+}
+
+/// The rated plans with what was asked.
+struct RatingsResult {
+  Scene scene;
+  std::vector<RatedPlan> plans;
+  std::uint64_t seed = 1;
+};
+
+std::vector<double> rising(const std::string& what, const Numbers& numbers) {
+  std::vector<double> out = column(what, numbers);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    checked(what, out[i], Range::positive());
+    if (i > 0 && !(out[i] > out[i - 1])) throw InputError(fmt::format("{}[{}]: {}: must rise", what, i, out[i]));
+  }
+  if (out.empty()) throw InputError(what + ": at least one is needed");
+  return out;
+}
+
+RatingsResult rated(const Scene& scene, const Actuator& actuator, const Numbers& speeds,
+                    const std::optional<Numbers>& torques, std::optional<long> evaluations, std::uint64_t seed,
+                    int threads) {
+  require_gains(actuator);
+  RatingOptions options;
+  options.speeds = rising("motor_speeds", speeds);
+  options.torques = torques ? rising("motor_torques", *torques)
+                            : std::vector{actuator.motor_torque_max.value_or(std::numeric_limits<double>::infinity())};
+  options.search.evaluations = evaluations, options.search.seed = seed, options.search.threads = threads;
+  options.search.tolerance_samples = 0;
+  options.search.validate();
+  return long_call([&](const std::function<bool()>& stop) {
+    options.search.monitor.stop = stop;
+    RatingsResult out{scene, rated_plans(scene, actuator, options), seed};
+    return out;
+  });
+}
+
+void bind_ratings(py::module_& m) {
+  py::class_<RatedPlan> plan(m, "RatedPlan", "The best motions of a motor with these ratings.");
+  const auto motion = [](const Optimum& o, const char* goal) -> std::optional<PlannedMotion> {
+    return o.found ? std::optional(PlannedMotion{o.motion, goal, o.value}) : std::nullopt;
+  };
+  plan.def_readonly("motor_speed", &RatedPlan::speed, "Rated speed of the motor [rad/s].")
+      .def_readonly("motor_torque", &RatedPlan::torque, "Rated torque of the motor [Nm]; infinite: no limit.")
+      .def_property_readonly(
+          "lowest", [motion](const RatedPlan& p) { return motion(p.lowest, "peak"); },
+          "The motion with the smallest peak, or None.")
+      .def_property_readonly(
+          "tolerant", [motion](const RatedPlan& p) { return motion(p.tolerant, "tolerant peak"); },
+          "The motion with the smallest tolerant peak, or None.")
+      .def("__repr__", [](const RatedPlan& p) {
+        return fmt::format("<ukemi.RatedPlan {:.4g} rad/s, {:.4g} Nm: {}, {}>", p.speed, p.torque,
+                           minimised("peak", p.lowest.value), minimised("tolerant peak", p.tolerant.value));
+      });
+  bind_value(plan);
+  py::class_<RatingsResult> c(m, "Ratings", "What speed buys: the best peaks against the motor's ratings.");
+  c.def_readonly("plans", &RatingsResult::plans, "Every torque at every speed, speeds first; each a RatedPlan.");
+  bind_value(c);
+  bind_report(
+      c, "ratings", [](const RatingsResult& r, tools::Run& run) { return report(r.scene, r.plans, run); },
+      [](const RatingsResult& r) { return r.seed; });
+  m.def(
+      "ratings", &rated, py::arg("scene"), py::arg("actuator"), py::arg("motor_speeds"),
+      py::arg("motor_torques") = py::none(), py::arg("evaluations") = py::none(), py::arg("seed") = 1,
+      py::arg("threads") = 0,
+      "The best peaks against the motor's ratings, as `ukemi ratings`. motor_speeds [rad/s], motor_torques [Nm]: each "
+      "rising; None: the actuator's motor_torque_max, else no limit; evaluations: motions tried in each search.");
+}
+
+}  // namespace
+
+void bind_map(py::module_& m) { bind_basin(m), bind_survey(m), bind_map_call(m), bind_ratings(m); }
+
+}  // namespace ukemi::python

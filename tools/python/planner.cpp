@@ -1,0 +1,130 @@
+// The planner of a control program for Python.
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "landing/search/planner.hpp"
+#include "tools/python/search.hpp"
+#include "tools/report/scatter.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+namespace {
+
+/// A plan with the name of what was minimised.
+struct NamedPlan {
+  Plan plan;
+  std::string goal;
+};
+
+/// A planner that is asked by one thread at a time, whatever Python's do.
+class PythonPlanner {
+ public:
+  PythonPlanner(const Scene& scene, const Actuator& actuator, const Planner::Options& options)
+      : planner_(scene, (require_gains(actuator), actuator.sea), options),
+        goal_(options.goal == Goal::kRobust ? tools::goal_words(Goal::kPeak, options.under_scatter.measure)
+                                            : tools::goal_words(options.goal, {})) {}
+
+  template <class State>
+  NamedPlan plan(const State& state, double deadline, std::uint64_t seed) {
+    const std::unique_lock lock(asked_, std::try_to_lock);
+    if (!lock) throw std::runtime_error("the planner is asked by another thread already");
+    const py::gil_scoped_release release;
+    return {planner_.plan(state, deadline, seed), goal_};
+  }
+
+ private:
+  Planner planner_;
+  std::string goal_;
+  std::mutex asked_;
+};
+
+Planner::Options planner_options(const Scene& scene, const Actuator& actuator, const std::string& objective,
+                                 const std::vector<std::string>& forbid, bool ratings,
+                                 const std::optional<std::string>& robust, const std::optional<std::string>& scatter) {
+  OptimizeOptions limits;
+  limits.limits.forbidden = points_of(forbid);
+  if (ratings) respect_ratings(actuator, limits);
+  Planner::Options out{.goal = goal_of(objective), .limits = limits.limits};
+  if (robust) {
+    out.goal = Goal::kRobust;
+    out.under_scatter.measure = Measure::parse("robust", *robust);
+    out.under_scatter.scatter = scatter_for(asked_scatter(scatter), scene);
+  }
+  return out;
+}
+
+void bind_plan(py::module_& m) {
+  py::class_<NamedPlan> c(m, "Plan", "What a planner answers with.");
+  c.def_property_readonly(
+       "found", [](const NamedPlan& p) { return p.plan.found(); }, "Whether there is a motion: status is found.")
+      .def_property_readonly(
+          "status", [](const NamedPlan& p) { return name(p.plan.status); },
+          "found; nothing: nothing could be followed within the limits in the time given; floor_first: the floor comes "
+          "before the deadline; bad_input: `wrong` says which number cannot be.")
+      .def_property_readonly(
+          "wrong", [](const NamedPlan& p) { return p.plan.wrong; }, "With bad_input: the number and its rule.")
+      .def_property_readonly(
+          "motion",
+          [](const NamedPlan& p) {
+            return PlannedMotion{p.plan.motion, p.goal, p.plan.value};
+          },
+          "The motion, with what it minimised.")
+      .def_readonly("goal", &NamedPlan::goal, "What was minimised.")
+      .def_property_readonly(
+          "value", [](const NamedPlan& p) { return p.plan.value; }, "Of the goal [m/s^2].")
+      .def_property_readonly(
+          "motions", [](const NamedPlan& p) { return p.plan.motions; }, "Evaluated.")
+      .def("__repr__", [](const NamedPlan& p) {
+        if (!p.plan.found()) return fmt::format("<ukemi.Plan: {} {}>", name(p.plan.status), p.plan.wrong);
+        return fmt::format("<ukemi.Plan: {}; {}>", tools::motion_words(p.plan.motion), minimised(p.goal, p.plan.value));
+      });
+  bind_value(c);
+}
+
+}  // namespace
+
+void bind_planner(py::module_& m) {
+  bind_plan(m);
+  py::class_<PythonPlanner>(m, "Planner",
+                            "The search as a part of a control program: an answer by a deadline, again and again.")
+      .def(py::init([](const Scene& scene, const Actuator& actuator, const std::string& objective,
+                       const std::vector<std::string>& forbid, bool ratings, const std::optional<std::string>& robust,
+                       const std::optional<std::string>& scatter) {
+             return std::make_unique<PythonPlanner>(
+                 scene, actuator, planner_options(scene, actuator, objective, forbid, ratings, robust, scatter));
+           }),
+           "Arguments as of `optimize`; all memory is taken here.", py::arg("scene"), py::arg("actuator"),
+           py::arg("objective") = "tolerant", py::arg("forbid") = std::vector<std::string>{},
+           py::arg("respect_ratings") = false, py::arg("robust") = py::none(), py::arg("scatter") = py::none())
+      .def(
+          "plan",
+          [](PythonPlanner& p, double height, double forward_speed, double pitch_deg, double pitch_rate_deg,
+             double deadline, std::uint64_t seed) {
+            return p.plan(Drop{height, forward_speed, pitch_deg / kDegrees, pitch_rate_deg / kDegrees}, deadline, seed);
+          },
+          py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch_deg") = 0.0,
+          py::arg("pitch_rate_deg") = 0.0, py::arg("deadline") = 0.1, py::arg("seed") = 1,
+          "The best motion for a drop by the deadline [s]: height [m], forward_speed [m/s], pitch_deg [deg], "
+          "pitch_rate_deg "
+          "[deg/s].")
+      .def(
+          "plan_in_air",
+          [](PythonPlanner& p, double height, double forward_speed, double pitch_deg, double pitch_rate_deg,
+             double phi_deg, double rate_deg, double gone, std::optional<double> vertical_speed, double deadline,
+             std::uint64_t seed) {
+            return p.plan(FallState{height, forward_speed, pitch_deg / kDegrees, pitch_rate_deg / kDegrees,
+                                    phi_deg / kDegrees, rate_deg / kDegrees, gone, vertical_speed},
+                          deadline, seed);
+          },
+          py::arg("height"), py::arg("forward_speed"), py::arg("pitch_deg"), py::arg("pitch_rate_deg"),
+          py::arg("phi_deg"), py::arg("rate_deg") = 0.0, py::arg("gone") = 0.0, py::arg("vertical_speed") = py::none(),
+          py::arg("deadline") = 0.02, py::arg("seed") = 1,
+          "The same for a robot that falls already: its clearance height [m], joint angle phi_deg [deg] and rate_deg "
+          "[deg/s], "
+          "the time gone since release [s] or vertical_speed [m/s], upwards. The scene must have a [release].");
+}
+
+}  // namespace ukemi::python

@@ -1,0 +1,82 @@
+// What many classes of the Python module are: values, with a file, with a picture, with a report. Each is said once.
+#pragma once
+
+#include <fmt/format.h>
+
+#include "common/files.hpp"
+#include "tools/program/output.hpp"
+#include "tools/python/bind.hpp"
+#include "tools/python/parts.hpp"
+
+namespace ukemi::python {
+
+/// ==, hash, copy, deepcopy and pickle, by the fields. Nothing of such an object can be changed from Python.
+template <class T, class... Options>
+void bind_value(py::class_<T, Options...>& c) {
+  const auto compared = [](const T& x) { return bytes_of(x, Writer::Purpose::kCompare); };
+  c.def(
+       "__eq__", [compared](const T& a, const T& b) { return &a == &b || compared(a) == compared(b); },
+       py::is_operator())
+      .def("__hash__", [compared](const T& x) { return py::hash(py::bytes(compared(x))); })
+      .def("__copy__", [](const T& x) { return T(x); })
+      .def(
+          "__deepcopy__", [](const T& x, const py::dict&) { return T(x); }, py::arg("memo"))
+      .def(py::pickle(
+          [](const T& x) { return py::make_tuple(UKEMI_VERSION, py::bytes(bytes_of(x, Writer::Purpose::kKeep))); },
+          [](const py::tuple& state) {
+            if (state.size() != 2 || py::str(state[0]).cast<std::string>() != UKEMI_VERSION)
+              throw InputError("pickle: it is of another version than " UKEMI_VERSION);
+            return value_of_bytes<T>(state[1].cast<std::string>());
+          }));
+}
+
+/// toml() and save(path); `what`: "a scene file".
+template <class T, class Text, class... Options>
+void bind_file(py::class_<T, Options...>& c, const std::string& what, Text text) {
+  c.def("toml", text, ("The text of " + what + ".").c_str())
+      .def(
+          "save", [text](const T& x, const Path& path) { write_file(path, text(x)); }, py::arg("path"),
+          ("Writes " + what + ".").c_str());
+}
+
+/// figure(), which notebooks show by themselves.
+template <class T, class Draw, class... Options>
+void bind_figure(py::class_<T, Options...>& c, Draw draw, const char* words) {
+  c.def("figure", draw, words)
+      .def(
+          "_repr_svg_", [draw](const T& x) { return draw(x).svg; }, "What a notebook shows.");
+}
+
+/// summary.json as Python has it.
+py::dict summary_of(const std::string& folder);
+/// What the program's verb would write. `formats`: of svg, pdf, png.
+tools::CommonOptions report_options(const Path& folder, const std::vector<std::string>& formats, std::uint64_t seed);
+
+/// Writes the files of a verb; tell(result, run) is the program's own report. Returns the summary.
+template <class T, class Tell>
+py::dict written(const T& result, const std::string& verb, const Path& folder, const std::vector<std::string>& figures,
+                 std::uint64_t seed, const Tell& tell) {
+  {
+    const py::gil_scoped_release release;
+    tools::Run run(verb, report_options(folder, figures, seed));
+    (void)tell(result, run);
+  }
+  return summary_of(folder);
+}
+inline std::string report_words(const std::string& verb) {
+  return "Writes what `ukemi " + verb +
+         "` would into a folder: report.html, summary.json, its other files; figures: formats of files of their own, "
+         "of svg, pdf, png. Returns the summary.";
+}
+/// write_report(folder, figures): the files of the program's verb for this result, by the same code.
+template <class T, class Tell, class Seed, class... Options>
+void bind_report(py::class_<T, Options...>& c, const std::string& verb, Tell tell, Seed seed) {
+  c.def(
+      "write_report",
+      [=](const T& result, const Path& folder, const std::vector<std::string>& figures) {
+        return written(result, verb, folder, figures, seed(result), tell);
+      },
+      py::arg("folder"), py::arg("figures") = std::vector<std::string>{}, report_words(verb).c_str());
+}
+
+}  // namespace ukemi::python

@@ -1,0 +1,44 @@
+// The next experiment on a rig, asked and answered: what is known of an actuator, the hits that tell most more, and
+// simulated experiments that test the prediction. No printing, no files: tools/verbs/design.cpp is the verb.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/design/design.hpp"
+
+namespace ukemi::tools {
+
+struct DesignQuestion {
+  identify::Rig rig;
+  identify::Knowledge knowledge;
+  std::vector<identify::Trial> trials;  ///< that the knowledge comes from; none: the actuator's covariance
+  identify::DesignOptions options;
+};
+struct DesignAnswer {
+  identify::Design design;
+  std::optional<identify::DesignCheck> check;
+};
+
+/// What is asked for; what is absent is the trials' or the actuator's.
+struct DesignRequest {
+  identify::Rig rig;
+  Actuator actuator;                    ///< the present estimate
+  std::vector<identify::Trial> trials;  ///< in hand
+  identify::DesignOptions options;      ///< of its log the noise and the outputs are set here
+  std::optional<double> noise;          ///< standard deviation of an angle [rad], > 0; absent: the trials'
+  std::optional<double> tau_max;        ///< torque limit of the spring [Nm]; absent: the rig's, else the actuator's
+  /// Of the arguments, in messages.
+  std::string rig_name = "rig", actuator_name = "actuator", noise_name = "noise";
+};
+
+/// Throws InputError where a drive follows a command that no hit to come has, where the noise is not known, or nothing
+/// is uncertain.
+[[nodiscard]] DesignQuestion design_question(const DesignRequest& request);
+/// What speaks against the knowledge, a sentence each; empty: nothing.
+[[nodiscard]] std::vector<std::string> design_doubts(const DesignQuestion& question);
+/// The hits, and with `checks` above 0 so many simulated experiments that test them.
+[[nodiscard]] DesignAnswer answer(const DesignQuestion& question, int checks);
+
+}  // namespace ukemi::tools
