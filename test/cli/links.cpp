@@ -133,7 +133,7 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
   check_refused(f, {"optimize", kHopper, "--release-phi", "2"}, {"--release-phi", can});
   check_refused(f, {"optimize", kHopper, "--bumps", "4"}, {"13 variables for 2 driven joints", "at most 12"});
   check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
-  check_refused(f, {"simulate", kHopper, "--export", "ros2"}, {"--export: ", can});
+  check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv:1"}, {"--drop-from: ", can});
   check_refused(f, {"risk", kHopper, "--forbid", "knee"}, {"--forbid: ", can});
   check_refused(f, {"risk", kHopper, "--hold", "-45"}, {"--hold: '-45': ", "NAME=VALUE"});
   check_refused(f, {"map", kHopper, "--actuator", kTable2}, {two});

@@ -122,8 +122,9 @@ bool is_body(const std::string& scene) { return has_links(scene); }
 
 int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   Run run("simulate", common);
-  refuse(!a.drop_from.empty(), "--drop-from"), refuse(!a.exports.formats.empty(), "--export");
+  refuse(!a.drop_from.empty(), "--drop-from");
   const BodyScene scene = body_of(a.scene, a.actuators, run);
+  check_exports(a.exports, scene.robot);
   const BodyMotion motion = motion_of(scene, a.motion, run);
   const double rate = rate_of(a.rate.value_or(1000));
   SimulateOptions options;
@@ -135,13 +136,13 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
     held = simulate(scene, held_posture(scene), options, rate);
     if (no_landing(held->end)) held.reset();
   }
-  return report(checked_body(scene, motion, options, rate), held, run);
+  return report(checked_body(scene, motion, options, rate), held, a.exports, run);
 }
 
 int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const Stopwatch watch(Stopwatch::Time::kWall);
   Run run("optimize", common);
-  refuse(!a.forbid.empty(), "--forbid"), refuse(!a.exports.formats.empty(), "--export");
+  refuse(!a.forbid.empty(), "--forbid");
   refuse(a.ratings == OptimizeArguments::Ratings::kRespect, "--respect-ratings");
   refuse(!a.scatter.drops.empty(), "--drops");
   const FreedomArguments& f = a.freedom;
@@ -149,6 +150,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a.scene, a.actuators, run);
+  check_exports(a.exports, scene.robot);
   apply(f, scene.freedom);
   const double rate = rate_of(a.rate);
   constexpr double kShort = 2, kWriting = 0.02;  // [s]
@@ -160,7 +162,8 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   options.seed = common.seed, options.threads = common.threads;
   options.deadline = a.deadline;
   options.validate();
-  const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
+  const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
+                     a.exports.has(Exports::Format::kPlotJuggler);
   options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
   if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
@@ -174,7 +177,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
                        options.seed));
   const BodyPlan best = plan(scene, options);
   options.deadline = a.deadline;
-  return report(scene, best, options, rate, run);
+  return report(scene, best, options, rate, a.exports, run);
 }
 
 int risk_body(const RiskArguments& a, const CommonOptions& common) {
