@@ -59,6 +59,7 @@ void validate(const Robot& robot, const BodyMotion& motion);
 /// no drive of its own, or of the only driven one.
 struct GivenDrive {
   std::string joint, file;
+  std::string option = "--actuator";  ///< that gave it, for messages
 };
 
 /// Whether a scene's or a robot's file holds a robot in the long form: links of its own, or the name of a file.

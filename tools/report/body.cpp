@@ -196,7 +196,7 @@ void robot_tables(const BodyScene& scene, Report& report) {
                         scene.floor && std::isfinite(c.law.friction) ? fmt::format("{:.4g}", c.law.friction) : "",
                         c.pad ? fmt::format("{:.4g} mm", c.pad->thickness * 1e3) : ""});
   if (!contacts.empty()) report.table({"contact", "link", "at [m]", "stiffness [N/m]", "friction", "pad"}, contacts);
-  if (!scene.source.empty()) report.paragraph("Floor constants: " + scene.source + ".");
+  floor_source(report, scene.source);
 }
 
 int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const Exports& exports, Run& run) {

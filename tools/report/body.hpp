@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "landing/plan/body_map.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
@@ -11,6 +12,7 @@
 #include "tools/report/landing.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/trajectory.hpp"
+#include "tools/study/body_comparison.hpp"
 
 namespace ukemi::tools {
 
@@ -47,6 +49,9 @@ int report(const landing::BodyScene& scene, const landing::BodyPlan& plan, const
            double rate, const Exports& exports, Run& run);
 int report(const landing::BodyScene& scene, const landing::BodyMotion& motion, const landing::BodyRisk& risk,
            const landing::BodyRiskOptions& options, Run& run);
+/// `names`: what each set is, as its options have it.
+int report(const BodyComparison& comparison, const OfSets<std::string>& names, Run& run);
+int report(const landing::BodySurvey& survey, Run& run);
 int report_robot(const landing::BodyScene& scene, Run& run);
 
 }  // namespace ukemi::tools

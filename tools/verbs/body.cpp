@@ -24,18 +24,24 @@ using namespace landing;
 
 namespace {
 
-constexpr const char* kCan = "of a robot of links it is not there yet; what is: simulate, optimize, risk, robot";
+constexpr const char* kCan =
+    "of a robot of links it is not there yet; what is: simulate, optimize, risk, compare, map, robot";
 
-/// FILE, or JOINT=FILE; what stands before '=' is a joint's name, not a path.
-std::vector<GivenDrive> drives_of(const std::vector<std::string>& given) {
+}  // namespace
+
+std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const std::string& option) {
   std::vector<GivenDrive> out;
   for (const std::string& text : given) {
     const std::size_t equal = text.find('=');
     const bool named = equal != std::string::npos && text.find_first_of("/.\\") > equal;
-    out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1)} : GivenDrive{"", text});
+    out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1), option}
+                        : GivenDrive{"", text, option});
   }
   return out;
 }
+
+namespace {
+
 /// The files behind a scene are inputs of the run; warns of drives that their fits did not trust.
 void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   run.input(path);
@@ -71,16 +77,24 @@ BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run)
   return read_body_motion(a.file, scene.robot);
 }
 
+}  // namespace
+
 void refuse(bool given, const char* option) {
   if (given) throw InputError(fmt::format("{}: {}", option, kCan));
 }
 
-BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run) {
-  BodyScene scene = read_body_scene(path, drives_of(actuators));
+BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
+                  const std::string& option) {
+  BodyScene scene = read_body_scene(path, drives_of(actuators, option));
   note_files(scene, path, run);
   for (const std::string& doubt : doubts(scene.robot)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
   return scene;
+}
+
+void apply_freedom(const FreedomArguments& a, BodyScene& scene) {
+  refuse(a.release_phi || a.release_rate || a.from, "--release-phi, --release-rate, --release-from");
+  apply(a, scene.freedom);
 }
 
 std::optional<Scatter> scatter_of(const ScatterArguments& a) {
@@ -91,6 +105,8 @@ double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
     run.warn("--inflate makes no difference: no drive's file holds [uncertainty], so their constants do not scatter");
   return checked_inflate(a);
 }
+
+namespace {
 
 double rate_of(double rate) {
   if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
@@ -112,9 +128,9 @@ int run_robot(const RobotArguments& a, const CommonOptions& common) {
 
 }  // namespace
 
-std::string only_actuator(const std::vector<std::string>& given) {
-  if (given.empty()) throw InputError("--actuator is required");
-  if (given.size() > 1) throw InputError("--actuator: the paper's robot has one joint: one file is needed");
+std::string only_actuator(const std::vector<std::string>& given, const std::string& option) {
+  if (given.empty()) throw InputError(option + " is required");
+  if (given.size() > 1) throw InputError(option + ": the paper's robot has one joint: one file is needed");
   return given[0];
 }
 
@@ -145,13 +161,11 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   refuse(!a.forbid.empty(), "--forbid");
   refuse(a.ratings == OptimizeArguments::Ratings::kRespect, "--respect-ratings");
   refuse(!a.scatter.drops.empty(), "--drops");
-  const FreedomArguments& f = a.freedom;
-  refuse(f.release_phi || f.release_rate || f.from, "--release-phi, --release-rate, --release-from");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a.scene, a.actuators, run);
   check_exports(a.exports, scene.robot);
-  apply(f, scene.freedom);
+  apply_freedom(a.freedom, scene);
   const double rate = rate_of(a.rate);
   constexpr double kShort = 2, kWriting = 0.02;  // [s]
   BodyPlanOptions options;
