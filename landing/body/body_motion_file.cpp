@@ -57,31 +57,73 @@ std::string body_motion_toml(const BodyMotion& motion, const Robot& robot, const
   return text;
 }
 
-std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double rate, const std::string& comments) {
+namespace {
+
+/// A driven joint's rows: where its columns stand, and what it plays.
+struct JointRows {
+  std::string suffix;
+  Motion motion, landing;  ///< landing: from where the reference is at its expected start
+
+  Reference<double> at(double t, double start) const {
+    return t < 0 ? reference_before(motion, start + t) : reference_of(landing, t);
+  }
+};
+
+/// The times of all joints' rows, which are those of each by itself.
+std::vector<double> row_times(const std::vector<JointRows>& joints, double start, double rate) {
   std::vector<double> times;
-  std::vector<std::string> names = {"t"};
-  const bool gains = std::any_of(motion.begin(), motion.end(), [](auto& m) { return m.gain_p != 1 || m.gain_d != 1; });
-  for (std::size_t i = 0; i < motion.size(); ++i) {
-    if (!robot.joints[i].driven()) continue;
-    const std::string of = alone(robot) ? "" : "_" + robot.joints[i].name;
-    names.insert(names.end(), {"phi_ref" + of, "dphi_ref" + of});
-    if (gains) names.insert(names.end(), {"gain_p" + of, "gain_d" + of});
-    const MotionRows rows = rows_of(motion[i], std::numeric_limits<double>::infinity(), rate);
+  for (const JointRows& j : joints) {
+    const MotionRows rows = rows_of(j.motion, start, rate);
     times.insert(times.end(), rows.t.begin(), rows.t.end());
   }
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+/// What a reader must know of rows before t = 0.
+std::string clock_words(bool air, double start) {
+  if (!air) return "t = 0 at the detected first touchdown; before it hold the first row. Units: s, rad, rad/s.";
+  return fmt::format(
+      "t = 0 at the detected first touchdown; before it the moves in the air, by the clock: t = 0 is then the expected "
+      "detection of the touchdown, {:.6f} s after release. Hold the first row until then. The landing motions start at "
+      "the detected touchdown, from where the references are. Units: s, rad, rad/s.",
+      start);
+}
+
+}  // namespace
+
+std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double rate, const std::string& comments,
+                            double start) {
+  const auto any = [&](auto&& of) { return std::any_of(motion.begin(), motion.end(), of); };
+  const bool gains = any([](auto&m) { return m.gain_p != 1 || m.gain_d != 1; }),
+             turning = any([](auto&m) { return m.release_rate() != 0; });
+  std::vector<JointRows> joints;
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    if (robot.joints[i].driven())
+      joints.push_back({alone(robot) ? "" : "_" + robot.joints[i].name, motion[i], started_at(motion[i], start)});
+  const std::vector<double> times = row_times(joints, start, rate);
+  const bool air = !times.empty() && times.front() < 0;
+  std::vector<std::string> names = {"t"};
+  if (air) names.push_back("t_from_release");
+  for (const JointRows& j : joints) {
+    names.insert(names.end(), {"phi_ref" + j.suffix, "dphi_ref" + j.suffix});
+    if (gains) names.insert(names.end(), {"gain_p" + j.suffix, "gain_d" + j.suffix});
+    if (turning) names.push_back("release_rate" + j.suffix);
+  }
   CsvWriter csv;
   csv.comment(comments);
-  csv.comment("t = 0 at the detected first touchdown; before it hold the first row. Units: s, rad, rad/s.");
+  csv.comment(clock_words(air, start));
+  if (turning) csv.comment("release_rate: of a joint at release, the same in every row [rad/s].");
   csv.header(names);
   for (const double t : times) {
     csv.cell(t);
-    for (std::size_t i = 0; i < motion.size(); ++i) {
-      if (!robot.joints[i].driven()) continue;
-      const Reference<double> r = reference_of(motion[i], t);
+    if (air) csv.cell(start + t);
+    for (const JointRows& j : joints) {
+      const Reference<double> r = j.at(t, start);
       csv.cell(r.phi).cell(r.dphi);
-      if (gains) csv.cell(motion[i].gain_p).cell(motion[i].gain_d);
+      if (gains) csv.cell(t < 0 ? 1 : j.motion.gain_p).cell(t < 0 ? 1 : j.motion.gain_d);
+      if (turning) csv.cell(j.motion.release_rate());
     }
     csv.end_row();
   }

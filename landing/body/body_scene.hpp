@@ -90,6 +90,7 @@ void validate(const Robot& robot, const BodyMotion& motion);
 /// no drive of its own, or of the only driven one.
 struct GivenDrive {
   std::string joint, file;
+  std::string option = "--actuator";  ///< that gave it, for messages
 };
 
 /// Whether a scene's or a robot's file holds a robot in the long form: links of its own, or the name of a file.
@@ -107,7 +108,10 @@ BodyMotion read_body_motion(const std::string& path, const Robot& robot);
 /// The text of a motion.toml that `read_body_motion` reads back; `comments` goes in front, each line behind "# ".
 std::string body_motion_toml(const BodyMotion& motion, const Robot& robot, const std::string& comments);
 /// Rows of phi_ref_JOINT and dphi_ref_JOINT over the time from the first touchdown, of one driven joint phi_ref and
-/// dphi_ref; `rate` rows a second [Hz], > 0. The motions move nothing in the air.
-std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double rate, const std::string& comments);
+/// dphi_ref; `rate` rows a second [Hz], > 0. `start`: when the landing motions are expected to start, from release [s];
+/// finite: the moves in the air that have begun by then are the rows before t = 0, with t_from_release; infinite: there
+/// are no such rows. Tests: test/legs/plans.cpp.
+std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double rate, const std::string& comments,
+                            double start = std::numeric_limits<double>::infinity());
 
 }  // namespace ukemi::landing

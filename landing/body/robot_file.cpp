@@ -215,23 +215,25 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
   }
   for (const GivenDrive& g : given)
     if (!g.joint.empty() && std::find(names.begin(), names.end(), g.joint) == names.end())
-      throw InputError("--actuator: " + one_of(g.joint, names));
+      throw InputError(g.option + ": " + one_of(g.joint, names));
   const auto lacking = std::count(open.begin(), open.end(), true);
   const auto driven = std::count_if(joints.begin(), joints.end(), [](auto& j) { return j.driven(); });
   for (const GivenDrive& g : given)
     if (g.joint.empty() && (lacking > 0 ? lacking != 1 : driven != 1))
-      throw InputError(fmt::format("--actuator: {}: JOINT=FILE is needed, JOINT one of {}", ukemi::quoted(g.file),
+      throw InputError(fmt::format("{}: {}: JOINT=FILE is needed, JOINT one of {}", g.option, ukemi::quoted(g.file),
                                    fmt::join(names, ", ")));
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const bool only = lacking > 0 ? lacking == 1 && open[i] : driven == 1 && joints[i].driven();
     if (const GivenDrive* g = given_for(joints[i], only, given)) {
       if (!joints[i].driven())
-        throw InputError("--actuator: joint " + ukemi::quoted(joints[i].name) + " is " + name(joints[i].kind) +
+        throw InputError(g->option + ": joint " + ukemi::quoted(joints[i].name) + " is " + name(joints[i].kind) +
                          ": a joint that is driven is needed");
       files.push_back(g->file), set_elastic(read_actuator(g->file), joints[i], {g->file});
     } else if (open[i]) {
-      reader.joints[i].fail("joint", fmt::format("{}: its drive is needed: a table [drive.{}], or --actuator {}=FILE",
-                                                 ukemi::quoted(joints[i].name), joints[i].name, joints[i].name));
+      reader.joints[i].fail(
+          "joint",
+          fmt::format("{}: its drive is needed: a table [drive.{}], or {} {}=FILE", ukemi::quoted(joints[i].name),
+                      joints[i].name, given.empty() ? GivenDrive().option : given[0].option, joints[i].name));
     }
   }
 }

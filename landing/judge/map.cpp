@@ -1,4 +1,4 @@
-#include "landing/judge/map.hpp"
+#include "landing/judge/peak_grid.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -65,24 +65,29 @@ std::vector<std::size_t> PeakMap::neighbours(std::size_t here) const {
 
 namespace {
 
-PeakMap empty_map(const MotionSpace& space, const MapOptions& options) {
-  const auto n = std::size_t(space.dimension());
+PeakMap empty_map(const std::vector<Variable>& variables, const MapOptions& options) {
+  const std::size_t n = variables.size();
   if (options.cells.size() > n)
     throw InputError("grid: " + std::to_string(options.cells.size()) + " numbers: the motion has " + std::to_string(n) +
                      " variables");
   if (options.slice.size() != 0 && std::size_t(options.slice.size()) != n)
     throw InputError("slice: " + std::to_string(options.slice.size()) + " values: the motion has " + std::to_string(n) +
                      " variables");
-  PeakMap map{space.variables(), options.cells, options.slice, {}};
+  PeakMap map{variables, options.cells, options.slice, {}};
   map.cells.resize(n, 1);
-  if (map.slice.size() == 0) map.slice = space.values(space.centre());
+  if (map.slice.size() == 0) {
+    map.slice.resize(long(n));
+    for (std::size_t k = 0; k < n; ++k)
+      map.slice[long(k)] = variables[k].lower + 0.5 * (variables[k].upper - variables[k].lower);
+  }
   std::size_t points = 1;
   for (const int c : map.cells) points *= std::size_t(c);
   map.grid.resize(points);
   return map;
 }
 
-/// The grid's points that are as low as all their neighbours, the lowest first.
+}  // namespace
+
 std::vector<std::size_t> local_minima(const PeakMap& map) {
   std::vector<std::size_t> minima;
   for (std::size_t i = 0; i < map.grid.size(); ++i) {
@@ -96,6 +101,8 @@ std::vector<std::size_t> local_minima(const PeakMap& map) {
                    [&](std::size_t a, std::size_t b) { return map.grid[a].peak < map.grid[b].peak; });
   return minima;
 }
+
+namespace {
 
 /// Differential evolution from one cell of the grid down into its basin.
 Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& map, const PeakMap::Place& cell,
@@ -130,43 +137,49 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
 
 }  // namespace
 
-PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options) {
+PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options, std::size_t row,
+                  const PlayCells& play) {
   options.validate();
-  PeakMap map = empty_map(space, options);
+  PeakMap map = empty_map(variables, options);
+  if (row == 0) row = std::size_t(map.cells.back());
   std::atomic<long> rows{0};
-  // A row of the last variable is one batch: its landings are alike, so that lanes meet their events together.
-  const int row = map.cells.back(), count = int(map.grid.size() / std::size_t(row));
+  const int count = int(map.grid.size() / row);
   parallel_for(count, options.threads, [&](int r) {
-    const std::size_t first = std::size_t(r) * std::size_t(row);
-    std::vector<Play> plays;
-    std::vector<BatchCase> cases;
-    for (int k = 0; k < row; ++k) plays.push_back(space.play(map.values(map.place(first + std::size_t(k)))));
-    for (const Play& p : plays) cases.push_back({&scene, &p.sea, p.motion});
-    std::vector<LandingPeak> peaks(cases.size());
-    batch_peaks(cases, peaks,
-                {.accuracy = options.accuracy, .over = options.monitor.stop ? &options.monitor.stop : nullptr});
-    for (std::size_t k = 0; k < peaks.size(); ++k) {
-      const LandingPeak& p = peaks[k];
-      const bool none = no_landing(p.end) || p.end == End::kStopped;
-      map.grid[first + k] = {none ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact,
-                             p.joint_lost, p.end};
-    }
+    const std::size_t first = std::size_t(r) * row;
+    play(map, first, std::span(map.grid).subspan(first, row));
     options.monitor.progress(++rows, count);
   });
   return map;
 }
 
-std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const PeakMap& map, const MapOptions& options) {
-  options.validate();
-  if (int(map.variables.size()) != space.dimension() || map.cells.size() != map.variables.size())
-    throw InputError("map: its variables are not those of the motion");
+PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options) {
+  // A row of the last variable is one batch: its landings are alike, so that lanes meet their events together.
+  return map_peaks(
+      space.variables(), options, 0, [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> row) {
+        std::vector<Play> plays;
+        std::vector<BatchCase> cases;
+        for (std::size_t k = 0; k < row.size(); ++k) plays.push_back(space.play(map.values(map.place(first + k))));
+        for (const Play& p : plays) cases.push_back({&scene, &p.sea, p.motion});
+        std::vector<LandingPeak> peaks(cases.size());
+        batch_peaks(cases, peaks,
+                    {.accuracy = options.accuracy, .over = options.monitor.stop ? &options.monitor.stop : nullptr});
+        for (std::size_t k = 0; k < peaks.size(); ++k) {
+          const LandingPeak& p = peaks[k];
+          const bool none = no_landing(p.end) || p.end == End::kStopped;
+          row[k] = {none ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact, p.joint_lost,
+                    p.end};
+        }
+      });
+}
+
+std::vector<Candidate> descents(const PeakMap& map, const MapOptions& options, const Descend& descend) {
   if (options.monitor.stopped()) return {};
   std::vector<std::size_t> minima = local_minima(map);
   minima.resize(std::min(minima.size(), std::size_t(options.polished)));
   std::vector<Candidate> found(minima.size());
   std::atomic<long> searched{0};
   parallel_for(int(minima.size()), options.threads, [&](int n) {
-    const Candidate best = descend(scene, space, map, map.place(minima[std::size_t(n)]), options, std::uint64_t(n));
+    const Candidate best = descend(map.place(minima[std::size_t(n)]), std::uint64_t(n));
     if (options.monitor.stopped()) return;
     found[std::size_t(n)] = best;
     options.monitor.progress(++searched, long(minima.size()));
@@ -178,8 +191,17 @@ std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const Pe
     if (p.value < kNoMotion &&
         std::none_of(distinct.begin(), distinct.end(), [&](const Candidate& q) { return distance(p, q) < kApart; }))
       distinct.push_back(p);
+  return distinct;
+}
+
+std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const PeakMap& map, const MapOptions& options) {
+  options.validate();
+  if (int(map.variables.size()) != space.dimension() || map.cells.size() != map.variables.size())
+    throw InputError("map: its variables are not those of the motion");
   std::vector<Basin> out;
-  for (const Candidate& p : distinct) {
+  for (const Candidate& p : descents(map, options, [&](const PeakMap::Place&cell, std::uint64_t n) {
+         return descend(scene, space, map, cell, options, n);
+       })) {
     const Coordinates x = space.values(p.u);
     out.push_back({x, space.play(x), p.value});
   }

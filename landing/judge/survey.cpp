@@ -4,13 +4,18 @@
 
 namespace ukemi::landing {
 
-Survey survey(const Scene& scene, const MotionSpace& space, const SurveyOptions& options) {
-  Survey out{.scene = scene};
+MappedPeaks mapped(const std::function<PeakMap()>& play) {
+  MappedPeaks out;
   const Stopwatch watch(Stopwatch::Time::kWall);
-  out.map = map_peaks(scene, space, options.map);
+  out.map = play();
   out.map_seconds = watch.seconds();
   for (const PeakMap::Cell& c : out.map.grid)
     out.failed += no_landing(c.end), out.missing += c.end == End::kStopped, out.lost += c.joint_lost;
+  return out;
+}
+
+Survey survey(const Scene& scene, const MotionSpace& space, const SurveyOptions& options) {
+  Survey out{mapped([&] { return map_peaks(scene, space, options.map); }), scene, {}};
   MapOptions near = options.map;
   near.monitor = options.basins;
   const std::vector<Basin> found = basins(scene, space, out.map, near);

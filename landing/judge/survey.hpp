@@ -1,6 +1,8 @@
 // The box of motions surveyed: its map, the basins that the map shows, and what each of them is worth.
 #pragma once
 
+#include <functional>
+
 #include "landing/judge/map.hpp"
 
 namespace ukemi::landing {
@@ -15,12 +17,18 @@ struct JudgedBasin {
   Evidence evidence;
 };
 
-struct Survey {
-  Scene scene;
+/// A map, whatever falls.
+struct MappedPeaks {
   PeakMap map;
   double map_seconds = 0;  ///< that the map took
   /// Landings of the grid that could not be followed, that were not played, whose drive lost the joint.
   long failed = 0, missing = 0, lost = 0;
+};
+/// The map that `play` makes, timed and counted.
+[[nodiscard]] MappedPeaks mapped(const std::function<PeakMap()>& play);
+
+struct Survey : MappedPeaks {
+  Scene scene;
   std::vector<JudgedBasin> basins;  ///< the best first
 };
 

@@ -94,7 +94,8 @@ struct RowReader {
   void read_gains();
   void require_rows(std::size_t from, std::size_t count, const char* piece) const;
   BumpsOf<double> bumps(const Motion& plain) const;
-  double length_of_move(std::size_t last) const;
+  std::size_t begin_of_move() const;
+  double length_of_move(std::size_t first, std::size_t last) const;
   void fit_move(Motion& m) const;
   void check(const Motion& m) const;
   [[noreturn]] void fail(const char* name, std::size_t row, const std::string& message) const {
@@ -195,16 +196,25 @@ BumpsOf<double> RowReader::bumps(const Motion& plain) const {
   return without > 2 * with + kRounding ? shaped.bumps : plain.bumps;
 }
 
-/// How long the move in the air takes, by the rows up to the last that moves: of the least-squares fit of
+/// The row where the move in the air begins: the last of those in front that stand, where another joint's move begins
+/// earlier than this one's.
+std::size_t RowReader::begin_of_move() const {
+  std::size_t i = 0;
+  while (i + 1 < zero && rows.phi[i + 1] == rows.phi[0] && rows.dphi[i + 1] == 0) ++i;
+  return i;
+}
+
+/// How long the move in the air takes, by its rows from the first to the last that moves: of the least-squares fit of
 /// c_3 u^3 + c_4 u^4 + c_5 u^5 to a quintic, which has T = -3/2 c_3 / c_4 [s].
-double RowReader::length_of_move(std::size_t last) const {
-  const double span = rows.t[last] - rows.t[0];
-  Eigen::MatrixXd powers(last, 3);
+double RowReader::length_of_move(std::size_t first, std::size_t last) const {
+  const double span = rows.t[last] - rows.t[first];
+  Eigen::MatrixXd powers(last - first, 3);
   Eigen::VectorXd moved(powers.rows());
-  for (std::size_t i = 1; i <= last; ++i) {
-    const double x = (rows.t[i] - rows.t[0]) / span, x3 = x * x * x;
-    powers.row(long(i) - 1) << x3, x3 * x, x3 * x * x;
-    moved[long(i) - 1] = rows.phi[i] - rows.phi[0];
+  for (std::size_t i = first + 1; i <= last; ++i) {
+    const double x = (rows.t[i] - rows.t[first]) / span, x3 = x * x * x;
+    const long k = long(i - first) - 1;
+    powers.row(k) << x3, x3 * x, x3 * x * x;
+    moved[k] = rows.phi[i] - rows.phi[0];
   }
   const Eigen::Vector3d c = LeastNorm(powers).solve(moved);
   return -1.5 * c[0] / c[1] * span;
@@ -213,20 +223,25 @@ double RowReader::length_of_move(std::size_t last) const {
 /// phi_I and the end of the move in the air: least squares of range q(u / T), u the time since the move began, by
 /// Gauss-Newton.
 void RowReader::fit_move(Motion& m) const {
-  const double phi = rows.phi[0], from = rows.start + rows.t[0];
+  const double phi = rows.phi[0];
+  std::size_t first = 0, last = zero - 1;  // that moves
+  while (last > 0 && std::abs(rows.dphi[last]) <= kStill) --last;
+  if (last > 0) first = begin_of_move();
+  const double from = rows.start + rows.t[first];
   m.reposition = Reposition{phi, rows.release_rate, from, rows.start};
   m.phi_i = phi;
-  std::size_t last = zero - 1;  // that moves
-  while (last > 0 && std::abs(rows.dphi[last]) <= kStill) --last;
-  if (last == 0) return;
-  require_rows(0, last, "move in the air");
-  double range = rows.phi[zero - 1] - phi, duration = length_of_move(last);
+  if (last == 0) {
+    if (!suffix_.empty() && rows.release_rate == 0) m.reposition.reset();  // it is another joint that moves
+    return;
+  }
+  require_rows(first, last - first, "move in the air");
+  double range = rows.phi[zero - 1] - phi, duration = length_of_move(first, last);
   if (!(duration > 0)) fail("phi_ref", 0, "the rows with t < 0 are no quintic from rest to rest");
   for (int step = 0; step < 20; ++step) {
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
-    for (std::size_t i = 1; i < zero; ++i) {
-      const double u = rows.t[i] - rows.t[0];
+    for (std::size_t i = first + 1; i < zero; ++i) {
+      const double u = rows.t[i] - rows.t[first];
       const Reference<double> unit = u < duration ? quintic(0.0, 1.0, duration, u) : Reference<double>{1, 0};
       const Eigen::Vector2d slope(unit.phi, -range * unit.dphi * u / duration);
       normal += slope * slope.transpose();

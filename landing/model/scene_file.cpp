@@ -77,7 +77,9 @@ Scene read_scene(const std::string& path) {
   scene.name = std::filesystem::path(path).stem().string();
 
   constexpr const char* kLinks =
-      "a robot of links: `ukemi simulate`, `optimize` and `robot` take it; here the paper's two links are needed, "
+      "a robot of links: `ukemi simulate`, `optimize`, `risk`, `compare`, `map` and `robot` take it; here the paper's "
+      "two "
+      "links are needed, "
       "link_length, mass and inertia_com";
   if (file.optional_text("robot")) throw InputError(Location{path}, std::string("robot: ") + kLinks);
   TomlSection robot = file.require("robot");

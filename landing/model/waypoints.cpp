@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace ukemi::landing {
 
@@ -56,6 +57,31 @@ std::vector<Waypoint> waypoints(const ReferencePiece<double>& piece) {
     std::vector<Waypoint> points = equal_steps(piece, steps);
     if (!shaped(piece) || steps == kMostSteps || misfit(piece, points) <= kSplineMisfit) return points;
   }
+}
+
+std::vector<std::vector<Waypoint>> waypoints(const std::vector<ReferencePiece<double>>& pieces) {
+  const auto nanoseconds = [](double t) { return std::llround(t * 1e9); };
+  std::map<long long, double> times{{0, 0.0}};
+  std::vector<std::map<long long, Waypoint>> own;
+  for (const ReferencePiece<double>& piece : pieces) {
+    own.emplace_back();
+    for (Waypoint p : waypoints(piece)) {
+      p.t += piece.start;
+      own.back().emplace(nanoseconds(p.t), p), times.emplace(nanoseconds(p.t), p.t);
+    }
+  }
+  std::vector<std::vector<Waypoint>> out(pieces.size());
+  for (const auto& [key, t] : times)
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const ReferencePiece<double>& piece = pieces[i];
+      Waypoint at{t, t < piece.start ? piece.a : piece.b, 0, 0};
+      if (const auto known = own[i].find(key); known != own[i].end())
+        at = known->second;
+      else if (t > piece.start && t < piece.start + piece.duration)
+        at = waypoint(piece, t - piece.start), at.t = t;
+      out[i].push_back(at);
+    }
+  return out;
 }
 
 }  // namespace ukemi::landing

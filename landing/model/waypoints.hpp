@@ -26,5 +26,8 @@ double spline_between(const Waypoint& a, const Waypoint& b, double t);
 /// where there are no shape terms, but for the nanosecond to which the duration is rounded.
 /// Tests: test/unit/waypoints.cpp.
 std::vector<Waypoint> waypoints(const ReferencePiece<double>& piece);
+/// Several pieces from t = 0 on, each from its own start (>= 0): the waypoints of each piece at the times of all, the
+/// same number for each. A piece stands before its start and behind its end.
+std::vector<std::vector<Waypoint>> waypoints(const std::vector<ReferencePiece<double>>& pieces);
 
 }  // namespace ukemi::landing

@@ -144,3 +144,42 @@ TEST_CASE("export: what is no format or no name is refused") {
   check_refused(f, kSimulate + Arguments{"--hold", "-45", "--export", "ros"}, {"--export: 'ros': ros2 or plotjuggler"});
   check_refused(f, kSimulate + Arguments{"--hold", "-45", "--export", "ros2", "--joint", "a b"}, {"--joint: 'a b': "});
 }
+
+TEST_CASE("export: of a robot of links one message holds every driven joint, one file every row") {
+  const Folder f;
+  const std::string three = dataset("scenes/three_links.toml");
+  f.write("motion.toml",
+          "[motion.hip]\nphi_i_deg = 20\nphi_f_deg = -40\nduration = 0.3\n"
+          "[motion.knee]\nphi_i_deg = -60\nphi_f_deg = -80\nduration = 0.2\ngain_d = 0.5\n"
+          "[reposition.knee]\nphi_deg = -45\nfrom = 0.05\nto = 0.2\n");
+  done(f, {"simulate", three, "--motion", "motion.toml", "--export", "ros2,plotjuggler", "--no-report", "-o", "out"});
+  const std::string yaml = read(f.at("out/motion_ros2.yaml")), air = read(f.at("out/reposition_ros2.yaml"));
+  CHECK_THAT(yaml, Contains("joint_names: [\"hip\", \"knee\"]\n") && Contains("# 2 points: the motion itself") &&
+                       Contains("of knee K_p times 1 and K_d times 0.5."));
+  // The union of the times 0.2 and 0.3; the knee stands at -80 deg from 0.2 s on, the hip is in its quintic there.
+  const std::regex points(
+      "- positions: \\[(.*), -1.396263401595463.*\\]\n  velocities: \\[(.*), 0.0\\]\n.*\n  time_from_start: \\{sec: 0, "
+      "nanosec: 200000000\\}\n- positions: \\[-0.698131700797731.*, -1.396263401595463.*\\]\n  velocities: "
+      "\\[0.0, 0.0\\]\n.*\n  time_from_start: \\{sec: 0, nanosec: 300000000\\}\n$");
+  std::smatch m;
+  REQUIRE(std::regex_search(yaml, m, points));
+  const double s = 2.0 / 3, range = -60 / 57.29577951308232;
+  CHECK(std::stod(m[1]) ==
+        Approx(20 / 57.29577951308232 + range * s * s * s * (10 - 15 * s + 6 * s * s)).epsilon(1e-9));
+  CHECK(std::stod(m[2]) == Approx(range / 0.3 * 30 * s * s * (1 - s) * (1 - s)).epsilon(1e-9));
+  CHECK_THAT(air, Contains("nanosec: 50000000}") && Contains("nanosec: 200000000}") &&
+                      Contains("positions: [0.3490658503988659, -0.7853981633974483]"));
+  const std::string text = read(f.at("out/plotjuggler.csv"));
+  CHECK(text.find('#') == text.npos);
+  const Rows rows(text), trajectory(read(f.at("out/trajectory.csv")));
+  REQUIRE(rows.names.size() == trajectory.names.size());
+  CHECK(std::set<std::string>(rows.names.begin(), rows.names.end()).size() == rows.names.size());
+  CHECK(std::find(rows.names.begin(), rows.names.end(), "joints/knee/reference[rad]") != rows.names.end());
+  REQUIRE(rows.rows.size() == trajectory.rows.size());
+  for (std::size_t i = 1; i < rows.rows.size(); ++i)
+    if (!(rows.rows[i][0] > rows.rows[i - 1][0])) FAIL("time does not rise in row " << i);
+  done(f, {"optimize", three, "--evaluations", "40", "--export", "ros2", "--no-report", "-o", "best"});
+  CHECK_THAT(read(f.at("best/motion_ros2.yaml")), Contains("joint_names: [\"hip\", \"knee\"]\n"));
+  check_refused(f, {"simulate", three, "--export", "ros2", "--joint", "leg"},
+                {"--joint: 'leg': ", "one driven joint", "hip, knee"});
+}

@@ -125,7 +125,7 @@ TEST_CASE("optimize plans for drops that scatter, risk plays the plan over them,
 
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  const std::string can = "simulate, optimize, risk, robot", two = "a robot of links: `ukemi simulate`";
+  const std::string can = "simulate, optimize, risk, compare, map, robot", two = "a robot of links: `ukemi simulate`";
   check_refused(f, {"optimize", kHopper, "--drops", "x.csv"}, {"--drops: ", can});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
@@ -133,12 +133,11 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
   check_refused(f, {"optimize", kHopper, "--release-phi", "2"}, {"--release-phi", can});
   check_refused(f, {"optimize", kHopper, "--bumps", "4"}, {"13 variables for 2 driven joints", "at most 12"});
   check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
-  check_refused(f, {"simulate", kHopper, "--export", "ros2"}, {"--export: ", can});
+  check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv:1"}, {"--drop-from: ", can});
   check_refused(f, {"risk", kHopper, "--forbid", "knee"}, {"--forbid: ", can});
   check_refused(f, {"risk", kHopper, "--hold", "-45"}, {"--hold: '-45': ", "NAME=VALUE"});
-  check_refused(f, {"map", kHopper, "--actuator", kTable2}, {two});
   check_refused(f, {"ratings", kHopper, "--actuator", kTable2, "--motor-speed", "1:2:2"}, {two});
-  check_refused(f, {"compare", "--nominal", kNominal, "--identified", kTable2, "--scene", kHopper}, {two});
+  check_refused(f, {"risk", kPaper, "--hold", "-45"}, {"--actuator is required"});
   check_refused(f, {"simulate", kHopper, "--hold", "35"}, {"--hold: '35': ", "NAME=VALUE"});
   check_refused(f, {"simulate", kHopper, "--hold", "hop=35"}, {"--hold: 'hop': ", "hip or knee"});
   check_refused(f, {"simulate", kHopper, "--hold", "hip=400"}, {"--hold: 400: ", "-360 to 360"});

@@ -152,6 +152,53 @@ TEST_CASE("legs: shape terms, gains and durations of each joint are planned, pla
   CHECK(simulate(scene, still, {.accuracy = 1e-7}).peak == Approx(simulate(scene, still).peak).epsilon(1e-5));
 }
 
+TEST_CASE("legs: moves in the air of several joints come back from their rows") {
+  for (const char* name : {"three_links", "hopper", "foot"}) {
+    const BodyScene scene = shipped(name);
+    for (std::uint64_t n = 0; n < 6; ++n) {
+      BodyMotion m = random_motion(scene, n);
+      std::vector<std::size_t> driven;
+      for (std::size_t i = 0; i < m.size(); ++i)
+        if (scene.robot.joints[i].driven()) driven.push_back(i);
+      REQUIRE(driven.size() == 2);
+      // The first joint's move begins later than the other's, or not at all; the other's is cut by the floor, or is
+      // not.
+      if (n % 3 != 0)
+        m[driven[0]].reposition = Reposition{m[driven[0]].phi_i + 0.3, n % 3 == 2 ? 2.0 : 0.0, 0.0837, 0.2};
+      m[driven[1]].reposition = Reposition{m[driven[1]].phi_i - 0.4, 0, 0.05, n % 2 ? 0.15 : 0.4};
+      m[driven[1]].gain_p = 1.5, m[driven[0]].bumps[0] = 0.1;
+      const BodyLanding l = simulate(scene, m);
+      const test::Folder f;
+      const std::string csv =
+          f.write("m.csv", body_motion_csv(m, scene.robot, 1000, "a plan", l.first_touchdown + scene.detection_delay));
+      const BodyMotion back = read_body_motion(csv, scene.robot);
+      INFO(name << ", motion " << n);
+      CHECK(back[driven[0]].reposition.has_value() == m[driven[0]].reposition.has_value());
+      CHECK(back[driven[1]].reposition->from == Approx(0.05).epsilon(1e-9));
+      CHECK(back[driven[1]].gain_p == 1.5);
+      CHECK(simulate(scene, back).peak == Approx(l.peak).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("legs: rows of moves in the air that are none are refused with their place") {
+  const BodyScene scene = shipped("hopper");
+  BodyMotion m = held_posture(scene);
+  m[0].reposition = Reposition{m[0].phi_i + 0.3, 0, 0.05, 0.2};
+  const std::string good = body_motion_csv(m, scene.robot, 1000, "rows", 0.25);
+  const test::Folder f;
+  const auto refused = [&](const std::string& from, const std::string& to, const std::string& words) {
+    std::string text = good;
+    REQUIRE(text.find(from) != text.npos);
+    text.replace(text.find(from), from.size(), to);
+    CHECK_THROWS_WITH(read_body_motion(f.write("m.csv", text), scene.robot),
+                      Catch::Matchers::Contains("m.csv:") && Catch::Matchers::Contains(words));
+  };
+  refused("t,t_from_release,", "t,other,", "a move in the air needs the column 't_from_release' too");
+  refused("phi_ref_knee", "phi_ref_ankle", "phi_ref_knee");
+  refused("\n-0.1,", "\n-0.1005,", "as in the first row, is needed");
+}
+
 TEST_CASE("legs: a plan of one motion is to hold, and a robot that touches nothing has none") {
   BodyScene scene = shipped("three_links");
   const BodyPlan held = plan(scene, {.evaluations = 1});

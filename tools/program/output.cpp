@@ -31,6 +31,7 @@ std::vector<std::string> figure_names(const std::string& verb) {
        {"ladder", "weakest", "profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
       {"optimize", {"search", "histogram"}},
       {"compare", {"constants"}},
+      {"map", {"map"}},
       {"calibrate", {"drop_#", "validation_#"}},
       {"design", {"force", "angle"}},
       {"ratings", {"ratings"}},

@@ -215,7 +215,7 @@ void bind_body_landing(py::module_& m) {
   bind_value(c);
   bind_report(
       c, "simulate",
-      [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_beside(p.checked, p.rate), run); },
+      [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_beside(p.checked, p.rate), {}, run); },
       [](const BodyPlayed&) { return 1; });
 }
 

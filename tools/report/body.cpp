@@ -71,32 +71,46 @@ const Quantities<CheckedBody> kQuantities = {
 
 }  // namespace
 
+RowColumns<BodySample> trajectory_columns(const Robot& robot) {
+  RowColumns<BodySample> out = {{"t", "time[s]", &BodySample::t}};
+  const auto add = [&](const std::string& name, const std::string& in_words, auto value) {
+    out.push_back({name, in_words, value});
+  };
+  // An array of the rows, at a link's, joint's or contact's place.
+  const auto at = [](auto BodySample::*values, std::size_t k) {
+    return [=](const BodySample& s) { return (s.*values)[k]; };
+  };
+  for (std::size_t k = 0; k < robot.links.size(); ++k) {
+    const std::string& of = robot.links[k].name;
+    add("x_" + of, of + "/x[m]", at(&BodySample::x, k)), add("y_" + of, of + "/y[m]", at(&BodySample::y, k));
+    add("theta_" + of, of + "/angle[rad]", at(&BodySample::theta, k));
+  }
+  for (std::size_t k = 0; k < robot.joints.size(); ++k) {
+    const std::string &of = robot.joints[k].name, in = "joints/" + of;
+    add("phi_" + of, in + "/angle[rad]", at(&BodySample::phi, k));
+    add("dphi_" + of, in + "/rate[rad*s^-1]", at(&BodySample::dphi, k));
+    add("phi_m_" + of, in + "/motor_angle[rad]", at(&BodySample::phi_m, k));
+    add("tau_" + of, in + "/torque[N*m]", at(&BodySample::tau, k));
+    add("phi_ref_" + of, in + "/reference[rad]", at(&BodySample::phi_ref, k));
+  }
+  add("acc_x", "peak_point/acceleration_x[m*s^-2]", &BodySample::acc_x);
+  add("acc_y", "peak_point/acceleration_y[m*s^-2]", &BodySample::acc_y);
+  add("acc", "peak_point/acceleration_norm[m*s^-2]", &BodySample::acc);
+  for (std::size_t k = 0; k < robot.contacts.size(); ++k) {
+    const std::string& of = robot.contacts[k].name;
+    add("f_" + of + "_x", "floor/" + of + "_force_x[N]", at(&BodySample::force_x, k));
+    add("f_" + of + "_y", "floor/" + of + "_force_y[N]", at(&BodySample::force_y, k));
+  }
+  add("energy", "links/energy[J]", &BodySample::energy);
+  return out;
+}
+
 std::string trajectory_csv(const BodyScene& scene, const BodyLanding& landing, const Run& run) {
   CsvWriter csv = run.csv();
   csv.comment(
       "t = 0 at release. Two rows with one t: left and right limit of an event. x, y, theta: each link's origin and "
       "absolute angle; acc: of the point that counts. Units: s, m, rad, N, Nm, m/s^2.");
-  const Robot& robot = scene.robot;
-  std::vector<std::string> names = {"t"};
-  const auto with = [&](const std::string& of, std::initializer_list<const char*> columns) {
-    for (const char* c : columns) names.push_back(std::string(c) + "_" + of);
-  };
-  for (const Link& l : robot.links) with(l.name, {"x", "y", "theta"});
-  for (const Joint& j : robot.joints) with(j.name, {"phi", "dphi", "phi_m", "tau", "phi_ref"});
-  names.insert(names.end(), {"acc_x", "acc_y", "acc"});
-  for (const ContactPoint& c : robot.contacts) names.insert(names.end(), {"f_" + c.name + "_x", "f_" + c.name + "_y"});
-  names.push_back("energy");
-  csv.header(names);
-  for (const BodySample& s : landing.trajectory) {
-    csv.cell(s.t);
-    for (std::size_t k = 0; k < robot.links.size(); ++k) csv.cell(s.x[k]).cell(s.y[k]).cell(s.theta[k]);
-    for (std::size_t k = 0; k < robot.joints.size(); ++k)
-      csv.cell(s.phi[k]).cell(s.dphi[k]).cell(s.phi_m[k]).cell(s.tau[k]).cell(s.phi_ref[k]);
-    csv.cell(s.acc_x).cell(s.acc_y).cell(s.acc);
-    for (std::size_t k = 0; k < robot.contacts.size(); ++k) csv.cell(s.force_x[k]).cell(s.force_y[k]);
-    csv.cell(s.energy).end_row();
-  }
-  return csv.text();
+  return rows_csv(csv, trajectory_columns(scene.robot), &RowColumn<BodySample>::name, landing.trajectory);
 }
 
 PointName contact_name(const Robot& robot) {
@@ -182,10 +196,10 @@ void robot_tables(const BodyScene& scene, Report& report) {
                         scene.floor && std::isfinite(c.law.friction) ? fmt::format("{:.4g}", c.law.friction) : "",
                         c.pad ? fmt::format("{:.4g} mm", c.pad->thickness * 1e3) : ""});
   if (!contacts.empty()) report.table({"contact", "link", "at [m]", "stiffness [N/m]", "friction", "pad"}, contacts);
-  if (!scene.source.empty()) report.paragraph("Floor constants: " + scene.source + ".");
+  floor_source(report, scene.source);
 }
 
-int report(const CheckedBody& c, const std::optional<BodyLanding>& held, Run& run) {
+int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const Exports& exports, Run& run) {
   const BodyLanding& l = c.landing;
   const Robot& robot = c.scene.robot;
   warn_of(l, c.sensitivity, kContact, run);
@@ -202,6 +216,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, Run& ru
           contacts.csv(run,
                        "t = 0 at release; t_liftoff: when the contact rises through its surface again, its pad's "
                        "if it has one. Units: s, N, m/s^2."));
+  for (auto& [name, content] : exported(exports, c.scene, c.motion, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
   tell(table.turned(), report, run);
   report.distrust(run.warnings());

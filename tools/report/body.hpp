@@ -4,11 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "landing/plan/body_map.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
+#include "tools/report/exports.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/report.hpp"
+#include "tools/report/trajectory.hpp"
+#include "tools/study/body_comparison.hpp"
 
 namespace ukemi::tools {
 
@@ -22,6 +26,7 @@ void show(const landing::BodyScene& scene, std::vector<BodyFall> falls, const st
 /// The robot as it is released, every driven joint held where its scene says.
 Figure drawing(const landing::BodyScene& scene);
 
+RowColumns<landing::BodySample> trajectory_columns(const landing::Robot& robot);
 std::string trajectory_csv(const landing::BodyScene& scene, const landing::BodyLanding& landing, const Run& run);
 /// Names of the robot's contacts, which must outlive it.
 PointName contact_name(const landing::Robot& robot);
@@ -37,12 +42,16 @@ Json joints_json(const landing::BodyScene& scene, const landing::BodyMotion& mot
 void robot_tables(const landing::BodyScene& scene, Report& report);
 
 /// Each returns the exit code. `held`: the landing of the held posture on the same drop, to stand beside it.
-int report(const landing::CheckedBody& checked, const std::optional<landing::BodyLanding>& held, Run& run);
+int report(const landing::CheckedBody& checked, const std::optional<landing::BodyLanding>& held, const Exports& exports,
+           Run& run);
 /// `rate`: rows of motion.csv a second [Hz].
 int report(const landing::BodyScene& scene, const landing::BodyPlan& plan, const landing::BodyPlanOptions& options,
-           double rate, Run& run);
+           double rate, const Exports& exports, Run& run);
 int report(const landing::BodyScene& scene, const landing::BodyMotion& motion, const landing::BodyRisk& risk,
            const landing::BodyRiskOptions& options, Run& run);
+/// `names`: what each set is, as its options have it.
+int report(const BodyComparison& comparison, const OfSets<std::string>& names, Run& run);
+int report(const landing::BodySurvey& survey, Run& run);
 /// What became of a part of a robot's description: "locked", "hip_roll", why.
 struct DescriptionNote {
   std::string what, name, text;

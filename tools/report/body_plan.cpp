@@ -122,7 +122,8 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
       risk, texts, [] { return std::string(); }, run);
 }
 
-int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate, Run& run) {
+int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
+           const Exports& exports, Run& run) {
   constexpr double kShort = 2;  // gnuplot takes some 0.1 s: a short deadline is for the search [s]
   const Robot& robot = scene.robot;
   const std::string goal = goal_words(options.goal, options.measure);
@@ -139,7 +140,11 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     say(table.turned(), run);
     run.say(fmt::format("searched for {:.2f} s", plan.seconds));
     run.add("motion.toml", body_motion_toml(plan.motion, robot, run.provenance_text()));
-    run.add("motion.csv", body_motion_csv(plan.motion, robot, rate, run.provenance_text()));
+    run.add("motion.csv",
+            body_motion_csv(plan.motion, robot, rate, run.provenance_text(), expected_start(scene, plan.landing)));
+    for (auto& [name, content] : exported(exports, scene, plan.motion, plan.landing, run)) run.add(name, content);
+    if (exports.has(Exports::Format::kPlotJuggler) && plan.landing.trajectory.empty())
+      run.warn("plotjuggler.csv is not written: the deadline leaves no time for the landing's rows");
     run.add("progress.csv", progress_csv(run, plan));
     Report report("Best landing: " + scene.name);
     report.table(table.turned());

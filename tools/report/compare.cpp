@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tools/report/compare.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
@@ -46,19 +47,18 @@ Quantities<identify::Trial> residual_quantities(const Comparison& c) {
   };
 }
 
-const Quantities<ComparedMotion> kPeakQuantities = {
-    {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, motion_words(m.best.motion)); }},
-    {"", "nominal", "peak with nominal [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[0]->peak; }},
-    {"", "identified", "peak with identified [m/s^2]", "{:.5g}", [](auto& m) { return m.landings[1]->peak; }},
+const Quantities<ToldMotion> kPeakQuantities = {
+    {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, m.words); }},
+    {"", "nominal", "peak with nominal [m/s^2]", "{:.5g}", [](auto& m) { return m.peaks[0]; }},
+    {"", "identified", "peak with identified [m/s^2]", "{:.5g}", [](auto& m) { return m.peaks[1]; }},
 };
 
 /// Plans for scatter, where the identified constants are the truth.
-Quantities<ComparedPlan> plan_quantities() {
-  Quantities<ComparedPlan> out = {
-      {"", "set", "planned with", {}, &ComparedPlan::set},
-      {"", "", "motion", {}, [](auto& p) { return motion_words(p.best.motion); }},
-      {"", "promised", "promised [m/s^2]", short_peak_words, [](auto& p) { return p.best.value; }}};
-  append(out, "truth/", distribution_quantities(), [](auto& p) { return p.truth.planned; });
+Quantities<ToldPlan> plan_quantities() {
+  Quantities<ToldPlan> out = {{"", "set", "planned with", {}, &ToldPlan::set},
+                              {"", "", "motion", {}, &ToldPlan::words},
+                              {"", "promised", "promised [m/s^2]", short_peak_words, &ToldPlan::promised}};
+  append(out, "truth/", distribution_quantities(), &ToldPlan::truth);
   return out;
 }
 
@@ -66,25 +66,20 @@ void warn(const Comparison& c, Run& run) {
   for (std::size_t s = 0; s < 2 && c.predictions; ++s)
     if (const identify::Fit& fit = (*c.predictions)[s]; !fit.converged)
       run.warn(std::string(kSets[s]) + ": " + fit.message);
-  for (const ComparedMotion& m : c.motions)
-    if (!m.best.message.empty()) run.warn(m.set + ": " + m.best.message);
-  for (const ComparedMotion& m : c.motions)
-    for (const std::optional<Landing>& l : m.landings)
-      if (l && no_landing(l->end)) run.warn(failure_words(*l));
+  warn_of_motions(c.motions, "point", run);
   for (const ComparedMotion& m : c.motions)
     for (std::size_t s = 0; s < 2; ++s)
       if (m.landings[s]) warn_of(*m.landings[s], fmt::format("best for {}, with {}: ", m.set, kSets[s]), run);
 }
 
 /// What planning with the nominal constants would have cost on the identified actuator.
-std::string lesson_of(const Comparison& c) {
-  const double own = c.motions[1].landings[1]->peak, nominal = c.motions[0].landings[1]->peak,
-               promised = c.motions[0].landings[0]->peak;
+std::string lesson_of(const ToldComparison& c) {
+  const double own = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
   return fmt::format(
-      "Planned with the nominal constants, the identified actuator hits with {:.4g} m/s^2 where {:.4g} was promised: "
+      "Planned with the nominal constants, {} hits with {:.4g} m/s^2 where {:.4g} was promised: "
       "{:.2f} "
       "times the {:.4g} m/s^2 of the motion planned with its own constants.",
-      nominal, promised, nominal / own, own);
+      c.truth, nominal, promised, nominal / own, own);
 }
 
 std::string trajectories_csv(const Comparison& c, const Run& run) {
@@ -97,21 +92,66 @@ std::string trajectories_csv(const Comparison& c, const Run& run) {
   return csv.text();
 }
 
+ToldComparison told(const Comparison& c) {
+  ToldComparison out{.scene = c.scene ? c.scene->name : "",
+                     .source = c.scene ? c.scene->floor_source : "",
+                     .peak = "|ddr_0|",
+                     .truth = "the identified actuator",
+                     .motions = told_motions(
+                         c.motions, [](const Motion& m) { return motion_words(m); }, motion_json),
+                     .landed = c.landed()};
+  for (std::size_t m = 0; m < out.motions.size(); ++m) {
+    const TolerantPeak& tolerant = c.motions[m].best.tolerant;
+    out.motions[m].tolerant_peak = tolerant.complete ? number(tolerant.value) : Json();
+  }
+  for (const ComparedPlan& p : c.plans)
+    out.plans.push_back({p.set, motion_words(p.best.motion), p.best.value, p.truth.planned});
+  return out;
+}
+
 }  // namespace
 
-int report(const Comparison& c, Json summary, Run& run) {
-  warn(c, run);
+Report comparison_page(const OfSets<std::string>& names, const Run& run) {
   Report report("Identified against nominal");
-  report.paragraph("nominal: " + c.sets[0].name + "; identified: " + c.sets[1].name);
+  report.paragraph("nominal: " + names[0] + "; identified: " + names[1]);
   report.distrust(run.warnings());
+  return report;
+}
 
-  const Table constants(kConstantQuantities, c.constants);
+void tell_constants(const std::vector<ConstantDifference>& rows, Json& summary, Report& report, Run& run) {
+  const Table constants(kConstantQuantities, rows);
   summary["parameters"] = constants.keyed();
   report.heading("Constants");
   (void)tell(constants, report, run, "parameters.csv",
              "z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside its "
              "95 % interval.");
+}
 
+void tell_motions(const ToldComparison& c, Json& summary, Report& report, Run& run) {
+  for (const ToldMotion& m : c.motions) {
+    summary["motions"][m.set] = m.numbers;
+    if (m.tolerant_peak) summary["tolerant_peaks"][m.set] = *m.tolerant_peak;
+  }
+  if (!c.plans.empty()) {
+    const Table plans(plan_quantities(), c.plans);
+    summary["plans"] = plans.objects();
+    report.heading("Plans for scattered drops, where the identified constants are the truth");
+    (void)tell(plans, report, run);
+  }
+  if (!c.landed) return;
+  const Table peaks(kPeakQuantities, c.motions);
+  for (std::size_t m = 0; m < 2; ++m) summary["peaks"][c.motions[m].set + "_motion"] = peaks.object(m);
+  report.heading("Peak " + c.peak + " on " + c.scene);
+  floor_source(report, c.source);
+  (void)tell(peaks, report, run);
+  const std::string lesson = lesson_of(c);
+  run.say(lesson), report.paragraph(lesson);
+}
+
+int report(const Comparison& c, Json summary, Run& run) {
+  warn(c, run);
+  Report report = comparison_page({c.sets[0].name, c.sets[1].name}, run);
+  tell_constants(c.constants, summary, report, run);
   if (c.predictions) {
     const Table rows(residual_quantities(c), c.measured->trials);
     summary["residuals"] = rows.objects();
@@ -120,27 +160,9 @@ int report(const Comparison& c, Json summary, Run& run) {
     report.heading("Residuals on the trials, rms");
     report.table(rows);
   }
-
-  for (const ComparedMotion& m : c.motions) {
-    if (!m.best.found) continue;
-    summary["motions"][m.set] = motion_json(m.best.motion);
-    summary["tolerant_peaks"][m.set] = m.best.tolerant.complete ? number(m.best.tolerant.value) : Json();
-  }
-  if (!c.plans.empty()) {
-    const Table plans(plan_quantities(), c.plans);
-    summary["plans"] = plans.objects();
-    report.heading("Plans for scattered drops, where the identified constants are the truth");
-    (void)tell(plans, report, run);
-  }
+  tell_motions(told(c), summary, report, run);
   if (c.landed()) {
-    const Table peaks(kPeakQuantities, c.motions);
-    for (std::size_t m = 0; m < 2; ++m) summary["peaks"][c.motions[m].set + "_motion"] = peaks.object(m);
-    report.heading("Peak |ddr_0| on " + c.scene->name);
-    floor_source(report, *c.scene);
-    (void)tell(peaks, report, run);
     run.add("trajectories.csv", trajectories_csv(c, run));
-    const std::string lesson = lesson_of(c);
-    run.say(lesson), report.paragraph(lesson);
     show({*c.scene,
           c.sets[1],
           {{"planned with the identified constants", &*c.motions[1].landings[1]},

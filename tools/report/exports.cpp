@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "landing/model/waypoints.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/trajectory.hpp"
 
 namespace ukemi::tools {
@@ -21,62 +22,122 @@ std::string yaml_number(double value) {
   return text;
 }
 
-/// A trajectory_msgs/msg/JointTrajectory of one joint.
-std::string joint_trajectory(const std::string& joint, const std::vector<Waypoint>& points,
+/// What a joint plays, by its name in the files.
+struct NamedMotion {
+  std::string joint;
+  Motion motion;
+};
+using NamedMotions = std::vector<NamedMotion>;
+
+/// f(i), i below n, between commas.
+template <class F>
+std::string listed(std::size_t n, F&& f) {
+  std::string out;
+  for (std::size_t i = 0; i < n; ++i) out += (i ? ", " : "") + f(i);
+  return out;
+}
+
+/// A trajectory_msgs/msg/JointTrajectory. `points`: of each joint, at the same times.
+std::string joint_trajectory(const NamedMotions& joints, const std::vector<std::vector<Waypoint>>& points,
                              const std::string& comments) {
   CsvWriter head;
   head.comment(comments);
+  const std::size_t n = joints.size();
   std::string text =
-      head.text() + fmt::format(
-                        "header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: \"\"\njoint_names: [\"{}\"]\n"
-                        "points:\n",
-                        joint);
-  for (const Waypoint& p : points) {
+      head.text() +
+      fmt::format("header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: \"\"\njoint_names: [{}]\npoints:\n",
+                  listed(n, [&](std::size_t i) { return "\"" + joints[i].joint + "\""; }));
+  for (std::size_t k = 0; k < points[0].size(); ++k) {
     constexpr long long kSecond = 1'000'000'000;
-    const long long nanoseconds = std::llround(p.t * 1e9);
+    const long long nanoseconds = std::llround(points[0][k].t * 1e9);
+    const auto values = [&](double Waypoint::*value) {
+      return listed(n, [&](std::size_t i) { return yaml_number(points[i][k].*value); });
+    };
     text += fmt::format(
         "- positions: [{}]\n  velocities: [{}]\n  accelerations: [{}]\n  time_from_start: {{sec: {}, nanosec: {}}}\n",
-        yaml_number(p.phi), yaml_number(p.dphi), yaml_number(p.ddphi), nanoseconds / kSecond, nanoseconds % kSecond);
+        values(&Waypoint::phi), values(&Waypoint::dphi), values(&Waypoint::ddphi), nanoseconds / kSecond,
+        nanoseconds % kSecond);
   }
   return text;
 }
 
 /// What the reader of both messages must know.
-constexpr const char* kRos2Words =
-    "trajectory_msgs/msg/JointTrajectory of phi_ref, the reference of the joint (0: leg straight; below 0: foot "
-    "backward). Units: rad, rad/s, rad/s^2.\n"
-    "Between two points: the quintic through their positions, velocities and accelerations, as "
-    "joint_trajectory_controller takes it with interpolation_method: splines. After the last point its position is "
-    "held.\n";
+std::string ros2_words(const NamedMotions& joints) {
+  return fmt::format(
+      "trajectory_msgs/msg/JointTrajectory of phi_ref, {}. Units: rad, rad/s, rad/s^2.\n"
+      "Between two points: the quintic through their positions, velocities and accelerations, as "
+      "joint_trajectory_controller takes it with interpolation_method: splines. After the last point its position is "
+      "held.\n",
+      joints.size() == 1 ? "the reference of the joint (0: leg straight; below 0: foot backward)"
+                         : "the references of the joints (0: a link in line with its parent)");
+}
 
-std::string landing_message(const Exports& exports, const Motion& m, double start, const Run& run) {
-  const Motion played = started_at(m, start);
-  std::vector<Waypoint> points = waypoints(landing_of(played, played.phi_i, 0.0));
-  if (m.reposition) points.erase(points.begin());
-  std::string words = run.provenance_text() + kRos2Words +
-                      fmt::format("{} points: the motion {}.\n", points.size(),
-                                  has_bumps(m) ? fmt::format("within {:g} rad", kSplineMisfit)
-                                               : "itself, its duration rounded to 1 ns") +
-                      "Send it when the first touchdown is detected; a zero stamp means now.";
-  if (m.reposition)
+/// Factors of the gains, which the message has no place for.
+std::string gains_words(const NamedMotions& joints) {
+  std::string out;
+  for (const auto& [joint, m] : joints)
+    if (m.gain_p != 1 || m.gain_d != 1)
+      out += fmt::format("{}{}K_p times {} and K_d times {}", out.empty() ? "" : "; ",
+                         joints.size() > 1 ? "of " + joint + " " : "", m.gain_p, m.gain_d);
+  return out.empty() ? "" : "\nNot in this message: from its start on " + out + ".";
+}
+
+std::string landing_message(const NamedMotions& joints, double start, const Run& run) {
+  std::vector<ReferencePiece<double>> pieces;
+  for (const NamedMotion& j : joints) {
+    const Motion played = started_at(j.motion, start);
+    pieces.push_back(landing_of(played, played.phi_i, 0.0));
+  }
+  std::vector<std::vector<Waypoint>> points = waypoints(pieces);
+  const auto any = [&](auto&& of) { return std::any_of(joints.begin(), joints.end(), of); };
+  const bool air = any([](auto& j) { return j.motion.reposition.has_value(); });
+  for (auto& of_joint : points)
+    if (air) of_joint.erase(of_joint.begin());
+  std::string words =
+      run.provenance_text() + ros2_words(joints) +
+      fmt::format("{} points: the motion {}.\n", points[0].size(),
+                  any([](auto& j) { return has_bumps(j.motion); }) ? fmt::format("within {:g} rad", kSplineMisfit)
+                                                                   : "itself, its duration rounded to 1 ns") +
+      "Send it when the first touchdown is detected; a zero stamp means now.";
+  if (air)
     words +=
         "\nIt has no point at its start: the floor may cut the move in the air short, and the controller goes on from "
         "where its reference is.";
-  if (m.gain_p != 1 || m.gain_d != 1)
-    words += fmt::format("\nNot in this message: from its start on K_p times {} and K_d times {}.", m.gain_p, m.gain_d);
-  return joint_trajectory(exports.joint, points, words);
+  return joint_trajectory(joints, points, words + gains_words(joints));
 }
 
-std::string reposition_message(const Exports& exports, const Motion& m, const Run& run) {
-  const Reposition& r = *m.reposition;
-  std::vector<Waypoint> points = waypoints(reposition_of(m));
-  for (Waypoint& p : points) p.t += r.from;
-  if (r.from > 0) points.insert(points.begin(), {0, r.phi, 0, 0});
-  return joint_trajectory(exports.joint, points,
-                          run.provenance_text() + kRos2Words +
+/// A joint that does not move in the air stands meanwhile.
+std::string reposition_message(const NamedMotions& joints, const Run& run) {
+  const auto moving = std::find_if(joints.begin(), joints.end(), [](auto& j) { return j.motion.reposition; });
+  std::vector<ReferencePiece<double>> pieces;
+  for (const NamedMotion& j : joints) {
+    ReferencePiece<double> standing = reposition_of(moving->motion);
+    standing.a = standing.b = j.motion.phi_i;
+    pieces.push_back(j.motion.reposition ? reposition_of(j.motion) : standing);
+  }
+  return joint_trajectory(joints, waypoints(pieces),
+                          run.provenance_text() + ros2_words(joints) +
                               "The move in the air: send it at release; a zero stamp means now. motion_ros2.yaml takes "
                               "its place at the touchdown, whether it is over or not.");
 }
+
+/// The files of motions and the rows of their landing.
+template <class Row>
+std::map<std::string, std::string> motion_files(const Exports& exports, const NamedMotions& joints, double start,
+                                                const RowColumns<Row>& columns, const std::vector<Row>& rows,
+                                                const Run& run) {
+  std::map<std::string, std::string> out;
+  if (exports.has(Exports::Format::kRos2)) {
+    out["motion_ros2.yaml"] = landing_message(joints, start, run);
+    if (std::any_of(joints.begin(), joints.end(), [&](auto& j) { return moves_in_air(j.motion, start); }))
+      out["reposition_ros2.yaml"] = reposition_message(joints, run);
+  }
+  if (exports.has(Exports::Format::kPlotJuggler) && !rows.empty())
+    out["plotjuggler.csv"] = plotjuggler_csv(columns, rows);
+  return out;
+}
+
+constexpr const char* kKnee = "knee";
 
 }  // namespace
 
@@ -86,21 +147,31 @@ std::map<std::string, std::string> exported(const Exports& exports, const Actuat
                                             const Run& run) {
   std::map<std::string, std::string> out;
   const std::string made_by = run.provenance_text();
-  if (exports.has(Exports::Format::kMjcf)) out["actuator.mjcf.xml"] = mjcf(actuator, link, exports.joint, made_by);
-  if (exports.has(Exports::Format::kUrdf)) out["actuator.urdf.xml"] = urdf(actuator, link, exports.joint, made_by);
+  if (exports.has(Exports::Format::kMjcf))
+    out["actuator.mjcf.xml"] = mjcf(actuator, link, exports.joint.value_or(kKnee), made_by);
+  if (exports.has(Exports::Format::kUrdf))
+    out["actuator.urdf.xml"] = urdf(actuator, link, exports.joint.value_or(kKnee), made_by);
   return out;
 }
 
 std::map<std::string, std::string> exported(const Exports& exports, const Motion& motion, double start,
                                             const Landing& landing, const Run& run) {
-  std::map<std::string, std::string> out;
-  if (exports.has(Exports::Format::kRos2)) {
-    out["motion_ros2.yaml"] = landing_message(exports, motion, start, run);
-    if (moves_in_air(motion, start)) out["reposition_ros2.yaml"] = reposition_message(exports, motion, run);
-  }
-  if (exports.has(Exports::Format::kPlotJuggler) && !landing.trajectory.empty())
-    out["plotjuggler.csv"] = plotjuggler_csv(landing.trajectory);
-  return out;
+  return motion_files(exports, {{exports.joint.value_or(kKnee), motion}}, start, trajectory_columns(),
+                      landing.trajectory, run);
+}
+
+std::map<std::string, std::string> exported(const Exports& exports, const BodyScene& scene, const BodyMotion& motion,
+                                            const BodyLanding& landing, const Run& run) {
+  NamedMotions joints;
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    if (const Joint& j = scene.robot.joints[i]; j.driven())
+      joints.push_back({exports.joint.value_or(j.name), motion[i]});
+  return motion_files(exports, joints, expected_start(scene, landing), trajectory_columns(scene.robot),
+                      landing.trajectory, run);
+}
+
+double expected_start(const BodyScene& scene, const BodyLanding& landing) {
+  return landing.first_touchdown + scene.detection_delay;
 }
 
 }  // namespace ukemi::tools

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "landing/judge/checked.hpp"
+#include "landing/plan/checked_body.hpp"
 #include "tools/program/output.hpp"
 #include "tools/report/actuator_models.hpp"
 
@@ -20,7 +22,7 @@ struct Exports {
     kUrdf,         ///< the same as URDF
   };
   std::vector<Format> formats;
-  std::string joint = "knee";  ///< its name in the files
+  std::optional<std::string> joint;  ///< its name in the files; absent: knee, of a robot of links its own
 
   bool has(Format format) const;
 };
@@ -32,5 +34,11 @@ std::map<std::string, std::string> exported(const Exports& exports, const Actuat
 /// release, as landing::rows_of has it. Without a trajectory there is no file for PlotJuggler.
 std::map<std::string, std::string> exported(const Exports& exports, const landing::Motion& motion, double start,
                                             const landing::Landing& landing, const Run& run);
+/// The same of a robot of links, whose landing motions start as expected_start says.
+std::map<std::string, std::string> exported(const Exports& exports, const landing::BodyScene& scene,
+                                            const landing::BodyMotion& motion, const landing::BodyLanding& landing,
+                                            const Run& run);
+/// When the landing motions of a plan are expected to start, from release: at its own detected touchdown [s].
+double expected_start(const landing::BodyScene& scene, const landing::BodyLanding& landing);
 
 }  // namespace ukemi::tools

@@ -194,8 +194,8 @@ Series curve(const std::string& name, const std::vector<Sample>& trajectory, dou
   for (const Sample& s : trajectory) out.x.push_back(s.t), out.y.push_back(s.*column * unit);
   return out;
 }
-void floor_source(Report& report, const Scene& scene) {
-  if (!scene.floor_source.empty()) report.paragraph("Floor constants: " + scene.floor_source + ".");
+void floor_source(Report& report, const std::string& source) {
+  if (!source.empty()) report.paragraph("Floor constants: " + source + ".");
 }
 void constants_table(Report& report, const Scene& scene, const Actuator& actuator) {
   std::vector<std::vector<std::string>> rows;

@@ -77,7 +77,7 @@ Series curve(const std::string& name, const std::vector<landing::Sample>& trajec
 /// The smallest peak of a map over the variables that are not drawn.
 Heatmap projection(const landing::PeakMap& map, int x, int y);
 /// Where the floor's constants come from, if the scene says so.
-void floor_source(Report& report, const landing::Scene& scene);
+void floor_source(Report& report, const std::string& source);
 /// What was simulated, as numbers.
 void constants_table(Report& report, const landing::Scene& scene, const Actuator& actuator);
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "landing/judge/survey.hpp"
-#include "tools/report/landing.hpp"
+#include "tools/report/map.hpp"
 #include "tools/report/results.hpp"
 
 namespace ukemi::tools {
@@ -18,22 +18,27 @@ std::string letters(const ContactOrder& contacts) {
   return s;
 }
 
-std::string map_csv(const Run& run, const PeakMap& map) {
+std::string map_csv(const Run& run, const PeakMap& map, ToldMap::Contacts contacts) {
   CsvWriter csv = run.csv();
-  csv.comment(
-      "contacts: H hip, K knee, F foot, in the order in which they touch; peak_contact: which of them made the "
-      "peak, counted from 1, 0: none.");
+  const bool shown = contacts == ToldMap::Contacts::kShow;
+  if (shown)
+    csv.comment(
+        "contacts: H hip, K knee, F foot, in the order in which they touch; peak_contact: which of them made the "
+        "peak, counted from 1, 0: none.");
   std::vector<Display> axes;
   std::vector<std::string> header;
   for (const Variable& v : map.variables) axes.push_back(display(v)), header.push_back(axes.back().key);
-  header.insert(header.end(), {"peak", "peak_contact", "contacts"});
+  header.push_back("peak");
+  if (shown) header.insert(header.end(), {"peak_contact", "contacts"});
   csv.header(header);
   for (std::size_t i = 0; i < map.grid.size(); ++i) {
     const PeakMap::Cell& c = map.grid[i];
     if (c.end == End::kStopped) continue;
     const Coordinates x = map.values(map.place(i));
     for (int k = 0; k < int(x.size()); ++k) csv.cell(x[k] * axes[std::size_t(k)].factor);
-    csv.cell(c.peak).cell(c.peak_contact + 1).cell(letters(c.contacts)).end_row();
+    csv.cell(c.peak);
+    if (shown) csv.cell(c.peak_contact + 1).cell(letters(c.contacts));
+    csv.end_row();
   }
   return csv.text();
 }
@@ -65,48 +70,82 @@ Heatmap projection(const PeakMap& map, int x, int y) {
   return h;
 }
 
-int report(const Survey& s, Run& run) {
+namespace {
+
+/// Every pair of variables with a grid; of one variable a curve.
+void show(const PeakMap& map, Report& report) {
+  std::vector<int> over;
+  for (int k = 0; k < int(map.cells.size()); ++k)
+    if (map.cells[std::size_t(k)] > 1) over.push_back(k);
+  if (over.size() == 1) {
+    const Heatmap line = projection(map, over[0], over[0]);
+    Series peaks{"", line.x, {}};
+    for (std::size_t i = 0; i < line.x.size(); ++i) peaks.y.push_back(map.grid[i].peak);
+    report.plot("map", line.x_label, "peak [m/s²]", {peaks});
+    return;
+  }
+  report.heading("Smallest peak over the other variables [m/s²]");
+  for (std::size_t x = 0; x < over.size(); ++x)
+    for (std::size_t y = x + 1; y < over.size(); ++y) report.heatmap(projection(map, over[x], over[y]));
+}
+
+void warn(const MappedPeaks& s, bool basins, Run& run) {
   const std::size_t points = s.map.grid.size();
   if (s.failed > 0) run.warn(fmt::format("{} of {} landings could not be followed", s.failed, points));
   if (s.lost > 0)
     run.warn(fmt::format("in {} of {} landings the drive loses the joint: their peaks are those of a link that whirls",
                          s.lost, points));
   if (s.missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", s.missing, points));
-  if (s.basins.empty() && s.missing == 0)
-    run.warn("no landing of the grid could be followed to the floor: no basin was found");
-  const Table basins(basin_quantities(s.map.variables, s.basins.empty() ? Motion{} : s.basins[0].basin.play.motion),
-                     s.basins);
-  run.add("map.csv", map_csv(run, s.map));
-  const Json summary = {{"grid", s.map.cells},         {"landings", points - std::size_t(s.missing)},
-                        {"failed", s.failed},          {"joint_lost", s.lost},
-                        {"map_time_s", s.map_seconds}, {"basins", basins.objects()}};
-  if (s.basins.empty()) return run.finish(summary, kNumbers);
-  run.add(
-      "basins.csv",
-      basins.csv(run,
-                 "width: how far a variable may move down and up before the peak rises by 5 %; then the worst peaks "
-                 "within the execution tolerance, with the angles off by 1 deg, the duration by 10 ms, the height "
-                 "by 1 cm, the pitch by 1 deg, the floor's damping by 10 %; empty: not played."));
-  run.say(fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, s.basins.size()));
-  for (const JudgedBasin& b : s.basins)
-    run.say(fmt::format("  {}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion),
-                        b.basin.peak, b.evidence.tolerant.value));
+  if (!basins && s.missing == 0) run.warn("no landing of the grid could be followed to the floor: no basin was found");
+}
 
-  Report report("The box of motions: " + s.scene.name);
-  floor_source(report, s.scene);
-  report.paragraph(fmt::format("{} landings; {} basins. The best found: {:.4f} m/s² at {}.", points, s.basins.size(),
-                               s.basins.front().basin.peak, motion_words(s.basins.front().basin.play.motion)));
-  report.heading("Smallest peak over the other variables [m/s²]");
-  for (int x = 0; x < int(s.map.cells.size()); ++x)
-    for (int y = x + 1; y < int(s.map.cells.size()); ++y)
-      if (s.map.cells[std::size_t(x)] > 1 && s.map.cells[std::size_t(y)] > 1) report.heatmap(projection(s.map, x, y));
+}  // namespace
+
+int report(const MappedPeaks& s, const ToldMap& told, Run& run, const Json& more) {
+  const std::size_t points = s.map.grid.size();
+  warn(s, !told.lines.empty(), run);
+  run.add("map.csv", map_csv(run, s.map, told.contacts));
+  Json summary = {{"grid", s.map.cells},         {"landings", points - std::size_t(s.missing)},
+                  {"failed", s.failed},          {"joint_lost", s.lost},
+                  {"map_time_s", s.map_seconds}, {"basins", told.basins.objects()}};
+  summary.update(more);
+  if (told.lines.empty()) return run.finish(summary, kNumbers);
+  run.add("basins.csv", told.basins.csv(run, told.basins_comment));
+  run.say(fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, told.lines.size()));
+  for (const std::string& line : told.lines) run.say("  " + line);
+
+  Report report("The box of motions: " + told.scene);
+  floor_source(report, told.source);
+  report.paragraph(fmt::format("{} landings; {} basins. The best found: {}.", points, told.lines.size(), told.best));
+  show(s.map, report);
   report.heading("Basins");
-  report.paragraph(
-      "How far each variable may move down and up before the peak rises by 5 %, and the worst peaks under deviations.");
-  report.table(basins);
+  report.paragraph(told.basins_words);
+  report.table(told.basins);
   report.distrust(run.warnings());
   report.write(run);
   return run.finish(summary, kDone);
+}
+
+int report(const Survey& s, Run& run) {
+  ToldMap told{
+      .scene = s.scene.name,
+      .source = s.scene.floor_source,
+      .contacts = ToldMap::Contacts::kShow,
+      .basins = Table(basin_quantities(s.map.variables, s.basins.empty() ? Motion{} : s.basins[0].basin.play.motion),
+                      s.basins),
+      .basins_comment =
+          "width: how far a variable may move down and up before the peak rises by 5 %; then the worst peaks "
+          "within the execution tolerance, with the angles off by 1 deg, the duration by 10 ms, the height "
+          "by 1 cm, the pitch by 1 deg, the floor's damping by 10 %; empty: not played.",
+      .basins_words =
+          "How far each variable may move down and up before the peak rises by 5 %, and the worst peaks under "
+          "deviations."};
+  for (const JudgedBasin& b : s.basins)
+    told.lines.push_back(fmt::format("{}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion),
+                                     b.basin.peak, b.evidence.tolerant.value));
+  if (!s.basins.empty())
+    told.best = fmt::format("{:.4f} m/s² at {}", s.basins[0].basin.peak, motion_words(s.basins[0].basin.play.motion));
+  return report(s, told, run);
 }
 
 }  // namespace ukemi::tools

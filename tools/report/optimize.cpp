@@ -278,7 +278,7 @@ Report page_of(const Answer& a, const Run& run) {
                 Axes::kLogarithmic);
   report.paragraph("Its numbers, and the time that they took: progress.csv.");
   constants_table(report, a.scene, a.actuator);
-  floor_source(report, a.scene);
+  floor_source(report, a.scene.floor_source);
   return report;
 }
 

@@ -86,7 +86,7 @@ int report(const CheckedLanding& c, const Actuator& actuator, const std::optiona
   report.heading("Contacts");
   report.table(contacts);
   constants_table(report, c.scene, actuator);
-  floor_source(report, c.scene);
+  floor_source(report, c.scene.floor_source);
   report.write(run);
   return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
 }

@@ -13,15 +13,15 @@ std::optional<bool> ConstantDifference::inside() const {
   return z() ? std::optional(std::abs(*z()) <= kNormal975) : std::nullopt;
 }
 
-namespace {
-
-std::vector<ConstantDifference> differences(const OfSets<Actuator>& sets) {
+std::vector<ConstantDifference> differences(const OfSets<Actuator>& sets, const std::string& of) {
   std::vector<ConstantDifference> out;
   const auto a = constants(sets[0].sea), b = constants(sets[1].sea);
   for (std::size_t i = 0; i < kConstants; ++i)
-    out.push_back({kConstantNames[i], kConstantUnits[i], {a[i], b[i]}, sets[1].standard_error(kConstantNames[i])});
+    out.push_back({kConstantNames[i] + of, kConstantUnits[i], {a[i], b[i]}, sets[1].standard_error(kConstantNames[i])});
   return out;
 }
+
+namespace {
 
 OfSets<identify::Fit> predictions(const OfSets<Actuator>& sets, const RigTrials& measured, double escape) {
   identify::FitOptions options;
@@ -38,21 +38,15 @@ OfSets<identify::Fit> predictions(const OfSets<Actuator>& sets, const RigTrials&
 bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
                      std::vector<ComparedMotion>& motions) {
   OptimizeOptions search = options.search;
-  for (std::size_t s = 0; s < 2; ++s) {
+  const auto best = [&](std::size_t s) {
     if (options.monitor) search.monitor = options.monitor(kSets[s]);
-    motions.push_back({kSets[s], optimize(scene, sets[s].sea, search), {}});
-    if (!motions.back().best.found || search.monitor.stopped()) return false;
-  }
-  bool landed = true;
-  const SimulateOptions tight{.accuracy = search.accuracy, .over = &search.monitor.stop};
-  for (ComparedMotion& m : motions)
-    for (std::size_t s = 0; s < 2; ++s) {
-      const Landing landing = simulate(scene, sets[s].sea, m.best.motion, tight, options.rate);
-      if (landing.end == End::kStopped) return false;
-      landed = landed && !no_landing(landing.end);
-      m.landings[s] = landing;
-    }
-  return landed;
+    return optimize(scene, sets[s].sea, search);
+  };
+  const auto land = [&](std::size_t s, const Motion& motion) {
+    const SimulateOptions tight{.accuracy = search.accuracy, .over = &search.monitor.stop};
+    return simulate(scene, sets[s].sea, motion, tight, options.rate);
+  };
+  return compare_motions(motions, best, land, [&] { return search.monitor.stopped(); });
 }
 
 /// Adds the plans for drops that scatter; false where one could not be found or was stopped.
@@ -67,7 +61,7 @@ bool compare_plans(const OfSets<Actuator>& sets, const Scene& scene, const Compa
     const DropModel planned_for =
         measured ? drops : DropModel(scene, scatter, actuator, {.actuator = n == 2, .inflate = options.robust.inflate});
     ComparedPlan& plan = plans.emplace_back();
-    plan.set = n == 2 ? "identified, with its covariance" : kSets[n];
+    plan.set = planned_with(n);
     OptimizeOptions search = options.search;
     if (options.monitor) search.monitor = options.monitor("robust, " + plan.set);
     search.goal = Goal::kRobust, search.search_accuracy = Robust::kAccuracy, search.tolerance_samples = 0;

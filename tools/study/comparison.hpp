@@ -2,7 +2,6 @@
 // and what the difference does to the best landing.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,37 +11,13 @@
 #include "identify/fit/fit.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/search/optimize.hpp"
+#include "tools/study/compared.hpp"
 
 namespace ukemi::tools {
 
-inline constexpr std::array<const char*, 2> kSets = {"nominal", "identified"};
-template <class T>
-using OfSets = std::array<T, 2>;  ///< nominal, identified
-
-struct ConstantDifference {
-  std::string name, unit;
-  OfSets<double> value;
-  std::optional<double> std;  ///< standard error of the identified one
-
-  double difference() const { return value[1] - value[0]; }
-  double percent() const { return 100 * difference() / value[0]; }
-  std::optional<double> z() const;     ///< difference in standard errors
-  std::optional<bool> inside() const;  ///< the nominal value lies in the identified one's 95 % interval
-};
-
-/// A set's best motion, landed under both actuators.
-struct ComparedMotion {
-  std::string set;  ///< whose best it is
-  landing::Optimum best;
-  OfSets<std::optional<landing::Landing>> landings;  ///< absent where it was stopped before
-};
-
-/// A plan for drops that scatter, and what it comes to where the identified constants are the truth.
-struct ComparedPlan {
-  std::string set;  ///< "nominal", "identified", "identified, with its covariance"
-  landing::Optimum best;
-  landing::UnderScatter truth;
-};
+/// Of the paper's robot.
+using ComparedMotion = ComparedMotionOf<landing::Optimum, landing::Landing>;
+using ComparedPlan = ComparedPlanOf<landing::Optimum, landing::UnderScatter>;
 
 /// Trials as the rig measured them; the rig's torque limit and feedback count before the actuators'.
 struct RigTrials {
@@ -60,7 +35,7 @@ struct Comparison {
   std::vector<ComparedPlan> plans;                   ///< where plans for scatter are asked for
   bool complete = true;  ///< every rollout, search and landing worked out and none was stopped
 
-  bool landed() const { return motions.size() == 2 && motions[1].landings[1]; }  ///< all four landings were played
+  bool landed() const { return all_landed(motions); }
 };
 
 struct ComparisonOptions {

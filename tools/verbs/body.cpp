@@ -26,18 +26,24 @@ using namespace landing;
 
 namespace {
 
-constexpr const char* kCan = "of a robot of links it is not there yet; what is: simulate, optimize, risk, robot";
+constexpr const char* kCan =
+    "of a robot of links it is not there yet; what is: simulate, optimize, risk, compare, map, robot";
 
-/// FILE, or JOINT=FILE; what stands before '=' is a joint's name, not a path.
-std::vector<GivenDrive> drives_of(const std::vector<std::string>& given) {
+}  // namespace
+
+std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const std::string& option) {
   std::vector<GivenDrive> out;
   for (const std::string& text : given) {
     const std::size_t equal = text.find('=');
     const bool named = equal != std::string::npos && text.find_first_of("/.\\") > equal;
-    out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1)} : GivenDrive{"", text});
+    out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1), option}
+                        : GivenDrive{"", text, option});
   }
   return out;
 }
+
+namespace {
+
 /// The files behind a scene are inputs of the run; warns of drives that their fits did not trust.
 void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   run.input(path);
@@ -73,26 +79,22 @@ BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run)
   return read_body_motion(a.file, scene.robot);
 }
 
+}  // namespace
+
 void refuse(bool given, const char* option) {
   if (given) throw InputError(fmt::format("{}: {}", option, kCan));
 }
 
-BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run) {
-  BodyScene scene = read_body_scene(path, drives_of(actuators));
+BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
+                  const std::string& option) {
+  BodyScene scene = read_body_scene(path, drives_of(actuators, option));
   note_files(scene, path, run);
   for (const std::string& doubt : doubts(scene.robot)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
   return scene;
 }
 
-std::optional<Scatter> scatter_of(const ScatterArguments& a) {
-  return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
-}
-double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
-  if (a.inflate && !scene.robot.fitted())
-    run.warn("--inflate makes no difference: no drive's file holds [uncertainty], so their constants do not scatter");
-  return checked_inflate(a);
-}
+namespace {
 
 /// --release-from, in place of what the scene's [release] says.
 void apply(const std::optional<double>& from, std::optional<BodyRelease>& release) {
@@ -125,6 +127,25 @@ void respect_ratings(BodyScene& scene, Run& run) {
     limits.motor_torque = joint.motor_torque_max.value_or(BodyLimits::kNone);
   }
 }
+
+}  // namespace
+
+void apply_freedom(const FreedomArguments& a, BodyScene& scene) {
+  if (a.release_phi || a.release_rate)
+    throw InputError("--release-phi, --release-rate: of a robot of links the scene's [release.JOINT] says it");
+  apply(a, scene.freedom), apply(a.from, scene.release);
+}
+
+std::optional<Scatter> scatter_of(const ScatterArguments& a) {
+  return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
+}
+double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
+  if (a.inflate && !scene.robot.fitted())
+    run.warn("--inflate makes no difference: no drive's file holds [uncertainty], so their constants do not scatter");
+  return checked_inflate(a);
+}
+
+namespace {
 
 double rate_of(double rate) {
   if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
@@ -188,9 +209,9 @@ int run_robot(const RobotArguments& a, const CommonOptions& common) {
 
 }  // namespace
 
-std::string only_actuator(const std::vector<std::string>& given) {
-  if (given.empty()) throw InputError("--actuator is required");
-  if (given.size() > 1) throw InputError("--actuator: the paper's robot has one joint: one file is needed");
+std::string only_actuator(const std::vector<std::string>& given, const std::string& option) {
+  if (given.empty()) throw InputError(option + " is required");
+  if (given.size() > 1) throw InputError(option + ": the paper's robot has one joint: one file is needed");
   return given[0];
 }
 
@@ -198,8 +219,9 @@ bool is_body(const std::string& scene) { return has_links(scene); }
 
 int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   Run run("simulate", common);
-  refuse(!a.drop_from.empty(), "--drop-from"), refuse(!a.exports.formats.empty(), "--export");
+  refuse(!a.drop_from.empty(), "--drop-from");
   const BodyScene scene = body_of(a.scene, a.actuators, run);
+  check_exports(a.exports, scene.robot);
   const BodyMotion motion = motion_of(scene, a.motion, run);
   const double rate = rate_of(a.rate.value_or(1000));
   SimulateOptions options;
@@ -207,19 +229,18 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   options.validate();
   const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
   const CheckedBody checked = checked_body(scene, motion, options, rate);
-  return report(checked, beside ? held_beside(checked, rate) : std::nullopt, run);
+  return report(checked, beside ? held_beside(checked, rate) : std::nullopt, a.exports, run);
 }
 
 int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const Stopwatch watch(Stopwatch::Time::kWall);
   Run run("optimize", common);
-  refuse(!a.exports.formats.empty(), "--export"), refuse(!a.scatter.drops.empty(), "--drops");
-  const FreedomArguments& f = a.freedom;
-  refuse(f.release_phi || f.release_rate, "--release-phi, --release-rate: the scene's [release.JOINT] says it");
+  refuse(!a.scatter.drops.empty(), "--drops");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a.scene, a.actuators, run);
-  apply(f, scene.freedom), apply(f.from, scene.release);
+  check_exports(a.exports, scene.robot);
+  apply_freedom(a.freedom, scene);
   forbid(a.forbid, scene);
   if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(scene, run);
   const double rate = rate_of(a.rate);
@@ -232,7 +253,8 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   options.seed = common.seed, options.threads = common.threads;
   options.deadline = a.deadline;
   options.validate();
-  const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
+  const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
+                     a.exports.has(Exports::Format::kPlotJuggler);
   options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
   if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
@@ -246,7 +268,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
                        options.seed));
   const BodyPlan best = plan(scene, options);
   options.deadline = a.deadline;
-  return report(scene, best, options, rate, run);
+  return report(scene, best, options, rate, a.exports, run);
 }
 
 int risk_body(const RiskArguments& a, const CommonOptions& common) {

@@ -1,16 +1,32 @@
-// What simulate, optimize and risk do with a robot of links, and the verb that shows one.
+// What simulate, optimize, risk, compare and map do with a robot of links, and the verb that shows one.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "landing/judge/map.hpp"
+#include "landing/plan/body_drops.hpp"
 #include "tools/verbs/runs.hpp"
 
 namespace ukemi::tools {
 
 /// The one file of --actuator that the paper's robot has. Throws InputError where there is none, or more.
-std::string only_actuator(const std::vector<std::string>& given);
+std::string only_actuator(const std::vector<std::string>& given, const std::string& option = "--actuator");
+
+/// FILE, or JOINT=FILE; what stands before '=' is a joint's name, not a path.
+std::vector<landing::GivenDrive> drives_of(const std::vector<std::string>& given,
+                                           const std::string& option = "--actuator");
+/// The scene with the drives that are given; its files are inputs of the run, which warns of what looks wrong.
+landing::BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
+                           const std::string& option = "--actuator");
+/// Throws InputError where an option is given that a robot of links does not have, with what it has.
+void refuse(bool given, const char* option);
+/// Likewise a release of the joint, which a robot of links does not have; else what a plan may have beside.
+void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene);
+/// Their --scatter; their --inflate, checked.
+std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);
+double inflate_of(const ScatterArguments& arguments, const landing::BodyScene& scene, Run& run);
 
 struct SimulateArguments {
   std::string scene, drop_from;
@@ -28,6 +44,13 @@ struct RiskArguments {
   enum class Execution { kExact, kInexact } execution = Execution::kExact;
   std::vector<std::string> forbid;
 };
+struct MapArguments {
+  std::string scene, slice, vary;
+  std::vector<std::string> actuators;
+  std::vector<int> grid;  ///< of the paper's robot; empty: its default
+  FreedomArguments freedom;
+  int polish = landing::MapOptions().polished;
+};
 /// Their --samples, checked.
 long samples_of(const RiskArguments& arguments);
 /// Whether a scene's robot is in the long form; the file is an input of the run.
@@ -35,5 +58,7 @@ bool is_body(const std::string& scene);
 int simulate_body(const SimulateArguments& arguments, const CommonOptions& common);
 int risk_body(const RiskArguments& arguments, const CommonOptions& common);
 int optimize_body(const OptimizeArguments& arguments, const CommonOptions& common);
+int map_body(const MapArguments& arguments, const CommonOptions& common);
+int compare_body(const CompareArguments& arguments, const CommonOptions& common);
 
 }  // namespace ukemi::tools

@@ -5,17 +5,21 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/results.hpp"
+#include "tools/verbs/body.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
+  if (!a.scene.empty() && is_body(a.scene)) return compare_body(a, common);
+  const OfSets<std::string> files = {only_actuator(a.nominal, "--nominal"),
+                                     only_actuator(a.identified, "--identified")};
   Run run("compare", common);
-  const OfSets<Actuator> sets = {landing_actuator_of(a.nominal, run), landing_actuator_of(a.identified, run)};
+  const OfSets<Actuator> sets = {landing_actuator_of(files[0], run), landing_actuator_of(files[1], run)};
   std::optional<RigTrials> measured;
   std::optional<landing::Scene> scene;
-  if (!a.scene.empty()) warn_of_unknown_ratings(sets[1], a.identified, run);
+  if (!a.scene.empty()) warn_of_unknown_ratings(sets[1], files[1], run);
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");
   if (!a.scene.empty()) scene = scene_of(a.scene, run);
   Json summary;
@@ -34,6 +38,8 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   }
   if (a.robust) o.robust.measure = landing::Measure::parse("--robust", *a.robust);
   if (a.robust && a.scene.empty()) throw InputError("compare: --robust needs --scene");
+  o.search.evaluations = a.evaluations;
+  o.search.validate();
   o.search.seed = common.seed, o.search.threads = common.threads;
   o.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set); };
   const Comparison found = compare(sets, measured, scene, o);
@@ -45,10 +51,17 @@ void add_compare(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<CompareArguments>();
   CLI::App* verb =
       app.add_subcommand("compare", "identified against nominal parameters: constants, residuals, best motions");
-  verb->add_option("--nominal", args->nominal, "actuator file (TOML)")->required();
-  verb->add_option("--identified", args->identified, "actuator file (TOML), with its covariance where there is one")
+  verb->add_option("--nominal", args->nominal,
+                   "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that differs")
+      ->allow_extra_args(false)
+      ->required();
+  verb->add_option("--identified", args->identified,
+                   "actuator file (TOML), with its covariance where there is one; of a robot of links JOINT=FILE")
+      ->allow_extra_args(false)
       ->required();
   verb->add_option("--scene", args->scene, "scene file: best motions, each under both actuators");
+  verb->add_option("--evaluations", args->evaluations,
+                   "motions of each search, of the plans of --robust landings [as optimize]");
   verb->add_option("--trials", args->trials, "trial files: residuals of both sets");
   verb->add_option("--rig", args->rig, "rig file, with --trials");
   add_trial_options(*verb, args->reading);

@@ -115,8 +115,8 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
   if (code != kDone) return code;
 
   Comparison comparison;
-  code = run_compare({.nominal = dataset("actuators/x8-9_nominal.toml"),
-                      .identified = identified,
+  code = run_compare({.nominal = {dataset("actuators/x8-9_nominal.toml")},
+                      .identified = {identified},
                       .scene = paper,
                       .rig = identify_arguments.rig,
                       .trials = identify_arguments.trials},

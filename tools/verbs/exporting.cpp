@@ -1,5 +1,7 @@
 #include "tools/verbs/exporting.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -31,6 +33,19 @@ ExportChoices actuator_exports() {
           "mjcf: actuator.mjcf.xml, for MuJoCo; urdf: actuator.urdf.xml"};
 }
 
+void check_exports(const Exports& exports, const landing::Robot& robot) {
+  std::vector<std::string> names;
+  for (const landing::Joint& j : robot.joints)
+    if (j.driven()) names.push_back(j.name);
+  if (exports.has(Exports::Format::kRos2) && names.empty())
+    throw InputError("--export: ros2: no joint of this robot is driven: there is no motion to send");
+  if (exports.joint && names.size() != 1)
+    throw InputError(
+        fmt::format("--joint: {}: a robot with one driven joint is needed; the joints of this one keep "
+                    "their names: {}",
+                    quoted(*exports.joint), fmt::join(names, ", ")));
+}
+
 void add_export(CLI::App& verb, Exports& exports, const ExportChoices& choices) {
   verb.add_option_function<std::string>(
           "--export",
@@ -41,7 +56,7 @@ void add_export(CLI::App& verb, Exports& exports, const ExportChoices& choices) 
       ->type_name("LIST");
   verb.add_option_function<std::string>(
           "--joint", [&exports](const std::string& name) { exports.joint = joint_name(name); },
-          "with --export, the joint's name [knee]")
+          "with --export, the joint's name [knee; of a robot of links its own]")
       ->type_name("NAME");
 }
 

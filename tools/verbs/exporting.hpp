@@ -19,6 +19,8 @@ struct ExportChoices {
 ExportChoices landing_exports();
 /// Of an actuator.
 ExportChoices actuator_exports();
+/// Throws InputError unless the joints of a robot of links can be exported so: --joint is the name of one alone.
+void check_exports(const Exports& exports, const landing::Robot& robot);
 void add_export(CLI::App& verb, Exports& exports, const ExportChoices& choices);
 
 }  // namespace ukemi::tools

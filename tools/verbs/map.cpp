@@ -8,6 +8,7 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/results.hpp"
+#include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -16,13 +17,6 @@ namespace ukemi::tools {
 using namespace landing;
 
 namespace {
-
-struct MapArguments {
-  std::string scene, actuator, slice;
-  std::vector<int> grid{64, 64, 32};
-  FreedomArguments freedom;
-  int polish = MapOptions().polished;
-};
 
 /// The values of a motion, which must lie in their ranges.
 Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
@@ -35,20 +29,24 @@ Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
 }
 
 int run_map(const MapArguments& a, const CommonOptions& common) {
+  if (is_body(a.scene)) return map_body(a, common);
+  if (!a.vary.empty())
+    throw InputError("--vary: the variables of a robot of links are named so; of the paper's robot --grid is needed");
+  const std::string file = only_actuator(a.actuators);
   Run run("map", common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
-  const Actuator actuator = landing_actuator_of(a.actuator, run);
+  const Actuator actuator = landing_actuator_of(file, run);
   const ReferenceSpace space(scene, actuator.sea);
   const bool slice = space.dimension() > kPaperVariables;
-  if (slice ? a.grid.size() < kPaperVariables : a.grid.size() != kPaperVariables)
+  SurveyOptions options{.basins = run.monitor("map: basins"), .evidence = run.monitor("map: evidence")};
+  MapOptions& map = options.map;
+  if (!a.grid.empty()) map.cells = a.grid;
+  if (slice ? map.cells.size() < kPaperVariables : map.cells.size() != kPaperVariables)
     throw InputError("--grid: three numbers are needed, as in 64,64,32");
-  for (const int n : a.grid)
+  for (const int n : map.cells)
     if (n < (slice ? 1 : 2))
       throw InputError(fmt::format("--grid: {}: at least {} needed", n,
                                    slice ? "1 point along each variable is" : "2 points along each variable are"));
-  SurveyOptions options{.basins = run.monitor("map: basins"), .evidence = run.monitor("map: evidence")};
-  MapOptions& map = options.map;
-  map.cells = a.grid;
   if (!a.slice.empty()) {
     map.slice = slice_of(a.slice, space);
     run.input(a.slice);
@@ -64,12 +62,20 @@ void add_map(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<MapArguments>();
   CLI::App* verb = app.add_subcommand("map", "the whole box of motions on a grid, and its basins");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option(
+          "--actuator", args->actuators,
+          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
+      ->allow_extra_args(false);
   verb->add_option("--grid", args->grid,
                    "points of phi_I, phi_F, duration and, if the motion has more, those; 1: it stands [64,64,32]")
       ->delimiter(',');
-  verb->add_option("--slice", args->slice,
-                   "motion file: where variables without a grid stand [the middle of their ranges]");
+  verb->add_option("--vary", args->vary,
+                   "of a robot of links NAME[:N],...: one to three variables, as phi_i_hip, and points of each [64; of "
+                   "three 24]");
+  verb->add_option(
+      "--slice", args->slice,
+      "motion file: where variables without a grid stand [the middle of their ranges; of a robot of links the "
+      "held posture]");
   add_freedom(*verb, args->freedom);
   verb->add_option("--polish", args->polish, "how many of the grid's local minima are searched from close by [24]");
   add_action<MapArguments>(*verb, args, "ukemi map scene.toml --actuator actuator.toml --grid 64,64,32 -o out", chosen,

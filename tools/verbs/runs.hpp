@@ -60,11 +60,13 @@ struct OptimizeArguments {
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
 
 struct CompareArguments {
-  std::string nominal, identified, scene, rig;
+  std::vector<std::string> nominal, identified;  ///< one file each; of a robot of links one for each joint
+  std::string scene, rig;
   std::vector<std::string> trials;
   TrialArguments reading;
   std::optional<std::string> robust;  ///< a measure
   ScatterArguments scatter;
+  std::optional<long> evaluations;  ///< of each search
 };
 int run_compare(const CompareArguments& arguments, const CommonOptions& common, Comparison* result = nullptr);
 

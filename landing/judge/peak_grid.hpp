@@ -1,0 +1,29 @@
+// A grid of peaks and its basins, whatever falls: what the map of the paper's robot and that of a robot of links share.
+// Private: not installed.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "landing/judge/map.hpp"
+#include "landing/search/objective.hpp"
+
+namespace ukemi::landing {
+
+/// Plays the cells of the grid from index `first` on; called from several threads.
+using PlayCells = std::function<void(const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> cells)>;
+/// Every point of a grid over variables, `row` neighbours along the last of them at a time (0: all of them; another
+/// number divides them), until the monitor stops it. Throws InputError for options that do not fit the variables.
+[[nodiscard]] PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options, std::size_t row,
+                                const PlayCells& play);
+
+/// The grid's points that are as low as all their neighbours, the lowest first.
+[[nodiscard]] std::vector<std::size_t> local_minima(const PeakMap& map);
+
+/// The place in the cube of the n-th local minimum's basin, from its cell on; kNoMotion where none could be followed.
+using Descend = std::function<Candidate(const PeakMap::Place& cell, std::uint64_t n)>;
+/// Where the best local minima lead, those that lie apart, the best first; where the monitor stops it, those whose
+/// search has ended.
+[[nodiscard]] std::vector<Candidate> descents(const PeakMap& map, const MapOptions& options, const Descend& descend);
+
+}  // namespace ukemi::landing

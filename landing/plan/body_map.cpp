@@ -1,0 +1,137 @@
+#include "landing/plan/body_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/csv.hpp"
+#include "landing/judge/peak_grid.hpp"
+#include "landing/plan/body_drops.hpp"
+#include "landing/search/cma.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+constexpr double kSearchAccuracy = 1e-6;
+
+Coordinates values_of(const std::vector<Variable>& variables, const Coordinates& unit) {
+  Coordinates out(unit.size());
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    out[long(k)] = std::lerp(variables[k].lower, variables[k].upper, unit[long(k)]);
+  return out;
+}
+/// And back; a range of one value has its middle.
+Coordinates unit_of(const std::vector<Variable>& variables, const Coordinates& values) {
+  Coordinates out(values.size());
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    const auto& [low, high] = std::pair(variables[k].lower, variables[k].upper);
+    out[long(k)] = high > low ? std::clamp((values[long(k)] - low) / (high - low), 0.0, 1.0) : 0.5;
+  }
+  return out;
+}
+
+const std::function<bool()>* over_of(const Monitor& monitor) { return monitor.stop ? &monitor.stop : nullptr; }
+
+/// The peak of a motion [m/s^2]; kNoMotion where it could not be followed, or was stopped.
+double peak_of(const BodyScene& scene, const BodyMotion& motion, double above, const Monitor& monitor) {
+  const BodyLanding l =
+      peak_acceleration(scene, motion, {.accuracy = kSearchAccuracy, .abandon_above = above, .over = over_of(monitor)});
+  return no_landing(l.end) || l.end == End::kStopped ? kNoMotion : l.peak;
+}
+
+/// Covariance adaptation from a cell down into its basin; judged at a tight accuracy, as its start is.
+Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordinates& from, const MapOptions& options,
+                   std::uint64_t n) {
+  constexpr int kPoints = 14;
+  constexpr long kMotions = 1500;
+  constexpr double kWidth = 0.05, kConverged = 1e-4, kBound = 1.3;
+  const Candidate start{from};
+  Candidate best = start;
+  Random random(options.seed, n);
+  CovarianceAdaptation distribution;
+  distribution.start(from, kWidth, kPoints);
+  std::vector<Candidate> points(kPoints);
+  double bound = kNoMotion;
+  for (long played = 0; played < kMotions && distribution.widest() > kConverged; played += kPoints) {
+    if (options.monitor.stopped()) return start;
+    distribution.sample(random, points);
+    for (Candidate& p : points) p.value = peak_of(scene, space.motion(p.u), bound, options.monitor);
+    std::sort(points.begin(), points.end());
+    best = std::min(best, points[0]);
+    const double middle = points[kPoints / 2].value;
+    bound = middle < kNoMotion ? kBound * middle : kNoMotion;  // what is worse is not learnt from
+    distribution.learn(points);
+  }
+  Candidate out;
+  for (Candidate p : {start, best}) {
+    const BodyLanding l = simulate(scene, space.motion(p.u), {.accuracy = options.tight});
+    p.value = no_landing(l.end) ? kNoMotion : l.peak;
+    if (out.u.size() == 0 || p < out) out = p;
+  }
+  return out;
+}
+
+}  // namespace
+
+Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyMotion& motion, const Location& where) {
+  static constexpr std::array<const char*, kMotionNumbers> kNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
+                                                                     "b2",    "b3",    "gain_p",   "gain_d", "to"};
+  const Coordinates unit = space.unit(motion);
+  BodyMotion given = motion, kept = space.motion(unit);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const Joint& joint = scene.robot.joints[i];
+    if (!joint.driven()) continue;
+    if (given[i].reposition)
+      throw InputError(where,
+                       fmt::format("joint '{}' moves in the air: motions without such a move are mapped", joint.name));
+    double a = 0, b = 0;
+    const auto x = motion_numbers(given[i], a), y = motion_numbers(kept[i], b);
+    for (std::size_t k = 0; k < kNames.size(); ++k)
+      if (!(std::abs(*x[k] - *y[k]) <= 1e-9))
+        throw InputError(where, fmt::format("{}_{} = {:.6g}: {:.6g} is the nearest that is mapped", kNames[k],
+                                            joint.name, *x[k], *y[k]));
+  }
+  return values_of(space.variables(), unit);
+}
+
+Coordinates held_slice(const BodySpace& space, const BodyScene& scene) {
+  BodyMotion held = held_posture(scene);
+  for (Motion& m : held) m.duration = 0.5 * (scene.duration[0] + scene.duration[1]);
+  return values_of(space.variables(), space.unit(held));
+}
+
+BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
+  scene.validate();
+  const BodySpace space(scene);
+  const auto motion = [&](const PeakMap& map, const PeakMap::Place& at) {
+    return space.motion(unit_of(map.variables, map.values(at)));
+  };
+  const auto play = [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> cells) {
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const BodyLanding l = peak_acceleration(scene, motion(map, map.place(first + k)),
+                                              {.accuracy = kSearchAccuracy, .over = over_of(options.map.monitor)});
+      const bool none = no_landing(l.end) || l.end == End::kStopped;
+      cells[k] = {none ? std::numeric_limits<double>::quiet_NaN() : l.peak, {}, -1, false, l.end};
+    }
+  };
+  BodySurvey out{mapped([&] { return map_peaks(space.variables(), options.map, 1, play); }), scene, {}, {}};
+  std::vector<std::size_t> minima = local_minima(out.map);
+  minima.resize(std::min(minima.size(), std::size_t(options.map.polished)));
+  for (const std::size_t i : minima) out.minima.push_back({motion(out.map, out.map.place(i)), out.map.grid[i].peak});
+  MapOptions near = options.map;
+  near.monitor = options.basins;
+  const auto descend = [&](const PeakMap::Place& cell, std::uint64_t n) {
+    return close_in(scene, space, unit_of(out.map.variables, out.map.values(cell)), near, n);
+  };
+  const std::vector<BodyDrop> box = execution_drops(scene);
+  for (const Candidate& p : descents(out.map, near, descend)) {
+    const BodyMotion m = space.motion(p.u);
+    const std::vector<double> peaks = peaks_over(box, m, kSearchAccuracy, near.threads);
+    out.basins.push_back({m, p.value, *std::max_element(peaks.begin(), peaks.end())});
+  }
+  return out;
+}
+
+}  // namespace ukemi::landing

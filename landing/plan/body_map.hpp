@@ -1,0 +1,41 @@
+// The motions of a robot of links on a grid over some of their variables, and the basins that it shows. Ours.
+#pragma once
+
+#include <vector>
+
+#include "common/error.hpp"
+#include "landing/judge/survey.hpp"
+#include "landing/plan/body_space.hpp"
+
+namespace ukemi::landing {
+
+/// Where a search from a local minimum of the grid ended, over all variables, those that stood on the grid included.
+struct BodyBasin {
+  BodyMotion motion;
+  double peak;      ///< at MapOptions::tight [m/s^2]
+  double tolerant;  ///< the worst peak of execution_drops; infinite where one could not be followed [m/s^2]
+};
+
+/// A local minimum of the grid: its cell.
+struct GridMinimum {
+  BodyMotion motion;
+  double peak;  ///< of the grid [m/s^2]
+};
+
+struct BodySurvey : MappedPeaks {
+  BodyScene scene;
+  std::vector<GridMinimum> minima;  ///< the best MapOptions::polished, the best first
+  std::vector<BodyBasin> basins;    ///< that lie apart, the best first
+};
+
+/// Values of a motion's variables, for MapOptions::slice. Throws InputError at `where` for a number of the motion that
+/// is not within what is searched.
+Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyMotion& motion, const Location& where);
+/// The held posture, its duration in the middle of its range.
+Coordinates held_slice(const BodySpace& space, const BodyScene& scene);
+
+/// `options.map.cells` and `slice` are of BodySpace's variables; contacts of the cells are not told. Same inputs and
+/// seed, same results. Throws InputError as BodySpace and `simulate`. Tests: test/legs/map.cpp.
+[[nodiscard]] BodySurvey survey(const BodyScene& scene, const SurveyOptions& options);
+
+}  // namespace ukemi::landing

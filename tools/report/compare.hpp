@@ -1,0 +1,66 @@
+// Two sets of constants side by side as a reader sees them, of either kind of robot.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "landing/scatter/measure.hpp"
+#include "tools/report/landing.hpp"
+#include "tools/study/compared.hpp"
+
+namespace ukemi::tools {
+
+/// A set's best motion.
+struct ToldMotion {
+  std::string set, words;
+  Json numbers;
+  std::optional<Json> tolerant_peak;  ///< absent: not told
+  OfSets<double> peaks;               ///< played with each set; without meaning unless all landed
+};
+/// A plan for scattered drops, and what it comes to with the identified constants.
+struct ToldPlan {
+  std::string set, words;
+  double promised;
+  landing::Distribution truth;
+};
+struct ToldComparison {
+  std::string scene, source;  ///< names; source: of the floor's constants
+  std::string peak;           ///< how its acceleration is called
+  std::string truth;          ///< what has the identified constants: "the identified actuator"
+  std::vector<ToldMotion> motions;
+  std::vector<ToldPlan> plans;
+  bool landed;  ///< all four landings were played
+};
+
+/// The motions of a comparison that were found.
+template <class Motion, class Words, class Numbers>
+std::vector<ToldMotion> told_motions(const std::vector<Motion>& motions, Words&& words, Numbers&& numbers) {
+  std::vector<ToldMotion> out;
+  for (const Motion& m : motions) {
+    if (!m.best.found) continue;
+    ToldMotion& told = out.emplace_back(ToldMotion{m.set, words(m.best.motion), numbers(m.best.motion), {}, {}});
+    for (std::size_t s = 0; s < 2; ++s)
+      if (m.landings[s]) told.peaks[s] = m.landings[s]->peak;
+  }
+  return out;
+}
+
+/// Warns of what a search or a landing did not reach; `point`: what a robot meets the floor with.
+template <class Motion>
+void warn_of_motions(const std::vector<Motion>& motions, const char* point, Run& run) {
+  for (const Motion& m : motions)
+    if (!m.best.message.empty()) run.warn(m.set + ": " + m.best.message);
+  for (const Motion& m : motions)
+    for (const auto& l : m.landings)
+      if (l && no_landing(l->end)) run.warn(failure_words(*l, point));
+}
+
+/// The page of a comparison, with what is to be distrusted of it.
+Report comparison_page(const OfSets<std::string>& names, const Run& run);
+/// The constants: parameters.csv, on the terminal, on the page, in the summary.
+void tell_constants(const std::vector<ConstantDifference>& constants, Json& summary, Report& report, Run& run);
+/// Motions and plans, then where all landed their peaks in both directions and the lesson of them.
+void tell_motions(const ToldComparison& comparison, Json& summary, Report& report, Run& run);
+
+}  // namespace ukemi::tools

@@ -1,0 +1,69 @@
+#include "tools/study/body_comparison.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+/// A joint's drive as its file has it.
+Actuator drive_of(const Joint& j) {
+  return {.name = j.name, .sea = j.sea, .uncertain = j.uncertain, .covariance = j.covariance};
+}
+
+/// The constants of each drive that differs in a constant, or in all where none does; those that neither set has are
+/// left out.
+std::vector<ConstantDifference> drive_differences(const OfSets<BodyScene>& scenes) {
+  std::vector<ConstantDifference> all, out;
+  for (std::size_t i = 0; i < scenes[0].robot.joints.size(); ++i) {
+    const OfSets<Joint> joint = {scenes[0].robot.joints[i], scenes[1].robot.joints[i]};
+    if (!joint[0].driven() || !joint[1].driven()) continue;
+    std::vector<ConstantDifference> rows = differences({drive_of(joint[0]), drive_of(joint[1])}, "_" + joint[0].name);
+    std::erase_if(rows, [](const ConstantDifference& c) { return c.value[0] == 0 && c.value[1] == 0; });
+    all.insert(all.end(), rows.begin(), rows.end());
+    if (constants(joint[0].sea) != constants(joint[1].sea)) out.insert(out.end(), rows.begin(), rows.end());
+  }
+  return out.empty() ? all : out;
+}
+
+/// Adds the plans for drops that scatter; false where one could not be found or was stopped.
+bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options,
+                   std::vector<ComparedBodyPlan>& plans) {
+  const Scatter scatter = scatter_for(options.search.scatter, scenes[1]);
+  BodyPlanOptions search = options.search;
+  const std::vector<BodyDrop> drops =
+      BodyDropModel(scenes[1], scatter, {.inflate = 0}).independent(search.fresh, fresh_seed(search.seed));
+  search.scatter = scatter, search.fresh = 0;  // told on the drops of the identified set
+  for (std::size_t n = 0; n < (scenes[1].robot.fitted() ? 3 : 2); ++n) {
+    const std::string set = planned_with(n);
+    if (options.monitor) search.monitor = options.monitor("robust, " + set);
+    search.inflate = n == 2 ? options.search.inflate : 0;
+    BodyPlan best = plan(scenes[std::min<std::size_t>(n, 1)], search);
+    if (!best.found || search.monitor.stopped()) return false;
+    constexpr double kAccuracy = 1e-6;
+    const std::vector<double> peaks = peaks_over(drops, best.motion, kAccuracy, search.threads);
+    plans.push_back({set, std::move(best), distribution(peaks)});
+  }
+  return true;
+}
+
+}  // namespace
+
+BodyComparison compare(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options) {
+  BodyComparison out{.scenes = scenes, .constants = drive_differences(scenes)};
+  BodyPlanOptions search = options.search;
+  search.measure.reset(), search.scatter.reset(), search.fresh = 0;
+  const auto best = [&](std::size_t s) {
+    if (options.monitor) search.monitor = options.monitor(kSets[s]);
+    return plan(scenes[s], search);
+  };
+  const auto land = [&](std::size_t s, const BodyMotion& motion) {
+    const std::function<bool()>& stop = search.monitor.stop;
+    return simulate(scenes[s], motion, {.accuracy = search.accuracy, .over = stop ? &stop : nullptr}, options.rate);
+  };
+  out.complete = compare_motions(out.motions, best, land, [&] { return search.monitor.stopped(); });
+  if (options.search.measure) out.complete = compare_plans(scenes, options, out.plans) && out.complete;
+  return out;
+}
+
+}  // namespace ukemi::tools

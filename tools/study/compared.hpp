@@ -1,0 +1,77 @@
+// Two sets of constants side by side, nominal and identified, whatever falls: what differs, and each set's best motion
+// landed under both.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/actuator.hpp"
+
+namespace ukemi::tools {
+
+inline constexpr std::array<const char*, 2> kSets = {"nominal", "identified"};
+template <class T>
+using OfSets = std::array<T, 2>;  ///< nominal, identified
+
+struct ConstantDifference {
+  std::string name, unit;
+  OfSets<double> value;
+  std::optional<double> std;  ///< standard error of the identified one
+
+  double difference() const { return value[1] - value[0]; }
+  double percent() const { return 100 * difference() / value[0]; }
+  std::optional<double> z() const;     ///< difference in standard errors
+  std::optional<bool> inside() const;  ///< the nominal value lies in the identified one's 95 % interval
+};
+/// The five constants of an actuator in both sets; `of` stands behind their names.
+std::vector<ConstantDifference> differences(const OfSets<Actuator>& sets, const std::string& of = "");
+
+/// A set's best motion, landed under both sets.
+template <class Best, class Landed>
+struct ComparedMotionOf {
+  std::string set;                         ///< whose best it is
+  Best best;                               ///< with its `motion`, `found` and `message`
+  OfSets<std::optional<Landed>> landings;  ///< absent where it was stopped before
+};
+
+/// A plan for drops that scatter, and what it comes to where the identified constants are the truth.
+template <class Best, class Truth>
+struct ComparedPlanOf {
+  std::string set;  ///< see planned_with
+  Best best;
+  Truth truth;
+};
+
+/// Of the plans for scatter: "nominal", "identified", "identified, with its covariance".
+inline std::string planned_with(std::size_t plan) {
+  return plan == 2 ? "identified, with its covariance" : kSets[plan];
+}
+
+/// Whether all four landings were played.
+template <class Motion>
+bool all_landed(const std::vector<Motion>& motions) {
+  return motions.size() == 2 && motions[1].landings[1];
+}
+
+/// Adds the best motion of each set, `search(set)`, then lands each under both sets, `land(set, motion)`; false where
+/// one could not be found or landed, or `stopped()`.
+template <class Motion, class Search, class Land, class Stopped>
+bool compare_motions(std::vector<Motion>& motions, Search&& search, Land&& land, Stopped&& stopped) {
+  for (std::size_t s = 0; s < 2; ++s) {
+    motions.push_back({kSets[s], search(s), {}});
+    if (!motions.back().best.found || stopped()) return false;
+  }
+  bool landed = true;
+  for (Motion& m : motions)
+    for (std::size_t s = 0; s < 2; ++s) {
+      auto landing = land(s, m.best.motion);
+      if (stopped()) return false;
+      landed = landed && !no_landing(landing.end);
+      m.landings[s] = std::move(landing);
+    }
+  return landed;
+}
+
+}  // namespace ukemi::tools
