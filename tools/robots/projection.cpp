@@ -260,7 +260,7 @@ class Projector {
       }
   }
   std::string renamed(const char* what, const std::string& name, std::set<std::string>& known) {
-    const std::string out = plain_name(name, known);
+    std::string out = plain_name(name, known);
     if (out != name) note("renamed", name, fmt::format("{} {}: letters, digits and _, once each", what, out));
     return out;
   }
