@@ -128,7 +128,7 @@ BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
   const std::vector<BodyDrop> box = execution_drops(scene);
   for (const Candidate& p : descents(out.map, near, descend)) {
     const BodyMotion m = space.motion(p.u);
-    const std::vector<double> peaks = peaks_over(box, m, kSearchAccuracy, near.threads);
+    const std::vector<double> peaks = peaks_over(box, m, kSearchAccuracy, near.threads).peaks;
     out.basins.push_back({m, p.value, *std::max_element(peaks.begin(), peaks.end())});
   }
   return out;

@@ -140,7 +140,8 @@ TEST_CASE("legs: a plan is never worse than holding by its own goal, with every 
         const BodyPlan p = plan(scene, o);
         INFO(int(goal) << " " << (measure ? measure->name() : "none") << " " << deadline.value_or(0));
         REQUIRE(p.found);
-        CHECK(p.value < p.held_value);
+        CHECK(p.value <= p.held_value);  // by a deadline a busy machine gets no further
+        if (!deadline) CHECK(p.value < p.held_value);
         CHECK(p.under.has_value() == (measure && !deadline));
         if (!measure && goal == Goal::kTolerant) {
           double worst = 0;
