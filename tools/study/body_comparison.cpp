@@ -41,7 +41,7 @@ bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions&
     BodyPlan best = plan(scenes[std::min<std::size_t>(n, 1)], search);
     if (!best.found || search.monitor.stopped()) return false;
     constexpr double kAccuracy = 1e-6;
-    const std::vector<double> peaks = peaks_over(drops, best.motion, kAccuracy, search.threads);
+    const std::vector<double> peaks = peaks_over(drops, best.motion, kAccuracy, search.threads).peaks;
     plans.push_back({set, std::move(best), distribution(peaks)});
   }
   return true;
