@@ -110,8 +110,8 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
   out.held = distribution(play.peaks({kHeld, planned.sea}, drops, {}));
   // The best posture: on a grid, then between the best one's neighbours.
   constexpr int kGrid = 25, kRounds = 2;
-  constexpr long kFew = 128;
-  const auto few = std::span(drops).first(std::size_t(std::min(kFew, options.samples)));
+  constexpr std::size_t kFew = 128;
+  const auto few = std::span(drops).first(std::min(kFew, drops.size()));  // of measured ones there may be fewer
   auto [low, high] = model.scene().search.phi;
   double best = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {

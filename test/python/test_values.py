@@ -112,6 +112,8 @@ def test_what_was_minimised_is_said(scene, actuator):
     assert isinstance(best.motion, ukemi.Motion) and (best.goal, best.value) == (best.motion.goal, best.motion.value)
     plan = ukemi.Planner(scene, actuator, objective="peak").plan(0.4)
     assert f"; peak {plan.value:.6g} m/s^2" in repr(plan) and plan.motion.goal == "peak"
+    none = ukemi.optimize(scene, actuator, evaluations=50, forbid=["hip", "knee", "foot"])
+    assert not none.found and "nothing was found" in repr(none.motion) and none.message in repr(none)
     again = ukemi.simulate(scene.dropped(0.4, 0, 0, 0), actuator, plan.motion)
     assert again.peak == pytest.approx(plan.value, rel=1e-3)
 
@@ -126,3 +128,8 @@ def test_files_are_named_by_paths(scene, actuator, tmp_path):
             read(pathlib.Path("nowhere"))
         with pytest.raises(TypeError):
             read(3)
+        with pytest.raises(ukemi.InputError, match="a name of a file is needed"):
+            read("a\0b")
+    odd = tmp_path / "\udcff.toml"  # no UTF-8, and a name all the same
+    scene.save(odd)
+    assert ukemi.read_scene(odd) == ukemi.read_scene(str(odd)) == ukemi.read_scene(bytes(odd))

@@ -94,6 +94,18 @@ def test_simulate_optimize_risk(scene, actuator, tmp_path):
     assert best.motion.goal == best.goal and best.motion.value == best.value and "cvar" in best.goal
 
 
+def test_measured_drops(scene, actuator, tmp_path):
+    ukemi.risk(scene, actuator, ukemi.hold(-45), samples=200).write_report(tmp_path / "drawn")
+    measured = tmp_path / "drawn/risk.csv"
+    paper = [SCENE, "--actuator", TABLE2, "--drops", measured]
+    same(ukemi.risk(scene, actuator, ukemi.hold(-45), drops=measured), tmp_path, "risk", *paper, "--hold", -45)
+    same(ukemi.optimize(scene, actuator, evaluations=2000, robust="mean", samples=16, drops=measured), tmp_path,
+         "optimize", *paper, "--evaluations", 2000, "--robust", "mean", "--samples", 16)
+    for wrong in ({"scatter": "height=0.01"}, {"inflate": 2}, {"inexact": True}):
+        with pytest.raises(ukemi.InputError, match="has no say"):
+            ukemi.risk(scene, actuator, ukemi.hold(-45), drops=measured, **wrong)
+
+
 def test_map_and_ratings(scene, actuator, tmp_path):
     paper = [SCENE, "--actuator", TABLE2]
     same(ukemi.map(scene, actuator, grid=[5, 4, 3], polish=2), tmp_path, "map", *paper, "--grid", "5,4,3", "--polish", 2)

@@ -39,6 +39,8 @@ struct Path {
   std::string text;
   operator const std::string&() const { return text; }
 };
+/// None where it is neither. Throws InputError for a path that no system has.
+std::optional<Path> path_of(py::handle given);
 using Bounds = std::map<std::string, double>;
 using Priors = std::map<std::string, std::pair<double, double>>;  ///< value, standard deviation
 
@@ -160,10 +162,9 @@ template <>
 struct pybind11::detail::type_caster<ukemi::python::Path> {
   PYBIND11_TYPE_CASTER(ukemi::python::Path, const_name("Union[str, os.PathLike]"));
   bool load(handle source, bool) {
-    const object path = reinterpret_steal<object>(PyOS_FSPath(source.ptr()));
-    if (!path) return PyErr_Clear(), false;
-    value.text = path.cast<std::string>();
-    return true;
+    std::optional<ukemi::python::Path> path = ukemi::python::path_of(source);
+    if (path) value = std::move(*path);
+    return path.has_value();
   }
   static handle cast(const ukemi::python::Path& path, return_value_policy, handle) { return str(path.text).release(); }
 };

@@ -94,7 +94,7 @@ void bind_robot_scene(py::module_& m) {
       });
   bind_value(c);
   bind_report(
-      c, "robot", [](const BodyScene& s, tools::Run& run) { return report_robot(s, run); },
+      c, "robot", [](const BodyScene& s, tools::Run& run) { return report_robot(s, {}, run); },
       [](const BodyScene&) { return 1; });
 }
 

@@ -19,6 +19,16 @@ std::optional<double> checked(const std::string& what, std::optional<double> val
   return value;
 }
 
+std::optional<Path> path_of(py::handle given) {
+  PyObject* bytes = nullptr;  // names of files are bytes, whatever they mean
+  if (PyUnicode_FSConverter(given.ptr(), &bytes) != 0)
+    return Path{py::reinterpret_steal<py::bytes>(bytes).cast<std::string>()};
+  const bool no_name = PyErr_ExceptionMatches(PyExc_ValueError) != 0;
+  PyErr_Clear();
+  if (no_name) throw InputError("path: " + py::repr(given).cast<std::string>() + ": a name of a file is needed");
+  return std::nullopt;
+}
+
 double number(const std::string& what, py::handle value) {
   const double out = PyFloat_AsDouble(value.ptr());
   if (!PyErr_Occurred()) return out;

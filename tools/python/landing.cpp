@@ -29,7 +29,9 @@ Goal goal_of(const std::string& text) {
   return tools::choice<Goal>("objective", text, {{"peak", Goal::kPeak}, {"tolerant", Goal::kTolerant}});
 }
 
-std::string minimised(const std::string& goal, double value) { return fmt::format("{} {:.6g} m/s^2", goal, value); }
+std::string minimised(const std::string& goal, double value) {
+  return value < kNoMotion ? fmt::format("{} {:.6g} m/s^2", goal, value) : goal + " not known: nothing was found";
+}
 
 std::vector<NamedTouch> named(const std::vector<Touch>& touches, const tools::PointName& name) {
   std::vector<NamedTouch> out;

@@ -40,6 +40,7 @@ struct Asked {
   double rate;
   std::uint64_t seed;
   int threads;
+  std::optional<Path> drops;
 };
 AnswerOptions options_of(const Asked& a, const Actuator& actuator) {
   require_gains(actuator);
@@ -57,6 +58,7 @@ AnswerOptions options_of(const Asked& a, const Actuator& actuator) {
 
 Answer optimized(const Scene& scene, const Actuator& actuator, const Asked& asked) {
   AnswerOptions options = options_of(asked, actuator);
+  options.robust.drops = measured_drops(asked.drops, scene, actuator, asked.scatter, asked.inflate);
   return long_call([&](const std::function<bool()>& stop) {
     options.search.monitor.stop = options.evidence_monitor.stop = stop;
     Answer out = answer(scene, actuator, options);
@@ -157,16 +159,18 @@ void bind_optimize(py::module_& m) {
       [](const Scene& scene, const Actuator& actuator, std::uint64_t seed, const std::string& objective,
          const std::string& solver, std::optional<long> evaluations, std::optional<double> deadline,
          const std::vector<std::string>& forbid, bool respect_ratings, const std::optional<std::string>& robust,
-         const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads) {
+         const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads,
+         const std::optional<Path>& drops) {
         return optimized(scene, actuator,
                          {objective, solver, evaluations, deadline, forbid, respect_ratings, robust, scatter, inflate,
-                          samples, rate, seed, threads});
+                          samples, rate, seed, threads, drops});
       },
       py::arg("scene"), py::arg("actuator"), py::arg("seed") = 1, py::arg("objective") = "peak",
       py::arg("solver") = "auto", py::arg("evaluations") = py::none(), py::arg("deadline") = py::none(),
       py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
       py::arg("robust") = py::none(), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
       py::arg("samples") = RobustOptions().samples, py::arg("rate") = 1000.0, py::arg("threads") = 0,
+      py::arg("drops") = py::none(),
       "The knee motion with the smallest peak acceleration of the thigh (Eq. 6), as `ukemi optimize`. objective: peak "
       "or "
       "tolerant; deadline [s] from the call; forbid: of hip, knee, foot; robust: mean, cvar, quantile:Q or worst, over "

@@ -1,6 +1,7 @@
 // Peaks over drops that scatter, for Python.
 #include <fmt/format.h>
 
+#include "landing/scatter/drop_file.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/risk.hpp"
@@ -43,6 +44,15 @@ void bind_distribution(py::module_& m) {
 
 }  // namespace
 
+std::vector<ScatteredDrop> measured_drops(const std::optional<Path>& file, const Scene& scene, const Actuator& actuator,
+                                          const std::optional<std::string>& scatter, double inflate) {
+  if (!file) return {};
+  if (scatter || inflate != 1)
+    throw InputError(std::string(scatter ? "scatter" : "inflate") +
+                     ": beside drops it has no say: the drops come as they were measured");
+  return read_drops(*file, scene, actuator.sea);
+}
+
 void bind_risk(py::module_& m) {
   bind_distribution(m);
   py::class_<RiskResult> c(m, "Risk", "The peaks of a motion over drops that scatter, and what scatters them.");
@@ -59,15 +69,17 @@ void bind_risk(py::module_& m) {
       "risk",
       [](const Scene& scene, const Actuator& actuator, const Motion& motion, const std::optional<std::string>& scatter,
          double inflate, bool inexact, long samples, const std::vector<std::string>& forbid, std::uint64_t seed,
-         int threads) {
+         int threads, const std::optional<Path>& drops) {
         require_gains(actuator);
         RiskOptions options{.samples = samples, .forbidden = points_of(forbid), .seed = seed, .threads = threads};
         options.validate();
         tools::RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};
         study.scattering = {.inflate = inflation(inflate), .inexact = inexact};
-        study.scatter = scatter_for(asked_scatter(scatter), scene);
-        study.assumed = !scatter && !scene.scatter;
-        const DropModel model(scene, *study.scatter, actuator, study.scattering);
+        options.measured = measured_drops(drops, scene, actuator, scatter, inflate);
+        if (drops && inexact) throw InputError("inexact: beside drops it has no say");
+        if (!drops) study.scatter = scatter_for(asked_scatter(scatter), scene);
+        study.assumed = !drops && !scatter && !scene.scatter;
+        const DropModel model(scene, study.scatter.value_or(Scatter{}), actuator, study.scattering);
         study.risk = long_call([&](const std::function<bool()>& stop) {
           options.monitor.stop = stop;
           return risk(model, actuator, motion, options);
@@ -77,9 +89,12 @@ void bind_risk(py::module_& m) {
       py::arg("scene"), py::arg("actuator"), py::arg("motion"), py::arg("scatter") = py::none(),
       py::arg("inflate") = 1.0, py::arg("inexact") = false, py::arg("samples") = RiskOptions().samples,
       py::arg("forbid") = std::vector<std::string>{}, py::arg("seed") = 1, py::arg("threads") = 0,
+      py::arg("drops") = py::none(),
       "Plays a motion over drops that scatter, as `ukemi risk`. scatter: \"pitch_deg=1,height=0.01\", None: the "
       "scene's, else "
-      "1 deg, 1 cm, 3 cm/s; inflate: factor of the standard errors of the actuator's constants [1].");
+      "1 deg, 1 cm, 3 cm/s; inflate: factor of the standard errors of the actuator's constants [1]; drops: a CSV file "
+      "of measured ones, in place of "
+      "drawn ones.");
 }
 
 }  // namespace ukemi::python

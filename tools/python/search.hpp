@@ -14,6 +14,11 @@ std::map<std::string, std::string> edges_of(const std::vector<landing::Variable>
 inline std::optional<landing::Scatter> asked_scatter(const std::optional<std::string>& text) {
   return text ? std::optional(landing::parse_scatter("scatter", *text)) : std::nullopt;
 }
+/// Measured drops of a file, in place of all that is drawn; none without a file. Throws InputError where what says how
+/// drops are drawn is given beside it.
+std::vector<landing::ScatteredDrop> measured_drops(const std::optional<Path>& file, const landing::Scene& scene,
+                                                   const Actuator& actuator, const std::optional<std::string>& scatter,
+                                                   double inflate);
 /// Drops that a search under scatter looks at.
 inline long checked_samples(long samples) {
   return long(checked("samples", double(samples), {16, 4096, false, "16 to 4096"}));
