@@ -71,10 +71,16 @@ TEST_CASE("compare plays the best motions of a robot of links under both sets of
 TEST_CASE("compare plans for scatter with both sets of a robot of links, judged with the identified one") {
   const Folder f;
   softer(f);
-  done(f, {"compare", "--scene", kHopper, "--nominal", "hip=softer.toml", "--identified", "hip=" + kTable2, "--robust",
+  f.write("fit.toml",
+          replaced(read(kTable2), "[actuator]",
+                   "[uncertainty]\norder = [\"k_p\", \"k_sea\"]\ncovariance = [[4, 0], [0, 9]]\n[actuator]"));
+  done(f, {"compare", "--scene", kHopper, "--nominal", "hip=softer.toml", "--identified", "hip=fit.toml", "--robust",
            "mean", "--evaluations", "800", "--no-report", "-o", "out"});
-  const Json plans = summary(f)["plans"];
-  REQUIRE(plans.size() == 2);  // Table 2 has no covariance
+  const Json plans = summary(f)["plans"], k_p = summary(f)["parameters"]["k_p_hip"];
+  CHECK(k_p["z"].get<double>() == Approx((50.0 - 40.0) / 2));
+  CHECK(k_p["inside_ci95"] == false);
+  REQUIRE(plans.size() == 3);
+  CHECK(plans[2]["set"] == "identified, with its covariance");
   CHECK(plans[0]["set"] == "nominal");
   CHECK(plans[1]["truth"]["samples"] == 2048);
   CHECK(plans[1]["truth"]["mean"].get<double>() == Approx(plans[1]["promised"].get<double>()).epsilon(0.05));
