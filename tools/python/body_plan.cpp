@@ -72,7 +72,7 @@ void bind_body_optimum(py::module_& m) {
   bind_value(c);
   bind_report(
       c, "optimize",
-      [](const BodyOptimum& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, run); },
+      [](const BodyOptimum& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, {}, run); },
       [](const BodyOptimum& o) { return o.options.seed; });
 }
 

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "landing/judge/answer.hpp"
+#include "landing/judge/survey.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "tools/python/archive.hpp"
@@ -41,6 +42,9 @@ template <>
 struct Carry<Risk> : OnBase<Risk, PeakRisk, &Risk::worst> {};
 template <>
 struct Carry<BodyRisk> : OnBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed> {};
+template <>
+struct Carry<landing::Survey>
+    : OnBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};
 using identify::Estimates, identify::Fit, tools::Calibration;
 template <>
 struct Carry<Fit> : OnBase<Fit, Estimates, &Fit::sea, &Fit::rms, &Fit::identifiable, &Fit::far_above_noise,
