@@ -16,8 +16,9 @@ struct Profile {
   std::vector<double> value;  ///< increasing
   std::vector<double> rise;   ///< of the deviance above its minimum; infinite where no rollout is possible
   double threshold = 0;       ///< rise at the ends of the 95 % interval: the squared half width in standard errors
-  std::optional<double> low_noise, high_noise;  ///< of the interval by the logs' noise alone; absent where the grid ends
-  std::optional<double> low, high;              ///< of the interval with the errors of the rig; as absent
+  std::optional<double> low_noise,
+      high_noise;                   ///< of the interval by the logs' noise alone; absent where the grid ends
+  std::optional<double> low, high;  ///< of the interval with the errors of the rig; as absent
 };
 
 struct ProfileOptions {

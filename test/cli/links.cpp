@@ -1,6 +1,7 @@
 // Robots of links as a user meets them: simulate, optimize, robot, and what refuses them.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <regex>
 
 #include "test/cli/refused.hpp"
 
@@ -123,6 +124,29 @@ TEST_CASE("optimize plans for drops that scatter, risk plays the plan over them,
   }
 }
 
+TEST_CASE("limits of a robot of links: kept by plans, counted by risk, and said where nothing keeps them") {
+  const Folder f;
+  const std::string leg = f.write("leg.toml",
+                                  read(dataset("robots/hopper.toml")) + "speed_max = 6\nmotor_torque_max = 12\n"),
+                    scene = f.write("scene.toml",
+                                    std::regex_replace(read(kHopper), std::regex("../robots/hopper.toml"), "leg.toml") +
+                                        "[joint.knee]\nphi_deg = [-120, 0]\n");
+  done(f, {"optimize", scene, "--respect-ratings", "--forbid", "knee", "--evaluations", "800", "-o", "kept"});
+  const Json s = Json::parse(read(f.at("kept/summary.json")));
+  CHECK(s["joints"]["knee"]["motor_speed"].get<double>() <= 6);
+  CHECK(s["joints"]["knee"]["phi_deg"][0].get<double>() >= -120);
+  CHECK(s["peak_acceleration"].get<double>() < s["hold"]["peak_acceleration"].get<double>());
+  done(f, {"risk", scene, "--motion", "kept/motion.toml", "--forbid", "foot,knee", "--samples", "200", "-o", "risk"});
+  const Json told = Json::parse(read(f.at("risk/summary.json")));
+  CHECK(told["forbidden"]["foot"]["share"] == 1);
+  CHECK(told["ratings"].contains("joint_knee"));
+  const Result none =
+      run({"optimize", scene, "--forbid", "slider,knee,foot", "--evaluations", "200", "-o", "none"}, f.at(""));
+  CHECK(none.code == 1);
+  CHECK_THAT(none.err, Contains("no motion was found that keeps the limits; holding breaks them after") &&
+                           Contains("foot, touches the floor"));
+}
+
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
   const std::string can = "simulate, optimize, risk, compare, map, robot", two = "a robot of links: `ukemi simulate`";
@@ -130,11 +154,12 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
                 {"scatter: forward_speed", "this base"});
-  check_refused(f, {"optimize", kHopper, "--release-phi", "2"}, {"--release-phi", can});
+  check_refused(f, {"optimize", kHopper, "--release-phi", "2"}, {"--release-phi", "[release.JOINT]"});
+  check_refused(f, {"optimize", kHopper, "--release-from", "0.1"}, {"--release-from: ", "[release]"});
   check_refused(f, {"optimize", kHopper, "--bumps", "4"}, {"13 variables for 2 driven joints", "at most 12"});
   check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
   check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv:1"}, {"--drop-from: ", can});
-  check_refused(f, {"risk", kHopper, "--forbid", "knee"}, {"--forbid: ", can});
+  check_refused(f, {"risk", kHopper, "--forbid", "kne"}, {"--forbid: 'kne'", "did you mean"});
   check_refused(f, {"risk", kHopper, "--hold", "-45"}, {"--hold: '-45': ", "NAME=VALUE"});
   check_refused(f, {"ratings", kHopper, "--actuator", kTable2, "--motor-speed", "1:2:2"}, {two});
   check_refused(f, {"risk", kPaper, "--hold", "-45"}, {"--actuator is required"});

@@ -155,7 +155,7 @@ TEST_CASE("map of a robot of links refuses what it has no grid for, in one line"
   refused({"--vary", "phi_i_hip,phi_i_hip"}, {"given twice"});
   refused({"--vary", "phi_i_hip,phi_f_hip,phi_i_knee,phi_f_knee"}, {"--vary: 4 variables: one to three"});
   refused({"--vary", "duration", "--grid", "4,4,4"}, {"--grid: ", "--vary"});
-  refused({"--vary", "duration", "--release-phi", "3"}, {"--release-phi", "compare, map"});
+  refused({"--vary", "duration", "--release-phi", "3"}, {"--release-phi", "[release.JOINT]"});
   f.write("far.toml",
           "[motion.hip]\nphi_i_deg = 100\nphi_f_deg = 60\nduration = 0.3\n"
           "[motion.knee]\nphi_i_deg = -80\nphi_f_deg = -60\nduration = 0.3\n");
