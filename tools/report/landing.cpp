@@ -94,14 +94,14 @@ std::string failure_words(const RunEnd& r, const char* point) {
   return fmt::format("{}, at t = {:.6g} s after {} steps", reason(r), r.t_end, r.work.steps);
 }
 
-void warn_of(const RunEnd& r, const Sensitivity& sensitivity, const char* point, Run& run) {
+void warn_of(const RunEnd& r, const landing::Sensitivity& sensitivity, const char* point, Run& run) {
   const bool failed = r.end == End::kFailed;
   if (failed) run.warn("refused: " + failure_words(r, point) + "; what was computed so far is kept");
   if (r.end == End::kNoContact) run.warn(failure_words(r, point) + ": the peak is that of a flight");
   if (!sensitivity.checked && !failed)
     run.warn("the peak could not be checked: at a hundredth of the tolerance the landing cannot be followed");
 }
-void warn_of(const Sensitivity& s, bool wrong, double accuracy, Run& run) {
+void warn_of(const landing::Sensitivity& s, bool wrong, double accuracy, Run& run) {
   if (wrong)
     run.warn(
         fmt::format("wrong: the peak moves by {:.2g} with the tolerance and not with the scene; try --accuracy {:g}",
