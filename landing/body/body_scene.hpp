@@ -83,6 +83,12 @@ using BodyMotion = std::vector<Motion>;
 
 /// Every driven joint held where it is released, without a release where JointSearch::held says.
 BodyMotion held_posture(const BodyScene& scene);
+/// Contacts that must never touch, by their names, in place of those of the scene; none given: nothing changes. Throws
+/// InputError "OPTION: ..." for a name that is no contact's.
+void forbid(BodyScene& scene, const std::vector<std::string>& contacts, const std::string& option = "forbid");
+/// The ratings of each drive become limits, and no reference may be faster than its motor. Returns the joints whose
+/// drive has neither rating.
+std::vector<std::string> respect_ratings(BodyScene& scene);
 /// Throws InputError unless there is a motion for every joint, and those of driven joints are motions.
 void validate(const Robot& robot, const BodyMotion& motion);
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -206,6 +207,33 @@ BodyMotion held_posture(const BodyScene& scene) {
     out.push_back({phi, phi, 1});
   }
   return out;
+}
+
+void forbid(BodyScene& scene, const std::vector<std::string>& contacts, const std::string& option) {
+  if (contacts.empty()) return;
+  std::vector<std::string> known;
+  for (const ContactPoint& c : scene.robot.contacts) known.push_back(c.name);
+  scene.limits.forbidden.assign(known.size(), false);
+  for (const std::string& name : contacts) {
+    const auto at = std::find(known.begin(), known.end(), name);
+    if (at == known.end()) throw InputError(option + ": " + one_of(name, known));
+    scene.limits.forbidden[std::size_t(at - known.begin())] = true;
+  }
+}
+
+std::vector<std::string> respect_ratings(BodyScene& scene) {
+  const std::vector<Joint>& joints = scene.robot.joints;
+  scene.limits.joints.resize(joints.size());
+  std::vector<std::string> unrated;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = joints[i];
+    if (!joint.driven()) continue;
+    if (!joint.speed_max && !joint.motor_torque_max) unrated.push_back(joint.name);
+    BodyLimits::Joint& limits = scene.limits.joints[i];
+    limits.motor_speed = limits.reference_rate = joint.speed_max.value_or(BodyLimits::kNone);
+    limits.motor_torque = joint.motor_torque_max.value_or(BodyLimits::kNone);
+  }
+  return unrated;
 }
 
 void validate(const Robot& robot, const BodyMotion& motion) {

@@ -124,6 +124,23 @@ TEST_CASE("optimize plans for drops that scatter, risk plays the plan over them,
   }
 }
 
+TEST_CASE("a plan of a robot of links has shape terms and gains, in its files and its tables") {
+  const Folder f;
+  for (const char* goal : {"peak", "tolerant"}) {
+    done(f, Arguments{"optimize", kHopper, "--bumps", "1", "--landing-gains", "0.5:2", "--objective", goal,
+                      "--evaluations", "300"} +
+                kOut);
+    const Json s = summary(f);
+    CHECK(s["motion"]["hip"]["bumps_deg"].size() == 4);
+    CHECK(s["motion"]["knee"]["gain_p"].get<double>() >= 0.5);
+    const std::string motion = f.at("out/motion.toml");
+    CHECK_THAT(read(motion), Contains("bumps_deg") && Contains("gain_d"));
+    done(f, {"simulate", kHopper, "--motion", motion, "-o", "played"});
+    CHECK(Json::parse(read(f.at("played/summary.json")))["peak_acceleration"].get<double>() ==
+          Approx(s["peak_acceleration"].get<double>()).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("limits of a robot of links: kept by plans, counted by risk, and said where nothing keeps them") {
   const Folder f;
   const std::string leg = f.write("leg.toml",

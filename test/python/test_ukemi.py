@@ -403,3 +403,25 @@ def test_player_of_several_joints():
     assert [c[0] for c in player.at(5)] == pytest.approx([motions["hip"].phi_f, motions["knee"].phi_f])
     with pytest.raises(ukemi.InputError):
         ukemi.Player([])
+
+
+def test_robot_planner_answers_in_the_air(hopper):
+    scene = hopper
+    planner = ukemi.RobotPlanner(scene, forbid=["slider"])
+    at_rest = planner.plan(0.3, deadline=0.3)
+    assert at_rest["found"] and at_rest["value"] <= at_rest["held_value"]
+    assert sorted(at_rest["motions"]) == ["hip", "knee"]
+    joints = {"hip": (0.6, 0.0), "knee": (-1.2, 0.0)}
+    falling = planner.plan_in_air(0.29, joints, gone=0.04, deadline=0.1)
+    assert falling["status"] == "found", falling["wrong"]
+    assert falling["value"] <= falling["held_value"]
+    assert planner.plan_in_air(1e-4, joints, gone=0.2)["status"] == "floor_first"
+    assert planner.plan_in_air(float("nan"), joints)["status"] == "bad_input"
+    with pytest.raises(ukemi.InputError, match="knee"):
+        planner.plan_in_air(0.2, {"hip": (0.6, 0.0)})
+    with pytest.raises(ukemi.InputError, match="no joint of this robot"):
+        planner.plan_in_air(0.2, joints | {"ankle": (0, 0)})
+    with pytest.raises(ukemi.InputError, match="forbid"):
+        ukemi.RobotPlanner(scene, forbid=["sledge"])
+    kept = ukemi.optimize(scene, evaluations=600, forbid=["knee"])
+    assert kept.found

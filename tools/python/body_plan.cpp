@@ -1,6 +1,10 @@
 // Plans and risk of robots of links for Python.
 #include <fmt/format.h>
 
+#include <map>
+#include <mutex>
+
+#include "landing/plan/body_planner.hpp"
 #include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/body.hpp"
@@ -76,6 +80,13 @@ void bind_body_optimum(py::module_& m) {
       [](const BodyOptimum& o) { return o.options.seed; });
 }
 
+/// The scene with limits beside its stops.
+BodyScene limited(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
+  forbid(scene, forbidden);
+  if (ratings) (void)respect_ratings(scene);
+  return scene;
+}
+
 BodyOptimum planned(const BodyScene& scene, BodyPlanOptions options) {
   options.validate();
   if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
@@ -92,18 +103,110 @@ void bind_body_optimize(py::module_& m) {
       "optimize",
       [](const BodyScene& scene, std::uint64_t seed, const std::string& objective, std::optional<long> evaluations,
          std::optional<double> deadline, const std::optional<std::string>& robust,
-         const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads) {
+         const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads,
+         const std::vector<std::string>& forbidden, bool ratings) {
         BodyPlanOptions options;
         options.goal = goal_of(objective), options.evaluations = evaluations, options.deadline = deadline;
         if (robust) options.measure = Measure::parse("robust", *robust);
         options.scatter = asked_scatter(scatter), options.inflate = inflation(inflate), options.samples = samples;
         options.seed = seed, options.threads = threads, options.rate = checked_rate(rate);
-        return planned(scene, options);
+        return planned(limited(scene, forbidden, ratings), options);
       },
       py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
       py::arg("deadline") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
       py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("rate") = 1000.0,
-      py::arg("threads") = 0, "The same of a robot of links: a motion for every driven joint.");
+      py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
+      "The same of a robot of links: a motion for every driven joint. forbid: contacts that must never touch. Stops of "
+      "the scene are kept.");
+}
+
+/// A planner that is asked by one thread at a time, whatever Python's do.
+class PythonBodyPlanner {
+ public:
+  PythonBodyPlanner(const BodyScene& scene, const BodyPlanOptions& options)
+      : scene_(scene), options_(options), planner_(scene, options) {}
+
+  template <class State>
+  BodyAnswer plan(const State& state, double deadline, std::uint64_t seed) {
+    const std::unique_lock lock(asked_, std::try_to_lock);
+    if (!lock) throw std::runtime_error("the planner is asked by another thread already");
+    const py::gil_scoped_release release;
+    return planner_.plan(state, deadline, seed);
+  }
+  BodyAnswer plan_in_air(double height, const std::map<std::string, std::pair<double, double>>& joints,
+                         double forward_speed, double pitch, double pitch_rate, double gone,
+                         const std::optional<double>& vertical_speed, double deadline, std::uint64_t seed) {
+    BodyFallState s{.height = height,
+                    .forward_speed = forward_speed,
+                    .pitch = pitch,
+                    .pitch_rate = pitch_rate,
+                    .gone = gone,
+                    .vertical_speed = vertical_speed};
+    std::size_t named = 0;
+    for (const Joint& j : scene_.robot.joints) {
+      const auto at = joints.find(j.name);
+      if (j.driven() && at == joints.end()) throw InputError("joints: " + j.name + ": its (angle, rate) is missing");
+      named += at != joints.end();
+      s.joints.push_back(at == joints.end() ? BodyRelease::Joint{j.phi, 0}
+                                            : BodyRelease::Joint{at->second.first, at->second.second});
+    }
+    if (named != joints.size()) throw InputError("joints: a name that is no joint of this robot");
+    return plan(s, deadline, seed);
+  }
+  const BodyScene& scene() const { return scene_; }
+  const std::string goal() const { return tools::goal_words(options_.goal, options_.measure); }
+
+ private:
+  const BodyScene scene_;
+  const BodyPlanOptions options_;
+  BodyPlanner planner_;
+  std::mutex asked_;
+};
+
+/// An answer with what it is told by.
+py::dict told(const PythonBodyPlanner& p, const BodyAnswer& a) {
+  py::dict out;
+  out["status"] = name(a.status), out["found"] = a.found(), out["wrong"] = a.wrong;
+  out["motions"] = a.found() ? py::object(by_joint(p.scene().robot, a.plan.motion)) : py::none();
+  out["goal"] = p.goal(), out["value"] = a.found() ? py::cast(a.plan.value) : py::none();
+  out["held_value"] = a.found() ? py::cast(a.plan.held_value) : py::none();
+  return out;
+}
+
+void bind_body_planner(py::module_& m) {
+  py::class_<PythonBodyPlanner>(m, "RobotPlanner", "The planner of a control program of a robot of links.")
+      .def(py::init([](const BodyScene& scene, const std::string& objective, const std::vector<std::string>& forbidden,
+                       bool ratings, int threads) {
+             return std::make_unique<PythonBodyPlanner>(
+                 limited(scene, forbidden, ratings), BodyPlanOptions{.goal = goal_of(objective), .threads = threads});
+           }),
+           py::arg("scene"), py::arg("objective") = "tolerant", py::arg("forbid") = std::vector<std::string>{},
+           py::arg("respect_ratings") = false, py::arg("threads") = 0)
+      .def(
+          "plan",
+          [](PythonBodyPlanner& p, double height, double forward_speed, double pitch, double pitch_rate,
+             double deadline, std::uint64_t seed) {
+            return told(p, p.plan(Drop{height, forward_speed, pitch, pitch_rate}, deadline, seed));
+          },
+          py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
+          py::arg("deadline") = 0.1, py::arg("seed") = 1,
+          "The best motions for a drop from rest by the deadline [s]: a dict of status, found, wrong, motions (by "
+          "joint), "
+          "goal, value and held_value [m/s^2]. height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].")
+      .def(
+          "plan_in_air",
+          [](PythonBodyPlanner& p, double height, const std::map<std::string, std::pair<double, double>>& joints,
+             double forward_speed, double pitch, double pitch_rate, double gone, std::optional<double> vertical_speed,
+             double deadline, std::uint64_t seed) {
+            return told(p, p.plan_in_air(height, joints, forward_speed, pitch, pitch_rate, gone, vertical_speed,
+                                         deadline, seed));
+          },
+          py::arg("height"), py::arg("joints"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0,
+          py::arg("pitch_rate") = 0.0, py::arg("gone") = 0.0, py::arg("vertical_speed") = py::none(),
+          py::arg("deadline") = 0.05, py::arg("seed") = 1,
+          "The same for a robot that falls already: joints is a dict of (angle [rad], rate [rad/s]) of each driven "
+          "joint, "
+          "gone the time since release [s], vertical_speed upwards [m/s].");
 }
 
 void bind_body_risk(py::module_& m) {
@@ -142,6 +245,8 @@ void bind_body_risk(py::module_& m) {
 
 }  // namespace
 
-void bind_body_plan(py::module_& m) { bind_body_optimum(m), bind_body_optimize(m), bind_body_risk(m); }
+void bind_body_plan(py::module_& m) {
+  bind_body_optimum(m), bind_body_optimize(m), bind_body_planner(m), bind_body_risk(m);
+}
 
 }  // namespace ukemi::python

@@ -79,12 +79,12 @@ Quantities<Touch> contact_quantities(const Robot& robot) { return contact_quanti
 Quantities<BodyMotion> motion_quantities(const Robot& robot, const BodyMotion& like) {
   Quantities<BodyMotion> out;
   for (const auto& [joint, i] : driven(robot))
-    for (Quantity<Motion> q : motion_quantities(like[i])) {
-      if (q.json.empty()) continue;
-      const std::string unit = q.json.ends_with("_deg") ? "_deg" : "";
-      const std::string key = q.json.substr(0, q.json.size() - unit.size()) + "_" + joint.name + unit;
-      out.push_back({key, joint.name + "/" + q.json, joint.name + " " + q.words, q.format,
-                     [value = q.value, k = i](const BodyMotion& m) { return value(m[k]); }});
+    for (const Quantity<Motion>& q : motion_quantities(like[i])) {
+      const std::string unit = q.csv.ends_with("_deg") ? "_deg" : "";
+      const std::string column = q.csv.substr(0, q.csv.size() - unit.size());
+      out.push_back({column.empty() ? "" : column + "_" + joint.name + unit,
+                     q.json.empty() ? "" : joint.name + "/" + q.json, q.words.empty() ? "" : joint.name + " " + q.words,
+                     q.format, [value = q.value, k = i](const BodyMotion& m) { return value(m[k]); }});
     }
   return out;
 }

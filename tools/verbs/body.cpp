@@ -104,28 +104,10 @@ void apply(const std::optional<double>& from, std::optional<BodyRelease>& releas
     throw InputError(fmt::format("--release-from: {}: at least 0 s is needed", *from));
   release->from = *from;
 }
-/// --forbid: contacts that must never touch.
-void forbid(const std::vector<std::string>& names, BodyScene& scene) {
-  if (names.empty()) return;
-  std::vector<std::string> known;
-  for (const ContactPoint& c : scene.robot.contacts) known.push_back(c.name);
-  scene.limits.forbidden.assign(known.size(), false);
-  for (const std::string& name : names) scene.limits.forbidden[choice_index("--forbid", name, known)] = true;
-}
-/// --respect-ratings: the drives' ratings are limits, and no reference is faster than its motor.
-void respect_ratings(BodyScene& scene, Run& run) {
-  const std::vector<Joint>& joints = scene.robot.joints;
-  scene.limits.joints.resize(joints.size());
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const Joint& joint = joints[i];
-    if (!joint.driven()) continue;
-    if (!joint.speed_max && !joint.motor_torque_max)
-      run.warn(
-          fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint.name));
-    BodyLimits::Joint& limits = scene.limits.joints[i];
-    limits.motor_speed = limits.reference_rate = joint.speed_max.value_or(BodyLimits::kNone);
-    limits.motor_torque = joint.motor_torque_max.value_or(BodyLimits::kNone);
-  }
+/// --respect-ratings; warns of drives that have none.
+void keep_ratings(BodyScene& scene, Run& run) {
+  for (const std::string& joint : respect_ratings(scene))
+    run.warn(fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint));
 }
 
 }  // namespace
@@ -241,8 +223,8 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   BodyScene scene = body_of(a.scene, a.actuators, run);
   check_exports(a.exports, scene.robot);
   apply_freedom(a.freedom, scene);
-  forbid(a.forbid, scene);
-  if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(scene, run);
+  forbid(scene, a.forbid, "--forbid");
+  if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
   const double rate = rate_of(a.rate);
   constexpr double kShort = 2, kWriting = 0.02;  // [s]
   BodyPlanOptions options;
@@ -275,7 +257,7 @@ int risk_body(const RiskArguments& a, const CommonOptions& common) {
   Run run("risk", common);
   refuse(!a.scatter.drops.empty(), "--drops");
   BodyScene scene = body_of(a.scene, a.actuators, run);
-  forbid(a.forbid, scene);
+  forbid(scene, a.forbid, "--forbid");
   const BodyMotion motion = motion_of(scene, a.motion, run);
   BodyRiskOptions options;
   options.samples = samples_of(a);
