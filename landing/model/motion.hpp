@@ -41,12 +41,34 @@ struct MotionOf {
   /// Joint angle and rate at release.
   T release_phi() const { return reposition ? reposition->phi : phi_i; }
   T release_rate() const { return reposition ? reposition->rate : T(0); }
+
+  /// The same motion in another scalar.
+  template <class U>
+  MotionOf<U> cast() const {
+    MotionOf<U> out{U(phi_i), U(phi_f), U(duration)};
+    for (std::size_t k = 0; k < kMostBumps; ++k) out.bumps[k] = U(bumps[k]);
+    out.gain_p = U(gain_p), out.gain_d = U(gain_d);
+    if (reposition) out.reposition = {U(reposition->phi), U(reposition->rate), U(reposition->from), U(reposition->to)};
+    return out;
+  }
 };
 using Motion = MotionOf<double>;
 using Reposition = RepositionOf<double>;
 /// Throws InputError for a number that is not finite or outside the range that stands beside it. A move in the air that
 /// never begins has both times infinite.
 void validate(const Motion& motion);
+
+/// The numbers of a motion, by their names; `to` is the end of the move in the air.
+inline constexpr int kMotionNumbers = 10, kDurationSlot = 2, kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps,
+                     kToSlot = kGainSlot + 2;
+inline constexpr std::array<const char*, kMotionNumbers> kMotionNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
+                                                                         "b2",    "b3",    "gain_p",   "gain_d", "to"};
+/// They themselves; `none` stands for the `to` of a motion that does not move in the air.
+template <class T>
+std::array<T*, kMotionNumbers> motion_numbers(MotionOf<T>& m, T& none) {
+  return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
+          &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   m.reposition ? &m.reposition->to : &none};
+}
 
 /// Where the reference stands: before a piece of it, in it, or after the landing motion.
 enum class Phase : unsigned char { kBefore, kMoving, kAfter };
