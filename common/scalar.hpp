@@ -43,6 +43,13 @@ ceres::Jet<double, P> select(bool mask, const ceres::Jet<double, P>& a, const ce
   return mask ? a : b;
 }
 
+/// mask ? x : 0.
+inline double masked(bool mask, double x) { return mask ? x : 0; }
+template <int P>
+ceres::Jet<double, P> masked(bool mask, const ceres::Jet<double, P>& x) {
+  return mask ? x : ceres::Jet<double, P>(0);
+}
+
 /// True where any lane of the mask is set; a plain bool has one lane.
 inline bool any(bool mask) { return mask; }
 

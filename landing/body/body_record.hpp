@@ -33,7 +33,8 @@ class BodyRecorder {
 
   void start(const System& s, const State& y) {
     energy_start_ = s.link_energy(y);
-    turned_ = kinetic_energy(s.body, s.pose(y)) + s.body.mass * s.gravity.norm() * scene_.drop.height;
+    turned_ =
+        kinetic_energy(s.body, s.pose(y)) + s.body.mass * std::hypot(s.gravity[0], s.gravity[1]) * scene_.drop.height;
     out_.demands.assign(scene_.robot.joints.size(), {});
     for (int i = 0; i < s.body.joints; ++i) {
       JointDemands& d = out_.demands[std::size_t(s.body.joint[i].joint)];

@@ -46,8 +46,8 @@ double support_margin(const System& s, const typename System::Pose& p, const typ
     const auto at = s.point_at(i, p);
     along -= tangential_force(s.point[i], m, s.held(i, y, at), normal_force(s.point[i], m, at.y, at.v, 0.0).value);
   }
-  const double weight = -s.body.mass * s.gravity.y(), by_force = p.x - p.y * along / weight,
-               by_weight = p.x - p.y * s.gravity.x() / s.gravity.y();
+  const double weight = -s.body.mass * s.gravity[1], by_force = p.x - p.y * along / weight,
+               by_weight = p.x - p.y * s.gravity[0] / s.gravity[1];
   return std::min(std::min(by_force, by_weight) - left, right - std::max(by_force, by_weight));
 }
 
@@ -84,7 +84,7 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   const auto at = s.pose(y);
   const double margin = support_margin(s, at, y), height = std::max(at.y, 0.0);
   const double rise = std::hypot(margin, height) + height;
-  return energy <= kBarrierShare * -s.body.mass * s.gravity.y() * margin * margin / rise;
+  return energy <= kBarrierShare * -s.body.mass * s.gravity[1] * margin * margin / rise;
 }
 
 }  // namespace ukemi::landing

@@ -21,10 +21,19 @@ struct JointConstants {
   T stiffness{0}, damping{0}, rest{0};  ///< passive
   T parallel_stiffness{0}, parallel_rest{0};
 
-  /// f(a's, b's) of every constant; a takes the rest of b.
+  bool extended = false;  ///< it has friction, or a spring that stiffens
+
+  template <class Other>
+  void take_structure(const Other& o) {
+    kind = o.kind, sea.feedback = o.sea.feedback, extended = o.extended;
+  }
+  template <class Other>
+  bool same_structure(const Other& o) const {
+    return kind == o.kind && sea.feedback == o.sea.feedback && extended == o.extended;
+  }
+  /// f(a's, b's) of every constant.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {
-    a.kind = b.kind, a.sea.feedback = b.sea.feedback;
     SeaParameters<T>::for_each(a.sea, b.sea, f);
     f(a.stiffness, b.stiffness), f(a.damping, b.damping), f(a.rest, b.rest);
     f(a.parallel_stiffness, b.parallel_stiffness), f(a.parallel_rest, b.parallel_rest);
@@ -42,8 +51,14 @@ struct BodyMode {
   std::array<JointMode, kSize.joints> joint{};
 };
 
+/// The mode of a system in a scalar: one for a double and all its derivatives; lanes of it in landing/lanes.
+template <Capacity kSize, class T>
+struct BodyModeOf {
+  using type = BodyMode<kSize>;
+};
+
 template <Capacity kSize, bool kAccounts = false, Scalar T = double>
-class BodySystem : public BodyMode<kSize> {
+class BodySystem : public BodyModeOf<kSize, T>::type {
  public:
   static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
   /// The state; kPositions of them are positions, as many rates follow, then the slips.
@@ -57,50 +72,78 @@ class BodySystem : public BodyMode<kSize> {
   using State = Eigen::Matrix<T, kStates, 1>;
   using Pose = TreePose<T, kB>;
   using Accelerations = TreeAccelerations<T, kB>;
-  using BodyMode<kSize>::contact, BodyMode<kSize>::joint;
-  static constexpr SeaTerms kSea{true, true};
+  using Mode = typename BodyModeOf<kSize, T>::type;
+  using Mode::contact, Mode::joint;
+  using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
+  using GuardValues = integrate::Guards<kGuards, Value>;
+  static constexpr SeaTerms kSea{true, true}, kPlainSea{true, false};
 
+  BodySystem() = default;  ///< of no robot: lanes take theirs one by one
   BodySystem(const Robot& robot, double slope)
       : links(int(robot.links.size())), body(body_of<kSize>(robot).template cast<T>()) {
-    gravity = robot.gravity * Eigen::Vector2d(-std::sin(slope), -std::cos(slope));
+    gravity = {T(-std::sin(slope) * robot.gravity), T(-std::cos(slope) * robot.gravity)};
     const double direction = robot.rail_direction - slope;
-    body.rail = {std::cos(direction), std::sin(direction)};
+    body.rail = {T(std::cos(direction)), T(std::sin(direction))};
     rail_viscous = T(robot.rail_viscous);
     for (int i = 0; i < body.contacts; ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
     for (int i = 0; i < body.joints; ++i) {
       const Joint& j = robot.joints[body.joint[i].joint];
-      drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),    T(j.damping),
-                  T(j.rest), T(j.parallel_stiffness), T(j.parallel_rest)};
+      drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),     T(j.damping),
+                  T(j.rest), T(j.parallel_stiffness), T(j.parallel_rest), is_extended(j.sea)};
     }
   }
 
   /// The same system in the same mode, without the derivatives of `o`.
   template <bool kOther, class U>
-  explicit BodySystem(const BodySystem<kSize, kOther, U>& o)
-      : links(o.links), body(o.body.template cast<T>()), gravity(o.gravity) {
+  explicit BodySystem(const BodySystem<kSize, kOther, U>& o) {
+    take_structure(o);
+    for_each(*this, o, kWithout);
     follow(o);
-    rail_viscous = T(value_of(o.rail_viscous));
-    base = {T(value_of(o.base[0])), T(value_of(o.base[1]))};
-    for (std::size_t i = 0; i < point.size(); ++i) {
-      point[i].hunt_crossley = o.point[i].hunt_crossley, point[i].padded = o.point[i].padded;
-      point[i].rubs = o.point[i].rubs;
-      ContactConstants<T>::for_each(point[i], o.point[i], kWithout);
+  }
+  /// What is no number of T, of `o`.
+  template <bool kOther, class U>
+  void take_structure(const BodySystem<kSize, kOther, U>& o) {
+    links = o.links, body.take_structure(o.body);
+    for (std::size_t i = 0; i < point.size(); ++i) point[i].take_structure(o.point[i]);
+    for (std::size_t i = 0; i < drive.size(); ++i) drive[i].take_structure(o.drive[i]);
+  }
+  /// Whether `o` differs in numbers alone.
+  template <class Other>
+  bool same_structure(const Other& o) const {
+    bool same = body.same_structure(o.body) && links == o.links;
+    for (std::size_t i = 0; i < point.size(); ++i) same = same && point[i].same_structure(o.point[i]);
+    for (std::size_t i = 0; i < drive.size(); ++i) same = same && drive[i].same_structure(o.drive[i]);
+    return same;
+  }
+  /// f(a's, b's) of every number that stays through a landing.
+  template <class A, class B, class F>
+  static void for_each(A& a, const B& b, F&& f) {
+    Body<T, kSize>::for_each(a.body, b.body, f);
+    f(a.gravity[0], b.gravity[0]), f(a.gravity[1], b.gravity[1]), f(a.rail_viscous, b.rail_viscous);
+    f(a.base[0], b.base[0]), f(a.base[1], b.base[1]);
+    for (std::size_t i = 0; i < a.point.size(); ++i) ContactConstants<T>::for_each(a.point[i], b.point[i], f);
+    for (std::size_t i = 0; i < a.drive.size(); ++i) JointConstants<T>::for_each(a.drive[i], b.drive[i], f);
+  }
+  /// Of those that change with the mode: references and gains.
+  template <class A, class B, class F>
+  static void for_each_played(A& a, const B& b, F&& f) {
+    for (std::size_t i = 0; i < a.piece.size(); ++i) {
+      ReferencePiece<T>::for_each(a.piece[i], b.piece[i], f);
+      f(a.drive[i].sea.k_p, b.drive[i].sea.k_p), f(a.drive[i].sea.k_d, b.drive[i].sea.k_d);
     }
-    for (std::size_t i = 0; i < drive.size(); ++i) JointConstants<T>::for_each(drive[i], o.drive[i], kWithout);
   }
   /// Into the mode of `o`, its references and its gains.
   template <bool kOther, class U>
   void follow(const BodySystem<kSize, kOther, U>& o) {
-    static_cast<BodyMode<kSize>&>(*this) = o;
-    for (std::size_t i = 0; i < piece.size(); ++i) ReferencePiece<T>::for_each(piece[i], o.piece[i], kWithout);
-    for (std::size_t i = 0; i < drive.size(); ++i) JointConstants<T>::for_each(drive[i], o.drive[i], kWithout);
+    static_cast<Mode&>(*this) = o;
+    for_each_played(*this, o, kWithout);
   }
 
-  int links;  ///< of the robot; locked ones share a body
+  int links = 0;  ///< of the robot; locked ones share a body
   Body<T, kSize> body;
-  Eigen::Vector2d gravity;  ///< in the floor's frame
+  std::array<T, 2> gravity{};  ///< in the floor's frame
   T rail_viscous{0};
-  Eigen::Matrix<T, 2, 1> base{T(0), T(0)};  ///< of a rail, where s = 0; of a pin
+  std::array<T, 2> base{};  ///< of a rail, where s = 0; of a pin
   std::array<ContactConstants<T>, kC> point{};
   std::array<JointConstants<T>, kJ> drive{};
   std::array<ReferencePiece<T>, kJ> piece{};
@@ -110,7 +153,7 @@ class BodySystem : public BodyMode<kSize> {
     if (body.base == Base::kFree) {
       p.x = y[kX], p.y = y[kY], p.vx = y[kVx], p.vy = y[kVy];
     } else {  // s is the first component
-      const T ex(body.rail.x()), ey(body.rail.y());
+      const T &ex = body.rail[0], &ey = body.rail[1];
       p.x = base[0] + y[kX] * ex, p.y = base[1] + y[kX] * ey, p.vx = y[kVx] * ex, p.vy = y[kVx] * ey;
     }
     for (int j = 0; j < body.bodies; j += 2) {
@@ -133,8 +176,11 @@ class BodySystem : public BodyMode<kSize> {
   template <class Time>
   Reference<T> reference(int i, const Time& t) const {
     const ReferencePiece<T>& r = piece[i];
-    if (joint[i].phase == Phase::kMoving) return r.at(T(t), true);
-    return {joint[i].phase == Phase::kAfter ? r.b : r.a, T(0)};
+    const auto& phase = joint[i].phase;
+    const T held = select(after(phase), r.b, r.a);
+    if (!any(moving(phase))) return {held, T(0)};
+    const Reference<T> played = r.at(T(t), true);
+    return {select(moving(phase), played.phi, held), masked(moving(phase), played.dphi)};
   }
 
   /// x = y, without y's derivatives.
@@ -148,11 +194,17 @@ class BodySystem : public BodyMode<kSize> {
     T out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
     if (d.kind == DriveKind::kElastic) {
       const T tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
-      out += output_torque<kSea>(d.sea, s.dphi, tau);
-      if (motor) *motor = motor_acceleration<kSea>(d.sea, s, reference(i, t), tau);
+      if (d.extended) {
+        out += output_torque<kSea>(d.sea, s.dphi, tau);
+        if (motor) *motor = motor_acceleration<kSea>(d.sea, s, reference(i, t), tau);
+      } else {
+        out += tau;
+        if (motor) *motor = motor_acceleration<kPlainSea>(d.sea, s, reference(i, t), tau);
+      }
     } else if (d.kind == DriveKind::kGeared) {
       const T tau = limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
-      out += tau - friction_torque<kSea>(d.sea, s.dphi, tau);
+      out += tau;
+      if (d.extended) out -= friction_torque<kSea>(d.sea, s.dphi, tau);
     } else {
       out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
     }
@@ -179,22 +231,30 @@ class BodySystem : public BodyMode<kSize> {
   /// K_t z + C_t v.
   T held(int i, const State& y, const Point& at) const { return point[i].k_t * y[kSlip + i] + point[i].c_t * at.v_t; }
 
+  /// dz of a contact that is pulled by -along.
+  T slip_rate(int i, const State& y, const T& v_t, const T& along) const {
+    const auto& m = contact[i];
+    if (!(any(slides_forward(m)) || any(slides_back(m)))) return masked(touching(m), v_t);
+    const T sliding = (along - point[i].k_t * y[kSlip + i]) / point[i].c_t;
+    const T rate = select(slides_forward(m), sliding, select(slides_back(m), sliding, v_t));
+    return masked(touching(m), rate);
+  }
+
   template <class Time>
   void derivative(const Time& t, const State& y, State& dy) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
-    T power = T(-rail_viscous * y[kVx] * y[kVx]);  // on the links
+    [[maybe_unused]] T power = T(-rail_viscous * y[kVx] * y[kVx]);  // on the links
     for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
     for (int i = 0; i < body.contacts; ++i) {
-      const PointMode& m = contact[i];
-      if (!m.touching) continue;
+      const auto& m = contact[i];
+      if (!any(touching(m))) continue;
       const Point at = point_at(i, p);
-      const T normal = normal_force(point[i], m, at.y, at.v, T(0)).value;
-      const T along = tangential_force(point[i], m, held(i, y, at), normal);
+      const T normal = normal_force(point[i], m, at.y, at.v, T(0)).value,
+              along = masked(touching(m), tangential_force(point[i], m, held(i, y, at), normal));
       load.add(body.contact[i], p, body.bodies, -along, normal);
-      power += normal * at.v - along * at.v_t;
-      if (point[i].rubs || any(present(point[i].k_t)))
-        dy[kSlip + i] = m.slides == 0 ? at.v_t : T((along - point[i].k_t * y[kSlip + i]) / point[i].c_t);
+      if constexpr (kAccounts) power += normal * at.v - along * at.v_t;
+      if (point[i].rubs || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
     }
     for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
     for (int i = 0; i < body.joints; ++i) {
@@ -210,7 +270,7 @@ class BodySystem : public BodyMode<kSize> {
     if (body.base == Base::kFree)
       dy[kVx] = acc.x, dy[kVy] = acc.y;
     else
-      dy[kVx] = acc.x * T(body.rail.x()) + acc.y * T(body.rail.y()), dy[kVy] = T(0);
+      dy[kVx] = acc.x * body.rail[0] + acc.y * body.rail[1], dy[kVy] = T(0);
     for (int j = 0; j < kB; ++j) {
       dy[kTheta + j] = y[kOmega + j];
       dy[kOmega + j] = j < body.bodies ? acc.alpha[j] : T(0);
@@ -231,16 +291,16 @@ class BodySystem : public BodyMode<kSize> {
     if (body.base == Base::kFree)
       out.x = dy[kVx], out.y = dy[kVy];
     else
-      out.x = dy[kVx] * T(body.rail.x()), out.y = dy[kVx] * T(body.rail.y());
+      out.x = dy[kVx] * body.rail[0], out.y = dy[kVx] * body.rail[1];
     return out;
   }
   /// Kinetic and gravitational energy of the links, armatures included [J]; zero height: the floor, or the true level
   /// through its origin.
   T link_energy(const State& y) const {
     const Pose p = pose(y);
-    T out = kinetic_energy(body, p) - body.mass * (gravity.x() * p.x + gravity.y() * p.y);
+    T out = kinetic_energy(body, p) - body.mass * (gravity[0] * p.x + gravity[1] * p.y);
     for (int j = 0; j < body.bodies; ++j)
-      out -= x_of(body.moment, p, j) * gravity.x() - y_of(body.moment, p, j) * gravity.y();
+      out -= x_of(body.moment, p, j) * gravity[0] - y_of(body.moment, p, j) * gravity[1];
     return out;
   }
   /// |acceleration|^2 of the point that counts.
@@ -248,9 +308,9 @@ class BodySystem : public BodyMode<kSize> {
     return acceleration(body.peak, pose(y), accelerations_of(dy), body.bodies).squaredNorm();
   }
 
-  /// In doubles, or with the derivatives of their values.
-  template <class G>
-  void guards(double t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
+  /// In doubles, with the derivatives of their values, or in lanes.
+  template <class Time, class G>
+  void guards(const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     out = {};
     const Pose p = pose(y);
     const Accelerations acc = accelerations_of(dy);
@@ -261,37 +321,41 @@ class BodySystem : public BodyMode<kSize> {
   void contact_guards(int i, const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
     const ContactConstants<T>& x = point[i];
-    const PointMode& m = contact[i];
+    const auto& m = contact[i];
     const Point at = point_at(i, p, &acc);
     const int first = kOfContact * i;
-    const auto set = [&](int guard, bool positive, const T& value, const T& rate) {
-      const G sign(positive ? 1 : -1);
-      out.set(first + guard, G(sign * narrowed<G>(value)), G(sign * narrowed<G>(rate)));
+    // `holds`: the value is positive while it does.
+    const auto set = [&](int guard, const auto& holds, const T& value, const T& rate, const auto& active) {
+      const G v = narrowed<G>(value), r = narrowed<G>(rate);
+      out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
     };
-    set(kSurface, !m.touching, T(at.y - x.thickness), at.v);
-    if (!m.touching) return;
+    const auto down = touching(m);
+    const G height = narrowed<G>(T(at.y - x.thickness)), speed = narrowed<G>(at.v);
+    out.set(first + kSurface, select(down, G(-height), height), select(down, G(-speed), speed));
+    if (!any(down)) return;
     const WithRate<T> pad = pad_force(x, at.y, at.v, at.a), floor = floor_force(x, at.y, at.v, at.a);
-    if (x.padded) set(kPadForce, m.pad, pad.value, pad.rate), set(kBottom, !m.below, at.y, at.v);
-    if (m.below && !(x.hunt_crossley && !any(x.dissipation != T(0))))
-      set(kFloorForce, m.floor, floor.value, floor.rate);
+    if (x.padded) {
+      set(kPadForce, pad_pushes(m), pad.value, pad.rate, down);
+      set(kBottom, !below_floor(m), at.y, at.v, down);
+    }
+    if (!(x.hunt_crossley && !any(x.dissipation != T(0))))
+      set(kFloorForce, floor_pushes(m), floor.value, floor.rate, below_floor(m));
     if (!x.rubs) return;
     const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
     const T f = held(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;
-    if (m.slides == 0) {
-      set(kSlideUp, true, T(x.mu * normal.value - f), T(x.mu * normal.rate - df));
-      set(kSlideDown, true, T(x.mu * normal.value + f), T(x.mu * normal.rate + df));
-    } else {
-      const T s(double(m.slides));
-      set(kSlideUp, true, T(s * f - x.mu * normal.value), T(s * df - x.mu * normal.rate));
-    }
+    const T most = x.mu * normal.value, d_most = x.mu * normal.rate;
+    const auto forward = slides_forward(m), back = slides_back(m);
+    const auto sticks = down & !forward & !back;
+    set(kSlideUp, sticks, T(most - select(back, T(-f), f)), T(d_most - select(back, T(-df), df)), down);
+    set(kSlideDown, sticks, T(most + f), T(d_most + df), sticks);
   }
-  template <class G>
-  void joint_guards(int i, double t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
+  template <class Time, class G>
+  void joint_guards(int i, const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     const JointConstants<T>& d = drive[i];
-    const T& limit = d.sea.tau_max;
-    if (d.kind == DriveKind::kPassive ||
-        !(value_of(limit) > 0 && value_of(limit) < std::numeric_limits<double>::infinity()))
-      return;
+    if (d.kind == DriveKind::kPassive) return;
+    const Value limit = value_of(d.sea.tau_max);
+    const auto limited = (limit > Value(0)) & (limit < Value(std::numeric_limits<double>::infinity()));
+    if (!any(limited)) return;
     const SeaState<T> s = joint_state(i, y);
     const JointPlace& at = body.joint[i];
     const T ddphi = dy[kOmega + at.child] - (at.parent < 0 ? T(0) : T(dy[kOmega + at.parent]));
@@ -301,16 +365,18 @@ class BodySystem : public BodyMode<kSize> {
       rate = spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
     } else {
       constexpr double kStep = 1e-7;  // the reference's own acceleration, by a difference [s]
-      const Reference<T> r = reference(i, t), later = reference(i, t + kStep);
+      const Reference<T> r = reference(i, t), later = reference(i, t + Time(kStep));
       tau = geared_torque(i, t, s);
       rate = d.sea.k_p * (r.dphi - s.dphi) + d.sea.k_d * ((later.dphi - r.dphi) / T(kStep) - ddphi);
     }
-    const int first = kJointGuards + kOfJoint * i, saturation = joint[i].saturation;
-    const auto set = [&](int guard, const T& value, const T& its_rate) {
-      out.set(first + guard, narrowed<G>(value), narrowed<G>(its_rate));
+    const int first = kJointGuards + kOfJoint * i;
+    const auto upper = at_upper(joint[i].saturation), lower = at_lower(joint[i].saturation);
+    const auto set = [&](int guard, const auto& holds, const T& value, const T& its_rate, const auto& active) {
+      const G v = narrowed<G>(value), r = narrowed<G>(its_rate);
+      out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
     };
-    if (saturation >= 0) set(kUpper, saturation ? T(tau - limit) : T(limit - tau), saturation ? rate : T(-rate));
-    if (saturation <= 0) set(kLower, saturation ? T(-limit - tau) : T(limit + tau), saturation ? T(-rate) : rate);
+    set(kUpper, upper, T(tau - d.sea.tau_max), rate, limited & !lower);
+    set(kLower, !lower, T(tau + d.sea.tau_max), rate, limited & !upper);
   }
 
   /// Into the mode beyond the zero of a guard. Returns the contact that touches down there, or -1.
@@ -357,6 +423,7 @@ class BodySystem : public BodyMode<kSize> {
     m.slides = f > most ? 1 : f < -most ? -1 : 0;
   }
 
+  /// Sizes below which a component need not be relatively exact.
   double tolerance_unit(int i) const {
     constexpr double kRate = 10, kLength = 0.3;
     if (i >= kSlip) return 0.01;  // [m]

@@ -28,6 +28,13 @@ struct PointMode {
   signed char slides = 0;  ///< direction in which it slides; 0: it sticks
 };
 
+inline bool touching(const PointMode& m) { return m.touching; }
+inline bool pad_pushes(const PointMode& m) { return m.pad; }
+inline bool below_floor(const PointMode& m) { return m.below; }
+inline bool floor_pushes(const PointMode& m) { return m.floor; }
+inline bool slides_forward(const PointMode& m) { return m.slides > 0; }
+inline bool slides_back(const PointMode& m) { return m.slides < 0; }
+
 /// Constants of a point's contact.
 template <class T>
 struct ContactConstants {
@@ -40,6 +47,14 @@ struct ContactConstants {
   static void for_each(A& a, const B& b, F&& f) {
     f(a.k, b.k), f(a.c, b.c), f(a.k_t, b.k_t), f(a.c_t, b.c_t), f(a.mu, b.mu), f(a.p, b.p);
     f(a.dissipation, b.dissipation), f(a.thickness, b.thickness), f(a.k_pad, b.k_pad), f(a.c_pad, b.c_pad);
+  }
+  template <class Other>
+  void take_structure(const Other& o) {
+    hunt_crossley = o.hunt_crossley, padded = o.padded, rubs = o.rubs;
+  }
+  template <class Other>
+  bool same_structure(const Other& o) const {
+    return hunt_crossley == o.hunt_crossley && padded == o.padded && rubs == o.rubs;
   }
   ContactConstants() = default;
   explicit ContactConstants(const ContactPoint& x)
@@ -64,15 +79,20 @@ struct WithRate {
   T value{0}, rate{0};
 };
 
-/// What the floor pushes with, were it to push, at height y, velocity v and acceleration a [N], [N/s].
+/// What the floor pushes with, were it to push, at height y, velocity v and acceleration a [N], [N/s]. In lanes the
+/// linear law alone.
 template <class T>
 WithRate<T> floor_force(const ContactConstants<T>& x, const T& y, const T& v, const T& a) {
-  if (!x.hunt_crossley) return {-x.k * y - x.c * v, -x.k * v - x.c * a};
-  using std::pow;
-  const T depth = select(y < T(0), T(-y), T(0));
-  if (!any(depth > T(0))) return {T(0), T(0)};
-  const T power = x.k * pow(depth, x.p), damped = T(1) - x.dissipation * v;
-  return {power * damped, -x.p * power / depth * v * damped - power * x.dissipation * a};
+  if constexpr (!kIsPack<T>) {
+    if (x.hunt_crossley) {
+      using std::pow;
+      const T depth = select(y < T(0), T(-y), T(0));
+      if (!any(depth > T(0))) return {T(0), T(0)};
+      const T power = x.k * pow(depth, x.p), damped = T(1) - x.dissipation * v;
+      return {power * damped, -x.p * power / depth * v * damped - power * x.dissipation * a};
+    }
+  }
+  return {-x.k * y - x.c * v, -x.k * v - x.c * a};
 }
 /// The same of the pad.
 template <class T>
@@ -80,18 +100,22 @@ WithRate<T> pad_force(const ContactConstants<T>& x, const T& y, const T& v, cons
   return {x.k_pad * (x.thickness - y) - x.c_pad * v, -x.k_pad * v - x.c_pad * a};
 }
 /// F_n in a mode.
-template <class T>
-WithRate<T> normal_force(const ContactConstants<T>& x, const PointMode& m, const T& y, const T& v, const T& a) {
+template <class T, class Mode>
+WithRate<T> normal_force(const ContactConstants<T>& x, const Mode& m, const T& y, const T& v, const T& a) {
   WithRate<T> out;
-  const auto add = [&](const WithRate<T>& f) { out.value += f.value, out.rate += f.rate; };
-  if (m.floor) add(floor_force(x, y, v, a));
-  if (m.pad) add(pad_force(x, y, v, a));
+  const auto add = [&](const auto& acts, const WithRate<T>& f) {
+    out.value += masked(acts, f.value), out.rate += masked(acts, f.rate);
+  };
+  if (any(floor_pushes(m))) add(floor_pushes(m), floor_force(x, y, v, a));
+  if (any(pad_pushes(m))) add(pad_pushes(m), pad_force(x, y, v, a));
   return out;
 }
 /// -F_t and dz in a mode, of f = K_t z + C_t v.
-template <class T>
-T tangential_force(const ContactConstants<T>& x, const PointMode& m, const T& f, const T& normal) {
-  return x.rubs && m.slides != 0 ? T(double(m.slides)) * x.mu * normal : f;
+template <class T, class Mode>
+T tangential_force(const ContactConstants<T>& x, const Mode& m, const T& f, const T& normal) {
+  if (!x.rubs || !(any(slides_forward(m)) || any(slides_back(m)))) return f;
+  const T most = x.mu * normal;
+  return select(slides_forward(m), most, select(slides_back(m), T(-most), f));
 }
 
 }  // namespace ukemi::landing

@@ -38,12 +38,10 @@ template <class T, int kBodies>
 struct Arms {
   std::array<T, kBodies> a{}, b{};  ///< A, B [m]
 
-  /// In another scalar, without derivatives.
-  template <class U>
-  Arms<U, kBodies> cast() const {
-    Arms<U, kBodies> out;
-    for (std::size_t j = 0; j < kBodies; ++j) out.a[j] = U(value_of(a[j])), out.b[j] = U(value_of(b[j]));
-    return out;
+  /// f(a's, b's) of every number.
+  template <class A, class B, class F>
+  static void for_each(A& x, const B& y, F&& f) {
+    for (std::size_t j = 0; j < kBodies; ++j) f(x.a[j], y.a[j]), f(x.b[j], y.b[j]);
   }
 };
 
@@ -52,6 +50,8 @@ struct JointPlace {
   int parent = -1, child = 0;  ///< bodies; parent -1: the ground
   double offset = 0;           ///< phi = theta_child - theta_parent + offset [rad]
   int joint = 0;               ///< of Robot::joints
+
+  bool operator==(const JointPlace&) const = default;
 };
 
 template <class T, Capacity kSize>
@@ -66,25 +66,41 @@ struct Body {
   std::array<Arms<T, kBodies>, kMostLinks> origin{};  ///< of every link
   Arms<T, kBodies> moment{};                          ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
   T mass{0};
-  Eigen::Vector2d rail{0, 1};  ///< e
+  std::array<T, 2> rail{T(0), T(1)};  ///< e
   std::array<JointPlace, kSize.joints> joint{};
   std::array<double, kMostLinks> offset{};  ///< theta of a link minus theta of its body [rad]
   std::array<int, kMostLinks> body_of{};    ///< of a link
 
+  /// f(a's, b's) of every number but those of `origin`, which only reports ask for.
+  template <class A, class B, class F>
+  static void for_each(A& x, const B& y, F&& f) {
+    for (std::size_t j = 0; j < kBodies; ++j)
+      for (std::size_t k = 0; k < kBodies; ++k)
+        f(x.n[j][k], y.n[j][k]), f(x.p[j][k], y.p[j][k]), f(x.q[j][k], y.q[j][k]);
+    using Arm = Arms<T, kBodies>;
+    for (std::size_t i = 0; i < x.contact.size(); ++i) Arm::for_each(x.contact[i], y.contact[i], f);
+    Arm::for_each(x.peak, y.peak, f), Arm::for_each(x.first, y.first, f), Arm::for_each(x.moment, y.moment, f);
+    f(x.mass, y.mass), f(x.rail[0], y.rail[0]), f(x.rail[1], y.rail[1]);
+  }
+  /// Takes the rest of another body: what is no number of T.
+  template <class U>
+  void take_structure(const Body<U, kSize>& o) {
+    bodies = o.bodies, joints = o.joints, contacts = o.contacts, base = o.base, first_stays = o.first_stays;
+    joint = o.joint, offset = o.offset, body_of = o.body_of;
+  }
+  template <class Other>
+  bool same_structure(const Other& o) const {
+    return bodies == o.bodies && joints == o.joints && contacts == o.contacts && base == o.base &&
+           first_stays == o.first_stays && joint == o.joint && body_of == o.body_of;
+  }
   /// In another scalar, without derivatives.
   template <class U>
   Body<U, kSize> cast() const {
     Body<U, kSize> out;
-    out.bodies = bodies, out.joints = joints, out.contacts = contacts, out.base = base, out.first_stays = first_stays;
-    for (std::size_t j = 0; j < kBodies; ++j)
-      for (std::size_t k = 0; k < kBodies; ++k) {
-        out.n[j][k] = U(value_of(n[j][k]));
-        out.p[j][k] = U(value_of(p[j][k])), out.q[j][k] = U(value_of(q[j][k]));
-      }
-    for (std::size_t i = 0; i < contact.size(); ++i) out.contact[i] = contact[i].template cast<U>();
-    for (std::size_t i = 0; i < origin.size(); ++i) out.origin[i] = origin[i].template cast<U>();
-    out.peak = peak.template cast<U>(), out.first = first.template cast<U>(), out.moment = moment.template cast<U>();
-    out.mass = U(value_of(mass)), out.rail = rail, out.joint = joint, out.offset = offset, out.body_of = body_of;
+    out.take_structure(*this);
+    const auto set = [](U& to, const T& from) { to = U(value_of(from)); };
+    Body<U, kSize>::for_each(out, *this, set);
+    for (std::size_t i = 0; i < origin.size(); ++i) Arms<U, kBodies>::for_each(out.origin[i], origin[i], set);
     return out;
   }
 };
@@ -171,7 +187,7 @@ struct MassMatrix {
   /// The row of s.
   void add_rail(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMost>& right) {
     const int n = b.bodies;
-    const T ex(b.rail.x()), ey(b.rail.y());
+    const T &ex = b.rail[0], &ey = b.rail[1];
     m[n][n] = b.mass;
     for (int j = 0; j < n; ++j) {
       const T x = x_of(b.moment, p, j), y = y_of(b.moment, p, j), w = p.omega[j] * p.omega[j];
@@ -195,7 +211,7 @@ struct MassMatrix {
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
     for (int i = n; i-- > 0;) {
-      x[i] /= m[i][i];
+      x[i] = x[i] / m[i][i];
       for (int k = i + 1; k < n; ++k) x[i] -= m[k][i] * x[k];
     }
   }
@@ -204,9 +220,9 @@ struct MassMatrix {
 /// Eq. 1 for a tree: the accelerations under loads (torques of joints within) and gravity (gx, gy).
 template <class T, Capacity kSize>
 TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p,
-                                         const TreeLoads<T, kSize.bodies>& load, const Eigen::Vector2d& gravity,
+                                         const TreeLoads<T, kSize.bodies>& load, const std::array<T, 2>& gravity,
                                          const T& along_rail) {
-  const T gx(gravity.x()), gy(gravity.y());
+  const T &gx = gravity[0], &gy = gravity[1];
   std::array<T, MassMatrix<T, kSize>::kMost> right{};
   const int bodies = b.bodies, unknowns = bodies + (b.base == Base::kRail);
   for (int j = 0; j < bodies; ++j) {
@@ -214,7 +230,7 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
     if (b.base != Base::kFree) right[j] += y_of(b.moment, p, j) * gx + x_of(b.moment, p, j) * gy;
   }
   const T fx = load.x + b.mass * gx, fy = load.y + b.mass * gy;
-  if (b.base == Base::kRail) right[bodies] = T(b.rail.x()) * fx + T(b.rail.y()) * fy + along_rail;
+  if (b.base == Base::kRail) right[bodies] = b.rail[0] * fx + b.rail[1] * fy + along_rail;
   MassMatrix<T, kSize> mass(b, p, right);
   mass.factor(unknowns);
   mass.solve(unknowns, right);
@@ -223,7 +239,7 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   if (b.base == Base::kFree)
     out.x = fx / b.mass, out.y = fy / b.mass;
   else if (b.base == Base::kRail)
-    out.x = right[bodies] * T(b.rail.x()), out.y = right[bodies] * T(b.rail.y());
+    out.x = right[bodies] * b.rail[0], out.y = right[bodies] * b.rail[1];
   return out;
 }
 

@@ -142,6 +142,7 @@ class DifferentiatedBody {
     const auto at = actuator_constants()[std::size_t(which)].at;
     auto& drive = course_.system.drive[std::size_t(i)];
     const SeaParameters<double>& plain = course_.joint_of(i).sea;
+    drive.extended = true;  // derivatives by a friction that is 0 too
     SeaParameters<Jet>::for_each(drive.sea, plain, [&](Jet& x, const double& of) {
       if (&of == &(plain.*at)) set(x, slot, true);
     });

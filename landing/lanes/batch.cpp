@@ -63,28 +63,6 @@ void validate_all(std::span<const BatchCase> cases) {
   }
 }
 
-/// The cases in order, to whichever lane of whichever thread is free.
-class Queue : public BatchSource {
- public:
-  Queue(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, std::atomic<std::size_t>& next,
-        const std::function<bool()>* over)
-      : cases_(cases), peaks_(peaks), next_(next), over_(over) {}
-  bool next(int lane, BatchCase& c) override {
-    const std::size_t i = in_lane_[lane] = next_++;
-    if (i >= cases_.size() || over()) return false;
-    c = cases_[i];
-    return true;
-  }
-  void done(int lane, const LandingPeak& peak) override { peaks_[in_lane_[lane]] = peak; }
-  bool over() override { return over_ && (*over_)(); }
-
- private:
-  std::span<const BatchCase> cases_;
-  std::span<LandingPeak> peaks_;
-  std::atomic<std::size_t>& next_;
-  const std::function<bool()>* over_;
-  std::array<std::size_t, lanes(InstructionSet::kAvx512)> in_lane_{};
-};
 }  // namespace
 
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
@@ -107,7 +85,7 @@ void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks,
   std::fill(peaks.begin(), peaks.end(), stopped);
   std::atomic<std::size_t> next{0};
   parallel_for(parts, parts, [&](int) {
-    Queue queue(cases, peaks, next, options.over);
+    CaseQueue<BatchCase, LandingPeak> queue(cases, peaks, next, options.over);
     run_batch(queue, o, set);
   });
 }

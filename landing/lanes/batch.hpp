@@ -7,6 +7,7 @@
 
 #include <span>
 
+#include "landing/lanes/lane_source.hpp"
 #include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
@@ -19,18 +20,7 @@ struct BatchCase {
   double abandon_above = std::numeric_limits<double>::infinity();  ///< [m/s^2], see SimulateOptions
 };
 
-/// What runs in a lane next, decided as the lanes become free. Lanes do not influence each other's results: a source
-/// that gives each lane work of its own gets the same results whatever the number of lanes.
-class BatchSource {
- public:
-  virtual ~BatchSource() = default;
-  /// The lane's next landing; false if there is none (it is then not asked again).
-  virtual bool next(int lane, BatchCase& c) = 0;
-  /// The lane's landing has ended.
-  virtual void done(int lane, const LandingPeak& peak) = 0;
-  /// Asked every few dozen steps: true ends the run, and nobody is told of the landings under way.
-  virtual bool over() { return false; }
-};
+using BatchSource = LaneSource<BatchCase, LandingPeak>;
 
 struct BatchOptions {
   double accuracy = 1e-5;  ///< relative tolerance of each step, 1e-14..1e-2: the method is of order 5

@@ -1,69 +1,42 @@
-// The lockstep driver of batch.hpp: every lane attempts a step of its own length at the same time. Included by the
-// files of the instruction sets alone, which define UKEMI_BATCH_TARGET: a stage and all that is inlined into it is
-// compiled for that set. What is not inlined is compiled for the baseline, so nothing here can end up, through the
-// linker, in a program for a lesser machine; and packs are passed in memory, so the two understand each other.
-//
-// The rules at and after events are those of hybrid.hpp, made cheaper for accuracies of 1e-7 and looser: a zero is
-// placed by the cubic through the guard at both ends of the step, the step is retaken up to there, and what is left is
-// made up along the field. What only some lanes need (events, the ends of landings) is worked out lane by lane in
-// doubles, with the very functions of the scalar path.
+// The landings of the paper's robot in lockstep, see lockstep.hpp.
 // Private: not installed.
 #pragma once
 
-#include <cmath>
-
-#include "common/integrate/runge_kutta.hpp"
-#include "common/integrate/step_control.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/lanes/lane_mode.hpp"
+#include "landing/lanes/lockstep.hpp"
 #include "landing/run/rest.hpp"
 #include "landing/run/schedule.hpp"
-
-/// A piece of the driver for one instruction set: called, not inlined, with everything below it inside.
-#define UKEMI_BATCH_STAGE [[gnu::noinline]] UKEMI_FLATTEN UKEMI_BATCH_TARGET
 
 namespace ukemi::landing {
 
 template <LandingTerms kTerms, int W>
-class BatchEngine {
-  using T = Pack<W>;
-  using M = Mask<W>;
-  using System = LandingSystem<kTerms, false, T>;
+class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerms, false, Pack<W>>, W> {
+  using System = LandingSystem<kTerms, false, Pack<W>>;
   using Single = LandingSystem<kTerms, false, double>;
-  using State = typename System::State;
-  using Node = integrate::Node;
-  static constexpr int kGuards = System::kGuards, kStates = System::kStates;
-  static constexpr integrate::StepControl kControl{};
+  using Base = Lockstep<BatchEngine, System, W>;
+  friend Base;
+  using Base::abandon_square_, Base::active_, Base::stale_, Base::accepted_, Base::kStates;
+  using Base::system_, Base::step_, Base::h_next_, Base::stop_, Base::square_, Base::t_peak_, Base::steps_;
+  using typename Base::M, typename Base::State, typename Base::T;
 
  public:
-  BatchEngine(BatchSource& source, const BatchOptions& options) : source_(source), options_(options) {
+  BatchEngine(BatchSource& source, const BatchOptions& options)
+      : Base(System{TwoLink<T>{{T(1.0), T(1.0)}, {T(1.0), T(1.0)}, T(1.0), T(0.0)}, Floor<T>{T(1.0), T(0.0), T(0.0)},
+                    SeaParameters<T>{T(0.0), T(0.0), T(0.0), T(0.0), T(1.0)}, MotionOf<T>{T(0.0), T(0.0), T(1.0)}},
+             options.accuracy, options.max_steps),
+        source_(source),
+        options_(options) {
     system_.sea.feedback = options.feedback;
   }
-
-  void run() {
-    for (int i = 0; i < W; ++i) load(i);
-    constexpr int kAsked = 32;  // steps between two questions whether it is over: some tens of microseconds
-    for (int n = 1; any(active_) && !(n % kAsked == 0 && source_.over()); ++n) {
-      start_afresh();
-      attempt();
-      judge();
-      look();
-      move_on();
-    }
-  }
+  void run() { this->run_all(source_); }
 
  private:
-  // --- one lane, in doubles ---
-
   /// Takes the next landing into a lane; landings that need no engine are ended on the spot.
   [[gnu::noinline]] void load(int i) {
     for (BatchCase c;;) {
       active_.set(i, false);
-      if (!source_.next(i, c)) {
-        step_.h.set(i, 0), h_next_.set(i, 0), cut_.set(i, false);
-        empty(i);
-        return;
-      }
+      if (!source_.next(i, c)) return this->empty(i);
       case_[i] = c;
       const Scene& scene = *c.scene;
       if (!scene.touches() || (is_extended(*c.sea) && !kTerms.sea.extended) || (is_late(*c.sea) && !kTerms.sea.late) ||
@@ -76,7 +49,6 @@ class BatchEngine {
       Schedule& schedule = schedule_[i] = Schedule(scene, c.motion, moves(c.motion));
       LandingPeak& out = out_[i] = {};
       const double t = schedule.start(), g = scene.robot.gravity;
-      square_.set(i, schedule.ballistic() ? g * g : 0), t_peak_.set(i, 0);
       if (schedule.ballistic()) fly(single, scene, t, y);
       if (schedule.flies_on()) {
         out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y.template head<kMechanical>();
@@ -93,25 +65,13 @@ class BatchEngine {
       ReferencePiece<T>::for_each(system_.piece, single.piece, set);
       for (int j = 0; j < kPoints; ++j) system_.present[j].set(i, single.present[j]);
       system_.set_lane(i, single);
-      for (int k = 0; k < kStates; ++k) {
-        step_.y[k].set(i, y[k]);
-        unit_[k].set(i, single.tolerance_unit(k));
-      }
-      step_.t.set(i, t);
-      h_next_.set(i, schedule.first_step());
-      rest_scale_.set(i, impact_energy(single));
+      this->begin(i, t, y, schedule.first_step(), schedule.ballistic() ? g * g : 0,
+                  [&](int k) { return single.tolerance_unit(k); });
+      rest_scale_.set(i, impact_energy(single)), lost_.set(i, false);
       stop_.set(i, schedule.stop()), motion_part_.set(i, schedule.motion_part());
-      abandon_square_.set(i, c.abandon_above * c.abandon_above), steps_.set(i, 0);
-      active_.set(i, true), stale_.set(i, true), cut_.set(i, false), rejected_.set(i, false);
-      lost_.set(i, false);
-      t_event_[i] = -1, immediate_[i] = 0, cuts_[i] = 0;
+      abandon_square_.set(i, c.abandon_above * c.abandon_above);
       return;
     }
-  }
-
-  /// A state for a lane without a landing that costs its neighbours nothing: angles that are no numbers, or large, do.
-  void empty(int i) {
-    for (int k = 0; k < kStates; ++k) step_.y[k].set(i, 0), step_.slope[k].set(i, 0), unit_[k].set(i, 1);
   }
 
   /// The scalar path follows the lane's landing.
@@ -178,253 +138,29 @@ class BatchEngine {
     return turn(i, deadline.turn) ? deadline.end : End::kBroken;
   }
 
-  /// A zero of a guard inside a step.
-  struct Zero {
-    int guard = -1;
-    double s = 2;  ///< where in the step, 0..1
-  };
-  static constexpr double kPlaced = 1e-5;  ///< how exactly, in parts of a step; the rest is made up along the field
-  /// The earliest zero of a guard's cubic in the lane's step.
-  Zero first_zero(int i) const {
-    Zero first;
-    for (int g = 0; g < kGuards; ++g) {
-      if (!near_[g][i]) continue;
-      const Node a = integrate::start_node(start_.value[g][i], start_.rate[g][i] * step_.h[i]),
-                 b{1, end_.value[g][i], end_.rate[g][i] * step_.h[i]};
-      const double s = integrate::zero_between(
-          a, b, [&](double x) { return cubic(a, b, x); }, kPlaced);
-      if (s < first.s) first = {g, s};
-    }
-    return first;
-  }
-
-  /// Times nearer than this are one [s].
-  static double resolution(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::max(t, 1e-10); }
-
-  enum class StepEnd { kPlain, kCut, kEvent };
-  /// What a step with a guard near its zero is: an event if the zero is within reach of its end, else cut there.
-  [[gnu::noinline]] StepEnd end_of_step(int i) {
-    constexpr double kReach = 3e-4;  // of the step, however short it was cut: made up along the field
-    constexpr int kMaxCuts = 12;
-    if (!cut_[i]) cuts_[i] = 0;
-    if (cut_[i] && step_.h[i] == 0) return StepEnd::kEvent;  // cut to nothing: the guard falls from where it starts
-    Zero c = first_zero(i);
-    if (c.guard < 0 && cut_[i]) c = {target_[i], 1};  // the cubic placed it a little early
-    if (c.guard < 0) return StepEnd::kPlain;
-    const double g = end_.value[c.guard][i], rate = end_.rate[c.guard][i], shift = -g / rate;
-    const double reach = std::max(kReach * step_.h[i], resolution(step_.t[i]));
-    target_[i] = c.guard;
-    if (rate < 0 && (std::abs(shift) <= reach || (cuts_[i] >= kMaxCuts && g <= 0))) {
-      shift_.set(i, std::max(shift, -step_.h[i]));
-      return StepEnd::kEvent;
-    }
-    if (c.s >= 1 || cuts_[i] >= kMaxCuts) return StepEnd::kPlain;
-    ++cuts_[i];
-    cut_h_.set(i, c.s * step_.h[i]);
-    return StepEnd::kCut;
-  }
-
   // --- every lane at once ---
 
   UKEMI_INLINE static T peak_square(const System& s, const State& y, const State& dy) {
     const Vec2<T> a = thigh_acceleration(s.link, s.pose(y), {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
     return a.x() * a.x() + a.y() * a.y();
   }
-  UKEMI_INLINE void consider(const M& where, const T& q, const T& t) {
-    const M higher = where & (q > square_);
-    if (!any(higher)) return;
-    assign(square_, higher, q), assign(t_peak_, higher, t);
-    for (int i = 0; i < W; ++i)
-      if (higher[i]) out_[i].peak_contact = out_[i].contacts.size() - 1;
+  void peak_moved(int i) { out_[i].peak_contact = out_[i].contacts.size() - 1; }
+  UKEMI_INLINE T longest_step() const {
+    return select(system_.phase.moving, motion_part_, T(std::numeric_limits<double>::infinity()));
   }
-
-  /// The field where it has jumped, and the events that take no time.
-  UKEMI_BATCH_STAGE void start_afresh() {
-    while (any(stale_)) {
-      State dy;
-      typename System::GuardValues g;
-      field(step_.t, step_.y, dy);
-      guards(step_.t, step_.y, dy, g);
-      M violated(false);
-      for (int k = 0; k < kStates; ++k) assign(step_.slope[k], stale_, dy[k]);
-      for (int k = 0; k < kGuards; ++k) {
-        assign(start_.value[k], stale_, g.value[k]), assign(start_.rate[k], stale_, g.rate[k]);
-        violated |= stale_ & (g.value[k] <= T(0.0)) & (g.rate[k] < T(0.0));
-      }
-      const M settled = stale_ & !violated;
-      const T q = peak_square(system_, step_.y, dy);
-      assign(q_start_, settled, q);
-      consider(settled, q, step_.t);
-      stale_ = M(false);
-      if (!any(violated)) return;
-      for (int i = 0; i < W; ++i)
-        if (violated[i]) take_immediate(i);
-    }
+  UKEMI_INLINE void stepped() { lost_ |= accepted_ & (abs(step_.y[kTheta1] - step_.y[kTheta0]) > T(kLostJoint)); }
+  UKEMI_INLINE M breaking(const M& where) const {
+    if (!options_.limits.within_steps()) return M(false);
+    return where & options_.limits.broken_by(System::sea_state(step_.y), system_.motor_torque_of(step_.t, step_.y));
   }
-  [[gnu::noinline]] void take_immediate(int i) {
-    if (step_.t[i] != t_event_[i]) t_event_[i] = step_.t[i], immediate_[i] = 0;
-    if (++immediate_[i] > integrate::kMostImmediate) return finish(i, End::kFailed);
-    for (int k = 0; k < kGuards; ++k)
-      if (start_.value[k][i] <= 0 && start_.rate[k][i] < 0) {
-        if (!cross(i, k)) finish(i, End::kBroken);
-        return;
-      }
-  }
-
-  UKEMI_BATCH_STAGE void attempt() {
-    last_ = step_.t + T(kControl.slack) * h_next_ >= stop_;
-    const T h = select(last_, T(stop_ - step_.t), h_next_);
-    step_.h = select(cut_, cut_h_, select(active_, h, T(0.0)));
-    last_ &= !cut_;
-    assign(whole_, !cut_, step_.h);
-    step_.advance([this](const T& t, const State& y, State& dy) UKEMI_INLINE_LAMBDA { field(t, y, dy); });
-  }
-  UKEMI_BATCH_STAGE void field(const T& t, const State& y, State& dy) const { system_.derivative(t, y, dy); }
-  UKEMI_BATCH_STAGE void guards(const T& t, const State& y, const State& dy, typename System::GuardValues& g) const {
-    system_.guards(t, y, dy, g);
-  }
-
-  /// Accepted, rejected, cut short or ended by an event.
-  UKEMI_BATCH_STAGE void judge() {
-    const State e = step_.error_rate();
-    T sum(0.0), check(0.0);
-    for (int k = 0; k < kStates; ++k) {
-      const T size = unit_[k] + max(abs(step_.y[k]), abs(step_.y_end[k])), r = e[k] / size;
-      sum += r * r;
-      check += step_.slope_end[k];
-    }
-    const T error2 = sum * step_.h * step_.h * T(1 / (double(kStates) * options_.accuracy * options_.accuracy));
-    accepted_ = active_ & (error2 <= T(1.0)) & finite(check);
-    const T factor =
-        select(finite(error2), T(kControl.safety) * inverse_tenth_root(max(error2, T(1e-24))), T(kControl.broken));
-    const T growth = max(T(kControl.least), min(factor, select(rejected_ | !accepted_, T(1.0), T(kControl.most))));
-    T next = min(step_.h * growth, T(kMaxStep));
-    next = select(system_.phase.moving, min(next, motion_part_), next);
-    const M fresh = active_ & !(cut_ & accepted_);
-    assign(h_next_, fresh, select(accepted_ & last_, max(next, h_next_), next));
-    rejected_ = active_ & !accepted_;
-
-    guards(step_.t + step_.h, step_.y_end, step_.slope_end, end_);
-    M near = cut_;
-    for (int k = 0; k < kGuards; ++k) {
-      const T third(1.0 / 3), a = start_.value[k], b = end_.value[k];
-      const T inner = min(a + step_.h * third * start_.rate[k], b - step_.h * third * end_.rate[k]);
-      near |= near_[k] = (b <= T(0.0)) | (inner <= T(0.0));
-    }
-    near &= accepted_;
-    event_ = M(false), shift_ = T(0.0);
-    M cut(false);
-    if (any(near))
-      for (int i = 0; i < W; ++i)
-        if (near[i]) {
-          const StepEnd how = end_of_step(i);
-          event_.set(i, how == StepEnd::kEvent), cut.set(i, how == StepEnd::kCut);
-        }
-    // A cut step without an event: the cubic of so long a step says nothing of what lies ahead.
-    constexpr double kAfterCut = 8;  // times the cut length, at most
-    const M missed = cut_ & accepted_ & !event_ & !cut;
-    assign(h_next_, missed, min(h_next_, T(kAfterCut) * step_.h));
-    cut_ = cut;
-    accepted_ &= !cut;
-  }
-
-  /// The peak at the end of the accepted steps, and inside those that could hold a higher one.
-  UKEMI_BATCH_STAGE void look() {
-    const T q_rate = peak_square(system_, step_.y_end, step_.slope_end);
-    const T q_end = select(event_, q_rate + (q_rate - q_start_) * shift_ / max(step_.h, T(1e-12)), q_rate);
-    consider(accepted_, q_end, step_.t + step_.h + shift_);
-    constexpr double kInside = 0.5, kNear = 0.9;  // as squares; see peak_tracker.hpp
-    const M inside = accepted_ & (max(q_start_, q_end) > T(kInside) * square_);
-    if (any(inside)) {
-      const auto at = [&](const T& s) UKEMI_INLINE_LAMBDA {
-        const State y = step_.at(s);
-        State dy;
-        const T t = step_.t + s * step_.h;
-        field(t, y, dy);
-        return peak_square(system_, y, dy);
-      };
-      T a(0.0), b(0.5), c(1.0), qa = q_start_, qb = at(b), qc = q_rate;
-      consider(inside, qb, step_.t + b * step_.h);
-      for (int n = 0; n < 3; ++n) {
-        const T u = (qb - qa) / (b - a), v = (qc - qb) / (c - b), bend = (v - u) / (c - a);
-        const T top = T(0.5) * (a + b - u / bend);
-        const M open = inside & (bend < T(0.0)) & (top > a) & (top < c) & (abs(top - b) > T(1e-4)) &
-                       (max(qa, max(qb, qc)) > T(kNear) * square_);
-        if (!any(open)) break;
-        const T s = select(open, top, b), q = at(s);
-        consider(open, q, step_.t + s * step_.h);
-        const M left = (s < b), better = (q > qb);
-        assign(a, open & (left & (!better)), s), assign(qa, open & (left & (!better)), q);
-        assign(c, open & ((!left) & (!better)), s), assign(qc, open & ((!left) & (!better)), q);
-        assign(c, open & left & better, b), assign(qc, open & left & better, qb);
-        assign(a, open & (!left) & better, b), assign(qa, open & (!left) & better, qb);
-        assign(b, open & better, s), assign(qb, open & better, q);
-      }
-    }
-    assign(q_start_, accepted_, q_end);
-  }
-
-  /// Begins the next step of every lane where this one ended, or the next landing.
-  UKEMI_BATCH_STAGE void move_on() {
-    const T h = step_.h + shift_;
-    assign(step_.t, accepted_, step_.t + h);
-    for (int k = 0; k < kStates; ++k) {
-      assign(step_.y[k], accepted_, step_.y_end[k] + shift_ * step_.slope_end[k]);
-      assign(step_.slope[k], accepted_, step_.slope_end[k]);
-    }
-    for (int k = 0; k < kGuards; ++k)
-      assign(start_.value[k], accepted_, end_.value[k]), assign(start_.rate[k], accepted_, end_.rate[k]);
-
-    const M plain = accepted_ & !event_, at_deadline = plain & last_;
-    std::array<std::optional<End>, W> end{};
-    if (any(at_deadline))
-      for (int i = 0; i < W; ++i)
-        if (at_deadline[i]) end[i] = reached(i);
-    lost_ |= accepted_ & (abs(step_.y[kTheta1] - step_.y[kTheta0]) > T(kLostJoint));
-    const M abandoned = accepted_ & (square_ > abandon_square_);
-    M broken(false);
-    if (options_.limits.within_steps()) {
-      const SeaState<T> s = System::sea_state(step_.y);
-      broken = accepted_ & options_.limits.broken_by(s, system_.motor_torque_of(step_.t, step_.y));
-    }
-    const M rest = plain & at_rest(system_, step_.y, square_, rest_scale_);
-    const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
-    steps_ += select(active_, T(1.0), T(0.0));
-    const M failed = tiny | (active_ & (steps_ > T(double(options_.max_steps))));
-    if (!any(event_ | at_deadline | abandoned | broken | rest | failed)) return;
-    for (int i = 0; i < W; ++i) {
-      if (!active_[i]) continue;
-      if (failed[i])
-        finish(i, End::kFailed);
-      else if (abandoned[i])
-        finish(i, End::kAbandoned);
-      else if (broken[i])
-        finish(i, End::kBroken);
-      else if (rest[i])
-        finish(i, End::kRest);
-      else if (end[i])
-        finish(i, *end[i]);
-      else if (event_[i] && !cross(i, target_[i]))
-        finish(i, End::kBroken);
-    }
-  }
-
-  static constexpr double kMaxStep = 0.1;  ///< [s]
+  /// Of those whose step ended at no event.
+  UKEMI_INLINE M resting(const M& plain) const { return plain & at_rest(system_, step_.y, square_, rest_scale_); }
 
   BatchSource& source_;
   const BatchOptions options_;
   const std::function<bool()> over_ = [this] { return source_.over(); };
-  System system_{TwoLink<T>{{T(1.0), T(1.0)}, {T(1.0), T(1.0)}, T(1.0), T(0.0)}, Floor<T>{T(1.0), T(0.0), T(0.0)},
-                 SeaParameters<T>{T(0.0), T(0.0), T(0.0), T(0.0), T(1.0)}, MotionOf<T>{T(0.0), T(0.0), T(1.0)}};
-  integrate::Step<integrate::DormandPrince54, T, kStates> step_;
-  typename System::GuardValues start_, end_;
-  T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, stop_{0.0}, motion_part_{0.0}, abandon_square_{0.0};
-  T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, rest_scale_{0.0}, steps_{0.0};
-  M active_, stale_, cut_, rejected_, accepted_, event_, last_, lost_;
-  std::array<T, kStates> unit_;
-  std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step
-  std::array<int, W> target_{}, immediate_{}, cuts_{};
-  std::array<double, W> t_event_{};  ///< the instant that immediate_ counts at
+  T motion_part_{0.0}, rest_scale_{0.0};
+  M lost_;
   std::array<Schedule, W> schedule_{};
   std::array<BatchCase, W> case_{};
   std::array<LandingPeak, W> out_{};

@@ -1,12 +1,11 @@
 #include "landing/plan/body_drops.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "common/checks.hpp"
-#include "common/parallel.hpp"
+#include "landing/lanes/body_batch.hpp"
 #include "landing/scatter/drop_model.hpp"
 
 namespace ukemi::landing {
@@ -143,15 +142,17 @@ std::vector<BodyDrop> execution_drops(const BodyScene& scene) {
 PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
                      const std::function<bool()>* over) {
   PeaksOver out{.peaks = std::vector<double>(drops.size(), std::numeric_limits<double>::infinity())};
-  std::atomic<long> broken{0};
-  parallel_for(int(drops.size()), threads, [&](int k) {
-    if (over && (*over)()) return;
-    const BodyDrop& d = drops[std::size_t(k)];
-    const BodyLanding l = peak_acceleration(d.scene, d.played(motion), {.accuracy = accuracy, .over = over});
-    if (!no_landing(l.end) && l.end != End::kStopped) out.peaks[std::size_t(k)] = l.peak;
-    broken += bool(l.broken);
-  });
-  out.broken = broken;
+  std::vector<BodyMotion> played;
+  std::vector<BodyBatchCase> cases;
+  played.reserve(drops.size());
+  for (const BodyDrop& d : drops) cases.push_back({&d.scene, &played.emplace_back(d.played(motion))});
+  std::vector<BodyLanding> landings(drops.size());
+  body_batch_peaks(cases, landings, {.accuracy = accuracy, .over = over}, threads);
+  for (std::size_t k = 0; k < landings.size(); ++k) {
+    const BodyLanding& l = landings[k];
+    if (!no_landing(l.end) && l.end != End::kStopped) out.peaks[k] = l.peak;
+    out.broken += bool(l.broken);
+  }
   return out;
 }
 

@@ -1,6 +1,8 @@
 #include "landing/plan/body_goal.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <utility>
 
 #include "common/parallel.hpp"
 #include "landing/derivatives/body_gradient.hpp"
@@ -9,27 +11,71 @@
 
 namespace ukemi::landing {
 
-double BodyGoal::value(const BodyMotion& motion, double accuracy, double bound, const std::function<bool()>* over,
-                       long& played) const {
-  const bool largest = worst();
-  std::vector<double> peaks(counted, 0.0), copy;
-  played = 0;
-  long broken = 0;
-  for (std::size_t k = 0; k < drops.size(); ++k) {
-    SimulateOptions options{.accuracy = accuracy, .over = over};
-    const bool counts = k < counted;
-    if (largest && counts) options.abandon_above = bound;
-    const BodyLanding l = peak_acceleration(drops[k].scene, drops[k].played(motion), options);
-    ++played;
-    if (no_landing(l.end) || l.end == End::kStopped) return kNoMotion;
-    if (l.broken && ++broken > may_break()) return kNoMotion;
-    if (!counts) continue;
-    peaks[k] = l.peak;
-    if (!(bound < kNoMotion) && k + 1 < counted) continue;
-    copy = peaks;
-    if (const double v = measure.of(copy); v > bound) return v;
+Valuation::Valuation(const BodyGoal& goal, BodyMotion motion, double bound)
+    : goal_(&goal), motion_(std::move(motion)), bound_(bound), value_(kNoMotion), peaks_(goal.counted, 0.0) {}
+
+bool Valuation::next(BodyBatchCase& c) {
+  if (over_) return false;
+  const BodyDrop& drop = goal_->drops[drop_];
+  as_played_ = drop.played(motion_);
+  c = {&drop.scene, &as_played_};
+  if (goal_->worst() && drop_ < goal_->counted) c.abandon_above = bound_;
+  return true;
+}
+
+void Valuation::done(const BodyLanding& l) {
+  const bool counts = drop_ < goal_->counted, last = drop_ + 1 == goal_->drops.size();
+  ++played_, ++drop_;
+  if (no_landing(l.end) || (l.broken && ++broken_ > goal_->may_break())) return settle(kNoMotion);
+  if (counts) {
+    peaks_[drop_ - 1] = l.peak;
+    const bool asks = bound_ < kNoMotion || drop_ == goal_->counted;
+    std::vector<double> copy;
+    if (asks) copy = peaks_;
+    if (const double v = asks ? goal_->measure.of(copy) : 0; v > bound_) return settle(v);
   }
-  return measure.of(peaks);
+  if (last) settle(goal_->measure.of(peaks_));
+}
+
+namespace {
+
+/// Motions in their order, to whichever lane of whichever thread is free; each is played to its end in its lane.
+class MotionQueue : public BodyBatchSource {
+ public:
+  MotionQueue(std::span<Valuation> motions, std::atomic<std::size_t>& next, const std::function<bool()>* over)
+      : motions_(motions), next_(next), over_(over) {}
+  bool next(int lane, BodyBatchCase& c) override {
+    Valuation*& motion = in_lane_[std::size_t(lane)];
+    while (!over()) {
+      if (motion && motion->next(c)) return true;
+      const std::size_t i = next_++;
+      if (i >= motions_.size()) return false;
+      motion = &motions_[i];
+    }
+    return false;
+  }
+  void done(int lane, const BodyLanding& landing) override { in_lane_[std::size_t(lane)]->done(landing); }
+  bool over() override { return over_ && (*over_)(); }
+
+ private:
+  std::span<Valuation> motions_;
+  std::atomic<std::size_t>& next_;
+  const std::function<bool()>* over_;
+  std::array<Valuation*, kMostLanes> in_lane_{};
+};
+
+}  // namespace
+
+void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int threads,
+          const std::function<bool()>* over) {
+  constexpr std::size_t kPart = 2;  // a thread is not worth its start for fewer
+  const int parts = std::min(thread_count(threads), int((motions.size() + kPart - 1) / kPart));
+  std::atomic<std::size_t> next{0};
+  parallel_for(parts, parts, [&](int) {
+    MotionQueue queue(motions, next, over);
+    run_body_batch(queue, robot, {.accuracy = accuracy},
+                   quickest_instruction_set(2 * motions.size() / std::size_t(parts)));
+  });
 }
 
 namespace {

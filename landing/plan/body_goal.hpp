@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <functional>
+#include <span>
 #include <vector>
 
+#include "landing/lanes/body_batch.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/plan/body_space.hpp"
 
@@ -24,12 +26,34 @@ struct BodyGoal {
   /// The largest of the peaks counts.
   bool worst() const { return single() || measure.kind == Measure::Kind::kWorst; }
   long may_break() const { return long(std::floor((1 - share) * double(drops.size()) + 1e-9)); }
-
-  /// `played`: receives the landings that it took. A value above `bound` is a bound of the value: what is still to come
-  /// can only add. kNoMotion where a landing cannot be followed or the limits are not kept.
-  double value(const BodyMotion& motion, double accuracy, double bound, const std::function<bool()>* over,
-               long& played) const;
 };
+
+/// What a motion is worth, landing by landing: kNoMotion where one cannot be followed or the limits are not kept. A
+/// value above `bound` is a bound of the value: what is still to come can only add.
+class Valuation {
+ public:
+  Valuation(const BodyGoal& goal, BodyMotion motion, double bound);
+  /// The next landing to be played, until the value stands.
+  bool next(BodyBatchCase& c);
+  void done(const BodyLanding& landing);
+  double value() const { return value_; }
+  long played() const { return played_; }
+
+ private:
+  void settle(double value) { value_ = value, over_ = true; }
+
+  const BodyGoal* goal_;
+  BodyMotion motion_, as_played_;
+  double bound_, value_;
+  std::vector<double> peaks_;
+  std::size_t drop_ = 0;
+  long played_ = 0, broken_ = 0;
+  bool over_ = false;
+};
+/// Plays them, side by side in lanes and threads (0: all cores); the results do not depend on how many there are. What
+/// `over` cuts off comes out with kNoMotion.
+void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int threads,
+          const std::function<bool()>* over);
 
 /// The scene's own drop. A run of a search by one drop ends where it first breaks a limit.
 BodyGoal own_drop(const BodyScene& scene);

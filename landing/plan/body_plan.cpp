@@ -183,15 +183,12 @@ class BodySearch {
     const auto allowed = std::min(points.size(), std::size_t((left + each - 1) / each));
     const std::function<bool()> stop = [this] { return late() || options_.monitor.stopped(); };
     for (Candidate& p : points) p.value = kNoMotion;
-    std::vector<long> played(points.size(), 0);
-    parallel_for(int(allowed), options_.threads, [&](int i) {
-      if (stop()) return;
-      Candidate& p = points[std::size_t(i)];
-      p.value = goal_->value(space_.motion(p.u), kSearchAccuracy, p.bound, &stop, played[std::size_t(i)]);
-    });
+    std::vector<Valuation> motions = valuations(*goal_, points.first(allowed));
+    play(motions, scene_.robot, kSearchAccuracy, options_.threads, &stop);
+    for (std::size_t i = 0; i < allowed; ++i) points[i].value = motions[i].value();
     if (goal_->single() && !judge_.single()) check_limits(points.first(allowed), stop);
     for (std::size_t i = 0; i < allowed; ++i) {
-      spent_ += options_.measure ? played[i] : 1;
+      spent_ += options_.measure ? motions[i].played() : 1;
       if (points[i].value <= points[i].bound && points[i].value < kNoMotion) keep(points[i]);
     }
     if (!options_.deadline) options_.monitor.progress(std::min(spent_, evaluations_), evaluations_);
@@ -199,12 +196,20 @@ class BodySearch {
   /// What would be the best by its own landing must keep the limits in the whole execution box.
   void check_limits(std::span<Candidate> points, const std::function<bool()>& stop) {
     const double best = best_.empty() ? kNoMotion : best_[0].value;
-    parallel_for(int(points.size()), options_.threads, [&](int i) {
-      Candidate& p = points[std::size_t(i)];
-      long played = 0;
-      if (p.value < best && !(judge_.value(space_.motion(p.u), kSearchAccuracy, kNoMotion, &stop, played) < kNoMotion))
-        p.value = kNoMotion;
-    });
+    std::vector<Candidate*> better;
+    for (Candidate& p : points)
+      if (p.value < best) better.push_back(&p);
+    std::vector<Valuation> motions;
+    for (const Candidate* p : better) motions.emplace_back(judge_, space_.motion(p->u), kNoMotion);
+    play(motions, scene_.robot, kSearchAccuracy, options_.threads, &stop);
+    for (std::size_t i = 0; i < better.size(); ++i)
+      if (!(motions[i].value() < kNoMotion)) better[i]->value = kNoMotion;
+  }
+  std::vector<Valuation> valuations(const BodyGoal& goal, std::span<const Candidate> points) const {
+    std::vector<Valuation> out;
+    out.reserve(points.size());
+    for (const Candidate& p : points) out.emplace_back(goal, space_.motion(p.u), p.bound);
+    return out;
   }
   void keep(const Candidate& p) {
     if (goal_ == &final_ && (best_.empty() || p.value < best_[0].value))

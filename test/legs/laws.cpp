@@ -118,7 +118,7 @@ TEST_CASE("legs: random trees keep their energy, a free one its momentum, and fa
       INFO("base " << int(base) << ", tree " << n << " of " << robot.links.size() << " links");
       CHECK(std::abs(s.link_energy(end) - s.link_energy(y)) < 1e-8 * (1 + kinetic_energy(s.body, s.pose(y))));
       if (base != Base::kFree) continue;
-      CHECK(std::abs(end[System::kVy] - y[System::kVy] - 0.5 * s.gravity.y()) < 1e-11);
+      CHECK(std::abs(end[System::kVy] - y[System::kVy] - 0.5 * s.gravity[1]) < 1e-11);
       const auto spin = [&](const State& at) {
         const auto p = s.pose(at);
         std::array<double, MassMatrix<double, kAny>::kMost> ignored{};

@@ -1,0 +1,72 @@
+#include "landing/lanes/body_batch.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+#include "common/parallel.hpp"
+#include "landing/lanes/body_batch_entry.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+/// Without lanes, for a robot beyond the largest kernel.
+void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
+  const std::function<bool()> over = [&] { return source.over(); };
+  for (BodyBatchCase c; !source.over() && source.next(0, c);) {
+    const BodyLanding l = peak_acceleration(
+        *c.scene, *c.motion, {.accuracy = options.accuracy, .abandon_above = c.abandon_above, .over = &over});
+    if (l.end == End::kStopped) return;
+    source.done(0, l);
+  }
+}
+
+}  // namespace
+
+void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
+  constexpr double kLowOrder = 1e-7;  // below it the scalar path's method of a higher order takes less time
+  const bool small = fits(robot, kSmallBody);
+  if (options.accuracy < kLowOrder || (!small && !fits(robot, kMiddleBody))) return run_scalar(source, options);
+  switch (std::min(set, widest_instruction_set())) {
+    case InstructionSet::kAvx512:
+      return run_body_lanes<8>(source, small, options);
+    case InstructionSet::kAvx2:
+      return run_body_lanes<4>(source, small, options);
+    case InstructionSet::kBaseline:
+      return run_body_lanes<2>(source, small, options);
+  }
+}
+
+void body_batch_peaks(std::span<const BodyBatchCase> cases, std::span<BodyLanding> landings,
+                      const BodyBatchOptions& options, int threads, InstructionSet set) {
+  SimulateOptions{.accuracy = options.accuracy, .max_steps = options.max_steps}.validate();
+  const BodyScene* scene = nullptr;
+  const BodyMotion* motion = nullptr;
+  for (const BodyBatchCase& c : cases) {
+    if (!c.scene || !c.motion) throw InputError("batch: a case without a scene or a motion");
+    if (!(c.abandon_above >= 0))
+      throw InputError("abandon_above: " + shortest(c.abandon_above) + ": at least 0 is needed");
+    if (c.scene == scene && c.motion == motion) continue;
+    scene = c.scene, motion = c.motion;
+    scene->validate(), validate(scene->robot, *motion);
+  }
+  if (landings.size() != cases.size())
+    throw InputError("batch: " + std::to_string(landings.size()) + " landings: " + std::to_string(cases.size()) +
+                     " are needed, one for each case");
+  if (cases.empty()) return;
+  BodyLanding stopped;
+  stopped.end = End::kStopped;
+  std::fill(landings.begin(), landings.end(), stopped);
+  constexpr std::size_t kPart = 8;  // a thread is not worth its start for fewer
+  const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
+  std::atomic<std::size_t> next{0};
+  parallel_for(parts, parts, [&](int) {
+    CaseQueue<BodyBatchCase, BodyLanding> queue(cases, landings, next, options.over);
+    run_body_batch(queue, cases[0].scene->robot, options, set);
+  });
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,128 @@
+// Landings of robots of links in lanes are those of the scalar path, whatever falls beside them and on whatever
+// machine.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/random.hpp"
+#include "landing/lanes/body_batch.hpp"
+#include "test/legs/robots.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+/// Motions of a robot from its scene's ranges.
+std::vector<BodyMotion> motions_of(const BodyScene& scene, int count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<BodyMotion> out;
+  for (int n = 0; n < count; ++n) {
+    BodyMotion m = held_posture(scene);
+    for (std::size_t i = 0; i < m.size(); ++i) {
+      if (!scene.robot.joints[i].driven()) continue;
+      const auto [low, high] = scene.search[i].phi;
+      m[i].phi_i = random.uniform(low, high), m[i].phi_f = random.uniform(low, high);
+      m[i].duration = random.uniform(0.1, 0.5);
+      if (n % 3 == 1) m[i].bumps = {random.uniform(-0.3, 0.3), random.uniform(-0.2, 0.2), 0, 0};
+      if (n % 3 == 2) m[i].gain_p = random.uniform(0.5, 1.5), m[i].gain_d = random.uniform(0.5, 1.5);
+    }
+    out.push_back(m);
+  }
+  return out;
+}
+
+struct Played {
+  std::vector<BodyLanding> landings;
+  int off = 0;  ///< of the scalar path by more than a thousandth
+};
+Played in_lanes(const BodyScene& scene, const std::vector<BodyMotion>& motions, InstructionSet set, int threads = 1) {
+  std::vector<BodyBatchCase> cases;
+  for (const BodyMotion& m : motions) cases.push_back({&scene, &m});
+  Played out{.landings = std::vector<BodyLanding>(motions.size())};
+  body_batch_peaks(cases, out.landings, {.accuracy = 1e-7}, threads, set);
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const BodyLanding one = peak_acceleration(scene, motions[k], {.accuracy = 1e-9});
+    const BodyLanding& l = out.landings[k];
+    CHECK(l.end == one.end);
+    CHECK(l.first_touchdown == Approx(one.first_touchdown).epsilon(1e-6));
+    out.off += !(std::abs(l.peak / one.peak - 1) < 1e-3);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("legs: lanes are the scalar path, on every machine, whatever the number of threads") {
+  for (const std::string name : {"hopper", "three_links", "foot"}) {
+    BodyScene scene = legs::shipped(name);
+    const std::vector<BodyMotion> motions = motions_of(scene, 60, 20261125);
+    INFO(name);
+    const Played baseline = in_lanes(scene, motions, InstructionSet::kBaseline);
+    CHECK(baseline.off <= 1);  // a cliff is one for any accuracy
+    for (const InstructionSet set : {InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+      const Played wide = in_lanes(scene, motions, set, 2);
+      for (std::size_t k = 0; k < motions.size(); ++k)
+        CHECK(wide.landings[k].peak == Approx(baseline.landings[k].peak).epsilon(1e-3));
+    }
+  }
+}
+
+TEST_CASE("legs: lanes of robots with pads, slopes, delays, moves in the air, torque limits and every base") {
+  int off = 0, played = 0;
+  for (const std::string prefix : {"leg_", "floor_"})
+    for (int i = 0; i < (prefix == "leg_" ? 60 : 40); ++i) {
+      const std::string number = std::to_string(i), stem = UKEMI_DATASETS "/reference/legs/" + prefix +
+                                                           std::string(3 - number.size(), '0') + number;
+      BodyScene scene = read_body_scene(stem + ".toml");
+      const BodyMotion motion = read_body_motion(stem + "_motion.toml", scene.robot);
+      if (i % 2) scene.detection_delay = 0.003;
+      const BodyBatchCase c{&scene, &motion};
+      BodyLanding l;
+      body_batch_peaks({&c, 1}, {&l, 1}, {.accuracy = 1e-7});
+      const BodyLanding one = peak_acceleration(scene, motion, {.accuracy = 1e-10});
+      INFO(stem);
+      CHECK(l.end == one.end);
+      CHECK(l.first_touchdown == Approx(one.first_touchdown).epsilon(1e-6));
+      ++played, off += !(std::abs(l.peak / one.peak - 1) < 1e-4);
+      if (std::abs(l.peak / one.peak - 1) > 1e-4) WARN(stem << ": " << l.peak << " in a lane, " << one.peak);
+    }
+  CHECK(played == 100);
+  CHECK(off <= 3);
+}
+
+TEST_CASE("legs: a lane's landing is abandoned, forbidden to touch, or handed over, as the scalar path's") {
+  BodyScene scene = legs::shipped("hopper");
+  const std::vector<BodyMotion> motions = motions_of(scene, 24, 7);
+  std::vector<BodyBatchCase> cases;
+  for (const BodyMotion& m : motions) cases.push_back({&scene, &m, 60});
+  std::vector<BodyLanding> landings(cases.size());
+  const auto compare = [&] {
+    body_batch_peaks(cases, landings, {.accuracy = 1e-7});
+    int ended = 0;
+    for (std::size_t k = 0; k < cases.size(); ++k) {
+      const BodyLanding one =
+          peak_acceleration(scene, motions[k], {.accuracy = 1e-8, .abandon_above = cases[k].abandon_above});
+      INFO(k << ": " << landings[k].peak << ", " << one.peak << ", until " << landings[k].t_end << ", " << one.t_end);
+      CHECK(landings[k].end == one.end);
+      CHECK(landings[k].broken.kind == one.broken.kind);
+      CHECK(landings[k].broken.index == one.broken.index);
+      ended += one.end == End::kAbandoned || one.end == End::kBroken;
+    }
+    return ended;
+  };
+  CHECK(compare() > 8);
+  for (BodyBatchCase& c : cases) c.abandon_above = std::numeric_limits<double>::infinity();
+  forbid(scene, {"knee"});
+  scene.limits.broken = BodyLimits::Broken::kEnds;
+  CHECK(compare() > 0);
+  scene.limits.broken = BodyLimits::Broken::kTold;
+  CHECK(compare() == 0);
+  scene.limits.joints.resize(scene.robot.joints.size());  // the scalar path's
+  scene.limits.joints[0].motor_speed = 5;
+  compare();
+  for (ContactPoint& c : scene.robot.contacts) c.law.hunt_crossley = true, c.law.dissipation = 0.3;
+  compare();
+  const std::function<bool()> over = [] { return true; };
+  body_batch_peaks(cases, landings, {.over = &over});
+  for (const BodyLanding& l : landings) CHECK(l.end == End::kStopped);
+}
