@@ -16,7 +16,10 @@ Verdicts read_verdicts(TomlFile& file, const std::vector<std::string>& constants
 
 std::string verdict_table(const Verdicts& verdicts) {
   std::string t = verdicts.empty() ? "" : "\n[verdict]\n";
-  for (const auto& [constant, verdict] : verdicts) t += fmt::format("{} = \"{}\"\n", constant, verdict);
+  for (const auto& [constant, verdict] : verdicts) {
+    const char* quote = constant.find('.') == std::string::npos ? "" : "\"";  // a dot would be a table
+    t += fmt::format("{0}{1}{0} = \"{2}\"\n", quote, constant, verdict);
+  }
   return t;
 }
 

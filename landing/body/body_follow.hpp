@@ -12,22 +12,24 @@
 
 namespace ukemi::landing {
 
-template <class Method, Capacity kSize, bool kReport>
+/// `Recorder`: what sees a run with kReport; it is made from the last argument of the constructor.
+template <class Method, Capacity kSize, bool kReport, template <class, bool> class Recorder = BodyRecorder>
 class BodyFollower {
  public:
   using Course = BodyCourse<kSize, kReport>;
   using System = typename Course::System;
   using State = typename System::State;
 
+  template <class Recorded>
   BodyFollower(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, BodyLanding& out,
-               double rate)
+               const Recorded& recorded)
       : scene_(scene),
         motion_(motion),
         options_(options),
         out_(out),
         course_(scene, motion),
         system_(course_.system),
-        recorder_(scene, out, rate),
+        recorder_(scene, out, recorded),
         impact_(impact_energy(system_)) {}
 
   void follow() {
@@ -130,6 +132,8 @@ class BodyFollower {
     if (crossing.lands) land();
     jump(driver);
     if constexpr (kReport) {
+      const bool bottoms = event < System::kJointGuards && event % System::kOfContact == System::kBottom;
+      if (crossing.surface || bottoms) recorder_.force_jumps(t_);
       if (touched >= 0) recorder_.touchdown(touched, t_);
       if (crossing.surface && touched < 0) recorder_.liftoff(event / System::kOfContact, t_);
       recorder_.row(system_, t_, driver.state());
@@ -154,7 +158,7 @@ class BodyFollower {
   BodyLanding& out_;
   Course course_;
   System& system_;
-  BodyRecorder<System, kReport> recorder_;
+  Recorder<System, kReport> recorder_;
   PeakTracker peak_;
   double t_ = 0, impact_;
 };

@@ -59,6 +59,7 @@ class BodyRecorder {
     mismatch_ = std::max(mismatch_, std::abs(s.link_energy(step.y_end) - energy_start_ - work));
   }
 
+  void force_jumps(double) {}
   void touchdown(int contact, double t) { log_.touchdown(contact, t); }
   void liftoff(int contact, double t) { log_.liftoff(contact, t); }
   void finish() {

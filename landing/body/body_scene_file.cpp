@@ -7,6 +7,7 @@
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
+#include "landing/body/floor_constants.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/model/scene_file.hpp"
@@ -128,6 +129,9 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
     out.own_durations = motion->optional_choice("duration", {"shared", "own"}) == "own";
   }
   if (auto scatter = file.optional("scatter")) out.scatter = read_scatter(*scatter, true);
+  const std::vector<std::string> constants = floor_constant_names(out.robot);
+  if (auto known = file.optional("uncertainty")) out.uncertainty = read_uncertainty(*known, constants, "the scene");
+  out.verdicts = read_verdicts(file, constants);
   if (auto execution = file.optional("execution")) out.execution = read_execution(*execution);
   if (auto run = file.optional("run")) out.t_end = run->optional_number("t_end", Range::positive());
   if (auto detection = file.optional("detection")) {

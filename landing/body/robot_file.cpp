@@ -120,6 +120,8 @@ void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& f
     known[c.name] = int(out.contacts.size());
     c.link = index_in(s, "link", links), c.at = place_in(s, "at");
     c.law = read_law(s, floor);
+    for (const LawConstant& constant : kLawConstants)
+      if (s.has(constant.key)) c.own.push_back(constant.key);
     if (auto pad = s.optional_section("pad"))
       c.pad = Pad{pad->number("thickness", Range::positive()), pad->number("stiffness", Range::positive()),
                   pad->optional_number("damping", Range::non_negative()).value_or(0)};

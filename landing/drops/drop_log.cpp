@@ -15,44 +15,58 @@ namespace {
 
 /// A column that is known, and what makes SI of it.
 struct Column {
-  const char* name;
-  int output;  ///< DropOutput; -1: time
+  std::string name;
+  int output;  ///< index of the channel; -1: time
   double unit;
 };
-constexpr double kG = 9.80665;
-constexpr std::array<Column, 14> kColumns = {{{"t", -1, 1},
-                                              {"t_ms", -1, 1e-3},
-                                              {"acc", kAcc, 1},
-                                              {"acc_g", kAcc, kG},
-                                              {"ax", kAccX, 1},
-                                              {"ax_g", kAccX, kG},
-                                              {"ay", kAccY, 1},
-                                              {"ay_g", kAccY, kG},
-                                              {"x_0", kThighX, 1},
-                                              {"x_0_mm", kThighX, 1e-3},
-                                              {"y_0", kThighY, 1},
-                                              {"y_0_mm", kThighY, 1e-3},
-                                              {"phi_0", kThighAngle, 1},
-                                              {"phi_0_deg", kThighAngle, kDegree}}};
 
-const Column* find(const std::string& name) {
-  const auto it = std::find_if(kColumns.begin(), kColumns.end(), [&](const Column& c) { return name == c.name; });
-  return it == kColumns.end() ? nullptr : &*it;
+std::vector<Column> columns_of(const std::vector<DropChannel>& channels) {
+  constexpr double kG = 9.80665;
+  std::vector<Column> out = {{"t", -1, 1}, {"t_ms", -1, 1e-3}};
+  for (int o = 0; o < int(channels.size()); ++o) {
+    const DropChannel& c = channels[std::size_t(o)];
+    out.push_back({c.name, o, 1});
+    if (c.unit == "m/s^2") out.push_back({c.name + "_g", o, kG});
+    if (c.unit == "m") out.push_back({c.name + "_mm", o, 1e-3});
+    if (c.unit == "rad") out.push_back({c.name + "_deg", o, kDegree});
+  }
+  return out;
 }
 
 }  // namespace
 
-long DropLog::count(DropOutput o) const {
+const std::vector<DropChannel>& thigh_channels() {
+  static const std::vector<DropChannel> channels = [] {
+    std::vector<DropChannel> out;
+    for (int o = 0; o < kOutputs; ++o) out.push_back({kOutputNames[o], kOutputUnits[o], jumps(DropOutput(o))});
+    return out;
+  }();
+  return channels;
+}
+
+std::string names_of(const std::vector<DropChannel>& channels) {
+  std::string out;
+  for (std::size_t o = 0; o < channels.size(); ++o)
+    out += (o == 0 ? "" : o + 1 < channels.size() ? ", " : " or ") + channels[o].name;
+  return out;
+}
+
+long DropLog::count(std::size_t o) const {
   return std::count_if(output[o].begin(), output[o].end(), [](double x) { return std::isfinite(x); });
 }
 
-DropLog read_drop(const std::string& path) {
-  const CsvTable table = read_csv(path, [](const std::string& name) { return find(name) != nullptr; });
+DropLog read_drop(const std::string& path, const std::vector<DropChannel>& channels) {
+  const std::vector<Column> columns = columns_of(channels);
+  const auto find = [&](const std::string& name) {
+    const auto it = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return name == c.name; });
+    return it == columns.end() ? nullptr : &*it;
+  };
+  const CsvTable table = read_csv(path, [&](const std::string& name) { return find(name) != nullptr; });
   DropLog log;
   log.file = path;
+  log.output.assign(channels.size(), {});
   int time = -1;
-  std::array<int, kOutputs> from;
-  from.fill(-1);
+  std::vector<int> from(channels.size(), -1);
   for (int c = 0; c < int(table.header.size()); ++c) {
     const Column* column = find(table.header[std::size_t(c)]);
     if (!column) continue;
@@ -65,9 +79,8 @@ DropLog read_drop(const std::string& path) {
   }
   if (time < 0) throw InputError({path, table.header_line}, "no column 't'" + hint("t", table.header));
   if (std::all_of(from.begin(), from.end(), [](int c) { return c < 0; }))
-    throw InputError(
-        {path, table.header_line},
-        "no measured output: at least one of acc, ax, ay, x_0, y_0, phi_0 is needed" + hint("acc", table.header));
+    throw InputError({path, table.header_line}, "no measured output: at least one of " + names_of(channels) +
+                                                    " is needed" + hint("acc", table.header));
 
   std::vector<double> t = table.columns[std::size_t(time)];
   table.require_full(time);
@@ -83,16 +96,16 @@ DropLog read_drop(const std::string& path) {
       continue;
     }
     log.t.push_back(t[i]);
-    for (int o = 0; o < kOutputs; ++o) {
-      if (from[std::size_t(o)] < 0) continue;
-      const auto c = std::size_t(from[std::size_t(o)]);
+    for (std::size_t o = 0; o < channels.size(); ++o) {
+      if (from[o] < 0) continue;
+      const auto c = std::size_t(from[o]);
       const double value = table.columns[c][i] * find(table.header[c])->unit;
-      if (o == kThighAngle && std::abs(value) > 2 * std::numbers::pi)
+      if (channels[o].unit == "rad" && std::abs(value) > 2 * std::numbers::pi)
         throw InputError(table.at(int(c), i),
                          fmt::format("column {}: {}: an angle beyond 2 pi rad; are these degrees? then name the column "
-                                     "phi_0_deg",
-                                     quoted(table.header[c]), shortest(table.columns[c][i])));
-      log.output[std::size_t(o)].push_back(value);
+                                     "{}_deg",
+                                     quoted(table.header[c]), shortest(table.columns[c][i]), channels[o].name));
+      log.output[o].push_back(value);
     }
   }
   if (log.t.size() < 2)

@@ -5,10 +5,15 @@
 #include <limits>
 
 #include "common/checks.hpp"
+#include "landing/body/floor_constants.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/scatter/drop_model.hpp"
 
 namespace ukemi::landing {
+
+namespace {
+constexpr const char* kPitch = "pitch";
+}
 
 BodyMotion BodyDrop::played(const BodyMotion& planned) const {
   BodyMotion out = planned;
@@ -61,6 +66,8 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
     of_scene_.push_back(t.deviation);
     sampler_.normal(t.name, scatter.*t.deviation);
   }
+  if (scene.uncertainty) scatter_floor(*scene.uncertainty);
+  scene_.uncertainty.reset(), scene_.verdicts.clear();  // of the planned floor
   if (phi_) sampler_.normal("phi", scatter.phi, int(driven_.size()));
   if (rate_) sampler_.normal("rate", scatter.rate, int(driven_.size()));
   for (const int i : driven_) {
@@ -70,6 +77,19 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
     sampler_.correlated("drive of " + joint.name, joint.covariance, options.inflate);
   }
   if (inexact_) sampler_.uniform("execution", 2 * int(driven_.size()) + 1);
+}
+
+/// Constants of the floor are log-normal: their covariance counts relative to what they are.
+void BodyDropModel::scatter_floor(const Uncertainty& known) {
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(long(known.order.size()));
+  of_floor_ = known.order;
+  for (std::size_t i = 0; i < of_floor_.size(); ++i) {
+    const std::vector<double*> numbers = floor_constants(scene_, of_floor_[i]);
+    if (of_floor_[i] == kPitch) continue;
+    const double value = numbers.empty() ? 0 : *numbers.front();
+    unit[long(i)] = value > 0 && std::isfinite(value) ? 1 / value : 0;
+  }
+  sampler_.correlated("floor", unit.asDiagonal() * known.covariance * unit.asDiagonal());
 }
 
 BodyDrop BodyDropModel::drop(std::span<const double> u) const {
@@ -83,6 +103,11 @@ BodyDrop BodyDropModel::drop(std::span<const double> u) const {
   constexpr double kSteepest = 1.5;  // within a right angle [rad]
   out.scene.slope = std::clamp(scene_.slope + z.slope, -kSteepest, kSteepest);
   for (ContactPoint& c : out.scene.robot.contacts) scale(c, z);
+  for (const std::string& name : of_floor_) {
+    const double by_it = *next++;
+    for (double* const x : floor_constants(out.scene, name)) *x = name == kPitch ? *x + by_it : *x * std::exp(by_it);
+  }
+  for (ContactPoint& c : out.scene.robot.contacts) c.law.exponent = std::max(1.0, c.law.exponent);
   const auto of = [&](int i) -> BodyDrop::Joint& { return out.joints[std::size_t(i)]; };
   for (const int i : driven_)
     if (phi_) of(i).phi = *next++;

@@ -36,8 +36,9 @@ class BodyDropModel {
     bool inexact = false;  ///< the motions are played anywhere in the execution box, uniformly
   };
   /// Every term of a scatter counts, `phi` and `rate` for each driven joint on its own; those of the floor scale all
-  /// contacts alike. Throws InputError for a scene or a scatter that is not valid, for one of `forward_speed` or
-  /// `pitch_rate` where the base has none, and for a covariance that is not positive semidefinite.
+  /// contacts alike; the scene's [uncertainty] scatters with them. Throws InputError for a scene or a scatter that is
+  /// not valid, for one of `forward_speed` or `pitch_rate` where the base has none, and for a covariance that is not
+  /// positive semidefinite.
   BodyDropModel(const BodyScene& scene, const Scatter& scatter, const Options& options);
   BodyDropModel(const BodyScene& scene, const Scatter& scatter) : BodyDropModel(scene, scatter, Options()) {}
 
@@ -59,10 +60,13 @@ class BodyDropModel {
   }
 
  private:
+  void scatter_floor(const Uncertainty& known);
+
   BodyScene scene_;
   Sampler sampler_;
   std::vector<int> driven_;                  ///< of Robot::joints
   std::vector<double Scatter::*> of_scene_;  ///< what the sampler's first numbers are
+  std::vector<std::string> of_floor_;        ///< what the numbers behind those are, see floor_constants
   bool phi_, rate_, inexact_;
   std::vector<std::pair<int, std::vector<int>>> fitted_;  ///< joints whose covariance is known, their constants
 };

@@ -192,3 +192,94 @@ TEST_CASE("every verb that plans on a floor says what its calibration did not tr
   check_refused(f, Arguments{"simulate", "wrong.toml", "--actuator", kTable2, "--hold", "-45"} + kOut,
                 {"wrong.toml:", "stiffness", "'sure'"});
 }
+
+namespace {
+
+Arguments of_hopper(const std::vector<int>& drops, const std::string& scene) {
+  const std::vector<std::string> height = {"0.3", "0.2", "0.15", "0.25"};
+  Arguments out = {"calibrate", "--scene", scene};
+  for (const int i : drops) {
+    const std::string name = "hopper_" + std::to_string(i);
+    out.insert(out.begin() + 1, kFolder + name + ".csv");
+    out = out + Arguments{"--motion-of", name + "=" + kFolder + "hopper_hold_" + std::to_string(i) + ".toml",
+                          "--height-of", name + "=" + height[std::size_t(i - 1)]};
+  }
+  return out;
+}
+const std::string kHopper = dataset("scenes/hopper.toml");
+
+}  // namespace
+
+TEST_CASE("calibrate of a robot of links: its floor, in a scene that every verb reads") {
+  const Folder f;
+  done(f, of_hopper({1, 2, 3}, kHopper) + Arguments{"--law", "only", "--strict"} + kOut);
+  const Json s = summary(f);
+  const std::vector<std::pair<std::string, double>> truth = {{"stiffness", 16000},
+                                                             {"damping_normal", 150},
+                                                             {"damping_tangential", 45},
+                                                             {"stiffness_tangential", 14000},
+                                                             {"friction", 0.45}};
+  CHECK(s["parameters"].size() == truth.size());
+  for (const auto& [name, value] : truth) {
+    INFO(name);
+    const Json& p = s["parameters"][name];
+    CHECK(std::abs(p["value"].get<double>() - value) < 4 * p["std"].get<double>());
+    CHECK(p["verdict"] == "trusted");
+  }
+  CHECK(s["outputs"]["phi_hip"]["unit"] == "rad");
+  CHECK(s["outputs"]["acc"]["rms"].get<double>() == Approx(1).epsilon(0.05));
+  CHECK(s["law"]["given"] == "linear, Coulomb's friction, without pads");
+  CHECK(s["law"]["asked"] == s["law"]["given"]);
+  CHECK(s["law_rejected"] == false);
+  CHECK(s["laws"].size() == 1);
+  CHECK_FALSE(fs::exists(f.at("out/robot.toml")));
+  const std::string scene = read(f.at("out/scene.toml"));
+  CHECK_THAT(scene, Contains("# A leg on an upright rail") && Contains("hold_deg = 35") && Contains("[uncertainty]") &&
+                        Contains("[verdict]\nstiffness = \"trusted\"\n") &&
+                        Contains("source = \"calibrated from drop logs by ukemi\""));
+  done(f, {"simulate", "out/scene.toml", "--no-report", "-o", "sim"});
+  CHECK(summary(f, "sim")["peak_acceleration"].get<double>() == Approx(126).epsilon(0.03));
+  done(f, {"risk", "out/scene.toml", "--hold", "hip=35,knee=-70", "--samples", "100", "--no-report", "-o", "risk"});
+  // Once more from there: nothing changes but what stands in front.
+  done(f, of_hopper({1, 2, 3}, "out/scene.toml") + Arguments{"--law", "only", "-o", "again", "--no-report"});
+  CHECK(summary(f, "again")["parameters"]["friction"]["value"].get<double>() ==
+        Approx(s["parameters"]["friction"]["value"].get<double>()).epsilon(1e-4));
+}
+
+TEST_CASE("calibrate of a robot of links: a contact's own constants stand in the robot's file") {
+  const Folder f;
+  f.write("leg.toml", replaced(read(dataset("robots/hopper.toml")), "at = [0.2, 0]\n",
+                               "at = [0.2, 0]\npad = { thickness = 0.005, stiffness = 3000 }\nfriction = 0.5\n"));
+  f.write("scene.toml", replaced(read(kHopper), "\"../robots/hopper.toml\"", "\"leg.toml\""));
+  const Arguments some = {"--law", "only", "--no-report", "--free", "stiffness,foot.friction,pad_stiffness"};
+  (void)run(of_hopper({1}, "scene.toml") + some + kOut, f.at(""));
+  const Json s = summary(f);
+  CHECK(s["parameters"]["foot.friction"]["free"] == true);
+  CHECK(s["parameters"]["friction"]["free"] == false);
+  CHECK(s["parameters"]["pad_thickness"]["value"] == 0.005);
+  CHECK_THAT(read(f.at("out/scene.toml")), Contains("robot = \"robot.toml\"") && Contains("friction = 0.8\n"));
+  const std::string robot = read(f.at("out/robot.toml"));
+  CHECK_THAT(robot, Contains("pad = { thickness = 0.005, stiffness = ") && !Contains("stiffness = 3000 }") &&
+                        !Contains("\nfriction = 0.5\n") && Contains("k_p = 50                              # Nm/rad"));
+  done(f, {"simulate", "out/scene.toml", "--no-report", "-o", "sim"});
+}
+
+TEST_CASE("calibrate of a robot of links refuses what it cannot") {
+  const Arguments one = of_hopper({1}, kHopper);
+  const auto refused = [&](const Arguments& options, const std::vector<std::string>& texts) {
+    check_refused(Folder(), one + kOut + options, texts);
+  };
+  refused({"--free", "frictions"}, {"--free: 'frictions': ", "\"friction\""});
+  refused({"--free", "exponent"}, {"--free: 'exponent': "});  // of Hunt and Crossley
+  refused({"--speed-of", "hopper_1=1"}, {"--speed-of: ", "no forward speed"});
+  refused({"--law", "mine"}, {"--law"});
+  refused({"--actuator", "ankle=x.toml"}, {"--actuator: 'ankle': "});
+  check_refused(Folder(), kOne + kOut + Arguments{"--law", "only"}, {"--law: ", "robot of links"});
+  const Folder f;
+  f.write("drop.csv", "t,acc,phi_hipp\n0,9.8,1\n1,9.8,1\n");
+  check_refused(f, Arguments{"calibrate", "drop.csv", "--scene", kHopper, "--height-of", "drop=6"} + kOut,
+                {"drop.csv: ", "before the first touchdown"});
+  f.write("none.csv", "t,acceleration\n0,9.8\n1,9.8\n");
+  check_refused(f, Arguments{"calibrate", "none.csv", "--scene", kHopper} + kOut,
+                {"none.csv:1: ", "acc, ax, ay, x_slider", "phi_knee"});
+}

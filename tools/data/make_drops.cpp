@@ -3,7 +3,7 @@
 //     make_drops FOLDER      (the project's datasets/ folder; run once, the files are shipped)
 //
 // Each drop is `simulate` at a tolerance of 1e-12 with noise put on: another path through the events than the
-// rollout that calibrate fits.
+// rollout that calibrate fits. The drops of the hopper, a robot of links, fall on a floor that is not its scene's.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "common/degrees.hpp"
 #include "common/files.hpp"
 #include "common/random.hpp"
+#include "landing/body/body_run.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
 
@@ -62,6 +63,51 @@ void write(const std::string& path, Scene scene, const SeaParameters<double>& se
   fmt::print("{}: {} rows, peak {:.1f} m/s^2, {} touchdowns\n", path, row, landing.peak, landing.touches.size());
 }
 
+// --- the hopper ---
+
+constexpr double kHopperDuration = 0.6, kNoiseHopper = 1;  // s, m/s^2
+/// The truth of its floor.
+constexpr ContactLaw kHopperLaw{.stiffness = 16000,
+                                .damping_normal = 150,
+                                .damping_tangential = 45,
+                                .stiffness_tangential = 14000,
+                                .friction = 0.45};
+
+/// Held at these angles of hip and knee.
+void write_hopper(const std::string& path, BodyScene scene, double height, double hip_deg, double knee_deg,
+                  std::uint64_t index) {
+  scene.drop.height = height, scene.t_end = kHopperDuration;
+  for (ContactPoint& c : scene.robot.contacts) c.law = kHopperLaw;
+  scene.search[0].hold = hip_deg * kDegree, scene.search[1].hold = knee_deg * kDegree;
+  const BodyLanding landing =
+      simulate(scene, held_posture(scene), {.accuracy = 1e-12, .rest = SimulateOptions::Rest::kIgnore}, kRate);
+  Random random(kSeed, index);
+  CsvWriter csv;
+  csv.comment(fmt::format("SIMULATED by ukemi, not measured. Written by tools/data/make_drops.cpp, seed {}.", kSeed));
+  csv.comment(fmt::format("Robot: datasets/robots/hopper.toml, dropped from {} m, held at hip {}, knee {} deg.", height,
+                          hip_deg, knee_deg));
+  csv.comment(
+      fmt::format("Truth: stiffness {} N/m, damping_normal {} N/(m/s), friction {}, stiffness_tangential {} "
+                  "N/m, damping_tangential {} N/(m/s).",
+                  kHopperLaw.stiffness, kHopperLaw.damping_normal, kHopperLaw.friction, kHopperLaw.stiffness_tangential,
+                  kHopperLaw.damping_tangential));
+  csv.comment(fmt::format("Noise: normal, sigma {} m/s^2, {} m, {} deg. Units: s from release, m/s^2, m, deg.",
+                          kNoiseHopper, kNoisePlace, kNoiseAngle));
+  csv.header({"t", "acc", "y_slider", "phi_hip_deg", "phi_knee_deg"});
+  long row = 0;
+  for (const BodySample& s : landing.trajectory) {
+    if (std::abs(s.t * kRate - double(row)) > 1e-6) continue;  // the two rows of an event
+    csv.cell(fmt::format("{:.3f}", double(row++) / kRate));
+    csv.cell(fmt::format("{:.2f}", s.acc + kNoiseHopper * random.normal()));
+    csv.cell(fmt::format("{:.5f}", s.y[0] + kNoisePlace * random.normal()));
+    csv.cell(fmt::format("{:.3f}", s.phi[0] * kDegrees + kNoiseAngle * random.normal()));
+    csv.cell(fmt::format("{:.3f}", s.phi[1] * kDegrees + kNoiseAngle * random.normal()));
+    csv.end_row();
+  }
+  write_file(path, csv.text());
+  fmt::print("{}: {} rows, peak {:.1f} m/s^2, {} touchdowns\n", path, row, landing.peak, landing.touches.size());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -77,4 +123,9 @@ int main(int argc, char** argv) {
   write(folder + "/drops/drop_2.csv", scene, sea, 0.25, held, 2);
   write(folder + "/drops/drop_3.csv", scene, sea, 0.4, bent, 3);
   write(folder + "/drops/validation.csv", scene, sea, 0.32, bent, 4);
+  const BodyScene hopper = read_body_scene(folder + "/scenes/hopper.toml");
+  write_hopper(folder + "/drops/hopper_1.csv", hopper, 0.3, 35, -70, 5);
+  write_hopper(folder + "/drops/hopper_2.csv", hopper, 0.2, 60, -70, 6);
+  write_hopper(folder + "/drops/hopper_3.csv", hopper, 0.15, 10, -60, 7);
+  write_hopper(folder + "/drops/hopper_4.csv", hopper, 0.25, 50, -80, 8);
 }

@@ -56,7 +56,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"optimize",
        {"motion.toml", "motion.csv", "solvers.csv", "progress.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
         "plotjuggler.csv"}},
-      {"calibrate", {"scene.toml", "fit.csv", "validation.csv"}},
+      {"calibrate", {"scene.toml", "robot.toml", "fit.csv", "validation.csv"}},
       {"compare", {"parameters.csv", "trajectories.csv"}},
       {"design", {"hit_#.csv", "hits.csv"}},
       {"demo", {}},

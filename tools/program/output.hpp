@@ -47,6 +47,7 @@ class Run {
   Run& operator=(const Run&) = delete;
 
   const CommonOptions& options() const { return options_; }
+  const std::string& folder() const { return folder_.path(); }  ///< of the results
   /// A file that is or will be read: the checksum of what was read goes into the provenance.
   void input(const std::string& path);
   /// A file of the results, under one of the names that output.cpp lists for the verb.

@@ -49,9 +49,12 @@ using identify::Estimates, identify::Fit, tools::Calibration;
 template <>
 struct Carry<Fit> : OnBase<Fit, Estimates, &Fit::sea, &Fit::rms, &Fit::identifiable, &Fit::far_above_noise,
                            &Fit::flawed_logs, &Fit::interrupted, &Fit::minima, &Fit::trials, &Fit::sensitivity> {};
+using tools::FloorFit;
 template <>
-struct Carry<Calibration> : OnBase<Calibration, Estimates, &Calibration::scene, &Calibration::tests,
-                                   &Calibration::noise, &Calibration::rms, &Calibration::drops, &Calibration::steps> {};
+struct Carry<FloorFit> : OnBase<FloorFit, Estimates, &FloorFit::tests, &FloorFit::channels, &FloorFit::noise,
+                                &FloorFit::rms, &FloorFit::drops, &FloorFit::steps> {};
+template <>
+struct Carry<Calibration> : OnBase<Calibration, FloorFit, &Calibration::scene> {};
 
 /// What is fitted of a table; the table itself is the program's.
 template <class T>

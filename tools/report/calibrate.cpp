@@ -6,6 +6,7 @@
 
 #include "landing/model/scene_file.hpp"
 #include "tools/program/interrupt.hpp"
+#include "tools/report/calibrate.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/results.hpp"
 #include "tools/study/calibration.hpp"
@@ -16,92 +17,102 @@ using namespace landing;
 
 namespace {
 
+ToldFit told(const CalibratedDrops& c) {
+  ToldFit out{c.result, {}};
+  for (const LoggedDrop& d : c.drops) out.logs.push_back(&d.log);
+  return out;
+}
+
 /// An output that some drop measured, over all drops.
-Quantities<std::size_t> output_quantities(const Calibration& c) {
+Quantities<std::size_t> output_quantities(const FloorFit& c) {
   return {
-      {"", "", "output", {}, [](auto& o) { return kOutputNames[o]; }},
+      {"", "", "output", {}, [&c](auto& o) { return c.channels[o].name; }},
       {"", "rms", "residual rms", "{:.3g}", [&c](auto& o) { return c.rms[o]; }},
       {"", "noise", "the logs' noise", "{:.3g}", [&c](auto& o) { return c.noise[o]; }},
-      {"", "unit", "unit", {}, [](auto& o) { return kOutputUnits[o]; }},
+      {"", "unit", "unit", {}, [&c](auto& o) { return c.channels[o].unit; }},
   };
 }
-std::vector<std::size_t> measured(const Calibration& c) {
+std::vector<std::size_t> measured(const FloorFit& c) {
   std::vector<std::size_t> out;
-  for (std::size_t o = 0; o < kOutputs; ++o)
+  for (std::size_t o = 0; o < c.channels.size(); ++o)
     if (std::isfinite(c.noise[o])) out.push_back(o);
   return out;
 }
 
-Quantities<DropResult> drop_quantities(const Calibration& c) {
+Quantities<DropResult> drop_quantities(const FloorFit& c) {
   Quantities<DropResult> out = {{"", "file", "drop", {}, &DropResult::file}, {"", "simulated", &DropResult::simulated}};
   for (const std::size_t o : measured(c))
-    out.push_back({"", std::string("rms/") + kOutputNames[o],
-                   fmt::format("{} rms [{}]", kOutputNames[o], kOutputUnits[o]), "{:.3g}",
-                   [o](auto& d) { return d.rms[o]; }});
+    out.push_back({"", "rms/" + c.channels[o].name, fmt::format("{} rms [{}]", c.channels[o].name, c.channels[o].unit),
+                   "{:.3g}", [o](auto& d) { return d.rms[o]; }});
   out.push_back({"", "peak_measured", "peak measured [m/s^2]", "{:.4g}", &DropResult::peak_measured});
   out.push_back({"", "peak_simulated", "simulated at the samples [m/s^2]", "{:.4g}", &DropResult::peak_simulated});
   out.push_back({"", "peak_between_samples", "and between them [m/s^2]", "{:.4g}", &DropResult::peak_between});
   return out;
 }
 
-std::string samples_csv(const Run& run, const CalibratedDrops& c) {
+std::string samples_csv(const Run& run, const ToldFit& c) {
   CsvWriter csv = run.csv();
   csv.comment(
       "residual = simulated - measured; drop counts from 1; t as in the log; used 0: left out, an acceleration "
       "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.");
   csv.header({"drop", "t", "output", "measured", "simulated", "residual", "used"});
-  for (std::size_t m = 0; m < c.drops.size(); ++m)
-    for (std::size_t o = 0; o < kOutputs; ++o) {
+  for (std::size_t m = 0; m < c.logs.size(); ++m)
+    for (std::size_t o = 0; o < c.result.channels.size(); ++o) {
       const DropResult& result = c.result.drops[m];
       for (std::size_t i = 0; i < result.value[o].size(); ++i) {
-        const double log = c.drops[m].log.output[o][i], simulated = result.value[o][i];
+        const double log = c.logs[m]->output[o][i], simulated = result.value[o][i];
         if (!std::isfinite(log) || !std::isfinite(simulated)) continue;
-        csv.cell(long(m + 1)).cell(c.drops[m].log.t[i]).cell(kOutputNames[o]).cell(log).cell(simulated);
+        csv.cell(long(m + 1)).cell(c.logs[m]->t[i]).cell(c.result.channels[o].name).cell(log).cell(simulated);
         csv.cell(simulated - log).cell(int(result.used[o][i])).end_row();
       }
     }
   return csv.text();
 }
 
-/// The scene with the fitted constants.
-std::string scene_toml(const Run& run, const Calibration& c) {
+}  // namespace
+
+std::string scene_comments(const Run& run, const FloorFit& c) {
   std::string comments = run.provenance_text();
   for (const auto& e : c.parameters)
     comments += fmt::format("{}: {}: {}\n", e.name, value_words(e), identify::name(e.verdict));
   if (!c.converged) comments += "not converged: these constants are not a minimum\n";
-  return to_toml(c.scene, comments);
+  return comments;
 }
+
+namespace {
 
 /// A drop's outputs side by side, drop_1 or validation_1, measured and simulated; lines where the simulation touches
 /// down and lifts off.
-Figure drop_figure(const LoggedDrop& drop, const DropResult& result, const char* set, std::size_t number) {
+Figure drop_figure(const DropLog& log, const FloorFit& fit, const char* set, std::size_t m) {
+  const DropResult& result = fit.drops[m];
+  const std::size_t number = m + 1;
   Figure out;
   out.name = fmt::format("{}_{}", set, number), out.width = Figure::Width::kWhole, out.panel_height = 200;
-  for (std::size_t o = 0; o < kOutputs; ++o) {
-    const std::vector<double>&measured = drop.log.output[o], &simulated = result.value[o];
+  for (std::size_t o = 0; o < fit.channels.size(); ++o) {
+    const std::vector<double>&measured = log.output[o], &simulated = result.value[o];
     if (simulated.empty()) continue;
     Panel p;
-    p.title = kOutputNames[o], p.x_label = "t [s]", p.y_label = kOutputUnits[o];
+    p.title = fit.channels[o].name, p.x_label = "t [s]", p.y_label = fit.channels[o].unit;
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const std::vector<double>* values : {&measured, &simulated})
       for (const double v : *values)
         if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     for (const double t : result.jumps)
       p.series.push_back({"", {t, t}, {low, high}, Series::Look::kFaint, Series::kGrey});
-    p.series.push_back({"", drop.log.t, measured, Series::Look::kPoints, 0});
-    p.series.push_back({"", drop.log.t, simulated, Series::Look::kLine, 1});
+    p.series.push_back({"", log.t, measured, Series::Look::kPoints, 0});
+    p.series.push_back({"", log.t, simulated, Series::Look::kLine, 1});
     out.panels.push_back(std::move(p));
   }
   out.columns = int(std::min<std::size_t>(4, out.panels.size()));
   out.caption = fmt::format(
       "Drop {}, {}: measured (points) and simulated (line); grey: where the simulation touches down and lifts off. All "
       "samples: fit.csv.",
-      number, drop.log.file);
+      number, log.file);
   return out;
 }
 
 /// What the tests of the floor find, a sentence each.
-std::vector<std::string> findings(const Calibration& c) {
+std::vector<std::string> findings(const FloorFit& c) {
   std::vector<std::string> out;
   const identify::ResidualTests& tests = c.tests;
   if (const identify::ScoreTest* missed = tests.missing()) {
@@ -131,20 +142,21 @@ std::vector<std::string> findings(const Calibration& c) {
 }
 
 /// "outputs" and "drops" of the summary, as tables and, drop by drop, as figures.
-void tell_drops(const CalibratedDrops& c, const char* set, Report& report, Json& summary, Run& run) {
+void tell_drops(const ToldFit& c, const char* set, Report& report, Json& summary, Run& run) {
   const Table outputs(output_quantities(c.result), measured(c.result));
   summary["outputs"] = outputs.keyed();
   (void)tell(outputs, report, run);
   summary["drops"] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
   constexpr std::size_t kMost = 12;
-  for (std::size_t m = 0; m < std::min(kMost, c.drops.size()); ++m)
-    report.figure(drop_figure(c.drops[m], c.result.drops[m], set, m + 1));
+  for (std::size_t m = 0; m < std::min(kMost, c.logs.size()); ++m)
+    report.figure(drop_figure(*c.logs[m], c.result, set, m));
 }
 
 }  // namespace
 
-int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run) {
-  const Calibration& c = fitted.result;
+int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doubt doubt,
+           const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run) {
+  const FloorFit& c = fitted.result;
   for (const std::string& w : c.warnings) run.warn(w);
   for (const std::string& finding : findings(c)) run.warn(finding);
   if (!c.converged && !interrupted())
@@ -161,6 +173,7 @@ int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& 
   summary["steps"] = c.steps;
   report.heading("Does the floor explain the drops?");
   tell_tests(c.tests, "standard deviations", report, summary["diagnostics"]);
+  if (laws) laws(report, summary);
   report.heading("Fitted drops");
   tell_drops(fitted, "drop", report, summary, run);
   if (validation) {
@@ -171,10 +184,15 @@ int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& 
     tell_drops(*validation, "validation", report, j, run);
     run.add("validation.csv", samples_csv(run, *validation));
   }
-  run.add("scene.toml", scene_toml(run, c));
+  for (const auto& [name, text] : files) run.add(name, text);
   run.add("fit.csv", samples_csv(run, fitted));
   report.write(run);
   return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
+}
+
+int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run) {
+  return report(told(fitted), validation ? std::optional(told(*validation)) : std::nullopt, doubt,
+                {{"scene.toml", to_toml(fitted.result.scene, scene_comments(run, fitted.result))}}, {}, run);
 }
 
 }  // namespace ukemi::tools

@@ -7,7 +7,6 @@
 
 #include "common/median.hpp"
 #include "identify/logs/trial.hpp"
-#include "landing/model/release.hpp"
 
 namespace ukemi::tools {
 
@@ -21,187 +20,181 @@ constexpr long kMostSteps = 20'000;  ///< of one drop: ten times what any of dat
 
 }  // namespace
 
-DropResiduals::DropResiduals(const Scene& scene, const SeaParameters<double>& sea, const LoggedDrop& drop,
-                             const DropLayout& layout, const CalibrationOptions& options, long& steps)
-    : scene_(scene),
-      sea_(sea),
+DropResiduals::DropResiduals(const DropSimulator& simulator, std::size_t drop, const DropLayout& layout,
+                             const CalibrationOptions& options, long& steps)
+    : simulator_(simulator),
       drop_(drop),
       layout_(layout),
       monitor_(options.monitor),
       steps_(steps),
-      options_{.accuracy = options.accuracy, .max_steps = kMostSteps} {
-  const std::vector<double>& t = drop.log.t;
+      options_{.accuracy = options.accuracy, .max_steps = kMostSteps},
+      interval_(log().output.size(), 0.0) {
+  const std::vector<double>& t = log().t;
   bool shifted = false;
   for (const auto* list : {&layout.shared, &layout.own})
     for (const DropTerm* term : *list) shifted = shifted || term->shifts_log();
   if (shifted) first_ = std::size_t(std::lower_bound(t.begin(), t.end(), kLargestShift) - t.begin());
-  for (int o = 0; o < kOutputs; ++o) {
+  for (std::size_t o = 0; o < log().output.size(); ++o) {
     std::vector<double> gaps;
     double last = kNaN;
-    for (std::size_t i = 0; i < drop.log.output[std::size_t(o)].size(); ++i)
-      if (std::isfinite(drop.log.output[std::size_t(o)][i])) {
+    for (std::size_t i = 0; i < log().output[o].size(); ++i)
+      if (std::isfinite(log().output[o][i])) {
         if (std::isfinite(last)) gaps.push_back(t[i] - last);
         last = t[i];
       }
-    if (!gaps.empty()) interval_[std::size_t(o)] = median(gaps);
+    if (!gaps.empty()) interval_[o] = median(gaps);
   }
 }
 
-ResidualBlock DropResiduals::block(const PerOutput& sigma, double seconds, const std::vector<Prior>& priors) const {
-  const std::vector<double>& t = drop_.log.t;
+ResidualBlock DropResiduals::block(const std::vector<double>& sigma, double seconds,
+                                   const std::vector<Prior>& priors) const {
+  const std::vector<double>& t = log().t;
   const auto end = std::size_t(std::upper_bound(t.begin(), t.end(), seconds) - t.begin());
   struct Row {
-    int output;
-    std::size_t sample;
+    std::size_t output, sample;
   };
   std::vector<Row> rows;
-  for (int o = 0; o < kOutputs; ++o)
-    for (std::size_t i = first_; i < std::min(end, drop_.log.output[std::size_t(o)].size()); ++i)
-      if (std::isfinite(drop_.log.output[std::size_t(o)][i])) rows.push_back({o, i});
+  for (std::size_t o = 0; o < log().output.size(); ++o)
+    for (std::size_t i = first_; i < std::min(end, log().output[o].size()); ++i)
+      if (std::isfinite(log().output[o][i])) rows.push_back({o, i});
   const auto memory = std::make_shared<Memory>();
-  return {
-      int(rows.size() + priors.size()),
-      [=, this](const double* shared, const double* own, double* r, double* jacobian) {
-        const Rolled* rolled = recall(*memory, shared, own, end);
-        if (!rolled) return false;
-        const std::size_t size = rows.size() + priors.size();
-        std::size_t row = 0;
-        const auto fill = [&](double residual, const auto& of_term) {
-          double* to = jacobian ? jacobian + row : nullptr;
-          for (const auto* list : {&layout_.shared, &layout_.own})
-            for (const DropTerm* term : *list)
-              if (to) *to = of_term(*term), to += size;
-          r[row++] = residual;
-        };
-        for (const Row& x : rows) {
-          const DropSample& s = rolled->rollout.samples[x.sample - first_];
-          const double inverse = 1 / sigma[std::size_t(x.output)],
-                       difference = s.value[std::size_t(x.output)] - drop_.log.output[std::size_t(x.output)][x.sample];
-          if (left_out(*rolled, DropOutput(x.output), x.sample)) {
-            fill(0, [](const DropTerm&) { return 0.0; });
-            continue;
-          }
-          fill(difference * inverse, [&](const DropTerm& term) {
-            const auto o = std::size_t(x.output);
-            return inverse * (term.shifts_log() ? s.rate[o] : s.slope[o][drop_slot(term.derivative)]);
-          });
-        }
-        for (const Prior& p : priors) {
-          double value = 0;
-          layout_.for_each(shared, own, [&](const DropTerm& term, double x, std::size_t) {
-            if (term.name == p.term) value = x;
-          });
-          fill((value - p.value) / p.std, [&](const DropTerm& term) { return term.name == p.term ? 1 / p.std : 0; });
-        }
-        return true;
-      }};
+  return {int(rows.size() + priors.size()),
+          [=, this](const double* shared, const double* own, double* r, double* jacobian) {
+            const Rolled* rolled = recall(*memory, shared, own, end, jacobian != nullptr);
+            if (!rolled) return false;
+            const std::size_t size = rows.size() + priors.size();
+            std::size_t row = 0;
+            // A residual and, where they are asked for, its derivatives by each term.
+            const auto fill = [&](double residual, const auto& by_column) {
+              if (jacobian)
+                for (std::size_t c = 0; c < rolled->settings.size(); ++c) jacobian[c * size + row] = by_column(c);
+              r[row++] = residual;
+            };
+            for (const Row& x : rows) {
+              if (left_out(*rolled, x.output, x.sample)) {
+                fill(0, [](std::size_t) { return 0.0; });
+                continue;
+              }
+              const std::size_t n = x.sample - first_;
+              const double inverse = 1 / sigma[x.output];
+              fill((rolled->drop.value[x.output][n] - log().output[x.output][x.sample]) * inverse,
+                   [&](std::size_t c) { return inverse * rolled->drop.slope[x.output](long(n), long(c)); });
+            }
+            for (const Prior& p : priors) {
+              double value = 0;
+              for (const Setting& x : rolled->settings)
+                if (x.term->name == p.term) value = x.value;
+              fill((value - p.value) / p.std,
+                   [&](std::size_t c) { return rolled->settings[c].term->name == p.term ? 1 / p.std : 0; });
+            }
+            return true;
+          }};
 }
 
 DropResult DropResiduals::replay(const double* shared, const double* own) const {
-  DropResult out{.file = drop_.log.file};
+  const std::size_t outputs = log().output.size();
+  DropResult out{.file = log().file};
+  out.value.resize(outputs), out.used.resize(outputs), out.rms.assign(outputs, kNaN);
   Rolled rolled;
-  out.simulated = roll(shared, own, drop_.log.t.size(), options_, rolled);
-  out.rms.fill(kNaN);
+  roll(shared, own, log().t.size(), options_, rolled);
+  out.simulated = rolled.drop.complete;
   out.peak_measured = out.peak_simulated = out.peak_between = kNaN;
   if (!out.simulated) return out;
-  for (int o = 0; o < kOutputs; ++o) {
-    const auto k = std::size_t(o);
-    const std::vector<double>& measured = drop_.log.output[k];
+  for (std::size_t k = 0; k < outputs; ++k) {
+    const std::vector<double>& measured = log().output[k];
     if (measured.empty()) continue;
     out.value[k].assign(measured.size(), kNaN), out.used[k].assign(measured.size(), false);
     double sum = 0;
     long n = 0;
     for (std::size_t i = first_; i < measured.size(); ++i) {
       if (!std::isfinite(measured[i])) continue;
-      out.value[k][i] = rolled.rollout.samples[i - first_].value[k];
-      if (left_out(rolled, DropOutput(o), i)) continue;
+      out.value[k][i] = rolled.drop.value[k][i - first_];
+      if (left_out(rolled, k, i)) continue;
       out.used[k][i] = true;
       sum += std::pow(out.value[k][i] - measured[i], 2), ++n;
     }
     if (n > 0) out.rms[k] = std::sqrt(sum / double(n));
   }
-  for (const double t : rolled.rollout.jumps) out.jumps.push_back(t - rolled.shift);
-  SimulateOptions to_the_end = options_;
-  to_the_end.rest = SimulateOptions::Rest::kIgnore;
-  Scene scene = rolled.scene;
-  scene.t_end = drop_.log.t.back() + rolled.shift;
-  out.peak_between = peak_acceleration(scene, sea_, drop_.motion, to_the_end).peak;
-  for (std::size_t i = first_; i < drop_.log.t.size(); ++i) {
-    const auto& a = drop_.log.output;
+  for (const double t : rolled.drop.jumps) out.jumps.push_back(t - rolled.shift);
+  out.peak_between = simulator_.peak(drop_, rolled.settings, log().t.back() + rolled.shift, options_);
+  for (std::size_t i = first_; i < log().t.size(); ++i) {
+    const auto& a = log().output;
     const double measured = !a[kAcc].empty()                         ? a[kAcc][i]
                             : !a[kAccX].empty() && !a[kAccY].empty() ? std::hypot(a[kAccX][i], a[kAccY][i])
                                                                      : kNaN;
     if (!std::isfinite(measured)) continue;
     out.peak_measured = std::fmax(out.peak_measured, measured);
-    out.peak_simulated = std::fmax(out.peak_simulated, rolled.rollout.samples[i - first_].value[kAcc]);
+    out.peak_simulated = std::fmax(out.peak_simulated, rolled.drop.value[kAcc][i - first_]);
   }
   return out;
 }
 
-const DropResiduals::Rolled* DropResiduals::recall(Memory& m, const double* shared, const double* own,
-                                                   std::size_t end) const {
+const DropResiduals::Rolled* DropResiduals::recall(Memory& m, const double* shared, const double* own, std::size_t end,
+                                                   bool with_slopes) const {
   std::vector<double> point(shared, shared + layout_.shared.size());
   point.insert(point.end(), own, own + layout_.own.size());
   if (monitor_.stopped()) return nullptr;
+  SimulateOptions options = options_;
+  if (monitor_.stop) options.over = &monitor_.stop;
   if (point != m.point || m.point.empty()) {
     m.point = point;
-    SimulateOptions options = options_;
-    if (monitor_.stop) options.over = &monitor_.stop;
-    m.complete = roll(shared, own, end, options, m.rolled);
+    roll(shared, own, end, options, m.rolled);
   }
-  return m.complete ? &m.rolled : nullptr;
+  FollowedDrop& drop = m.rolled.drop;
+  if (!drop.complete) return nullptr;
+  if (with_slopes && drop.slope.empty()) {
+    const long before = drop.steps;
+    if (!simulator_.differentiate(drop_, m.rolled.settings, m.rolled.times, options, drop)) return nullptr;
+    steps_ += drop.steps - before;
+  }
+  return &m.rolled;
 }
 
-bool DropResiduals::roll(const double* shared, const double* own, std::size_t end, const SimulateOptions& options,
+void DropResiduals::roll(const double* shared, const double* own, std::size_t end, const SimulateOptions& options,
                          Rolled& out) const {
-  Scene& scene = out.scene = scene_;
-  scene.drop = drop_.thrown;
-  scene.drop.pitch = scene_.drop.pitch;
+  out.settings.clear(), out.times.clear();
   out.shift = 0;
   layout_.for_each(shared, own, [&](const DropTerm& term, double value, std::size_t) {
-    term.set_in(scene, value);
+    out.settings.push_back({&term, value});
     if (term.shifts_log()) out.shift = value;
   });
-  if (!(scene.drop.height >= 0 && scene.floor->stiffness > 0)) return false;
-  std::vector<double> times;
-  for (std::size_t i = first_; i < end; ++i) times.push_back(std::max(0.0, drop_.log.t[i] + out.shift));
-  out.rollout = roll_drop(scene, sea_, drop_.motion, times, options);
-  steps_ += out.rollout.steps;
-  return out.rollout.complete;
+  for (std::size_t i = first_; i < end; ++i) out.times.push_back(std::max(0.0, log().t[i] + out.shift));
+  out.drop = simulator_.follow(drop_, out.settings, out.times, options);
+  steps_ += out.drop.steps;
 }
 
-bool DropResiduals::left_out(const Rolled& rolled, DropOutput o, std::size_t i) const {
-  if (!landing::jumps(o)) return false;
-  const std::vector<double>& jumps = rolled.rollout.jumps;
-  const double width = interval_[std::size_t(o)], t = drop_.log.t[i] + rolled.shift;
+bool DropResiduals::left_out(const Rolled& rolled, std::size_t channel, std::size_t i) const {
+  if (!simulator_.channels()[channel].jumps) return false;
+  const std::vector<double>& jumps = rolled.drop.jumps;
+  const double width = interval_[channel], t = log().t[i] + rolled.shift;
   const auto next = std::lower_bound(jumps.begin(), jumps.end(), t - width);
   return next != jumps.end() && *next <= t + width;
 }
 
-PerOutput noise_of(const std::vector<LoggedDrop>& drops) {
-  PerOutput out;
-  for (std::size_t o = 0; o < kOutputs; ++o) {
+std::vector<double> noise_of(const DropSimulator& drops) {
+  std::vector<double> out;
+  for (std::size_t o = 0; o < drops.channels().size(); ++o) {
     double sum = 0, n = 0, largest = 0;
-    for (const LoggedDrop& d : drops) {
+    for (std::size_t m = 0; m < drops.drops(); ++m) {
       std::vector<double> x;
-      for (const double v : d.log.output[o])
+      for (const double v : drops.log(m).output[o])
         if (std::isfinite(v)) x.push_back(v), largest = std::max(largest, std::abs(v));
       sum += double(x.size()) * std::pow(identify::noise_level(x), 2), n += double(x.size());
     }
     constexpr double kFinest = 1e-9;  // of the output: a log without noise still has a weight
-    out[o] = n > 0 ? std::max({std::sqrt(sum / n), kFinest * largest, 1e-12}) : kNaN;
+    out.push_back(n > 0 ? std::max({std::sqrt(sum / n), kFinest * largest, 1e-12}) : kNaN);
   }
   return out;
 }
 
-PerOutput rms_of(const std::vector<DropResult>& drops) {
-  PerOutput out;
-  for (std::size_t o = 0; o < kOutputs; ++o) {
+std::vector<double> rms_of(const std::vector<DropResult>& drops) {
+  std::vector<double> out;
+  for (std::size_t o = 0; !drops.empty() && o < drops[0].rms.size(); ++o) {
     double sum = 0, n = 0;
     for (const DropResult& d : drops)
       for (const bool used : d.used[o])
         if (used) n += 1, sum += d.rms[o] * d.rms[o];
-    out[o] = n > 0 ? std::sqrt(sum / n) : kNaN;
+    out.push_back(n > 0 ? std::sqrt(sum / n) : kNaN);
   }
   return out;
 }

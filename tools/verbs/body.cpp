@@ -27,7 +27,7 @@ using namespace landing;
 namespace {
 
 constexpr const char* kCan =
-    "of a robot of links it is not there yet; what is: simulate, optimize, risk, compare, map, robot";
+    "of a robot of links it is not there yet; what is: simulate, optimize, risk, compare, map, calibrate, robot";
 
 }  // namespace
 
@@ -51,8 +51,8 @@ void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   for (const std::string& drive : scene.drive_files) (void)actuator_of(drive, run);
 }
 
-/// Every driven joint held as the scene says, or as NAME=DEG,... does, which is then not moved in the air; of one driven
-/// joint also DEG.
+/// Every driven joint held as the scene says, or as NAME=DEG,... does, which is then not moved in the air; of one
+/// driven joint also DEG.
 BodyMotion posture(const BodyScene& scene, const std::string& text) {
   BodyMotion out = held_posture(scene);
   std::vector<std::string> names;
@@ -92,6 +92,7 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
   note_files(scene, path, run);
   for (const std::string& doubt : doubts(scene.robot)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
+  warn_of_doubts(path, scene.verdicts, run);
   return scene;
 }
 

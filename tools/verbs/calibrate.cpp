@@ -12,6 +12,8 @@
 #include "tools/report/estimates.hpp"
 #include "tools/report/results.hpp"
 #include "tools/study/calibration.hpp"
+#include "tools/verbs/body.hpp"
+#include "tools/verbs/calibrate.hpp"
 #include "tools/verbs/term_help.hpp"
 #include "tools/verbs/verbs.hpp"
 
@@ -21,23 +23,17 @@ using namespace landing;
 
 namespace {
 
-struct CalibrateArguments {
-  std::vector<std::string> drops, validate, motion_of, height_of, speed_of, priors;
-  std::string scene, actuator, motion, free, nuisance, lower, upper;
-  double accuracy = 1e-9;
-  Doubt doubt = Doubt::kReport;
-};
-
 /// A term's name, and its unit in the option: a pitch may be given as pitch_deg.
 struct Named {
   std::string term;
   double unit = 1;
 };
-Named named(const std::string& option, const std::string& text, std::initializer_list<identify::Term::Role> roles) {
+Named named(const std::vector<DropTerm>& table, const std::string& option, const std::string& text,
+            std::initializer_list<identify::Term::Role> roles) {
   const bool degrees = text.size() > 4 && text.compare(text.size() - 4, 4, "_deg") == 0;
   const std::string name = degrees ? text.substr(0, text.size() - 4) : text;
   std::vector<std::string> known;
-  for (const DropTerm& t : drop_terms()) {
+  for (const DropTerm& t : table) {
     if (std::find(roles.begin(), roles.end(), t.role) == roles.end()) continue;
     if (name == t.name && (!degrees || t.unit == "rad")) return {name, degrees ? 1 / kDegrees : 1};
     known.push_back(t.name);
@@ -45,15 +41,16 @@ Named named(const std::string& option, const std::string& text, std::initializer
   throw InputError(option + ": " + one_of(text, known));
 }
 
-CalibrationOptions calibration_options(const CalibrateArguments& a, const CommonOptions& common) {
+}  // namespace
+
+void set_options(const CalibrateArguments& a, const CommonOptions& common, CalibrationOptions& o) {
   using enum identify::Term::Role;
-  CalibrationOptions o;
   o.seed = common.seed;
   o.accuracy = a.accuracy;
-  const auto terms = [](const std::string& option, const std::string& list, identify::Term::Role role) {
+  const auto terms = [&o](const std::string& option, const std::string& list, identify::Term::Role role) {
     std::vector<std::string> out;
     for (const std::string& item : split(list)) {
-      const std::string term = named(option, item, {role}).term;
+      const std::string term = named(o.terms.table, option, item, {role}).term;
       if (std::find(out.begin(), out.end(), term) != out.end())
         throw InputError(option + ": " + quoted(item) + ": named twice");
       out.push_back(term);
@@ -62,10 +59,10 @@ CalibrationOptions calibration_options(const CalibrateArguments& a, const Common
   };
   if (!a.free.empty()) o.terms.free = terms("--free", a.free, kConstant);
   o.terms.nuisance = terms("--nuisance", a.nuisance, kNuisance);
-  const auto bounds = [](const std::string& option, const std::string& list, std::map<std::string, double>& to) {
+  const auto bounds = [&o](const std::string& option, const std::string& list, std::map<std::string, double>& to) {
     for (const std::string& item : split(list)) {
       const auto [name, value] = assignment(option, item);
-      const Named n = named(option, name, {kConstant});
+      const Named n = named(o.terms.table, option, name, {kConstant});
       to[n.term] = to_number(option, value) * n.unit;
     }
   };
@@ -73,28 +70,32 @@ CalibrationOptions calibration_options(const CalibrateArguments& a, const Common
   bounds("--upper", a.upper, o.terms.upper);
   for (const std::string& item : a.priors) {
     const NamedPrior known = named_prior("--prior", item);
-    const Named n = named("--prior", known.name, {kConstant, kNuisance});
+    const Named n = named(o.terms.table, "--prior", known.name, {kConstant, kNuisance});
     if (!o.terms.fits(n.term))
       throw InputError("--prior: " + quoted(known.name) + ": it is not fitted, see --free and --nuisance");
     o.terms.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});
   }
   o.validate();
-  return o;
 }
+
+namespace {
 
 /// Whether an option means the drop of that path: by its path, file name or stem.
 bool names(const std::string& drop, const std::string& path) {
   const std::filesystem::path p(path);
   return drop == path || drop == p.filename().string() || drop == p.stem().string();
 }
-/// What an option's items, DROP=VALUE, say of a drop.
+}  // namespace
+
 std::optional<std::string> given(const std::string& option, const std::vector<std::string>& items,
                                  const std::string& path) {
   for (const std::string& item : items)
     if (const Assignment a = assignment(option, item); names(a.name, path)) return a.value;
   return {};
 }
-/// Throws InputError where an option means a drop that is not there.
+
+namespace {
+
 void check(const std::string& option, const std::vector<std::string>& items, const CalibrateArguments& a) {
   for (const std::string& item : items) {
     const std::string drop = assignment(option, item).name;
@@ -104,6 +105,27 @@ void check(const std::string& option, const std::vector<std::string>& items, con
       throw InputError(option + ": " + quoted(drop) + ": no such drop is given");
   }
 }
+
+}  // namespace
+
+void check_drop_names(const CalibrateArguments& a) {
+  check("--motion-of", a.motion_of, a), check("--height-of", a.height_of, a), check("--speed-of", a.speed_of, a);
+}
+
+void set_throw(const CalibrateArguments& a, const std::string& path, Drop& thrown) {
+  if (const auto height = given("--height-of", a.height_of, path)) {
+    thrown.height = to_number("--height-of", *height);
+    if (!(thrown.height >= 0)) throw InputError("--height-of: " + quoted(*height) + ": at least 0 m is needed");
+  }
+  if (const auto speed = given("--speed-of", a.speed_of, path)) thrown.forward_speed = to_number("--speed-of", *speed);
+}
+
+void warn_of_early_rows(const DropLog& log, Run& run) {
+  if (log.before_release > 0)
+    run.warn(fmt::format("{}: {} rows before the release (t < 0) are left out", log.file, log.before_release));
+}
+
+namespace {
 
 Motion motion_of(const std::string& path, Run& run) {
   run.input(path);
@@ -120,28 +142,26 @@ std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const 
     const auto own = given("--motion-of", a.motion_of, path);
     if (!own && !motion) throw InputError(quoted(path) + ": no motion: give --motion, or --motion-of for this drop");
     d.motion = own ? motion_of(*own, run) : *motion;
-    if (const auto height = given("--height-of", a.height_of, path)) {
-      d.thrown.height = to_number("--height-of", *height);
-      if (!(d.thrown.height >= 0)) throw InputError("--height-of: " + quoted(*height) + ": at least 0 m is needed");
-    }
-    if (const auto speed = given("--speed-of", a.speed_of, path))
-      d.thrown.forward_speed = to_number("--speed-of", *speed);
-    if (d.log.before_release > 0)
-      run.warn(fmt::format("{}: {} rows before the release (t < 0) are left out", path, d.log.before_release));
+    set_throw(a, path, d.thrown);
+    warn_of_early_rows(d.log, run);
     out.push_back(std::move(d));
   }
   return out;
 }
 
 int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
+  if (is_body(a.scene)) return calibrate_body(a, common);
   Run run("calibrate", common);
-  CalibrationOptions options = calibration_options(a, common);
+  const std::string file = only_actuator(a.actuators);
+  if (a.law) throw InputError("--law: the paper's robot has one: a robot of links is needed");
+  CalibrationOptions options;
+  set_options(a, common, options);
   options.monitor = run.monitor("calibrate: parts");
   const Scene scene = read_scene(a.scene);
   run.input(a.scene);
-  const Actuator actuator = landing_actuator_of(a.actuator, run);
+  const Actuator actuator = landing_actuator_of(file, run);
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_of(a.motion, run));
-  check("--motion-of", a.motion_of, a), check("--height-of", a.height_of, a), check("--speed-of", a.speed_of, a);
+  check_drop_names(a);
   const std::vector<LoggedDrop> drops = read_drops(a.drops, a, scene, motion, run),
                                 unseen = read_drops(a.validate, a, scene, motion, run);
   check_drops(scene, drops);
@@ -169,13 +189,16 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       ->required();
   verb->add_option("--scene", args->scene, "scene file (TOML): the robot, the drop, the constants to start from")
       ->required();
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option("--actuator", args->actuators,
+                   "actuator file (TOML); of a robot of links JOINT=FILE, once for each, where the scene has none")
+      ->allow_extra_args(false);
   verb->add_option("--motion", args->motion, "motion file (TOML, CSV) that every drop played");
   repeated("--motion-of", args->motion_of, "DROP=MOTION.toml: another motion for one drop");
   repeated("--height-of", args->height_of, "DROP=H: another height for one drop [m]");
   repeated("--speed-of", args->speed_of, "DROP=V: another forward speed for one drop [m/s]");
   verb->add_option("--free", args->free,
-                   "constants that are fitted [stiffness,damping_normal,damping_tangential,pitch]");
+                   "constants that are fitted [stiffness,damping_normal,damping_tangential,pitch; of a robot of links "
+                   "every constant of the scene's contact laws, CONTACT.NAME where a contact has its own]");
   verb->add_option("--nuisance", args->nuisance, nuisance_help(drop_terms(), "A drop each"));
   repeated("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand");
   verb->add_option("--lower", args->lower, "stiffness=1000,pitch_deg=-20,...: lower bounds [0; pitch: -180 deg]");
@@ -185,6 +208,13 @@ void add_calibrate(CLI::App& app, Action& chosen) {
   verb->add_flag_callback(
       "--strict", [args] { args->doubt = Doubt::kFail; },
       "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
+  add_choice<std::optional<CalibrateArguments::Law>>(
+      *verb, "--law", args->law,
+      {{"scene", CalibrateArguments::Law::kScene},
+       {"asked", CalibrateArguments::Law::kAsked},
+       {"only", CalibrateArguments::Law::kOnly}},
+      "of a robot of links: which contact law is fitted and written: the scene's, others being tried; the one that the "
+      "drops ask for; only the scene's, none tried [scene]");
   add_action<CalibrateArguments>(
       *verb, args,
       "ukemi calibrate drop_1.csv drop_2.csv --scene scene.toml --actuator actuator.toml --motion motion.toml "

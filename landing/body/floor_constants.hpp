@@ -1,0 +1,19 @@
+// The constants of a floor under a robot of links by their names, as calibrate fits them and a scene's [uncertainty]
+// and [verdict] know them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "landing/body/body_scene.hpp"
+
+namespace ukemi::landing {
+
+/// KEY: of every contact without a KEY of its own; CONTACT.KEY: of one; pitch. KEY is one of kLawConstants, or
+/// pad_stiffness, pad_damping, pad_thickness.
+std::vector<std::string> floor_constant_names(const Robot& robot);
+/// The numbers that a name stands for, which live in the scene; none for a name that there is not, or pads that there
+/// are not.
+std::vector<double*> floor_constants(BodyScene& scene, const std::string& name);
+
+}  // namespace ukemi::landing

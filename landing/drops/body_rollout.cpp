@@ -1,0 +1,144 @@
+#include "landing/drops/body_rollout.hpp"
+
+#include <cmath>
+
+#include "common/csv.hpp"
+#include "common/integrate/tableaus.hpp"
+#include "landing/body/body_follow.hpp"
+
+namespace ukemi::landing {
+
+std::vector<BodyChannel> body_channels(const Robot& robot) {
+  using enum BodyChannel::Kind;
+  std::vector<BodyChannel> out = {
+      {{"acc", "m/s^2", true}, kAcc}, {{"ax", "m/s^2", true}, kAccX}, {{"ay", "m/s^2", true}, kAccY}};
+  for (int i = 0; i < int(robot.links.size()); ++i) {
+    const std::string& of = robot.links[std::size_t(i)].name;
+    out.push_back({{"x_" + of, "m"}, kOriginX, i}), out.push_back({{"y_" + of, "m"}, kOriginY, i});
+    out.push_back({{"theta_" + of, "rad"}, kTheta, i});
+  }
+  for (int i = 0; i < int(robot.joints.size()); ++i)
+    if (const Joint& j = robot.joints[std::size_t(i)]; j.kind != DriveKind::kLocked)
+      out.push_back({{"phi_" + j.name, "rad"}, kPhi, i});
+  return out;
+}
+
+std::vector<DropChannel> drop_channels(const std::vector<BodyChannel>& channels) {
+  return {channels.begin(), channels.end()};
+}
+
+namespace {
+
+/// What is asked of a run, and what it gave.
+struct Sampling {
+  const std::vector<BodyChannel>& channels;
+  const std::vector<double>& times;
+  BodyRollout& out;
+};
+
+/// Samples a run at given times; in place of BodyRecorder.
+template <class System, bool>
+class BodySampler {
+ public:
+  using State = typename System::State;
+
+  BodySampler(const BodyScene& scene, BodyLanding&, const Sampling& sampling)
+      : slope_(scene.slope), sampling_(sampling) {}
+
+  void start(const System&, const State&) {}
+  void jump() {}
+  void row(const System&, double, const State&) {}
+  void touchdown(int, double) {}
+  void liftoff(int, double) {}
+  void force_jumps(double t) { sampling_.out.jumps.push_back(t); }
+  void finish() {}
+  template <class Integrator>
+  void step(const System& s, Integrator& integrator) {
+    const auto& step = integrator.step();
+    for (; next_ < sampling_.times.size() && sampling_.times[next_] <= step.t + step.h; ++next_) {
+      const double t = std::max(sampling_.times[next_], step.t);
+      sample(s, t, integrator.dense().at(step.place_of(t)));
+    }
+  }
+
+ private:
+  void sample(const System& s, double t, const State& y) {
+    const auto p = s.pose(y);
+    const auto acc = s.accelerations_of(s.derivative(t, y));
+    const Vec2<double> a = level(acceleration(s.body.peak, p, acc, s.body.bodies));
+    for (std::size_t c = 0; c < sampling_.channels.size(); ++c)
+      sampling_.out.value[c].push_back(value(sampling_.channels[c], s, y, p, a));
+  }
+  double value(const BodyChannel& c, const System& s, const State& y, const typename System::Pose& p,
+               const Vec2<double>& a) const {
+    const auto k = std::size_t(c.index);
+    const auto origin = [&] { return level(position(s.body.origin[k], p, s.body.bodies)); };
+    switch (c.kind) {
+      case BodyChannel::Kind::kAcc:
+        return a.norm();
+      case BodyChannel::Kind::kAccX:
+        return a.x();
+      case BodyChannel::Kind::kAccY:
+        return a.y();
+      case BodyChannel::Kind::kOriginX:
+        return origin().x();
+      case BodyChannel::Kind::kOriginY:
+        return origin().y();
+      case BodyChannel::Kind::kTheta:
+        return y[System::kTheta + s.body.body_of[k]] + s.body.offset[k] + slope_;
+      case BodyChannel::Kind::kPhi:
+        for (int i = 0; i < s.body.joints; ++i)
+          if (s.body.joint[i].joint == c.index) return s.joint_state(i, y).phi;
+    }
+    return 0;
+  }
+  /// From the floor's frame to the true one.
+  Vec2<double> level(const Vec2<double>& v) const {
+    const double c = std::cos(slope_), n = std::sin(slope_);
+    return {c * v.x() - n * v.y(), n * v.x() + c * v.y()};
+  }
+
+  double slope_;
+  Sampling sampling_;
+  std::size_t next_ = 0;
+};
+
+template <Capacity kSize>
+BodyLanding follow(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options,
+                   const Sampling& sampling) {
+  BodyLanding out;
+  BodyFollower<integrate::DormandPrince853, kSize, true, BodySampler>(scene, motion, options, out, sampling).follow();
+  return out;
+}
+
+}  // namespace
+
+BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const std::vector<BodyChannel>& channels,
+                      const std::vector<double>& times, const SimulateOptions& options) {
+  validate(scene.robot, motion), options.validate();
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (!(std::isfinite(times[i]) && times[i] >= (i > 0 ? times[i - 1] : 0)))
+      throw InputError("times: " + shortest(times[i]) + " s: finite times that do not decrease, from 0 on, are needed");
+  BodyRollout out;
+  out.value.resize(channels.size());
+  if (times.empty()) return out.complete = true, out;
+  BodyScene until = scene;
+  constexpr double kBeyond = 1e-9;  // the last time lies within a step [s]
+  until.t_end = times.back() + kBeyond;
+  until.validate();
+  SimulateOptions through = options;
+  through.rest = SimulateOptions::Rest::kIgnore;
+  const Robot& r = scene.robot;
+  const Sampling sampling{channels, times, out};
+  constexpr Capacity kSmall{3, 2, 4}, kAny{kMostLinks, kMostJoints, kMostContacts};
+  const bool small = r.links.size() <= 3 && r.joints.size() <= 2 && r.contacts.size() <= 4;
+  const BodyLanding landing =
+      small ? follow<kSmall>(until, motion, through, sampling) : follow<kAny>(until, motion, through, sampling);
+  out.first_touchdown = landing.first_touchdown, out.peak = landing.peak;
+  out.steps = landing.work.steps + landing.work.rejected;
+  out.complete = channels.empty() ? landing.end == End::kTimeLimit || landing.end == End::kNoContact
+                                  : out.value[0].size() == times.size();
+  return out;
+}
+
+}  // namespace ukemi::landing

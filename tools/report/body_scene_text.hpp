@@ -1,0 +1,18 @@
+// A scene of a robot of links with other constants of its floor, as files: what was read, with these values.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "landing/body/body_scene.hpp"
+
+namespace ukemi::tools {
+
+/// The files scene.toml and, where contacts that stand in the robot's own file change, robot.toml, for `folder`. `path`
+/// is the scene's file; `scene` was read from it, and has other contact laws, pads, pitch, uncertainty or verdicts.
+/// What stands in the file and is as before is left as it is written, paths are made relative to the folder;
+/// `comments` go in front. Throws InputError where the file is written in a way that cannot be followed.
+std::map<std::string, std::string> scene_files(const std::string& path, const landing::BodyScene& scene,
+                                               const std::string& comments, const std::string& folder);
+
+}  // namespace ukemi::tools

@@ -1,0 +1,30 @@
+// Calibrations as they are told, whatever fell.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/report/estimates.hpp"
+#include "tools/study/body_calibration.hpp"
+
+namespace ukemi::tools {
+
+/// A fit, and the logs that it is of.
+struct ToldFit {
+  const FloorFit& result;
+  std::vector<const landing::DropLog*> logs;
+};
+/// What stands above a scene with fitted constants.
+std::string scene_comments(const Run& run, const FloorFit& fit);
+/// The whole of a calibration; `files` hold its scene, `laws` tells those that were tried. Returns the exit code.
+int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doubt doubt,
+           const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run);
+
+/// `path`: the scene's file. `validation`: of drops that were not fitted.
+int report(const std::string& path, const BodyCalibratedDrops& fitted,
+           const std::optional<BodyCalibratedDrops>& validation, Doubt doubt, Run& run);
+
+}  // namespace ukemi::tools

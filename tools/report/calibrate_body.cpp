@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/report/body_scene_text.hpp"
+#include "tools/report/calibrate.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+ToldFit told(const BodyCalibratedDrops& c) {
+  ToldFit out{c.result, {}};
+  for (const BodyLoggedDrop& d : c.drops) out.logs.push_back(&d.log);
+  return out;
+}
+
+Quantities<TriedLaw> law_quantities() {
+  return {
+      {"", "law", "law", {}, [](auto& t) { return words(t.law); }},
+      {"", "converged", &TriedLaw::converged},
+      {"", "rms", "residual rms, in the logs' noise", "{:.4g}", [](auto& t) { return number(t.rms); }},
+      {"", "fitted", "numbers fitted", "{}", &TriedLaw::fitted},
+      {"", "bic", "BIC, less that of the scene's law", "{:.1f}", [](auto& t) { return number(t.bic); }},
+      {"", "held_out", "rms of drops left out", "{:.4g}", [](auto& t) { return number(t.held_out); }},
+      {"", "rejected", "its own residuals", {}, [](auto& t) { return t.rejected ? "reject it" : "do not reject it"; }}};
+}
+
+/// Which law the drops ask for, and why.
+std::string finding(const BodyCalibration& c) {
+  const TriedLaw &given = c.laws.front(), &asked = c.laws[c.asked];
+  if (c.asked == 0)
+    return fmt::format("of {} laws that were tried none is better than the scene's ({}){}", c.laws.size(),
+                       words(given.law),
+                       given.rejected ? "; but its residuals reject it too: the floor is none of these" : "");
+  return fmt::format(
+      "the drops ask for another law: {}, not {}: BIC {:.0f} lower, residuals {:.3g} in place of {:.3g} times the "
+      "logs' "
+      "noise, of drops left out {:.3g} in place of {:.3g}{}; {}",
+      words(asked.law), words(given.law), -asked.bic, asked.rms, given.rms, asked.held_out, given.held_out,
+      asked.rejected ? "; its own residuals reject it too" : "",
+      c.own == c.asked ? "the constants and scene.toml are of that law" : "--law asked fits and writes it");
+}
+
+/// Laws as a table, in JSON and in words.
+void tell_laws(const BodyCalibration& c, Report& report, Json& summary, Run& run) {
+  if (c.laws.empty()) return;
+  const Table laws(law_quantities(), c.laws);
+  summary["laws"] = laws.objects();
+  summary["law"] = {{"given", words(c.laws.front().law)}, {"asked", words(c.laws[c.asked].law)}};
+  summary["law_rejected"] = c.law_rejected();
+  if (c.laws.size() < 2) return;
+  report.heading("Which law do the drops ask for?");
+  report.table(laws);
+  const std::string text = finding(c);
+  report.paragraph(text + ".");
+  if (c.asked == c.own)
+    run.say(text);
+  else
+    run.warn(text);
+}
+
+}  // namespace
+
+int report(const std::string& path, const BodyCalibratedDrops& fitted,
+           const std::optional<BodyCalibratedDrops>& validation, Doubt doubt, Run& run) {
+  const BodyCalibration& c = fitted.result;
+  BodyScene scene = c.scene;
+  scene.source = "calibrated from drop logs by ukemi";
+  return report(
+      told(fitted), validation ? std::optional(told(*validation)) : std::nullopt, doubt,
+      scene_files(path, scene, scene_comments(run, c), run.folder()),
+      [&](Report& page, Json& summary) { tell_laws(c, page, summary, run); }, run);
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,369 @@
+#include "tools/study/body_calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+#include "tools/study/body_drops.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+using identify::Terms;
+
+// --- laws ---
+
+FloorLaw law_of(const Robot& robot) {
+  FloorLaw out;
+  for (const ContactPoint& c : robot.contacts) {
+    out.hunt_crossley = out.hunt_crossley || c.law.hunt_crossley;
+    out.coulomb = out.coulomb || std::isfinite(c.law.friction);
+    out.pads = out.pads || c.pad.has_value();
+  }
+  return out;
+}
+
+std::string words(const FloorLaw& law) {
+  return fmt::format("{}, {}, {}", law.hunt_crossley ? "Hunt and Crossley" : "linear",
+                     law.coulomb ? "Coulomb's friction" : "viscous along the floor",
+                     law.pads ? "with pads" : "without pads");
+}
+
+namespace {
+
+/// How deep a drop presses a floor of F = K delta^p, all of the robot on one contact and no damping [m].
+double depth_of(const BodyScene& scene, double stiffness, double exponent) {
+  constexpr double kLeast = 0.02;  // height of a fall that is none [m]
+  const double energy = scene.robot.mass() * scene.robot.gravity * std::max(scene.drop.height, kLeast);
+  return std::pow((exponent + 1) * energy / stiffness, 1 / (exponent + 1));
+}
+
+/// The other normal law, which gives the same force at that depth and damps the same at half of it.
+void change_normal(const BodyScene& scene, ContactLaw& law) {
+  constexpr double kHertz = 1.5;
+  if (!law.hunt_crossley) {
+    const double depth = depth_of(scene, law.stiffness, 1);
+    law.dissipation = law.damping_normal / (0.5 * law.stiffness * depth);
+    law.stiffness *= std::pow(depth, 1 - kHertz), law.exponent = kHertz, law.damping_normal = 0;
+  } else {
+    const double depth = depth_of(scene, law.stiffness, law.exponent);
+    const double linear = law.stiffness * std::pow(depth, law.exponent - 1);
+    law.damping_normal = 0.5 * law.dissipation * linear * depth, law.stiffness = linear;
+  }
+  law.hunt_crossley = !law.hunt_crossley;
+}
+
+/// Friction that holds, with the floor's own stiffness along it; or without a limit.
+void change_tangential(const BodyScene& scene, ContactLaw& law) {
+  constexpr double kFriction = 0.5, kLeastPart = 0.1;
+  if (std::isfinite(law.friction)) {
+    law.friction = std::numeric_limits<double>::infinity(), law.stiffness_tangential = 0;
+    return;
+  }
+  const double p = law.hunt_crossley ? law.exponent : 1, depth = depth_of(scene, law.stiffness, p),
+               stiffness = law.stiffness * std::pow(depth, p - 1),
+               damping = law.hunt_crossley ? 0.5 * law.dissipation * stiffness * depth : law.damping_normal;
+  law.friction = kFriction;
+  if (law.stiffness_tangential == 0) law.stiffness_tangential = stiffness;
+  law.damping_tangential = std::max({law.damping_tangential, kLeastPart * damping, 1e-4 * stiffness});
+}
+
+/// A cover that is softer than the floor by far.
+Pad pad_on(const BodyScene& scene, const ContactLaw& law) {
+  constexpr double kThickness = 0.01, kSoft = 0.3;
+  const double p = law.hunt_crossley ? law.exponent : 1, depth = depth_of(scene, law.stiffness, p),
+               stiffness = law.stiffness * std::pow(depth, p - 1);
+  return {kThickness, kSoft * stiffness,
+          kSoft * (law.hunt_crossley ? 0.5 * law.dissipation * stiffness * depth : law.damping_normal)};
+}
+
+}  // namespace
+
+BodyScene with_law(BodyScene scene, const FloorLaw& law) {
+  const BodyScene given = scene;
+  for (ContactPoint& c : scene.robot.contacts) {
+    if (c.law.hunt_crossley != law.hunt_crossley) change_normal(given, c.law);
+    if (std::isfinite(c.law.friction) != law.coulomb) change_tangential(given, c.law);
+    if (!law.pads)
+      c.pad.reset();
+    else if (!law_of(given.robot).pads)
+      c.pad = pad_on(given, c.law);
+  }
+  return scene;
+}
+
+// --- terms ---
+
+namespace {
+
+/// A constant of contacts: how it is fitted, and of which contacts it is one.
+struct ContactConstant {
+  DropTerm term;  ///< for all of them
+  bool (*acts)(const ContactPoint&);
+  bool (*chosen)(const ContactPoint&);  ///< fitted where nothing is asked for
+};
+
+DropTerm contact_term(const char* name, const char* unit, const char* words, double smallest_part, double size,
+                      double spread) {
+  DropTerm t = floor_term(name, unit, words, smallest_part, {name});
+  t.size = size, t.spread = spread;
+  return t;
+}
+
+std::vector<ContactConstant> contact_constants() {
+  const auto always = [](const ContactPoint&) { return true; };
+  const auto linear = [](const ContactPoint& c) { return !c.law.hunt_crossley; };
+  const auto crossley = [](const ContactPoint& c) { return c.law.hunt_crossley; };
+  const auto rubs = [](const ContactPoint& c) { return std::isfinite(c.law.friction); };
+  const auto holds = [](const ContactPoint& c) {
+    return std::isfinite(c.law.friction) || c.law.stiffness_tangential > 0;
+  };
+  const auto padded = [](const ContactPoint& c) { return c.pad.has_value(); };
+  std::vector<ContactConstant> out = {
+      {contact_term("stiffness", "N/m", "stiffness of the floor", 1e-3, 1, 2), always, always},
+      {contact_term("damping_normal", "N/(m/s)", "damping of the floor along its normal", 0, 1, 2), linear, linear},
+      {contact_term("exponent", "1", "of the depth, of Hunt and Crossley", 0, 1, 1.3), crossley, crossley},
+      {contact_term("dissipation", "s/m", "of Hunt and Crossley", 0, 0.1, 2), crossley, crossley},
+      {contact_term("damping_tangential", "N/(m/s)", "damping of the floor along it", 1e-3, 1, 3), always, always},
+      {contact_term("stiffness_tangential", "N/m", "stiffness of the floor along it", 0, 1, 4), always, holds},
+      {contact_term("friction", "1", "coefficient of friction", 1e-3, 0.1, 2.5), rubs, rubs},
+      {contact_term("pad_stiffness", "N/m", "stiffness of the pads", 1e-3, 1, 2), padded, padded},
+      {contact_term("pad_damping", "N/(m/s)", "damping of the pads", 0, 1, 2), padded, padded},
+      {contact_term("pad_thickness", "m", "thickness of the pads", 1e-2, 1e-3, 2), padded, padded}};
+  out[2].term.lower = 1, out[2].term.upper = 4;
+  out[6].term.upper = 10;
+  return out;
+}
+
+/// Whether a contact's value is the floor's, as that of others.
+bool shared(const BodyScene& scene, const ContactPoint& c, const std::string& key, double of_first) {
+  BodyScene copy = scene;
+  return std::find(c.own.begin(), c.own.end(), key) == c.own.end() && number_in(copy, c.name + "." + key) == of_first;
+}
+
+/// Appends the terms of one constant; chosen ones by name to `free`.
+void add_terms(const BodyScene& scene, const ContactConstant& constant, Terms<DropTerm>& out) {
+  const std::string& key = constant.term.name;
+  DropTerm all = constant.term;
+  all.moves.clear();
+  std::vector<DropTerm> single;
+  std::vector<std::string> own;
+  std::optional<double> first;
+  bool chosen = false;
+  const std::vector<ContactPoint>& contacts = scene.robot.contacts;
+  for (const ContactPoint& c : contacts) {
+    if (!constant.acts(c)) continue;
+    DropTerm one = constant.term;
+    one.name = c.name + "." + key, one.moves = {one.name}, one.words += ", of " + c.name + " alone";
+    BodyScene copy = scene;
+    const bool given = std::find(c.own.begin(), c.own.end(), key) != c.own.end() && contacts.size() > 1;
+    if (!first && !given) first = number_in(copy, one.moves[0]);
+    if (given || !shared(scene, c, key, *first)) {
+      if (constant.chosen(c)) own.push_back(one.name);
+    } else {
+      all.moves.push_back(one.moves[0]), chosen = chosen || constant.chosen(c);
+    }
+    single.push_back(std::move(one));
+  }
+  if (!all.moves.empty()) {
+    if (chosen) out.free.push_back(key);
+    out.table.push_back(all);
+  }
+  out.free.insert(out.free.end(), own.begin(), own.end());
+  if (contacts.size() > 1) out.table.insert(out.table.end(), single.begin(), single.end());
+}
+
+}  // namespace
+
+Terms<DropTerm> drop_choice(const BodyScene& scene) {
+  Terms<DropTerm> out;
+  for (const ContactConstant& constant : contact_constants()) add_terms(scene, constant, out);
+  const Base base = scene.robot.base;
+  if (base != Base::kRail) out.table.push_back(pitch_term());
+  if (base == Base::kFree) out.free.push_back("pitch");
+  for (DropTerm& t : drop_nuisances()) {
+    const bool moves_base = t.name == "height_offset"  ? base != Base::kPinned
+                            : t.name == "speed_offset" ? base == Base::kFree
+                            : t.name == "pitch_offset" ? base != Base::kRail
+                                                       : true;
+    if (moves_base) out.table.push_back(std::move(t));
+  }
+  return out;
+}
+
+// --- fits ---
+
+namespace {
+
+/// Constants of single contacts behind what all share, so that each is set in turn; those that are not fitted and
+/// follow the others are left out.
+void put_in_order(Terms<DropTerm>& terms) {
+  const auto single = [](const DropTerm& t) { return t.name.find('.') != std::string::npos; };
+  const auto follows = [&](const DropTerm& t) {
+    return single(t) && !terms.fits(t.name) && std::any_of(terms.table.begin(), terms.table.end(), [&](auto& other) {
+             return !single(other) && other.is_constant() && t.moves_what(other);
+           });
+  };
+  std::vector<DropTerm> left;
+  for (const DropTerm& t : terms.table)
+    if (!follows(t)) left.push_back(t);
+  terms.table = std::move(left);
+  std::stable_sort(terms.free.begin(), terms.free.end(), [&](const std::string& a, const std::string& b) {
+    return terms[a].moves.size() > terms[b].moves.size();
+  });
+}
+
+/// The choice for another law: what was chosen and is there, and what the law brings along.
+Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before) {
+  Terms<DropTerm> out = drop_choice(scene);
+  const auto has = [](const Terms<DropTerm>& terms, const std::string& name) {
+    return std::any_of(terms.table.begin(), terms.table.end(), [&](const DropTerm& t) { return t.name == name; });
+  };
+  const std::vector<std::string> chosen = std::move(out.free);
+  out.free.clear();
+  for (const std::string& name : chosen)
+    if (!has(before, name) || before.fits(name) || name.rfind("stiffness_tangential") != std::string::npos)
+      out.free.push_back(name);
+  out.nuisance = before.nuisance;
+  for (const auto& [from, to] : {std::pair(&before.lower, &out.lower), {&before.upper, &out.upper}})
+    for (const auto& [name, bound] : *from)
+      if (has(out, name)) to->emplace(name, bound);
+  for (const identify::Prior& p : before.priors)
+    if (out.fits(p.term)) out.priors.push_back(p);
+  put_in_order(out);
+  return out;
+}
+
+/// The constants of a fit in a scene.
+BodyScene scene_of(BodyScene scene, const Terms<DropTerm>& terms, const FloorFit& fit) {
+  for (const DropTerm& t : terms.table)  // single contacts come behind all
+    if (t.is_constant())
+      for (const identify::Estimate& e : fit.parameters)
+        if (e.name == t.name && e.free) set_in(scene, t, e.value);
+  return scene;
+}
+
+/// N_o log(rms_o^2) over the outputs, and the rms in units of their noise.
+void judge_residuals(const BodyDrops& drops, const FloorFit& fit, TriedLaw& out) {
+  double deviance = 0, samples = 0, squares = 0;
+  for (std::size_t o = 0; o < fit.channels.size(); ++o) {
+    if (!std::isfinite(fit.noise[o])) continue;
+    double n = 0;
+    for (std::size_t m = 0; m < drops.drops(); ++m) n += double(drops.log(m).count(o));
+    deviance += n * std::log(fit.rms[o] * fit.rms[o]), samples += n;
+    squares += n * std::pow(fit.rms[o] / fit.noise[o], 2);
+  }
+  out.fitted = int(fit.fitted.size()) +
+               int(std::count_if(fit.nuisance.begin(), fit.nuisance.end(), [](auto& e) { return e.trial >= 0; }));
+  out.rms = std::sqrt(squares / samples), out.bic = deviance + out.fitted * std::log(samples);
+}
+
+/// One law fitted from a scene.
+struct LawFit {
+  FloorFit fit;
+  TriedLaw tried;
+};
+LawFit fit_law(const BodyScene& from, const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationOptions& options) {
+  const BodyDrops simulator(from, drops, options.accuracy, options.threads);
+  LawFit out{fit_floor(simulator, options), {.law = law_of(from.robot)}};
+  out.tried.scene = scene_of(from, options.terms, out.fit);
+  out.tried.converged = out.fit.converged, out.tried.rejected = out.fit.tests.model_rejected();
+  if (!out.fit.drops.empty() && out.fit.drops[0].simulated) judge_residuals(simulator, out.fit, out.tried);
+  if (out.fit.converged && drops.size() > 1)
+    out.tried.held_out = held_out(BodyDrops(out.tried.scene, drops, options.accuracy, options.threads), options);
+  return out;
+}
+
+/// Laws beside one: each part changed in turn.
+std::vector<FloorLaw> beside(const FloorLaw& law) {
+  FloorLaw normal = law, tangential = law, cover = law;
+  normal.hunt_crossley = !law.hunt_crossley, tangential.coulomb = !law.coulomb, cover.pads = !law.pads;
+  return {normal, tangential, cover};
+}
+
+/// Whether `a` is better than `b` beyond doubt.
+bool better(const TriedLaw& a, const TriedLaw& b) {
+  return a.converged && a.bic < b.bic - kDecisive && !(a.held_out > b.held_out);
+}
+
+constexpr int kRivalStarts = 2;  ///< further starts of a law that is tried, which begins near the drops
+constexpr int kRivalSteps = 40;  ///< of its solver
+
+/// Tries the laws beside the best, until none is better.
+void try_rivals(const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationOptions& options, BodyCalibration& out) {
+  for (std::size_t from = 0; !options.monitor.stopped();) {
+    const TriedLaw start = out.laws[from];
+    for (const FloorLaw& law : beside(start.law)) {
+      if (std::any_of(out.laws.begin(), out.laws.end(), [&](auto& t) { return t.law == law; })) continue;
+      const BodyScene scene = with_law(start.scene, law);
+      BodyCalibrationOptions of = options;
+      of.terms = choice_for(scene, options.terms);
+      of.restarts = std::min(of.restarts, kRivalStarts), of.max_iterations = std::min(of.max_iterations, kRivalSteps);
+      if (of.terms.free.empty()) continue;
+      out.laws.push_back(fit_law(scene, drops, of).tried);
+    }
+    for (std::size_t i = 0; i < out.laws.size(); ++i)
+      if (better(out.laws[i], out.laws[out.asked])) out.asked = i;
+    if (out.asked == from) break;
+    from = out.asked;
+  }
+}
+
+/// What is said of the constants, by the laws too.
+void conclude(BodyCalibration& c) {
+  if (c.law_rejected()) identify::distrust(c.parameters);
+  if (c.converged) c.scene.uncertainty = c.uncertainty();
+  c.scene.verdicts = c.verdicts();
+}
+
+void check_floor(const BodyScene& scene) {
+  if (!scene.touches())
+    throw InputError("the scene has no [floor] or no contacts: both are needed, the floor's constants as a start");
+}
+
+}  // namespace
+
+void check_drops(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops) {
+  check_floor(scene);
+  constexpr double kAccuracy = 1e-6;
+  check_logs(BodyDrops(scene, drops, kAccuracy, 1));
+}
+
+BodyCalibration calibrate(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,
+                          const BodyCalibrationOptions& options) {
+  options.validate();
+  check_drops(scene, drops);
+  BodyCalibrationOptions ordered = options;
+  put_in_order(ordered.terms);
+  LawFit own = fit_law(scene, drops, ordered);
+  BodyCalibration out{std::move(own.fit), own.tried.scene};
+  if (std::isfinite(own.tried.bic)) {
+    out.laws.push_back(std::move(own.tried));
+    if (options.rivals == BodyCalibrationOptions::Rivals::kTried) try_rivals(drops, ordered, out);
+    const double reference = out.laws[0].bic;
+    for (TriedLaw& t : out.laws) t.bic -= reference;
+  }
+  conclude(out);
+  return out;
+}
+
+void take_asked_law(BodyCalibration& c, const std::vector<BodyLoggedDrop>& drops,
+                    const BodyCalibrationOptions& options) {
+  if (c.asked == c.own) return;
+  BodyCalibrationOptions of = options;
+  of.terms = choice_for(c.laws[c.asked].scene, options.terms);
+  LawFit asked = fit_law(c.laws[c.asked].scene, drops, of);
+  static_cast<FloorFit&>(c) = std::move(asked.fit);
+  c.scene = std::move(asked.tried.scene), c.own = c.asked;
+  conclude(c);
+}
+
+BodyCalibration validate(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,
+                         const BodyCalibrationOptions& options) {
+  check_drops(scene, drops);
+  return {validate_floor(BodyDrops(scene, drops, options.accuracy, options.threads), options), scene};
+}
+
+}  // namespace ukemi::tools

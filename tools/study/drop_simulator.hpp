@@ -1,0 +1,56 @@
+// Drops of a robot as a function of a fit's terms: all that the fit of a floor knows of the robot.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "landing/drops/drop_log.hpp"
+#include "landing/run/simulate.hpp"
+#include "tools/study/drop_terms.hpp"
+
+namespace ukemi::tools {
+
+/// Terms at their values; constants first, for a nuisance is added to one.
+struct Setting {
+  const DropTerm* term;
+  double value;
+};
+using Settings = std::vector<Setting>;
+
+/// One drop at given times.
+struct FollowedDrop {
+  std::vector<std::vector<double>> value;  ///< of each channel, one a time
+  /// Of each channel, times x settings; empty: not known yet.
+  std::vector<Eigen::MatrixXd> slope;
+  std::vector<double> jumps;  ///< touchdowns and lift-offs, from release [s], in order
+  bool complete = false;      ///< every time has its values
+  long steps = 0;             ///< integrated, taken or rejected
+};
+
+class DropSimulator {
+ public:
+  virtual ~DropSimulator() = default;
+
+  /// What its logs may hold.
+  virtual const std::vector<landing::DropChannel>& channels() const = 0;
+  virtual std::size_t drops() const = 0;
+  virtual const landing::DropLog& log(std::size_t drop) const = 0;
+  /// A constant as the scene has it.
+  virtual double value(const DropTerm& constant) const = 0;
+  /// When a drop of the scene first touches the floor, from release; 0: not known beforehand [s].
+  virtual double first_touchdown(std::size_t drop) const = 0;
+  /// At times from release [s]; a settings' shift of the log is in them already. A run that fails is not complete.
+  virtual FollowedDrop follow(std::size_t drop, const Settings& settings, const std::vector<double>& times,
+                              const landing::SimulateOptions& options) const = 0;
+  /// Adds the slopes to a drop that was followed so, and the steps that this takes. False: it cannot be followed
+  /// nearby.
+  virtual bool differentiate(std::size_t drop, const Settings& settings, const std::vector<double>& times,
+                             const landing::SimulateOptions& options, FollowedDrop& followed) const = 0;
+  /// So many times the work of an exact derivative may be spent before a start is given up.
+  virtual double patience(std::size_t /*settings*/) const { return 1; }
+  /// Largest acceleration over all times up to one [m/s^2].
+  virtual double peak(std::size_t drop, const Settings& settings, double until,
+                      const landing::SimulateOptions& options) const = 0;
+};
+
+}  // namespace ukemi::tools

@@ -1,0 +1,408 @@
+#include "tools/study/floor_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+#include "common/median.hpp"
+#include "common/random.hpp"
+#include "identify/estimate/multi_start.hpp"
+#include "tools/study/drop_residuals.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+using identify::Estimate, identify::LeastSquaresProblem, identify::LeastSquaresSolution;
+
+namespace {
+
+/// From a drop's first touchdown on, how far it is followed, part by part [s]: what comes after a touchdown can be met
+/// only once the touchdown is. `test_regression "calibrate*"` chose them, from starts 30 % off.
+constexpr double kWhole = std::numeric_limits<double>::infinity();
+constexpr std::array<double, 9> kAfter = {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3, 0.5, kWhole};
+constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
+/// Standard deviation, in a constant's size, of what holds it to the start there.
+constexpr double kPartStd = 0.3;
+/// Integrated steps, of a drop, after which a start is ended where it stands: those of datasets/drops take 1.3e4 in
+/// all. And starts that may take so many before no other is tried.
+constexpr double kStepsOfStart = 2e5, kStarts = 4;
+
+/// Values of a layout's shared terms: where a search starts.
+using Start = std::vector<double>;
+
+std::vector<std::size_t> every_drop(const DropSimulator& s) {
+  std::vector<std::size_t> out(s.drops());
+  std::iota(out.begin(), out.end(), std::size_t(0));
+  return out;
+}
+
+/// A fit of drops by one layout.
+struct Problem {
+  const DropSimulator& simulator;
+  const DropLayout layout;
+  const CalibrationOptions& options;
+  const std::vector<std::size_t> which;
+  std::vector<DropResiduals> models;
+  mutable long steps = 0, parts = 0;  ///< integrated, and done, so far
+  mutable bool spent = false;         ///< a start was ended, for its work was spent
+
+  Problem(const DropSimulator& s, DropLayout l, const CalibrationOptions& o)
+      : Problem(s, std::move(l), o, every_drop(s)) {}
+  /// Of some of the drops.
+  Problem(const DropSimulator& s, DropLayout l, const CalibrationOptions& o, std::vector<std::size_t> some)
+      : simulator(s), layout(std::move(l)), options(o), which(std::move(some)) {
+    for (const std::size_t m : which) models.emplace_back(s, m, layout, o, steps);
+  }
+  Problem(const Problem&) = delete;
+
+  /// The scene's constants; what is not a constant is absent.
+  Start given() const {
+    Start out;
+    for (const DropTerm* t : layout.shared) out.push_back(t->is_constant() ? simulator.value(*t) : t->absent);
+    return out;
+  }
+
+  /// From `start`, `after` seconds beyond each drop's first touchdown. Where that is not the whole, the constants are
+  /// held loosely to the start: what so short a part does not determine must not run away.
+  LeastSquaresProblem problem(const Start& start, const std::vector<double>& sigma, double after) const {
+    LeastSquaresProblem p;
+    for (std::size_t g = 0; g < layout.shared.size(); ++g)
+      p.globals.push_back(layout.shared[g]->column(start[g], options.terms));
+    for (const DropTerm* t : layout.own) p.locals.push_back(t->column(t->absent, options.terms));
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      std::vector<Prior> priors;  // those of the shared terms stand in the first block
+      for (const Prior& prior : options.terms.priors)
+        if (layout.holds(layout.own, prior.term) || (m == 0 && layout.holds(layout.shared, prior.term)))
+          priors.push_back(prior);
+      for (std::size_t k = 0; m == 0 && std::isfinite(after) && k < layout.shared.size(); ++k)
+        priors.push_back({layout.shared[k]->name, p.globals[k].start, kPartStd * p.globals[k].scale});
+      p.blocks.push_back(models[m].block(sigma, simulator.first_touchdown(which[m]) + after, priors));
+    }
+    return p;
+  }
+  /// The work that a start may take [integrated steps].
+  double work_of_start() const {
+    return kStepsOfStart * double(models.size()) * simulator.patience(layout.shared.size() + layout.own.size());
+  }
+  LeastSquaresSolution solve(const LeastSquaresProblem& p, int iterations, long until) const {
+    const auto stop = [&, until] {
+      options.monitor.progress(parts, long(kAfter.size()) * (1 + options.restarts) + 1);
+      return steps > until || options.monitor.stopped();
+    };
+    return identify::solve(p, {.max_iterations = iterations, .stop = stop});
+  }
+  /// From `start`, part by part. Where the monitor stops it or its work is spent: the last part that was done, not
+  /// converged; of parts that are not the whole no cost is comparable.
+  LeastSquaresSolution solve_in_parts(Start start, const std::vector<double>& sigma) const {
+    LeastSquaresSolution done;
+    const long from = steps, until = from + long(work_of_start());
+    for (const double after : kAfter) {
+      const bool whole = !std::isfinite(after);
+      if (!whole && options.parts == CalibrationOptions::Parts::kWhole) continue;
+      LeastSquaresSolution s =
+          solve(problem(start, sigma, after),
+                whole ? options.max_iterations : std::min(kPartIterations, options.max_iterations), until);
+      if (options.monitor.stopped() || (steps > until && !(whole && s.usable))) {
+        done.converged = false;
+        if (steps > until) spent = true, done.cost = std::numeric_limits<double>::infinity();
+        break;
+      }
+      if (s.usable) start = constants_at(s, start);
+      done = std::move(s);
+      ++parts;
+    }
+    done.work = double(steps - from);
+    return done;
+  }
+  /// The solution's constants; what is no constant starts anew.
+  Start constants_at(const LeastSquaresSolution& s, Start from) const {
+    for (std::size_t g = 0; g < layout.shared.size(); ++g)
+      if (layout.shared[g]->is_constant()) from[g] = s.globals[long(g)];
+    return from;
+  }
+  /// Free constants drawn about the scene's own.
+  Start drawn(Random random) const {
+    Start out = given();
+    for (std::size_t g = 0; g < out.size(); ++g) {
+      const DropTerm& t = *layout.shared[g];
+      if (t.is_constant())
+        out[g] = t.one_sided() ? out[g] * random.factor(t.spread) : out[g] + random.uniform(-t.spread, t.spread);
+    }
+    return out;
+  }
+  std::vector<DropResult> replay(const LeastSquaresSolution& s) const {
+    std::vector<DropResult> out;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      const Eigen::VectorXd own = s.locals.row(long(m));
+      out.push_back(models[m].replay(s.globals.data(), own.data()));
+    }
+    return out;
+  }
+};
+
+/// Whether it leaves no more than the logs' noise, about.
+bool believed(const LeastSquaresSolution& s, const CalibrationOptions& options) {
+  return s.usable && s.cost <= options.believed * options.believed * double(s.residuals);
+}
+
+/// The best solution from the scene and from starts drawn about it, while none is believed.
+LeastSquaresSolution search(const Problem& problem, const CalibrationOptions& options, FloorFit& out) {
+  identify::MultiStart starts({.believed = [&](const LeastSquaresSolution& s) { return believed(s, options); },
+                               .work = kStarts * problem.work_of_start(),
+                               .same = options.restarts + 2,  // so few starts are no reason to end early
+                               .at_once = 1,
+                               .threads = 1,
+                               .monitor = {{}, options.monitor.stop}});
+  const auto from = [&](const Start& start) { return problem.solve_in_parts(start, out.noise); };
+  starts.search_all(1, [&](int) { return from(problem.given()); });
+  starts.search_until_believed(options.restarts,
+                               [&](int i) { return from(problem.drawn(Random(options.seed, std::uint64_t(i)))); });
+  out.starts = starts.starts();
+  return starts.best();
+}
+
+/// The constants of the scene, without errors.
+std::vector<Estimate> as_given(const CalibrationOptions& options, const DropSimulator& simulator) {
+  return identify::as_given(options.terms, [&](const DropTerm& t) { return simulator.value(t); });
+}
+
+/// The constants, their errors and what can be said of them.
+void report(const LeastSquaresSolution& s, const Problem& fitted, const LeastSquaresProblem& problem, FloorFit& out) {
+  const std::vector<const identify::Term*> shared(fitted.layout.shared.begin(), fitted.layout.shared.end());
+  out.parameters = as_given(fitted.options, fitted.simulator);
+  using identify::Wording;
+  set_estimates(
+      s, problem, shared,
+      {.data = "drops", .interval = Wording::Interval::kAbsolute, .correlated = Wording::Correlated::kUnlessTrusted},
+      out);
+  std::stable_sort(out.nuisance.begin(), out.nuisance.end(),
+                   [](const Estimate& a, const Estimate& b) { return a.trial < b.trial; });
+  for (const Estimate& e : out.nuisance)
+    if (e.at_bound)
+      out.warnings.push_back(
+          fmt::format("{} of drop {} ended at its bound {}", e.name, e.trial + 1, shortest(e.value)));
+}
+
+/// The residuals of each output of each drop, without those that are the rollout's own.
+std::vector<identify::ResidualSeries> residuals_of(const DropSimulator& simulator, const FloorFit& c) {
+  constexpr double kExact = 1e-6;  // of an output: below it a residual is the rollout's, not the log's
+  std::vector<identify::ResidualSeries> series;
+  for (std::size_t m = 0; m < simulator.drops(); ++m)
+    for (std::size_t o = 0; o < c.channels.size(); ++o) {
+      const std::vector<double>& measured = simulator.log(m).output[o];
+      const DropResult& r = c.drops[m];
+      double largest = 0;
+      for (const double x : measured)
+        if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+      if (!(r.rms[o] > kExact * largest)) continue;
+      series.push_back({{}, &measured});
+      for (std::size_t i = 0; i < measured.size(); ++i)
+        if (r.used[o][i]) series.back().residual.push_back(r.value[o][i] - measured[i]);
+    }
+  return series;
+}
+
+/// Tests the floor, see fit_floor. `sigma` as in the fit.
+identify::ResidualTests test_floor(const DropSimulator& simulator, const CalibrationOptions& options,
+                                   const std::vector<double>& sigma, const FloorFit& c) {
+  const DropLayout fitted(options.terms);
+  DropLayout layout = fitted;
+  Start start;
+  for (const Estimate* e : c.globals()) start.push_back(e->value);
+  std::vector<identify::Term> shared, of_drop;
+  for (const DropTerm& t : options.terms.table) {
+    // What moves the same as a fitted term is that term, or Chow's test.
+    bool covered = options.terms.fits(t.name);
+    for (const auto* list : {&fitted.shared, &fitted.own})
+      for (const DropTerm* other : *list) covered = covered || t.moves_what(*other);
+    for (const DropTerm* other : layout.shared)  // of a constant of all contacts, and of one
+      covered = covered || (t.is_constant() && other->is_constant() && t.moves_what(*other));
+    if (covered) continue;
+    identify::Term absent = t;
+    if (t.is_constant()) {  // it may be more or less than what it is held at, but where that is its bound
+      absent.absent = simulator.value(t);
+      if (absent.absent > t.lower) absent.lower = -identify::Term::kInfinity;
+    }
+    const bool each = t.scope == identify::Scope::kEach;
+    if (!each) start.push_back(absent.absent);
+    (each ? of_drop : shared).push_back(std::move(absent)), (each ? layout.own : layout.shared).push_back(&t);
+  }
+  const std::vector<identify::ResidualSeries> series = residuals_of(simulator, c);
+  const Problem problem(simulator, layout, options);
+  std::optional<identify::Sensitivity> score;
+  if (c.converged && !series.empty())
+    score = identify::score_at(problem.problem(start, sigma, kWhole), c, shared, of_drop);
+  identify::ResidualTests out = identify::test_residuals(series, std::move(score));
+  if (out.score) out.chow = identify::chow_tests_of(*out.score);
+  return out;
+}
+
+/// Says where the residual stays above the logs' own noise. A model that does not explain the logs has no error bars:
+/// nothing fitted by it is trusted.
+void compare_with_noise(FloorFit& out) {
+  for (std::size_t o = 0; o < out.channels.size(); ++o)
+    if (std::isfinite(out.noise[o]) && out.rms[o] > identify::kFarAboveNoise * out.noise[o]) {
+      identify::distrust(out.parameters);
+      out.warnings.push_back(
+          fmt::format("{}: the residual {:.3g} {} is {:.1f} times the logs' noise: the model lacks "
+                      "something, or no start found the minimum",
+                      out.channels[o].name, out.rms[o], out.channels[o].unit, out.rms[o] / out.noise[o]));
+    }
+}
+
+}  // namespace
+
+void CalibrationOptions::validate() const {
+  terms.validate();
+  for (const std::string& constant : terms.free)
+    for (const std::string& nuisance : terms.nuisance)
+      if (terms[constant].moves_what(terms[nuisance]))
+        throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
+  if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
+    throw InputError(
+        fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
+}
+
+Verdicts FloorFit::verdicts() const {
+  Verdicts out;
+  for (const Estimate& e : parameters) out.emplace_back(e.name, identify::name(e.verdict));
+  return out;
+}
+
+std::optional<Uncertainty> FloorFit::uncertainty(const std::vector<std::string>* among) const {
+  std::vector<int> known;
+  Uncertainty out;
+  for (std::size_t i = 0; i < fitted.size(); ++i)
+    if ((!among || std::find(among->begin(), among->end(), fitted[i]) != among->end()) &&
+        std::isfinite(covariance(long(i), long(i))))
+      known.push_back(int(i)), out.order.push_back(fitted[i]);
+  if (known.empty()) return std::nullopt;
+  out.covariance = covariance(known, known);
+  return out;
+}
+
+void check_logs(const DropSimulator& drops) {
+  if (drops.drops() == 0) throw InputError("no drops: at least one log is needed");
+  for (std::size_t m = 0; m < drops.drops(); ++m) {
+    const DropLog& log = drops.log(m);
+    long measured = 0;
+    for (std::size_t o = 0; o < log.output.size(); ++o) measured += log.count(o);
+    if (measured == 0) throw InputError({log.file}, "no measured value of " + names_of(drops.channels()));
+    if (const double touchdown = drops.first_touchdown(m); !(log.t.back() > touchdown))
+      throw InputError({log.file}, fmt::format("the log ends at {:.4g} s, before the first touchdown at {:.4g} s: is "
+                                               "the drop's height right, is t = 0 the release?",
+                                               log.t.back(), touchdown));
+  }
+}
+
+namespace {
+
+/// A drop that was not simulated.
+DropResult not_simulated(const DropLog& log) {
+  DropResult out{.file = log.file};
+  out.value.resize(log.output.size()), out.used.resize(log.output.size());
+  out.rms.assign(log.output.size(), std::numeric_limits<double>::quiet_NaN());
+  return out;
+}
+
+}  // namespace
+
+FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options) {
+  options.validate();
+  check_logs(drops);
+  const Problem problem(drops, DropLayout(options.terms), options);
+  FloorFit out;
+  out.channels = drops.channels();
+  out.noise = noise_of(drops);
+  LeastSquaresSolution best = search(problem, options, out);
+  out.steps = problem.steps;
+  if (problem.spent && !believed(best, options))
+    out.warnings.push_back(
+        fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: are the "
+                    "drop's height, speed and pitch right, is t = 0 the release?",
+                    double(problem.steps)));
+  if (!best.usable) {
+    out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
+                                            : "no start could be followed through the drops: " + best.message;
+    out.parameters = as_given(options, drops);
+    for (std::size_t m = 0; m < drops.drops(); ++m) out.drops.push_back(not_simulated(drops.log(m)));
+    out.rms = rms_of(out.drops);
+    return out;
+  }
+  // Once more with each output's weight from its own residuals, so that errors and priors are in standard deviations.
+  std::vector<double> sigma = rms_of(problem.replay(best));
+  for (std::size_t o = 0; o < sigma.size(); ++o) sigma[o] = std::max(sigma[o], 1e-3 * out.noise[o]);
+  const LeastSquaresProblem last = problem.problem(problem.constants_at(best, problem.given()), sigma, kWhole);
+  if (LeastSquaresSolution s =
+          problem.solve(last, options.max_iterations, problem.steps + long(problem.work_of_start()));
+      s.usable && !options.monitor.stopped())
+    best = std::move(s);
+  best.converged = best.converged && !options.monitor.stopped();
+  out.steps = problem.steps;
+  if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
+  report(best, problem, last, out);
+  out.drops = problem.replay(best);
+  out.rms = rms_of(out.drops);
+  compare_with_noise(out);
+  out.tests = test_floor(drops, options, sigma, out);
+  identify::widen_errors(out.tests, out);
+  if (!out.converged) identify::distrust(out.parameters);
+  return out;
+}
+
+FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& options) {
+  check_logs(drops);
+  FloorFit out;
+  out.channels = drops.channels();
+  out.noise = noise_of(drops);
+  out.converged = true;
+  DropLayout layout;  // of one drop, whose own terms are then shared
+  for (const std::string& name : options.terms.nuisance) layout.shared.push_back(&options.terms[name]);
+  for (std::size_t m = 0; m < drops.drops(); ++m) {
+    const Problem problem(drops, layout, options, {m});
+    LeastSquaresSolution s;
+    s.locals.resize(1, 0);
+    if (!layout.shared.empty()) {
+      const LeastSquaresProblem p = problem.problem(problem.given(), out.noise, kWhole);
+      s = identify::solve(p, {.max_iterations = options.max_iterations});
+      const double variance = s.cost / double(std::max(1l, s.residuals - s.free_parameters));
+      for (long g = 0; s.usable && g < s.globals.size(); ++g)
+        out.nuisance.push_back(identify::estimate_of(p.globals[std::size_t(g)], s.globals[g],
+                                                     s.global_covariance(g, g) * variance, out.half_width, int(m)));
+      if (!s.usable || !s.converged) out.converged = false, out.message = drops.log(m).file + ": " + s.message;
+    }
+    out.drops.push_back(s.usable || layout.shared.empty() ? problem.replay(s)[0] : not_simulated(drops.log(m)));
+    if (!out.drops.back().simulated)
+      out.converged = false, out.message = drops.log(m).file + ": the drop cannot be followed with these constants";
+  }
+  out.rms = rms_of(out.drops);
+  compare_with_noise(out);
+  return out;
+}
+
+double held_out(const DropSimulator& drops, const CalibrationOptions& options) {
+  const DropLayout layout(options.terms);
+  const std::vector<double> noise = noise_of(drops);
+  std::vector<double> of_drop;
+  for (std::size_t m = 0; m < drops.drops(); ++m) {
+    std::vector<std::size_t> others = every_drop(drops);
+    others.erase(others.begin() + long(m));
+    const Problem of_others(drops, layout, options, others), alone(drops, layout, options, {m});
+    const LeastSquaresSolution s = of_others.solve(of_others.problem(of_others.given(), noise, kWhole), kPartIterations,
+                                                   long(of_others.work_of_start()));
+    if (!s.usable) return std::numeric_limits<double>::quiet_NaN();
+    LeastSquaresProblem one = alone.problem({s.globals.data(), s.globals.data() + s.globals.size()}, noise, kWhole);
+    double cost = identify::cost_at(one, {}, s.globals);
+    if (!layout.own.empty())
+      cost = identify::solve(one, {.globals = identify::LeastSquaresOptions::Globals::kHeld}).cost;
+    of_drop.push_back(std::sqrt(cost / double(one.blocks[0].size)));
+  }
+  return median(of_drop);
+}
+
+}  // namespace ukemi::tools
