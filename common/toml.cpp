@@ -26,6 +26,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/files.hpp"
+#include "common/text.hpp"
 
 namespace ukemi {
 

@@ -5,11 +5,11 @@
 // with y_p the derivatives of the state at a fixed time and f the field before and behind the event.
 // Source: Hiskens, Pai, "Trajectory sensitivity analysis of hybrid systems", IEEE Trans. Circuits Syst. I 47 (2000).
 // Tests: test/property/gradient.cpp.
-// Private: not installed.
 #pragma once
 
 #include <Eigen/Core>
 
+#include "common/jet.hpp"
 #include "common/scalar.hpp"
 
 namespace ukemi::integrate {

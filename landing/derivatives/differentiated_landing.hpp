@@ -1,6 +1,5 @@
 // One landing in scalars with P derivatives, from event to event, and who watches it. Private to landing's sources that
 // compile it (gradient.cpp, drop_rollout.cpp).
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 
 #include <span>
 
-#include "landing/run/simulate.hpp"
+#include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
 
@@ -17,19 +17,6 @@ struct BatchCase {
   const SeaParameters<double>* sea;
   Motion motion;
   double abandon_above = std::numeric_limits<double>::infinity();  ///< [m/s^2], see SimulateOptions
-};
-
-/// What runs in a lane next, decided as the lanes become free. Lanes do not influence each other's results: a source
-/// that gives each lane work of its own gets the same results whatever the number of lanes.
-class BatchSource {
- public:
-  virtual ~BatchSource() = default;
-  /// The lane's next landing; false if there is none (it is then not asked again).
-  virtual bool next(int lane, BatchCase& c) = 0;
-  /// The lane's landing has ended.
-  virtual void done(int lane, const LandingPeak& peak) = 0;
-  /// Asked every few dozen steps: true ends the run, and nobody is told of the landings under way.
-  virtual bool over() { return false; }
 };
 
 struct BatchOptions {
@@ -52,13 +39,6 @@ inline constexpr std::array<const char*, 3> kInstructionSetNames = {"baseline", 
 InstructionSet widest_instruction_set();
 /// Landings side by side: 2, 4, 8.
 constexpr int lanes(InstructionSet s) { return 2 << int(s); }
-/// The quickest for so many landings: eight lanes of which half stand empty are slower than four.
-InstructionSet quickest_instruction_set(std::size_t landings);
-
-/// Runs a source until every lane is without work, or the source is over. `set` must be one that the machine has.
-/// Allocates nothing, and looks at nothing: the cases must be valid.
-void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
-
 /// The peaks of many landings, by the kernel that holds the terms of all of them; `threads` as everywhere: 0 for all
 /// cores, and without influence on the results. Those that `over` cut off come back with End::kStopped. Throws
 /// InputError for options or cases that are not valid, and for another number of peaks than of cases.

@@ -7,14 +7,15 @@
 // placed by the cubic through the guard at both ends of the step, the step is retaken up to there, and what is left is
 // made up along the field. What only some lanes need (events, the ends of landings) is worked out lane by lane in
 // doubles, with the very functions of the scalar path.
-// Private: not installed.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/integrate/runge_kutta.hpp"
 #include "common/integrate/step_control.hpp"
 #include "landing/lanes/batch.hpp"
+#include "landing/lanes/batch_source.hpp"
 #include "landing/lanes/lane_mode.hpp"
 #include "landing/run/rest.hpp"
 #include "landing/run/schedule.hpp"
@@ -79,7 +80,7 @@ class BatchEngine {
       square_.set(i, schedule.ballistic() ? g * g : 0), t_peak_.set(i, 0);
       if (schedule.ballistic()) fly(single, scene, t, y);
       if (schedule.flies_on()) {
-        out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y.template head<kMechanical>();
+        out.end = End::kNoContact, out.t_end = t, out.peak = g, std::copy_n(y.data(), kMechanical, out.state.begin());
         source_.done(i, out);
         continue;
       }
@@ -135,7 +136,7 @@ class BatchEngine {
       if (end == End::kFailed) out.failure = Failure::kSteps;
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
       out.work.steps = long(steps_[i]), out.joint_lost = lost_[i];
-      for (int k = 0; k < kMechanical; ++k) out.state[k] = step_.y[k][i];
+      for (int k = 0; k < kMechanical; ++k) out.state[std::size_t(k)] = step_.y[k][i];
       source_.done(i, out);
     }
     load(i);

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
 #include "landing/scatter/drop_model.hpp"
+#include "landing/scatter/moved.hpp"
 
 namespace ukemi::landing {
 

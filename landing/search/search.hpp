@@ -24,13 +24,6 @@ struct Budget {
 /// there and not in hours.
 long work_allowed(long landings, long motions);
 
-/// A moment at which the best became better.
-struct Progress {
-  long motions, landings;
-  double seconds;
-  Candidate best;
-};
-
 class Search {
  public:
   /// `progress` receives the moments, up to its capacity; null where nobody asks. Judges the best posture to hold, by

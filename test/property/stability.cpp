@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "common/actuator.hpp"
+#include "identify/fit/sensitivity.hpp"
 #include "landing/judge/sensitivity.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/model/scene_file.hpp"

@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "common/toml.hpp"
+
 namespace ukemi::tools {
 
 void add_bench(CLI::App& app, Action& chosen) {

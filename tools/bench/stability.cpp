@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "common/degrees.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
+#include "identify/fit/sensitivity.hpp"
 #include "landing/judge/sensitivity.hpp"
 #include "landing/lanes/batch.hpp"
 
@@ -151,7 +153,8 @@ StabilityResult judge(const StabilityCase& c, const StabilityLimits& limits) {
     out.reason = reason(l);
     return out;
   }
-  if (!std::isfinite(l.peak) || !std::isfinite(l.energy_residual) || !l.state.allFinite()) {
+  if (!std::isfinite(l.peak) || !std::isfinite(l.energy_residual) ||
+      !std::all_of(l.state.begin(), l.state.end(), [](double x) { return std::isfinite(x); })) {
     out.reason = "a number is not finite";
     return out;
   }

@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "common/error.hpp"
+#include "common/text.hpp"
 #include "tools/program/interrupt.hpp"
 #include "tools/program/terminal.hpp"
 

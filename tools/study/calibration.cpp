@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/csv.hpp"
+#include "common/eigen.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
 #include "identify/estimate/multi_start.hpp"
@@ -174,7 +175,7 @@ identify::ResidualTests test_floor(const SeaParameters<double>& sea, const std::
   const DropLayout fitted(options.terms);
   DropLayout layout = fitted;
   std::vector<identify::Term> shared, of_drop;
-  for (const DropTerm& t : options.terms.table) {
+  for (const DropTerm& t : *options.terms.table) {
     // What moves the same as a fitted term is that term, or Chow's test.
     bool covered = options.terms.fits(t.name);
     for (const auto* list : {&fitted.shared, &fitted.own})
@@ -225,7 +226,7 @@ std::optional<Uncertainty> uncertainty_of(const Calibration& c) {
         std::isfinite(c.covariance(long(i), long(i))))
       known.push_back(int(i)), out.order.push_back(c.fitted[i]);
   if (known.empty()) return std::nullopt;
-  out.covariance = c.covariance(known, known);
+  out.covariance = eigen(c.covariance)(known, known);
   return out;
 }
 
