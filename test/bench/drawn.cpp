@@ -13,7 +13,7 @@
 #include "common/stopwatch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
-#include "tools/bench/stability.hpp"
+#include "test/three_ways.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
