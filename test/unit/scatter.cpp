@@ -13,6 +13,7 @@
 #include "landing/model/scatter_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "landing/scatter/measure.hpp"
+#include "landing/model/motion_space.hpp"
 #include "landing/scatter/sampler.hpp"
 #include "landing/scatter/sobol.hpp"
 #include "test/folder.hpp"
