@@ -10,10 +10,10 @@
 #include "common/csv.hpp"
 #include "common/random.hpp"
 #include "landing/judge/sobol_indices.hpp"
+#include "landing/model/motion_space.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "landing/scatter/measure.hpp"
-#include "landing/model/motion_space.hpp"
 #include "landing/scatter/sampler.hpp"
 #include "landing/scatter/sobol.hpp"
 #include "test/folder.hpp"
@@ -266,11 +266,11 @@ double ishigami(const double* u) {
 }
 
 /// Its values at n base points, as sobol_indices takes them.
-struct Values {
+struct KnownPeaks {
   std::vector<double> a, b;
   std::vector<std::vector<double>> ab{3};
 
-  Values(long n, std::uint64_t seed) {
+  KnownPeaks(long n, std::uint64_t seed) {
     const std::vector<double> points = ScrambledSobol(6, seed).points(n);
     for (std::size_t i = 0; i < points.size(); i += 6) {
       const double* u = &points[i];
@@ -288,7 +288,7 @@ struct Values {
 
 TEST_CASE("Sobol indices of Ishigami's function") {
   constexpr double kFirst[3] = {0.3139, 0.4424, 0}, kTotal[3] = {0.5576, 0.4424, 0.2437};
-  Values v(8192, 1);
+  KnownPeaks v(8192, 1);
   const std::vector<SobolIndex> found = sobol_indices(v.a, v.b, v.ab, 1, 1);
   REQUIRE(found.size() == 3);
   for (std::size_t g = 0; g < 3; ++g) {
