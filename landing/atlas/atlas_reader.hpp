@@ -14,10 +14,10 @@ struct AtlasHeader;
 struct AtlasEntry {
   Motion motion{};
   SeaParameters<double> sea;  ///< the drive that plays it
-  Values values;              ///< of the space's variables
+  MotionValues values;        ///< of the space's variables
   /// The values of the motions around, the best first: where Planner may start.
-  std::span<const Values> starts() const { return {around.data(), count}; }
-  std::array<Values, Planner::kStarts> around;
+  std::span<const MotionValues> starts() const { return {around.data(), count}; }
+  std::array<MotionValues, Planner::kStarts> around;
   std::size_t count = 0;
   double value = kNoMotion;  ///< AtlasReader::Options::goal at this very drop; kNoMotion: no time was left to play it
   std::uint64_t drop = ~std::uint64_t(0);  ///< of the grid, for which the motion was planned

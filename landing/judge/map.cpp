@@ -44,7 +44,7 @@ double PeakMap::coordinate(int variable, int i) const {
   return cells[k] == 1 ? slice[variable] : v.lower + (v.upper - v.lower) * i / (cells[k] - 1);
 }
 
-Values PeakMap::values(const Place& at) const {
+MotionValues PeakMap::values(const Place& at) const {
   Coordinates x(int(at.size()));
   for (int k = 0; k < int(at.size()); ++k) x[k] = coordinate(k, at[std::size_t(k)]);
   return x;

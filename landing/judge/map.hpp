@@ -15,7 +15,7 @@ class MotionSpace;
 struct MapOptions {
   /// Points along each variable, ends included; 1, or none given: the variable stands at its value in `slice`.
   std::vector<int> cells{64, 64, 32};
-  Values slice;            ///< values of the variables that stand; empty: the middle of their ranges
+  MotionValues slice;      ///< values of the variables that stand; empty: the middle of their ranges
   double accuracy = 1e-5;  ///< of the grid's landings
   double tight = 1e-9;     ///< of the basins
   int polished = 24;       ///< the best local minima of the grid are searched from close by
@@ -36,14 +36,14 @@ struct PeakMap {
   using Place = std::vector<int>;   ///< a number of a point along each variable
   std::vector<Variable> variables;  ///< of the motion space
   Place cells;                      ///< points along each
-  Values slice;                     ///< where a variable with one point stands
+  MotionValues slice;               ///< where a variable with one point stands
   std::vector<Cell> grid;           ///< the first variable slowest, the last fastest
 
   std::size_t index(const Place& at) const;
   Place place(std::size_t index) const;
   /// The value of a variable at its i-th point.
   double coordinate(int variable, int i) const;
-  Values values(const Place& at) const;
+  MotionValues values(const Place& at) const;
   /// The points at most one away along every variable, the point itself included.
   std::vector<std::size_t> neighbours(std::size_t index) const;
 };
@@ -66,7 +66,7 @@ struct MotionRange {
 
 /// A basin: the best motion found near a local minimum of the grid, at MapOptions::tight.
 struct Basin {
-  Values values;
+  MotionValues values;
   Play play;
   double peak;
 };

@@ -25,15 +25,15 @@ inline constexpr int kPaperVariables = 3;
 /// A space has at most so many variables: points of it need no allocation.
 inline constexpr int kMostVariables = 12;
 /// A number for each variable, in their order, SI; nothing in it allocates. Takes and gives Eigen's vectors too.
-class Values {
+class MotionValues {
  public:
-  Values() = default;
-  Values(std::initializer_list<double> values) {
+  MotionValues() = default;
+  MotionValues(std::initializer_list<double> values) {
     for (const double v : values) values_[std::size_t(size_++)] = v;
   }
   template <class V>
   requires requires { V::MaxRowsAtCompileTime; }
-  Values(const V& v) : size_(int(v.size())) {
+  MotionValues(const V& v) : size_(int(v.size())) {
     for (int i = 0; i < size_; ++i) values_[std::size_t(i)] = v[i];
   }
   template <class V>
@@ -48,7 +48,7 @@ class Values {
   double operator[](int i) const { return values_[std::size_t(i)]; }
   const double* begin() const { return values_.data(); }
   const double* end() const { return values_.data() + size_; }
-  bool operator==(const Values&) const = default;
+  bool operator==(const MotionValues&) const = default;
 
  private:
   std::array<double, kMostVariables> values_{};

@@ -46,7 +46,7 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
 }
 
 /// The best of the starts, a place in the cube; under scatter by a few drops. Without one that can be followed nothing.
-std::optional<Coordinates> best_start(Search& search, const std::vector<Values>& starts) {
+std::optional<Coordinates> best_start(Search& search, const std::vector<MotionValues>& starts) {
   constexpr std::size_t kDrops = 16;
   const MotionSpace& space = search.objective().space();
   const Goal goal = search.objective().options().goal;

@@ -39,7 +39,7 @@ struct OptimizeOptions {
   double accuracy = 1e-9;         ///< of the result
   std::uint64_t seed = 1;
   /// Motions that are tried before all others, as values of the space's variables: the search begins at the best.
-  std::vector<Values> starts;
+  std::vector<MotionValues> starts;
   int threads = 0;               ///< 0: all cores; with a number of evaluations the result does not depend on it
   int tolerance_samples = 2000;  ///< random points inside the execution box of the result; with a deadline none
   Monitor monitor;               ///< told of the motions spent; where it stops, the best so far is judged in kLeave
@@ -63,7 +63,7 @@ struct Held {
 struct Optimum {
   Motion motion{};
   SeaParameters<double> sea;       ///< the drive that plays it
-  Values values;                   ///< of the space's variables
+  MotionValues values;             ///< of the space's variables
   Edges edges{};                   ///< of the search box that they lie on
   std::optional<Held> held;        ///< absent where the space knows no posture to hold; `value` is no worse
   LandingPeak landing;             ///< of the motion, at OptimizeOptions::accuracy

@@ -83,9 +83,9 @@ struct Planner::Search {
   std::vector<Drop> beside;        ///< each drop, less the planned one
   Objective objective;
   AutoSearch search;
-  std::optional<Values> last;          ///< the last plan in the air, its move's end counted from release
-  std::array<Values, kStarts> starts;  ///< see `start`
-  std::size_t given = 0;               ///< how many of them the next plan starts from
+  std::optional<MotionValues> last;          ///< the last plan in the air, its move's end counted from release
+  std::array<MotionValues, kStarts> starts;  ///< see `start`
+  std::size_t given = 0;                     ///< how many of them the next plan starts from
 };
 
 Planner::Search::Search(const Scene& s, std::shared_ptr<const MotionSpace> motions, const Options& o)
@@ -154,7 +154,7 @@ Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   return out;
 }
 
-void Planner::start(std::span<const Values> values) {
+void Planner::start(std::span<const MotionValues> values) {
   search_->given = std::min(values.size(), kStarts);
   std::copy_n(values.begin(), search_->given, search_->starts.begin());
 }

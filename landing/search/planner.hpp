@@ -84,8 +84,8 @@ class Planner {
   /// variables, as an atlas has them (the end of a move in the air from release). Each is followed for a few
   /// generations; under scatter the first alone is.
   static constexpr std::size_t kStarts = 8;
-  void start(std::span<const Values> values);
-  void start(const Values& values) { start(std::span(&values, 1)); }
+  void start(std::span<const MotionValues> values);
+  void start(const MotionValues& values) { start(std::span(&values, 1)); }
 
  private:
   struct Search;

@@ -99,7 +99,7 @@ struct Carry<const char*> {
   }
 };
 template <>
-struct Carry<landing::Values> {
+struct Carry<landing::MotionValues> {
   template <class A, class X>
   static void go(A& a, X& x) {
     landing::Coordinates values = x;
