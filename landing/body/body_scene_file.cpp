@@ -127,7 +127,7 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
     out.freedom = read_freedom(*motion);
     out.own_durations = motion->optional_choice("duration", {"shared", "own"}) == "own";
   }
-  if (auto scatter = file.optional("scatter")) out.scatter = read_scatter(*scatter);
+  if (auto scatter = file.optional("scatter")) out.scatter = read_scatter(*scatter, true);
   if (auto execution = file.optional("execution")) out.execution = read_execution(*execution);
   if (auto run = file.optional("run")) out.t_end = run->optional_number("t_end", Range::positive());
   if (auto detection = file.optional("detection")) {

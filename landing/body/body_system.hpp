@@ -20,6 +20,15 @@ struct JointConstants {
   SeaParameters<T> sea{T(0), T(0), T(0), T(0), T(1)};
   T stiffness{0}, damping{0}, rest{0};  ///< passive
   T parallel_stiffness{0}, parallel_rest{0};
+
+  /// f(a's, b's) of every constant; a takes the rest of b.
+  template <class A, class B, class F>
+  static void for_each(A& a, const B& b, F&& f) {
+    a.kind = b.kind, a.sea.feedback = b.sea.feedback;
+    SeaParameters<T>::for_each(a.sea, b.sea, f);
+    f(a.stiffness, b.stiffness), f(a.damping, b.damping), f(a.rest, b.rest);
+    f(a.parallel_stiffness, b.parallel_stiffness), f(a.parallel_rest, b.parallel_rest);
+  }
 };
 
 struct JointMode {
@@ -51,17 +60,40 @@ class BodySystem : public BodyMode<kSize> {
   using BodyMode<kSize>::contact, BodyMode<kSize>::joint;
   static constexpr SeaTerms kSea{true, true};
 
-  BodySystem(const Robot& robot, double slope) : links(int(robot.links.size())), body(body_of<kSize>(robot)) {
+  BodySystem(const Robot& robot, double slope)
+      : links(int(robot.links.size())), body(body_of<kSize>(robot).template cast<T>()) {
     gravity = robot.gravity * Eigen::Vector2d(-std::sin(slope), -std::cos(slope));
     const double direction = robot.rail_direction - slope;
     body.rail = {std::cos(direction), std::sin(direction)};
-    rail_viscous = robot.rail_viscous;
+    rail_viscous = T(robot.rail_viscous);
     for (int i = 0; i < body.contacts; ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
     for (int i = 0; i < body.joints; ++i) {
       const Joint& j = robot.joints[body.joint[i].joint];
       drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),    T(j.damping),
                   T(j.rest), T(j.parallel_stiffness), T(j.parallel_rest)};
     }
+  }
+
+  /// The same system in the same mode, without the derivatives of `o`.
+  template <bool kOther, class U>
+  explicit BodySystem(const BodySystem<kSize, kOther, U>& o)
+      : links(o.links), body(o.body.template cast<T>()), gravity(o.gravity) {
+    follow(o);
+    rail_viscous = T(value_of(o.rail_viscous));
+    base = {T(value_of(o.base[0])), T(value_of(o.base[1]))};
+    for (std::size_t i = 0; i < point.size(); ++i) {
+      point[i].hunt_crossley = o.point[i].hunt_crossley, point[i].padded = o.point[i].padded;
+      point[i].rubs = o.point[i].rubs;
+      ContactConstants<T>::for_each(point[i], o.point[i], kWithout);
+    }
+    for (std::size_t i = 0; i < drive.size(); ++i) JointConstants<T>::for_each(drive[i], o.drive[i], kWithout);
+  }
+  /// Into the mode of `o`, its references and its gains.
+  template <bool kOther, class U>
+  void follow(const BodySystem<kSize, kOther, U>& o) {
+    static_cast<BodyMode<kSize>&>(*this) = o;
+    for (std::size_t i = 0; i < piece.size(); ++i) ReferencePiece<T>::for_each(piece[i], o.piece[i], kWithout);
+    for (std::size_t i = 0; i < drive.size(); ++i) JointConstants<T>::for_each(drive[i], o.drive[i], kWithout);
   }
 
   int links;  ///< of the robot; locked ones share a body
@@ -104,6 +136,9 @@ class BodySystem : public BodyMode<kSize> {
     if (joint[i].phase == Phase::kMoving) return r.at(T(t), true);
     return {joint[i].phase == Phase::kAfter ? r.b : r.a, T(0)};
   }
+
+  /// x = y, without y's derivatives.
+  static constexpr auto kWithout = [](T& x, const auto& y) { x = T(value_of(y)); };
 
   /// Of joint i on its child [Nm]; of a motor behind a spring, its acceleration in `motor`.
   template <class Time>
@@ -158,7 +193,7 @@ class BodySystem : public BodyMode<kSize> {
       const T along = tangential_force(point[i], m, held(i, y, at), normal);
       load.add(body.contact[i], p, body.bodies, -along, normal);
       power += normal * at.v - along * at.v_t;
-      if (point[i].rubs || any(point[i].k_t != T(0)))
+      if (point[i].rubs || any(present(point[i].k_t)))
         dy[kSlip + i] = m.slides == 0 ? at.v_t : T((along - point[i].k_t * y[kSlip + i]) / point[i].c_t);
     }
     for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
@@ -213,22 +248,25 @@ class BodySystem : public BodyMode<kSize> {
     return acceleration(body.peak, pose(y), accelerations_of(dy), body.bodies).squaredNorm();
   }
 
-  void guards(double t, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+  /// In doubles, or with the derivatives of their values.
+  template <class G>
+  void guards(double t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     out = {};
     const Pose p = pose(y);
     const Accelerations acc = accelerations_of(dy);
     for (int i = 0; i < body.contacts; ++i) contact_guards(i, p, acc, y, dy, out);
     for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
   }
+  template <class G>
   void contact_guards(int i, const Pose& p, const Accelerations& acc, const State& y, const State& dy,
-                      integrate::Guards<kGuards>& out) const {
+                      integrate::Guards<kGuards, G>& out) const {
     const ContactConstants<T>& x = point[i];
     const PointMode& m = contact[i];
     const Point at = point_at(i, p, &acc);
     const int first = kOfContact * i;
     const auto set = [&](int guard, bool positive, const T& value, const T& rate) {
-      const double sign = positive ? 1 : -1;
-      out.set(first + guard, sign * value_of(value), sign * value_of(rate));
+      const G sign(positive ? 1 : -1);
+      out.set(first + guard, G(sign * narrowed<G>(value)), G(sign * narrowed<G>(rate)));
     };
     set(kSurface, !m.touching, T(at.y - x.thickness), at.v);
     if (!m.touching) return;
@@ -247,27 +285,32 @@ class BodySystem : public BodyMode<kSize> {
       set(kSlideUp, true, T(s * f - x.mu * normal.value), T(s * df - x.mu * normal.rate));
     }
   }
-  void joint_guards(int i, double t, const State& y, const State& dy, integrate::Guards<kGuards>& out) const {
+  template <class G>
+  void joint_guards(int i, double t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     const JointConstants<T>& d = drive[i];
-    const double limit = value_of(d.sea.tau_max);
-    if (d.kind == DriveKind::kPassive || !(limit > 0 && limit < std::numeric_limits<double>::infinity())) return;
+    const T& limit = d.sea.tau_max;
+    if (d.kind == DriveKind::kPassive ||
+        !(value_of(limit) > 0 && value_of(limit) < std::numeric_limits<double>::infinity()))
+      return;
     const SeaState<T> s = joint_state(i, y);
     const JointPlace& at = body.joint[i];
     const T ddphi = dy[kOmega + at.child] - (at.parent < 0 ? T(0) : T(dy[kOmega + at.parent]));
-    double tau, rate;
+    T tau, rate;
     if (d.kind == DriveKind::kElastic) {
-      tau = value_of(spring_torque<kSea>(d.sea, s));
-      rate = value_of(spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i])));
+      tau = spring_torque<kSea>(d.sea, s);
+      rate = spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
     } else {
       constexpr double kStep = 1e-7;  // the reference's own acceleration, by a difference [s]
       const Reference<T> r = reference(i, t), later = reference(i, t + kStep);
-      tau = value_of(geared_torque(i, t, s));
-      rate = value_of(d.sea.k_p) * value_of(r.dphi - s.dphi) +
-             value_of(d.sea.k_d) * ((value_of(later.dphi) - value_of(r.dphi)) / kStep - value_of(ddphi));
+      tau = geared_torque(i, t, s);
+      rate = d.sea.k_p * (r.dphi - s.dphi) + d.sea.k_d * ((later.dphi - r.dphi) / T(kStep) - ddphi);
     }
     const int first = kJointGuards + kOfJoint * i, saturation = joint[i].saturation;
-    if (saturation >= 0) out.set(first + kUpper, saturation ? tau - limit : limit - tau, saturation ? rate : -rate);
-    if (saturation <= 0) out.set(first + kLower, saturation ? -limit - tau : limit + tau, saturation ? -rate : rate);
+    const auto set = [&](int guard, const T& value, const T& its_rate) {
+      out.set(first + guard, narrowed<G>(value), narrowed<G>(its_rate));
+    };
+    if (saturation >= 0) set(kUpper, saturation ? T(tau - limit) : T(limit - tau), saturation ? rate : T(-rate));
+    if (saturation <= 0) set(kLower, saturation ? T(-limit - tau) : T(limit + tau), saturation ? T(-rate) : rate);
   }
 
   /// Into the mode beyond the zero of a guard. Returns the contact that touches down there, or -1.

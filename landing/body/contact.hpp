@@ -34,6 +34,12 @@ struct ContactConstants {
   T thickness, k_pad, c_pad;             ///< see Pad; 0: none
   bool hunt_crossley = false, padded = false, rubs = false;
 
+  /// f(a's, b's) of every constant.
+  template <class A, class B, class F>
+  static void for_each(A& a, const B& b, F&& f) {
+    f(a.k, b.k), f(a.c, b.c), f(a.k_t, b.k_t), f(a.c_t, b.c_t), f(a.mu, b.mu), f(a.p, b.p);
+    f(a.dissipation, b.dissipation), f(a.thickness, b.thickness), f(a.k_pad, b.k_pad), f(a.c_pad, b.c_pad);
+  }
   ContactConstants() = default;
   explicit ContactConstants(const ContactPoint& x)
       : k(x.law.stiffness),

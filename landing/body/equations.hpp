@@ -36,6 +36,14 @@ struct Capacity {
 template <class T, int kBodies>
 struct Arms {
   std::array<T, kBodies> a{}, b{};  ///< A, B [m]
+
+  /// In another scalar, without derivatives.
+  template <class U>
+  Arms<U, kBodies> cast() const {
+    Arms<U, kBodies> out;
+    for (std::size_t j = 0; j < kBodies; ++j) out.a[j] = U(value_of(a[j])), out.b[j] = U(value_of(b[j]));
+    return out;
+  }
 };
 
 /// A joint as the equations see it.
@@ -61,6 +69,23 @@ struct Body {
   std::array<JointPlace, kSize.joints> joint{};
   std::array<double, kMostLinks> offset{};  ///< theta of a link minus theta of its body [rad]
   std::array<int, kMostLinks> body_of{};    ///< of a link
+
+  /// In another scalar, without derivatives.
+  template <class U>
+  Body<U, kSize> cast() const {
+    Body<U, kSize> out;
+    out.bodies = bodies, out.joints = joints, out.contacts = contacts, out.base = base, out.first_stays = first_stays;
+    for (std::size_t j = 0; j < kBodies; ++j)
+      for (std::size_t k = 0; k < kBodies; ++k) {
+        out.n[j][k] = U(value_of(n[j][k]));
+        out.p[j][k] = U(value_of(p[j][k])), out.q[j][k] = U(value_of(q[j][k]));
+      }
+    for (std::size_t i = 0; i < contact.size(); ++i) out.contact[i] = contact[i].template cast<U>();
+    for (std::size_t i = 0; i < origin.size(); ++i) out.origin[i] = origin[i].template cast<U>();
+    out.peak = peak.template cast<U>(), out.first = first.template cast<U>(), out.moment = moment.template cast<U>();
+    out.mass = U(value_of(mass)), out.rail = rail, out.joint = joint, out.offset = offset, out.body_of = body_of;
+    return out;
+  }
 };
 
 /// Sines, cosines and rates of a state; the base is R, or the first link's origin.

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "landing/derivatives/peak_kind.hpp"
 #include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
@@ -49,13 +50,6 @@ inline constexpr std::array<const char*, kParameters> kParameterNames = {
     "drop.pitch",      "floor.stiffness", "floor.damping_normal", "floor.damping_tangential",
     "actuator.k_p",    "actuator.k_d",    "actuator.k_sea",       "actuator.c_sea",
     "actuator.i_motor"};
-
-/// Where a local maximum lies, and so how its derivative is taken.
-enum class PeakKind : unsigned char {
-  kInside,      ///< in a smooth phase: at a fixed time
-  kRightLimit,  ///< just behind an event, at the event's moving time
-  kLeftLimit,   ///< just before an event or the end of the run, likewise
-};
 
 /// One local maximum of |ddr_0| and its gradient, in the order of Parameter.
 template <int P>

@@ -12,6 +12,18 @@
 
 namespace ukemi::landing {
 
+/// The numbers of a motion, by their names; `to` is the end of the move in the air.
+inline constexpr int kMotionNumbers = 10, kDurationSlot = 2, kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps,
+                     kToSlot = kGainSlot + 2;
+inline constexpr std::array<const char*, kMotionNumbers> kMotionNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
+                                                                         "b2",    "b3",    "gain_p",   "gain_d", "to"};
+/// They themselves; `none` stands for the `to` of a motion that does not move in the air.
+template <class T>
+std::array<T*, kMotionNumbers> motion_numbers(MotionOf<T>& m, T& none) {
+  return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
+          &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   m.reposition ? &m.reposition->to : &none};
+}
+
 /// Where the reference stands: before a piece of it, in it, or after the landing motion.
 enum class Phase : unsigned char { kBefore, kMoving, kAfter };
 inline bool moving(Phase p) { return p == Phase::kMoving; }

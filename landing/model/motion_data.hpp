@@ -39,6 +39,15 @@ struct MotionOf {
   /// Joint angle and rate at release.
   T release_phi() const { return reposition ? reposition->phi : phi_i; }
   T release_rate() const { return reposition ? reposition->rate : T(0); }
+  /// The same motion in another scalar.
+  template <class U>
+  MotionOf<U> cast() const {
+    MotionOf<U> out{U(phi_i), U(phi_f), U(duration)};
+    for (std::size_t k = 0; k < kMostBumps; ++k) out.bumps[k] = U(bumps[k]);
+    out.gain_p = U(gain_p), out.gain_d = U(gain_d);
+    if (reposition) out.reposition = {U(reposition->phi), U(reposition->rate), U(reposition->from), U(reposition->to)};
+    return out;
+  }
 };
 using Motion = MotionOf<double>;
 using Reposition = RepositionOf<double>;

@@ -95,16 +95,11 @@ std::array<double, 2> ends_of_move(double from, double fall) {
   return {from + kShortest, std::max(from + kShortest + kRoom, std::isfinite(fall) ? fall : 0)};
 }
 
-std::array<double*, kMotionNumbers> motion_numbers(Motion& m, double& to) {
-  return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
-          &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   &to};
-}
-
 Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
   Eigen::Matrix<double, kPlayNumbers, 1> n;
   Motion m = p.motion;
-  double to = m.reposition ? m.reposition->to : 0;
-  const auto of = motion_numbers(m, to);
+  double none = 0;
+  const auto of = motion_numbers(m, none);
   for (int k = 0; k < kMotionNumbers; ++k) n[k] = *of[std::size_t(k)];
   n.tail<5>() << p.sea.k_p, p.sea.k_d, p.sea.k_sea, p.sea.c_sea, p.sea.i_motor;
   return n;
@@ -160,10 +155,10 @@ void ReferenceSpace::release(const Scene& scene) {
 
 Motion ReferenceSpace::motion(const Coordinates& x) const {
   Motion m{};
-  double to = 0;
-  const auto of = motion_numbers(m, to);
+  if (release_) m.reposition = Reposition{release_->phi, release_->rate, release_->from, 0};
+  double none = 0;
+  const auto of = motion_numbers(m, none);
   for (int k = 0; k < dimension(); ++k) *of[std::size_t(slots_[std::size_t(k)])] = x[k];
-  if (release_) m.reposition = Reposition{release_->phi, release_->rate, release_->from, to};
   return m;
 }
 

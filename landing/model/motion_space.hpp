@@ -19,12 +19,8 @@ using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kM
 
 /// The numbers of a play that gradients know, in the order of Parameter (landing/derivatives/gradient.hpp): those of
 /// the motion, phi_I, phi_F and duration first, then K_p, K_d, K_SEA, C_SEA, I_motor.
-inline constexpr int kMotionNumbers = 10, kPlayNumbers = kMotionNumbers + 5;
+inline constexpr int kPlayNumbers = kMotionNumbers + 5;
 Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p);
-/// Those of the motion, in this order: phi_I, phi_F, duration, b_k, gain_p, gain_d, the end `to` of the move in the
-/// air.
-std::array<double*, kMotionNumbers> motion_numbers(Motion& motion, double& to);
-inline constexpr int kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps, kToSlot = kGainSlot + 2;
 
 /// The range of `to` where the reference may move from `from` on and the floor comes after `fall` [s]: a move ends
 /// before a robot that does not move would meet the floor, but lasts its shortest.

@@ -18,6 +18,9 @@ struct Scatter {
   double stiffness = 0;      ///< of the floor: standard deviation of its logarithm, 0.1 for some 10 %
   double damping_normal = 0, damping_tangential = 0;  ///< the same
   double delay = 0;                                   ///< of the touchdown's detection [s]
+  double slope = 0;  ///< of the floor [rad]; this and all below: of robots of links alone
+  double friction = 0, stiffness_tangential = 0, dissipation = 0;  ///< of every contact, as `stiffness`
+  double pad_thickness = 0, pad_stiffness = 0, pad_damping = 0;    ///< of every pad, as `stiffness`
 
   /// What is assumed where nothing is said: 1 deg, 1 cm, 3 cm/s.
   static constexpr Scatter assumed() { return {.pitch = 0.017453292519943295, .height = 0.01, .forward_speed = 0.03}; }
@@ -32,8 +35,9 @@ struct ScatterTerm {
   const char* unit;  ///< SI
   Kind kind;
   double Scatter::*deviation;
+  bool of_links = false;  ///< the paper's robot and its floor have no such number
 };
-inline constexpr std::array<ScatterTerm, 10> kScatterTerms = {{
+inline constexpr std::array<ScatterTerm, 17> kScatterTerms = {{
     {"pitch", "rad", ScatterTerm::Kind::kAngle, &Scatter::pitch},
     {"height", "m", ScatterTerm::Kind::kPlain, &Scatter::height},
     {"forward_speed", "m/s", ScatterTerm::Kind::kPlain, &Scatter::forward_speed},
@@ -44,6 +48,13 @@ inline constexpr std::array<ScatterTerm, 10> kScatterTerms = {{
     {"damping_normal", "1", ScatterTerm::Kind::kRelative, &Scatter::damping_normal},
     {"damping_tangential", "1", ScatterTerm::Kind::kRelative, &Scatter::damping_tangential},
     {"delay", "s", ScatterTerm::Kind::kPlain, &Scatter::delay},
+    {"slope", "rad", ScatterTerm::Kind::kAngle, &Scatter::slope, true},
+    {"friction", "1", ScatterTerm::Kind::kRelative, &Scatter::friction, true},
+    {"stiffness_tangential", "1", ScatterTerm::Kind::kRelative, &Scatter::stiffness_tangential, true},
+    {"dissipation", "1", ScatterTerm::Kind::kRelative, &Scatter::dissipation, true},
+    {"pad_thickness", "1", ScatterTerm::Kind::kRelative, &Scatter::pad_thickness, true},
+    {"pad_stiffness", "1", ScatterTerm::Kind::kRelative, &Scatter::pad_stiffness, true},
+    {"pad_damping", "1", ScatterTerm::Kind::kRelative, &Scatter::pad_damping, true},
 }};
 inline bool Scatter::any() const {
   return std::any_of(kScatterTerms.begin(), kScatterTerms.end(), [&](auto& t) { return this->*t.deviation > 0; });

@@ -41,9 +41,10 @@ std::string shown_value(const ScatterTerm& t, double x) {
 
 }  // namespace
 
-Scatter read_scatter(TomlSection& section) {
+Scatter read_scatter(TomlSection& section, bool of_links) {
   Scatter out;
   for (const ScatterTerm& t : kScatterTerms) {
+    if (t.of_links && !of_links) continue;
     double& deviation = out.*t.deviation;
     const std::string key = key_of(t);
     if (t.kind == Kind::kRelative) {

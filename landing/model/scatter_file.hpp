@@ -12,7 +12,7 @@ namespace ukemi::landing {
 /// [scatter]: pitch_deg, height, forward_speed, pitch_rate_deg, phi_deg, rate_deg, delay are standard deviations;
 /// stiffness, damping_normal, damping_tangential are texts as "10%". What is absent does not scatter. Throws InputError
 /// with file:line:column.
-Scatter read_scatter(TomlSection& section);
+Scatter read_scatter(TomlSection& section, bool of_links);
 /// [execution]: phi_deg, duration. Throws InputError with file:line:column.
 ExecutionTolerance read_execution(TomlSection& section);
 /// The scatter's lines in a file.

@@ -39,7 +39,7 @@ void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
   if (auto uncertainty = file.optional("uncertainty"))
     scene.uncertainty = read_uncertainty(*uncertainty, {kUncertainNames.begin(), kUncertainNames.end()}, "the scene");
   scene.verdicts = read_verdicts(file, {kUncertainNames.begin(), kUncertainNames.end()});
-  if (auto scatter = file.optional("scatter")) scene.scatter = read_scatter(*scatter);
+  if (auto scatter = file.optional("scatter")) scene.scatter = read_scatter(*scatter, false);
   if (auto detection = file.optional("detection")) {
     constexpr double kLatest = 0.1;  // [s]
     scene.detection_delay = detection->optional_number("delay", Range::non_negative()).value_or(0);

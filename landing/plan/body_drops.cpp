@@ -1,5 +1,6 @@
 #include "landing/plan/body_drops.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -22,6 +23,21 @@ BodyMotion BodyDrop::played(const BodyMotion& planned) const {
   return out;
 }
 
+namespace {
+
+/// The constants of a contact are log-normal.
+void scale(ContactPoint& c, const Scatter& z) {
+  c.law.stiffness *= std::exp(z.stiffness), c.law.damping_normal *= std::exp(z.damping_normal);
+  c.law.damping_tangential *= std::exp(z.damping_tangential);
+  c.law.stiffness_tangential *= std::exp(z.stiffness_tangential), c.law.friction *= std::exp(z.friction);
+  c.law.dissipation *= std::exp(z.dissipation);
+  if (!c.pad) return;
+  c.pad->thickness *= std::exp(z.pad_thickness);
+  c.pad->stiffness *= std::exp(z.pad_stiffness), c.pad->damping *= std::exp(z.pad_damping);
+}
+
+}  // namespace
+
 BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, const Options& options)
     : scene_(scene), phi_(scatter.phi > 0), rate_(scatter.rate > 0), inexact_(options.inexact) {
   scene.validate(), scatter.validate(), check_not_negative("inflate", options.inflate);
@@ -31,6 +47,15 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
         {scatter.pitch_rate, robot.base == Base::kRail, "pitch_rate"},
         {scatter.height, robot.base == Base::kPinned, "height"}})
     if (deviation > 0 && base) throw InputError(std::string("scatter: ") + what + ": a robot on this base has none");
+  const auto check = [&](double deviation, const char* what, auto&& has) {
+    if (deviation > 0 && std::none_of(robot.contacts.begin(), robot.contacts.end(), has))
+      throw InputError(std::string("scatter: ") + what + ": no contact of this robot has any");
+  };
+  check(scatter.friction, "friction", [](const ContactPoint& c) { return std::isfinite(c.law.friction); });
+  check(scatter.stiffness_tangential, "stiffness_tangential", [](auto& c) { return c.law.stiffness_tangential > 0; });
+  check(scatter.dissipation, "dissipation", [](auto& c) { return c.law.hunt_crossley && c.law.dissipation > 0; });
+  check(std::max({scatter.pad_thickness, scatter.pad_stiffness, scatter.pad_damping}), "pad_...",
+        [](auto& c) { return c.pad.has_value(); });
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven()) driven_.push_back(int(i));
   for (const ScatterTerm& t : kScatterTerms) {
@@ -58,10 +83,9 @@ BodyDrop BodyDropModel::drop(std::span<const double> u) const {
   for (double Scatter::*const name : of_scene_) z.*name = *next++;
   out.from_floor = move_drop(out.scene.drop, z);
   out.scene.detection_delay = std::max(0.0, scene_.detection_delay + z.delay);
-  for (ContactPoint& c : out.scene.robot.contacts) {
-    c.law.stiffness *= std::exp(z.stiffness), c.law.damping_normal *= std::exp(z.damping_normal);
-    c.law.damping_tangential *= std::exp(z.damping_tangential);
-  }
+  constexpr double kSteepest = 1.5;  // within a right angle [rad]
+  out.scene.slope = std::clamp(scene_.slope + z.slope, -kSteepest, kSteepest);
+  for (ContactPoint& c : out.scene.robot.contacts) scale(c, z);
   const auto of = [&](int i) -> BodyDrop::Joint& { return out.joints[std::size_t(i)]; };
   for (const int i : driven_)
     if (phi_) of(i).phi = *next++;

@@ -76,8 +76,6 @@ Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordin
 }  // namespace
 
 Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyMotion& motion, const Location& where) {
-  static constexpr std::array<const char*, kMotionNumbers> kNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
-                                                                     "b2",    "b3",    "gain_p",   "gain_d", "to"};
   const Coordinates unit = space.unit(motion);
   BodyMotion given = motion, kept = space.motion(unit);
   for (std::size_t i = 0; i < given.size(); ++i) {
@@ -88,9 +86,9 @@ Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyM
                        fmt::format("joint '{}' moves in the air: motions without such a move are mapped", joint.name));
     double a = 0, b = 0;
     const auto x = motion_numbers(given[i], a), y = motion_numbers(kept[i], b);
-    for (std::size_t k = 0; k < kNames.size(); ++k)
+    for (std::size_t k = 0; k < kMotionNames.size(); ++k)
       if (!(std::abs(*x[k] - *y[k]) <= 1e-9))
-        throw InputError(where, fmt::format("{}_{} = {:.6g}: {:.6g} is the nearest that is mapped", kNames[k],
+        throw InputError(where, fmt::format("{}_{} = {:.6g}: {:.6g} is the nearest that is mapped", kMotionNames[k],
                                             joint.name, *x[k], *y[k]));
   }
   return values_of(space.variables(), unit);

@@ -10,6 +10,7 @@
 #include "common/parallel.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/plan/body_drops.hpp"
+#include "landing/plan/body_goal.hpp"
 #include "landing/plan/body_space.hpp"
 #include "landing/scatter/sampler.hpp"
 #include "landing/search/archive.hpp"
@@ -39,59 +40,6 @@ void BodyPlanOptions::validate() const {
 
 namespace {
 
-constexpr double kSearchAccuracy = 1e-6;
-
-/// What a motion is worth: a measure of its peaks over drops.
-struct BodyGoal {
-  Measure measure;
-  std::vector<BodyDrop> drops;
-  std::size_t counted = drops.size();  ///< of the drops, the first; the others only keep the limits
-  double share = 1;                    ///< of all drops, in which the limits are kept
-
-  bool single() const { return drops.size() == 1; }
-  long may_break() const { return long(std::floor((1 - share) * double(drops.size()) + 1e-9)); }
-
-  /// `played`: receives the landings that it took. A value above `bound` is a bound of the value: what is still to come
-  /// can only add.
-  double value(const BodyMotion& motion, double accuracy, double bound, const std::function<bool()>* over,
-               long& played) const {
-    const bool worst = single() || measure.kind == Measure::Kind::kWorst;
-    std::vector<double> peaks(counted, 0.0), copy;
-    played = 0;
-    long broken = 0;
-    for (std::size_t k = 0; k < drops.size(); ++k) {
-      SimulateOptions options{.accuracy = accuracy, .over = over};
-      const bool counts = k < counted;
-      if (worst && counts) options.abandon_above = bound;
-      const BodyLanding l = peak_acceleration(drops[k].scene, drops[k].played(motion), options);
-      ++played;
-      if (no_landing(l.end) || l.end == End::kStopped) return kNoMotion;
-      if (l.broken && ++broken > may_break()) return kNoMotion;
-      if (!counts) continue;
-      peaks[k] = l.peak;
-      if (!(bound < kNoMotion) && k + 1 < counted) continue;
-      copy = peaks;
-      if (const double v = measure.of(copy); v > bound) return v;
-    }
-    return measure.of(peaks);
-  }
-};
-
-/// A run of a search by one drop ends where it first breaks a limit.
-BodyScene strict(BodyScene scene) {
-  scene.limits.broken = BodyLimits::Broken::kEnds;
-  return scene;
-}
-BodyGoal own_drop(const BodyScene& scene) {
-  return {{Measure::Kind::kWorst}, {{strict(scene), std::vector<BodyDrop::Joint>(scene.robot.joints.size())}}};
-}
-/// The execution box: the goal, or what keeps the limits.
-BodyGoal execution_box(const BodyScene& scene, bool counts) {
-  BodyGoal out{{Measure::Kind::kWorst}, execution_drops(strict(scene))};
-  if (!counts) out.counted = 1;
-  return out;
-}
-
 /// The search's state: what was spent, the best few so far.
 class BodySearch {
  public:
@@ -119,7 +67,7 @@ class BodySearch {
     const double known = goal_ == &final_ && !final_.single() ? 0.7 : 0.35;  // how often beside what is known
     while (!over()) {
       if (goal_ == &final_ && share() > kLate && !best_.empty())
-        close_in(Candidate(best_[0]), kRefined, kFine);
+        refine(Candidate(best_[0]));
       else if (!basins_.empty() && random_.uniform() < known)
         start_beside_a_basin();
       else
@@ -313,6 +261,23 @@ class BodySearch {
     }
     basins_.add(best);
   }
+  /// Where the largest peak counts and nothing limits it, by its gradients; a place that they do not better is refined
+  /// by a narrow distribution.
+  void refine(const Candidate& best) {
+    if (final_.worst() && !scene_.limits.any() && best.u != refined_) {
+      refined_ = best.u;
+      descend_by_gradient(final_, space_, best.u, best.value, options_.threads, [&](const Coordinates& u) {
+        Candidate p{u};
+        evaluate(std::span(&p, 1));
+        spent_ += cost_of_gradient();
+        return !over();
+      });
+      if (best_[0].value < best.value) return;
+    }
+    close_in(best, kRefined, kFine);
+  }
+  /// In motions, roughly: a landing with its derivatives by eight numbers takes some ten times a landing.
+  long cost_of_gradient() const { return 10 * ((space_.dimension() + 7) / 8); }
   void start_beside_a_basin() {
     const double size = std::pow(10.0, -random_.uniform(0.7, 2));
     close_in(beside(basins_[low_index(random_, basins_.size())], size, random_), size, kRough);
@@ -394,7 +359,8 @@ class BodySearch {
   Random random_;
   Archive best_{kFew, kApart}, starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
   Stopwatch watch_{Stopwatch::Time::kWall};
-  double reserve_ = 0;  ///< [s]
+  Coordinates refined_;  ///< the last place that gradients were followed from
+  double reserve_ = 0;   ///< [s]
   long spent_ = 0;
 };
 

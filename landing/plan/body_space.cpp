@@ -16,7 +16,7 @@ namespace {
 /// A number of a motion by its place among motion_numbers. A motion without a move in the air has no `to`.
 double& number(Motion& m, int which) {
   double none = 0;
-  return *motion_numbers(m, m.reposition ? m.reposition->to : none)[std::size_t(which)];
+  return *motion_numbers(m, none)[std::size_t(which)];
 }
 
 }  // namespace
@@ -86,6 +86,12 @@ Coordinates BodySpace::unit(const BodyMotion& motion) const {
     if (!m.reposition) m.reposition = Reposition{m.phi_i, 0, 0, v.upper};
     out[long(k)] = std::clamp((number(m, slots_[k].number) - v.lower) / (v.upper - v.lower), 0.0, 1.0);
   }
+  return out;
+}
+
+std::vector<BodyParameter> BodySpace::parameters() const {
+  std::vector<BodyParameter> out;
+  for (const Slot& s : slots_) out.push_back({BodyParameter::Of::kMotion, s.joint, s.number});
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "landing/body/body_scene.hpp"
+#include "landing/derivatives/body_gradient.hpp"
 #include "landing/model/motion_space.hpp"
 
 namespace ukemi::landing {
@@ -25,6 +26,8 @@ class BodySpace {
   BodyMotion motion(const Coordinates& unit) const;
   /// The place of a motion in the cube, the nearest where it lies beyond.
   Coordinates unit(const BodyMotion& motion) const;
+  /// What each variable is to a landing, in their order.
+  std::vector<BodyParameter> parameters() const;
   /// Which variables of a point lie on an edge of their range, to a thousandth of it.
   Edges edges(const Coordinates& unit) const;
 

@@ -76,6 +76,7 @@ DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator&
   if (!actuator.uncertain.empty() || actuator.covariance.size() > 0) validate(actuator);
   for (const ScatterTerm& t : kScatterTerms) {
     if (!(scatter.*t.deviation > 0)) continue;
+    if (t.of_links) throw InputError(std::string("scatter: ") + t.name + ": a robot of links is needed");
     of_drop_.push_back(t.deviation);
     sampler.normal(t.name, scatter.*t.deviation);
   }

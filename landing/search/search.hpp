@@ -1,6 +1,7 @@
 // The bookkeeping that all solvers share: what may still be spent, the best so far, and how it came about.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -34,8 +35,9 @@ class Search {
   bool over() const { return spent() >= budget_.motions || objective_.late() || stalled(); }
   double seconds() const { return objective_.watch.seconds() - start_; }
   long motions() const { return objective_.motions() - first_motion_; }
-  /// Of Budget::motions: under scatter, where a motion is worth as many landings as it may win, the landings.
-  long spent() const { return scattered() ? objective_.landings() - first_landing_ : motions(); }
+  /// Of Budget::motions: under scatter, where a motion is worth as many landings as it may win, the landings; a motion
+  /// that is refused before any landing counts as one.
+  long spent() const { return scattered() ? std::max(objective_.landings() - first_landing_, motions()) : motions(); }
   const Budget& budget() const { return budget_; }
   /// How much is spent, 0..1: of the motions or of the time, whichever is more.
   double share() const;

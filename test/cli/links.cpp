@@ -141,6 +141,19 @@ TEST_CASE("a plan of a robot of links has shape terms and gains, in its files an
   }
 }
 
+TEST_CASE("a joint that --hold names stays there, though its scene lets it move in the air") {
+  const Folder f;
+  std::string text = read(kHopper);
+  text = std::regex_replace(text, std::regex("robot = \"[^\"]*\""), "robot = \"leg.toml\"");
+  f.write("leg.toml", read(dataset("robots/hopper.toml")));
+  const std::string released = f.write(
+      "released.toml", text + "[release]\nfrom = 0.02\n[release.hip]\nphi_deg = 20\n[release.knee]\nphi_deg = -40\n");
+  done(f, {"simulate", released, "--hold", "hip=35,knee=-70", "-o", "held"});
+  done(f, {"simulate", kHopper, "--hold", "hip=35,knee=-70", "-o", "plain"});
+  const auto peak = [&](const char* folder) { return summary(f, folder)["peak_acceleration"].get<double>(); };
+  CHECK(peak("held") == Approx(peak("plain")).epsilon(1e-9));
+}
+
 TEST_CASE("limits of a robot of links: kept by plans, counted by risk, and said where nothing keeps them") {
   const Folder f;
   const std::string leg = f.write("leg.toml",

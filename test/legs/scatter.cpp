@@ -8,6 +8,7 @@
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
+#include "landing/scatter/drop_model.hpp"
 #include "landing/scatter/sampler.hpp"
 #include "landing/search/tolerant_peak.hpp"
 #include "test/folder.hpp"
@@ -62,6 +63,42 @@ TEST_CASE("legs: a scatter reaches what it names, on bases that have it") {
     CHECK(simulate(d.scene, m).end == End::kRest);
   }
   CHECK(some_from_floor);
+}
+
+TEST_CASE("legs: friction, slopes and pads scatter, where the robot has them") {
+  BodyScene hopper = shipped("hopper");
+  for (const Scatter& s : {Scatter{.dissipation = 0.1}, Scatter{.pad_thickness = 0.1}, Scatter{.pad_damping = 0.1}})
+    CHECK_THROWS_WITH(BodyDropModel(hopper, s), Catch::Matchers::Contains("no contact of this robot has any"));
+  const Scene paper = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  CHECK_THROWS_WITH(DropModel(paper, {.slope = 0.1}, fitted(), {}), Catch::Matchers::Contains("scatter: slope"));
+
+  for (ContactPoint& c : hopper.robot.contacts) c.pad = Pad{0.01, 3000, 60};
+  const Scatter scatter{.slope = 2 * kDegree,
+                        .friction = 0.1,
+                        .stiffness_tangential = 0.2,
+                        .pad_thickness = 0.05,
+                        .pad_stiffness = 0.15,
+                        .pad_damping = 0.3};
+  const BodyDropModel model(hopper, scatter);
+  REQUIRE(model.sampler().dimension() == 6);
+  constexpr long kDrops = 4096;
+  // Root mean squares; a cut at three deviations takes 1.3 % of them.
+  std::array<double, 6> sum{};
+  for (const BodyDrop& d : model.even(kDrops, 1)) {
+    const ContactPoint &c = d.scene.robot.contacts[1], &planned = hopper.robot.contacts[1];
+    const auto moved = [](double x, double x0) { return std::log(x / x0); };
+    const std::array<double, 6> z = {d.scene.slope,
+                                     moved(c.law.friction, planned.law.friction),
+                                     moved(c.law.stiffness_tangential, planned.law.stiffness_tangential),
+                                     moved(c.pad->thickness, planned.pad->thickness),
+                                     moved(c.pad->stiffness, planned.pad->stiffness),
+                                     moved(c.pad->damping, planned.pad->damping)};
+    for (std::size_t k = 0; k < z.size(); ++k) sum[k] += z[k] * z[k] / kDrops;
+    CHECK(c.law.stiffness == planned.law.stiffness);
+  }
+  const std::array<double, 6> asked = {scatter.slope,         scatter.friction,      scatter.stiffness_tangential,
+                                       scatter.pad_thickness, scatter.pad_stiffness, scatter.pad_damping};
+  for (std::size_t k = 0; k < asked.size(); ++k) CHECK(std::sqrt(sum[k]) == Approx(0.987 * asked[k]).epsilon(0.01));
 }
 
 TEST_CASE("legs: with one joint, drops, tolerant peaks and risk are those of the paper's robot") {

@@ -8,6 +8,7 @@
 #include "common/random.hpp"
 #include "landing/model/release.hpp"
 #include "landing/model/scene_file.hpp"
+#include "test/quotient.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -81,44 +82,6 @@ Motion draw(const Scene& scene, std::uint64_t i) {
   return {r.uniform(phi[0], phi[1]), r.uniform(phi[0], phi[1]), r.uniform(duration[0], duration[1])};
 }
 
-/// A difference quotient and how far its neighbours in Richardson's table are from it.
-struct Quotient {
-  double value = 0, error = std::numeric_limits<double>::infinity();
-};
-/// Richardson's table of quotients q(h), q(h/2), ... whose errors are a series in h^kPower (Ridders 1982).
-template <int kPower, class F>
-Quotient extrapolated(double h, F&& q) {
-  constexpr int kLevels = 5;
-  Quotient best;
-  std::array<double, kLevels> last{}, row{};
-  for (int i = 0; i < kLevels; ++i, h /= 2) {
-    row[0] = q(h);
-    double factor = 1;
-    for (int j = 1; j <= i; ++j) {
-      factor *= 1 << kPower;
-      row[j] = (row[j - 1] * factor - last[j - 1]) / (factor - 1);
-      const double error = std::max(std::abs(row[j] - row[j - 1]), std::abs(row[j] - last[j - 1]));
-      if (error < best.error) best = {row[j], error};
-    }
-    last = row;
-  }
-  return best;
-}
-/// The central quotient of f(x) at 0 for moves of `unit`, and the one from one side.
-template <class F>
-Quotient central(double unit, F&& f) {
-  const auto quotient = [&](double h) { return (f(h) - f(-h)) / (2 * h); };
-  const Quotient wide = extrapolated<2>(1e-3 * unit, quotient);
-  if (wide.error < kSure * std::abs(wide.value)) return wide;
-  const Quotient narrow = extrapolated<2>(1e-5 * unit, quotient);  // where f bends sharply
-  return narrow.error < wide.error ? narrow : wide;
-}
-template <class F>
-Quotient one_sided(double side, double unit, F&& f) {
-  const double f0 = f(0);
-  return extrapolated<1>(2e-4 * unit, [&](double h) { return side * (f(side * h) - f0) / h; });
-}
-
 /// A gradient against difference quotients, each times its parameter's unit, as parts of the gradient's size.
 struct Comparison {
   double difference = 0;  ///< largest of |d - quotient|
@@ -134,7 +97,7 @@ Comparison compare(Case c, const Eigen::Matrix<double, P, 1>& d, F&& value) {
   for (int k = 0; k < P; ++k) {
     const double unit = c.unit(k);
     const auto f = [&](double x) { return value(c.moved(k, x)); };
-    const Quotient q = central(unit, f);
+    const Quotient q = central(unit, kSure, f);
     constexpr double kNear = 1e-6;
     const double kink = (f(kNear * unit) - 2 * middle + f(-kNear * unit)) / kNear;
     out.difference = std::max(out.difference, std::abs(d[k] - q.value) * unit / size);

@@ -30,7 +30,8 @@ namespace {
 Scatter every_scatter() {
   Scatter out;
   double x = 0.0123;
-  for (const ScatterTerm& t : kScatterTerms) out.*t.deviation = x *= 1.1;
+  for (const ScatterTerm& t : kScatterTerms)
+    if (!t.of_links) out.*t.deviation = x *= 1.1;
   return out;
 }
 

@@ -52,7 +52,8 @@ void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   for (const std::string& drive : scene.drive_files) (void)actuator_of(drive, run);
 }
 
-/// Every driven joint held as the scene says, or as NAME=DEG,... does; of one driven joint also DEG.
+/// Every driven joint held as the scene says, or as NAME=DEG,... does, which is then not moved in the air; of one
+/// driven joint also DEG.
 BodyMotion posture(const BodyScene& scene, const std::string& text) {
   BodyMotion out = held_posture(scene);
   std::vector<std::string> names;
@@ -67,7 +68,7 @@ BodyMotion posture(const BodyScene& scene, const std::string& text) {
       throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", degrees));
     for (std::size_t i = 0; i < out.size(); ++i)
       if (scene.robot.joints[i].driven() && scene.robot.joints[i].name == name)
-        out[i].phi_i = out[i].phi_f = degrees * kDegree;
+        out[i].phi_i = out[i].phi_f = degrees * kDegree, out[i].reposition.reset();
   }
   if (names.empty() && !text.empty()) throw InputError("--hold: no joint of this robot is driven");
   return out;

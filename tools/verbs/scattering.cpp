@@ -11,8 +11,9 @@ namespace ukemi::tools {
 void add_scatter(CLI::App& verb, ScatterArguments& a) {
   verb.add_option("--scatter", a.scatter,
                   "NAME=STD,...: standard deviations of pitch_deg, height, forward_speed, pitch_rate_deg, phi_deg, "
-                  "rate_deg, delay; of stiffness, damping_normal, damping_tangential as 10% [the scene's, else "
-                  "pitch_deg=1,height=0.01,forward_speed=0.03]");
+                  "rate_deg, delay; of stiffness, damping_normal, damping_tangential as 10%; of a robot of links also "
+                  "slope_deg, and friction, stiffness_tangential, dissipation, pad_thickness, pad_stiffness, "
+                  "pad_damping as 10% [the scene's, else pitch_deg=1,height=0.01,forward_speed=0.03]");
   verb.add_option("--inflate", a.inflate, "factor of the standard errors of the actuator's constants; 0: exact [1]");
   verb.add_option("--drops", a.drops, "CSV file of drops as they were measured, in place of drawn ones");
 }

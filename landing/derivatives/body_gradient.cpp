@@ -1,0 +1,194 @@
+#include "landing/derivatives/body_gradient.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
+#include "common/error.hpp"
+#include "landing/derivatives/differentiated_body.hpp"
+#include "landing/derivatives/peak_observer.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+using Of = BodyParameter::Of;
+
+constexpr std::array<const char*, 5> kDropNames = {"height", "forward_speed", "pitch", "pitch_rate", "vertical_speed"};
+constexpr std::array<const char*, 10> kContactNames = {
+    "stiffness", "damping_normal", "stiffness_tangential", "damping_tangential", "friction",
+    "exponent",  "dissipation",    "pad.thickness",        "pad.stiffness",      "pad.damping"};
+enum { kOfStiffness, kOfNormal, kOfStiffnessT, kOfDampingT, kOfFriction, kOfExponent, kOfDissipation, kOfPad };
+
+std::size_t count_of(Of of) {
+  switch (of) {
+    case Of::kMotion:
+      return kMotionNames.size();
+    case Of::kDrop:
+      return kDropNames.size();
+    case Of::kDrive:
+      return actuator_constants().size();
+    case Of::kContact:
+      break;
+  }
+  return kContactNames.size();
+}
+
+/// Throws InputError for what the robot has not.
+void check(const BodyParameter& p, const Robot& robot) {
+  const bool of_contact = p.of == Of::kContact, all = p.index == -1 && p.of == Of::kMotion;
+  const std::size_t most = of_contact ? robot.contacts.size() : robot.joints.size();
+  const bool known = p.which >= 0 && std::size_t(p.which) < count_of(p.of),
+             there = all || p.of == Of::kDrop || (p.index >= 0 && std::size_t(p.index) < most);
+  if (!known || !there) throw InputError(fmt::format("parameter: the robot has none of {}, {}", p.index, p.which));
+  if (all || p.of == Of::kDrop || of_contact) return;
+  const Joint& joint = robot.joints[std::size_t(p.index)];
+  if (!joint.driven()) throw InputError("parameter: joint " + joint.name + " is not driven");
+}
+
+constexpr Capacity kSmall{3, 2, 4}, kAny{kMostLinks, kMostJoints, kMostContacts};
+
+/// Parameters of one run.
+constexpr int kAtOnce = 8;
+
+template <Capacity kSize>
+BodyGradients landed(const BodyScene& scene, const BodyMotion& motion, std::span<const BodyParameter> parameters,
+                     const SimulateOptions& options, int most) {
+  using Landing = DifferentiatedBody<kAtOnce, kSize>;
+  Landing landing(scene, motion, parameters, options);
+  PeakObserver<Landing> observer(most);
+  const DifferentiatedOutcome outcome = landing.run(observer);
+  BodyGradients out{.peaks = {}, .t_end = outcome.t_end, .end = outcome.end, .status = outcome.status};
+  for (const auto& p : observer.peaks)
+    out.peaks.push_back(
+        {p.t, p.value, (p.d.array() / landing.unit()).matrix().head(Eigen::Index(parameters.size())), p.kind});
+  return out;
+}
+
+BodyGradients some_gradients(const BodyScene& scene, const BodyMotion& motion,
+                             std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
+  const Robot& r = scene.robot;
+  const bool small =
+      r.links.size() <= kSmall.bodies && r.joints.size() <= kSmall.joints && r.contacts.size() <= kSmall.contacts;
+  return small ? landed<kSmall>(scene, motion, parameters, options, most)
+               : landed<kAny>(scene, motion, parameters, options, most);
+}
+
+/// The derivatives of `more` behind those of `out`. The runs step by their own derivatives too, so that one maximum of
+/// both is told by its time; what is no maximum of both is dropped.
+void join(BodyGradients& out, const BodyGradients& more) {
+  constexpr double kOneTime = 1e-6;  // [s]
+  std::vector<BodyPeakGradient> both;
+  for (BodyPeakGradient& p : out.peaks) {
+    const auto same = std::find_if(more.peaks.begin(), more.peaks.end(), [&](const BodyPeakGradient& q) {
+      return q.kind == p.kind && std::abs(q.t - p.t) < kOneTime;
+    });
+    if (same == more.peaks.end()) continue;
+    const Eigen::Index n = p.d.size();
+    p.d.conservativeResize(n + same->d.size());
+    p.d.tail(same->d.size()) = same->d;
+    both.push_back(p);
+  }
+  out.peaks = std::move(both);
+  if (out.end != End::kFailed) out.end = more.end, out.status = more.status;
+}
+
+}  // namespace
+
+std::span<const char* const> contact_constants() { return kContactNames; }
+
+std::string name(const BodyParameter& p, const Robot& robot) {
+  check(p, robot);
+  const auto which = std::size_t(p.which);
+  if (p.of == Of::kDrop) return std::string("drop.") + kDropNames[which];
+  if (p.of == Of::kMotion && p.index < 0) return kMotionNames[which];
+  const auto index = std::size_t(p.index);
+  if (p.of == Of::kMotion) return kMotionNames[which] + ("_" + robot.joints[index].name);
+  if (p.of == Of::kDrive) return "drive." + robot.joints[index].name + "." + actuator_constants()[which].key;
+  return "contact." + robot.contacts[index].name + "." + kContactNames[which];
+}
+
+std::vector<BodyParameter> parameters_of(const BodyScene& scene, const BodyMotion& motion) {
+  const Robot& robot = scene.robot;
+  validate(robot, motion);
+  std::vector<BodyParameter> out;
+  const auto add = [&](Of of, int index, int which) { out.push_back({of, index, which}); };
+  for (int i = 0; i < int(robot.joints.size()); ++i) {
+    if (!robot.joints[std::size_t(i)].driven()) continue;
+    const bool moves = motion[std::size_t(i)].reposition && std::isfinite(motion[std::size_t(i)].reposition->to);
+    for (int k = 0; k < kToSlot + moves; ++k) add(Of::kMotion, i, k);
+  }
+  if (robot.base != Base::kPinned) add(Of::kDrop, -1, 0), add(Of::kDrop, -1, 2), add(Of::kDrop, -1, 4);
+  if (robot.base == Base::kFree) add(Of::kDrop, -1, 1);
+  if (robot.base != Base::kRail) add(Of::kDrop, -1, 3);
+  for (int i = 0; i < int(robot.joints.size()); ++i) {
+    const Joint& joint = robot.joints[std::size_t(i)];
+    if (!joint.driven()) continue;
+    const auto constants = actuator_constants();
+    for (int k = 0; k < int(constants.size()); ++k) {
+      const double x = joint.sea.*constants[std::size_t(k)].at;
+      if (std::isfinite(x) && x != constants[std::size_t(k)].absent) add(Of::kDrive, i, k);
+    }
+  }
+  for (int i = 0; i < int(robot.contacts.size()) && scene.floor; ++i) {
+    const ContactPoint& c = robot.contacts[std::size_t(i)];
+    add(Of::kContact, i, kOfStiffness);
+    if (!c.law.hunt_crossley) add(Of::kContact, i, kOfNormal);
+    if (c.law.stiffness_tangential > 0) add(Of::kContact, i, kOfStiffnessT);
+    add(Of::kContact, i, kOfDampingT);
+    if (std::isfinite(c.law.friction)) add(Of::kContact, i, kOfFriction);
+    if (c.law.hunt_crossley) add(Of::kContact, i, kOfExponent), add(Of::kContact, i, kOfDissipation);
+    for (int k = 0; k < 3 && c.pad; ++k) add(Of::kContact, i, kOfPad + k);
+  }
+  return out;
+}
+
+double& number(BodyScene& scene, BodyMotion& motion, const BodyParameter& p) {
+  check(p, scene.robot);
+  if (p.of == Of::kDrop) {
+    Drop& d = scene.drop;
+    return *std::array{&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed}[std::size_t(p.which)];
+  }
+  if (p.of == Of::kDrive)
+    return scene.robot.joints[std::size_t(p.index)].sea.*actuator_constants()[std::size_t(p.which)].at;
+  if (p.of == Of::kContact) {
+    ContactPoint& c = scene.robot.contacts[std::size_t(p.index)];
+    if (p.which >= kOfPad && !c.pad) throw InputError("parameter: contact " + c.name + " has no pad");
+    if (p.which >= kOfPad)
+      return *std::array{&c.pad->thickness, &c.pad->stiffness, &c.pad->damping}[std::size_t(p.which - kOfPad)];
+    ContactLaw& l = c.law;
+    return *std::array{&l.stiffness, &l.damping_normal, &l.stiffness_tangential, &l.damping_tangential,
+                       &l.friction,  &l.exponent,       &l.dissipation}[std::size_t(p.which)];
+  }
+  if (p.index < 0) throw InputError("parameter: one joint's number is needed");
+  Motion& m = motion.at(std::size_t(p.index));
+  if (p.which == kToSlot && !m.reposition) throw InputError("parameter: the joint does not move in the air");
+  double none = 0;
+  return *motion_numbers(m, none)[std::size_t(p.which)];
+}
+
+BodyGradients gradients(const BodyScene& scene, const BodyMotion& motion, std::span<const BodyParameter> parameters,
+                        const SimulateOptions& options, int most) {
+  scene.validate(), validate(scene.robot, motion), options.validate();
+  for (const BodyParameter& p : parameters) check(p, scene.robot);
+  // A few more than asked for: what is joined is of all runs.
+  const int each = parameters.size() > std::size_t(kAtOnce) ? most + 2 : most;
+  BodyGradients out;
+  std::size_t from = 0;
+  do {
+    const std::size_t count = std::min<std::size_t>(kAtOnce, parameters.size() - from);
+    const BodyGradients some = some_gradients(scene, motion, parameters.subspan(from, count), options, each);
+    if (from == 0)
+      out = some;
+    else
+      join(out, some);
+    from += count;
+  } while (from < parameters.size());
+  if (out.peaks.size() > std::size_t(std::max(1, most))) out.peaks.resize(std::size_t(std::max(1, most)));
+  return out;
+}
+
+}  // namespace ukemi::landing

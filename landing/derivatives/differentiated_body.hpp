@@ -1,0 +1,167 @@
+// One landing of a robot of links in scalars with P derivatives. Private to body_gradient.cpp.
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
+#include "common/integrate/tableaus.hpp"
+#include "landing/body/body_course.hpp"
+#include "landing/body/body_rest.hpp"
+#include "landing/derivatives/body_gradient.hpp"
+#include "landing/derivatives/differentiated_run.hpp"
+
+namespace ukemi::landing {
+
+/// The landing and, in the same mode, the same system in plain doubles, and in scalars that carry the rate along the
+/// motion; an observer is one of follow_with_derivatives.
+template <int P, Capacity kSize>
+class DifferentiatedBody {
+ public:
+  using Jet = ceres::Jet<double, P>;
+  using Dual = ceres::Jet<double, 1>;  ///< a value and its rate along the motion
+  using Derivatives = Eigen::Matrix<double, P, 1>;
+  using Course = BodyCourse<kSize, false, Jet>;
+  using System = typename Course::System;
+  using Plain = BodySystem<kSize, false>;
+  using State = typename System::State;
+  using Values = typename Plain::State;
+  using Driver = integrate::Integrator<integrate::DormandPrince853, System>;
+
+  /// Derivatives by at most P parameters. Scene, motion and options must outlive it.
+  DifferentiatedBody(const BodyScene& scene, const BodyMotion& motion, std::span<const BodyParameter> parameters,
+                     const SimulateOptions& options)
+      : scene_(scene), options_(options), course_(scene, motion), plain_(scene.robot, scene.slope), dual_(plain_) {
+    for (std::size_t k = 0; k < parameters.size(); ++k) seed(parameters[k], int(k));
+  }
+
+  template <class Observer>
+  DifferentiatedOutcome run(Observer& observer) {
+    const State y = course_.released();
+    plain_ = Plain(course_.system);
+    dual_ = BodySystem<kSize, false, Dual>(course_.system);
+    return follow_with_derivatives(*this, 0, y, observer);
+  }
+
+  const BodyScene& scene() const { return scene_; }
+  const System& system() const { return course_.system; }
+  const Plain& plain() const { return plain_; }
+  int touchdowns() const { return touchdowns_; }
+  /// What a derivative counts, by slot: those of constants their share, so that the error control sees derivatives of
+  /// one size.
+  const Eigen::Array<double, P, 1>& unit() const { return unit_; }
+
+  static Values values(const State& y) {
+    Values v;
+    for (int k = 0; k < System::kStates; ++k) v[k] = value_of(y[k]);
+    return v;
+  }
+  /// Of the peak's point, with its derivatives at a fixed time.
+  Vec2<Jet> acceleration(const State& y, const State& dy) const { return of_peak(course_.system, y, dy); }
+  /// The same with its rate.
+  Vec2<Dual> acceleration_rate(double t, const Values& y, const Values& dy) const {
+    typename BodySystem<kSize, false, Dual>::State x, dx;
+    for (int k = 0; k < System::kStates; ++k) x[k] = Dual(y[k]), x[k].v[0] = dy[k];
+    dual_.derivative(Dual(t, 0), x, dx);
+    return of_peak(dual_, x, dx);
+  }
+
+  // The course, as follow_with_derivatives asks for it.
+  const SimulateOptions& options() const { return options_; }
+  integrate::Options step_options() const {
+    return {.accuracy = course_.step_accuracy(options_.accuracy), .first_step = 1e-4, .max_step = options_.max_step};
+  }
+  void open(double) {}
+  double longest_step() const { return course_.longest_step(); }
+  double stop() const { return course_.stop(); }
+  bool end_moves() const { return course_.limit_moves(); }
+  Deadline reached(double t) {
+    if (t >= course_.limit())
+      return {course_.touched() || !scene_.touches() ? End::kTimeLimit : End::kNoContact, false};
+    const bool lands = course_.lands_at(t);
+    if (!lands) course_.turn(t), follow();
+    return {std::nullopt, lands};
+  }
+  void land(const Jet& t) { course_.land(t), course_.turn(t.a), follow(); }
+  bool cross(int event, const Jet& t, State& y) {
+    const bool first = !course_.touched();
+    const typename Course::Crossing crossing = course_.cross(event, t, y);
+    touchdowns_ += crossing.touched >= 0;
+    if (crossing.lands) course_.land(t);
+    follow();
+    return first && crossing.touched >= 0;
+  }
+  bool rests(double t, const Values& y, double square) const {
+    return course_.touched() && !course_.waits() && at_rest(plain_, t, y, square, impact_energy(plain_));
+  }
+
+ private:
+  template <class Any>
+  static auto of_peak(const Any& s, const typename Any::State& y, const typename Any::State& dy) {
+    return landing::acceleration(s.body.peak, s.pose(y), s.accelerations_of(dy), s.body.bodies);
+  }
+  void follow() { plain_.follow(course_.system), dual_.follow(course_.system); }
+
+  void set(Jet& x, int slot, bool by_share) {
+    if (by_share && x.a != 0) unit_[slot] = std::abs(x.a);
+    x.v[slot] = unit_[slot];
+  }
+  void seed(const BodyParameter& p, int slot) {
+    switch (p.of) {
+      case BodyParameter::Of::kMotion:
+        for (int i = 0; i < course_.joints(); ++i)
+          if (course_.driven(i) && (p.index < 0 || course_.system.body.joint[i].joint == p.index))
+            seed_motion(course_.motion[i], p.which, slot);
+        break;
+      case BodyParameter::Of::kDrop: {
+        DropOf<Jet>& d = course_.drop;
+        set(*std::array{&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed}[std::size_t(p.which)],
+            slot, false);
+        break;
+      }
+      case BodyParameter::Of::kDrive:
+        for (int i = 0; i < course_.joints(); ++i)
+          if (course_.system.body.joint[i].joint == p.index) seed_drive(i, p.which, slot);
+        break;
+      case BodyParameter::Of::kContact: {
+        if (p.index >= course_.system.body.contacts) break;
+        ContactConstants<Jet>& c = course_.system.point[std::size_t(p.index)];
+        set(*std::array{&c.k, &c.c, &c.k_t, &c.c_t, &c.mu, &c.p, &c.dissipation, &c.thickness, &c.k_pad,
+                        &c.c_pad}[std::size_t(p.which)],
+            slot, true);
+      }
+    }
+  }
+  void seed_motion(MotionOf<Jet>& m, int which, int slot) {
+    Jet none(0);
+    set(*motion_numbers(m, none)[std::size_t(which)], slot, false);
+  }
+  /// A geared motor's inertia turns with the links.
+  void seed_drive(int i, int which, int slot) {
+    const auto at = actuator_constants()[std::size_t(which)].at;
+    auto& drive = course_.system.drive[std::size_t(i)];
+    const SeaParameters<double>& plain = course_.joint_of(i).sea;
+    SeaParameters<Jet>::for_each(drive.sea, plain, [&](Jet& x, const double& of) {
+      if (&of == &(plain.*at)) set(x, slot, true);
+    });
+    if (at != &SeaParameters<double>::i_motor || drive.kind != DriveKind::kGeared) return;
+    const JointPlace& joint = course_.system.body.joint[std::size_t(i)];
+    auto& n = course_.system.body.n;
+    const auto child = std::size_t(joint.child), parent = std::size_t(joint.parent);
+    n[child][child].v[slot] += unit_[slot];
+    if (joint.parent < 0) return;
+    n[parent][parent].v[slot] += unit_[slot];
+    n[child][parent].v[slot] -= unit_[slot], n[parent][child].v[slot] -= unit_[slot];
+  }
+
+  const BodyScene& scene_;
+  const SimulateOptions& options_;
+  Course course_;
+  Plain plain_;
+  BodySystem<kSize, false, Dual> dual_;
+  Eigen::Array<double, P, 1> unit_ = Eigen::Array<double, P, 1>::Ones();
+  int touchdowns_ = 0;
+};
+
+}  // namespace ukemi::landing

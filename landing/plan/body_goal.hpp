@@ -1,0 +1,44 @@
+// What a motion of a robot of links is worth: a measure of its peaks over drops, within the limits of the scene. Ours.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "landing/plan/body_drops.hpp"
+#include "landing/plan/body_space.hpp"
+
+namespace ukemi::landing {
+
+/// Relative accuracy of the landings that searches play.
+inline constexpr double kSearchAccuracy = 1e-6;
+
+struct BodyGoal {
+  Measure measure;
+  std::vector<BodyDrop> drops;
+  std::size_t counted = drops.size();  ///< of the drops, the first; the others only keep the limits
+  double share = 1;                    ///< of all drops, in which the limits are kept
+
+  bool single() const { return drops.size() == 1; }
+  /// The largest of the peaks counts.
+  bool worst() const { return single() || measure.kind == Measure::Kind::kWorst; }
+  long may_break() const { return long(std::floor((1 - share) * double(drops.size()) + 1e-9)); }
+
+  /// `played`: receives the landings that it took. A value above `bound` is a bound of the value: what is still to come
+  /// can only add. kNoMotion where a landing cannot be followed or the limits are not kept.
+  double value(const BodyMotion& motion, double accuracy, double bound, const std::function<bool()>* over,
+               long& played) const;
+};
+
+/// The scene's own drop. A run of a search by one drop ends where it first breaks a limit.
+BodyGoal own_drop(const BodyScene& scene);
+/// The execution box: the goal (`counts`), or what keeps the limits.
+BodyGoal execution_box(const BodyScene& scene, bool counts);
+
+/// Follows the exact gradients of a goal in which the largest peak counts down from a place: the paper's SQP on
+/// min s subject to a_k(u) <= s, a_k the largest local maxima of the goal's landings. `play` plays each point that is
+/// reached, as the search does, and says whether to go on.
+void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coordinates& start, double value,
+                         int threads, const std::function<bool(const Coordinates&)>& play);
+
+}  // namespace ukemi::landing

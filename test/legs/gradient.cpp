@@ -1,0 +1,149 @@
+// Gradients of landings of robots of links against difference quotients of `peak_acceleration`, which knows nothing of
+// them: on the reference robots, which have every base, drive and contact law.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/error.hpp"
+#include "landing/derivatives/body_gradient.hpp"
+#include "landing/model/motion.hpp"
+#include "test/legs/robots.hpp"
+#include "test/quotient.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+
+namespace {
+
+constexpr SimulateOptions kTight{.accuracy = 1e-13, .rest = SimulateOptions::Rest::kIgnore};
+constexpr double kSure = 1e-7, kSmooth = 1e-2;  // as test/property/gradient.cpp
+
+struct Case {
+  BodyScene scene;
+  BodyMotion motion;
+};
+Case reference(const std::string& stem) {
+  const std::string folder = UKEMI_DATASETS "/reference/legs/";
+  Case c{.scene = read_body_scene(folder + stem + ".toml"), .motion = {}};
+  c.motion = read_body_motion(folder + stem + "_motion.toml", c.scene.robot);
+  return c;
+}
+
+/// Those that chatter: their peaks move by 1e-6 with the steps (test/legs/references.cpp).
+bool is_sensitive(const std::string& stem) { return stem == "leg_042" || stem == "leg_045"; }
+
+enum class Answer { kRight, kWrong, kUnsure };
+struct Tally {
+  int right = 0, wrong = 0, unsure = 0;
+};
+
+/// The gradient's share of one parameter against its quotient, as a part of the whole gradient's size.
+Answer judge(const Case& c, const BodyParameter& p, double derivative, double peak, double size) {
+  Case moved = c;
+  double& x = number(moved.scene, moved.motion, p);
+  const double x0 = x;
+  const bool constant = p.of == BodyParameter::Of::kDrive || p.of == BodyParameter::Of::kContact;
+  const double unit = constant && x0 != 0 ? std::abs(x0) : 1;
+  const auto f = [&](double by) {
+    x = x0 + by;
+    return peak_acceleration(moved.scene, moved.motion, kTight).peak;
+  };
+  constexpr double kNear = 1e-6;
+  const double kink = (f(kNear * unit) - 2 * peak + f(-kNear * unit)) / kNear;
+  const Quotient q = central(unit, kSure, f);
+  if (q.error * unit > kSure * size || std::abs(kink) > kSmooth * size) return Answer::kUnsure;
+  const double off = std::abs(derivative - q.value) * unit / size;
+  if (off < 1e-6) return Answer::kRight;
+  WARN(name(p, c.scene.robot) << ": gradient " << derivative << ", quotient " << q.value << " +- " << q.error
+                              << ", off by " << off);
+  return Answer::kWrong;
+}
+
+/// Every `stride`-th parameter of a reference robot from `first` on.
+Tally compare(const std::string& stem, std::size_t first, std::size_t stride) {
+  INFO(stem);
+  const Case c = reference(stem);
+  const std::vector<BodyParameter> all = parameters_of(c.scene, c.motion);
+  const BodyGradients g = gradients(c.scene, c.motion, all, kTight, 3);
+  const double peak = peak_acceleration(c.scene, c.motion, kTight).peak;
+  REQUIRE(!g.peaks.empty());
+  if (!is_sensitive(stem)) CHECK(g.peaks[0].value == Approx(peak).epsilon(1e-7));
+  double size = 0;
+  const auto share = [&](std::size_t k) {
+    Case copy = c;
+    const double x = std::abs(number(copy.scene, copy.motion, all[k]));
+    const bool constant = all[k].of == BodyParameter::Of::kDrive || all[k].of == BodyParameter::Of::kContact;
+    return g.peaks[0].d[Eigen::Index(k)] * (constant && x != 0 ? x : 1);
+  };
+  for (std::size_t k = 0; k < all.size(); ++k) size = std::max(size, std::abs(share(k)));
+  Tally out;
+  for (std::size_t k = first % stride; k < all.size(); k += stride) {
+    const Answer a = judge(c, all[k], g.peaks[0].d[Eigen::Index(k)], peak, size);
+    (a == Answer::kRight ? out.right : a == Answer::kWrong ? out.wrong : out.unsure) += 1;
+  }
+  return out;
+}
+
+/// Every `scenes`-th of the reference robots, of each every `stride`-th parameter.
+Tally compare_all(const std::string& prefix, int count, int scenes, std::size_t stride) {
+  Tally sum;
+  for (int i = 0; i < count; i += scenes) {
+    const std::string number = std::to_string(i);
+    const std::string stem = prefix + std::string(3 - number.size(), '0') + number;
+    const Tally t = compare(stem, std::size_t(i), stride);
+    UNSCOPED_INFO(stem << ": " << t.right << " right, " << t.wrong << " wrong, " << t.unsure << " unsure");
+    sum.right += t.right, sum.wrong += t.wrong, sum.unsure += t.unsure;
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("legs: gradients by the numbers of motion, drop, drives and contacts against difference quotients") {
+  const auto [prefix, count] = GENERATE(std::pair("leg_", 60), std::pair("floor_", 40));
+  const Tally t = compare_all(prefix, count, 4, 15);
+  CAPTURE(prefix, t.right, t.wrong, t.unsure);
+  CHECK(t.wrong == 0);
+  CHECK(t.right > 3 * t.unsure);
+}
+
+// About 20 minutes.
+TEST_CASE("legs: gradients by every number", "[.all]") {
+  const auto [prefix, count] = GENERATE(std::pair("leg_", 60), std::pair("floor_", 40));
+  const Tally t = compare_all(prefix, count, 1, 1);
+  WARN(prefix << ": " << t.right << " right, " << t.wrong << " wrong, " << t.unsure << " unsure");
+  CHECK(t.wrong == 0);
+}
+
+TEST_CASE("legs: gradients through what only plans have: a delay, shape terms, gains, a move in the air") {
+  Case c{.scene = legs::shipped("hopper"), .motion = {}};
+  c.scene.detection_delay = 0.004;
+  for (const double phi : {0.6, -1.2})
+    c.motion.push_back({.phi_i = phi,
+                        .phi_f = phi + 0.3,
+                        .duration = 0.2,
+                        .bumps = {0.1, -0.05, 0.02, 0.01},
+                        .gain_p = 0.8,
+                        .gain_d = 1.3,
+                        .reposition = Reposition{phi - 0.2, 0, 0.02, 0.15}});
+  const std::vector<BodyParameter> all = parameters_of(c.scene, c.motion);
+  const BodyGradients g = gradients(c.scene, c.motion, all, kTight, 3);
+  const double peak = peak_acceleration(c.scene, c.motion, kTight).peak;
+  REQUIRE(!g.peaks.empty());
+  CHECK(g.peaks[0].value == Approx(peak).epsilon(1e-8));
+  const double size = g.peaks[0].d.head(20).cwiseAbs().maxCoeff();
+  int right = 0;
+  for (std::size_t k = 0; k < 20; ++k) {  // of both joints' motions
+    const Answer a = judge(c, all[k], g.peaks[0].d[Eigen::Index(k)], peak, size);
+    CHECK(a != Answer::kWrong);
+    right += a == Answer::kRight;
+  }
+  CHECK(right >= 18);
+  // One duration for both joints: the sum of the two.
+  const BodyParameter duration{BodyParameter::Of::kMotion, -1, kDurationSlot};
+  const BodyGradients one = gradients(c.scene, c.motion, {&duration, 1}, kTight, 1);
+  CHECK(one.peaks[0].d[0] == Approx(g.peaks[0].d[2] + g.peaks[0].d[12]).epsilon(1e-6));
+  CHECK(name(duration, c.scene.robot) == "duration");
+  CHECK(name(all[2], c.scene.robot) == "duration_" + c.scene.robot.joints[0].name);
+  CHECK_THROWS_AS(gradients(c.scene, c.motion, std::array{BodyParameter{BodyParameter::Of::kContact, 7, 0}}, kTight),
+                  InputError);
+}
