@@ -6,8 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "common/actuator_constants.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "common/toml.hpp"
+#include "common/uncertainty_file.hpp"
 
 namespace ukemi {
 

@@ -2,16 +2,13 @@
 // from.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "common/sea.hpp"
-#include "common/toml.hpp"
+#include "common/sea_parameters.hpp"
 #include "common/uncertainty.hpp"
 #include "common/verdict.hpp"
 
@@ -32,27 +29,8 @@ void set_constants(SeaParameters<T>& sea, const Vector& u) {
   sea.k_p = u[0], sea.k_d = u[1], sea.k_sea = u[2], sea.c_sea = u[3], sea.i_motor = u[4];
 }
 
-/// Of control_delay and velocity_filter [s].
-inline constexpr double kMostLate = 0.1;
-Range lateness();
-
-/// A constant of [actuator].
-struct ActuatorConstant {
-  const char* key;
-  double SeaParameters<double>::*at;
-  const char* unit;
-  Range range;
-  double absent = 0;  ///< its value in a file without it; of the five no meaning
-};
-/// All of them: the five, tau_max, then the optional ones.
+/// How many constants an actuator has: those five, tau_max, then the optional ones.
 inline constexpr int kActuatorConstants = 19;
-const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants();
-/// Those that a file needs only where they are not as in no file.
-std::span<const ActuatorConstant> optional_constants();
-/// The keys of all: what an actuator's [uncertainty] may name.
-const std::vector<std::string>& uncertain_constants();
-/// The places of names in actuator_constants(). Throws InputError for another name.
-std::vector<int> constant_indices(const std::vector<std::string>& names);
 
 struct Actuator {
   std::string name;
@@ -60,7 +38,7 @@ struct Actuator {
   std::optional<double> speed_max;         ///< rated motor speed at the output [rad/s]; a rating, not a term
   std::optional<double> motor_torque_max;  ///< rated motor torque at the output [Nm]; sea.tau_max limits the spring
   std::vector<std::string> uncertain;      ///< [uncertainty] order: the constants that were fitted
-  Eigen::MatrixXd covariance;              ///< of those, in their order
+  DenseMatrix covariance;                  ///< of those, in their order
   /// [verdict]: how far the fit that found a constant may be relied on, in the order of kConstantNames; empty where the
   /// file says nothing.
   Verdicts verdicts;
@@ -72,21 +50,12 @@ struct Actuator {
   std::optional<double> standard_error(const std::string& constant) const;
 };
 
-/// Whether its drive was identified by its command alone: K_t stands in place of K_p and K_d.
-bool by_command(const SeaParameters<double>& sea);
-
-/// Reads the constants and the ratings of a section, whose keys are those of [actuator] without its name.
-void read_constants(TomlSection& section, Actuator& actuator);
-/// Reads an actuator file; throws InputError (see common/toml.hpp).
+/// Reads an actuator file; throws InputError with file:line:column.
 Actuator read_actuator(const std::string& path);
 
 /// The file's text: [actuator], with verdicts [verdict], with a covariance [uncertainty] (order, std, ci95,
 /// covariance), and [provenance]. `half_width` is the factor from a standard error to the half width of the 95 %
 /// interval.
 std::string to_toml(const Actuator& actuator, double half_width = kNormal975);
-
-/// Reads `feedback = "output" | "motor"` of a section.
-std::optional<Feedback> read_feedback(TomlSection& section);
-const char* name(Feedback feedback);
 
 }  // namespace ukemi

@@ -4,7 +4,9 @@
 
 #include <limits>
 
+#include "common/actuator_constants.hpp"
 #include "common/csv.hpp"
+#include "common/uncertainty_file.hpp"
 
 namespace ukemi {
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "common/actuator.hpp"
+#include "common/toml.hpp"
 #include "common/uncertainty.hpp"
 
 namespace ukemi {

@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "common/files.hpp"
+#include "common/text.hpp"
 
 namespace ukemi {
 

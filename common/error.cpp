@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <numeric>
 
+#include "common/text.hpp"
+
 namespace ukemi {
+
+InputError::InputError(const std::string& message) : std::runtime_error(shown(message)) {}
 
 std::string Location::text() const {
   std::string s = file;

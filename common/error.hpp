@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "common/text.hpp"
-
 namespace ukemi {
 
 /// Where in a file something stands; line and column count from 1, 0: not known.
@@ -19,7 +17,7 @@ struct Location {
 /// Bad usage or bad input. what() is `file:line:column: what: value (rule)` on one line, whatever the file is called.
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(const std::string& message) : std::runtime_error(shown(message)) {}
+  explicit InputError(const std::string& message);
   InputError(const Location& where, const std::string& message) : InputError(where.text() + ": " + message) {}
 };
 

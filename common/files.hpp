@@ -1,5 +1,4 @@
 // Whole files: read once, with checks; written whole or not at all.
-// Private: not installed.
 #pragma once
 
 #include <sys/types.h>

@@ -1,5 +1,4 @@
 // The median of a sample.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -5,7 +5,6 @@
 // inline functions can end up, through the linker, in a program for a lesser machine. What is not inlined into a
 // kernel's entry is compiled for the baseline: slower, never wrong.
 // Lanes never mix: what a lane computes does not depend on its neighbours.
-// Private: not installed.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,4 @@
 // Work over indices on several threads; results belong to their index, so they do not depend on the number of threads.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // A folder that holds the results of one run at a time.
-// Private: not installed.
 #pragma once
 
 #include <map>

@@ -1,11 +1,10 @@
-// What `double`, `ceres::Jet` and `Pack` share, so that an equation is written once for all of them.
+// What `double`, `Pack` and the dual numbers `ceres::Jet` share, so that an equation is written once for all of them.
+// What differentiates includes common/jet.hpp.
 //
 // Kernels never branch on a Scalar: they use select(mask, a, b), and both a and b must be finite.
 // Mode decisions are booleans that the drivers fix between events; any(mask) lets a kernel skip work that no lane
 // needs.
 #pragma once
-
-#include <ceres/jet.h>
 
 #include <cmath>
 #include <concepts>
@@ -36,18 +35,23 @@ concept Scalar = requires(T a, T b) {
   { a / b } -> std::convertible_to<T>;
 };
 
+/// Number of derivatives that a scalar carries: a dual number has its value as `a`, its derivatives as `v`.
+template <class T>
+inline constexpr int kDerivatives = 0;
+template <class T>
+concept DualNumber = (kDerivatives<T> > 0);
+
 /// mask ? a : b.
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
-template <int P>
-ceres::Jet<double, P> select(bool mask, const ceres::Jet<double, P>& a, const ceres::Jet<double, P>& b) {
+template <DualNumber T>
+T select(bool mask, const T& a, const T& b) {
   return mask ? a : b;
 }
 
 /// mask ? x : 0.
-inline double masked(bool mask, double x) { return mask ? x : 0; }
-template <int P>
-ceres::Jet<double, P> masked(bool mask, const ceres::Jet<double, P>& x) {
-  return mask ? x : ceres::Jet<double, P>(0);
+template <class T>
+T masked(bool mask, const T& x) {
+  return mask ? x : T(0);
 }
 
 /// True where any lane of the mask is set; a plain bool has one lane.
@@ -62,12 +66,12 @@ struct MaskOf {
 };
 /// What times and step lengths are for a scalar: one for all its derivatives, one a lane.
 template <class T>
-using Clock = std::conditional_t<kIsPack<T>, T, double>;
+using TimeOf = std::conditional_t<kIsPack<T>, T, double>;
 
 /// The value without its derivatives.
 inline double value_of(double x) { return x; }
-template <int P>
-double value_of(const ceres::Jet<double, P>& x) {
+template <DualNumber T>
+double value_of(const T& x) {
   return x.a;
 }
 /// x as a To: itself, or its value without its derivatives.
@@ -79,13 +83,9 @@ UKEMI_INLINE To narrowed(const T& x) {
     return value_of(x);
 }
 
-/// Number of derivatives that a scalar carries, and one of them.
-template <class T>
-inline constexpr int kDerivatives = 0;
-template <int P>
-inline constexpr int kDerivatives<ceres::Jet<double, P>> = P;
-template <int P>
-double derivative_of(const ceres::Jet<double, P>& x, int slot) {
+/// One of the derivatives.
+template <DualNumber T>
+double derivative_of(const T& x, int slot) {
   return x.v[slot];
 }
 
@@ -94,26 +94,25 @@ template <class T>
 auto present(const T& x) {
   return x != T(0);
 }
-template <int P>
-bool present(const ceres::Jet<double, P>& x) {
+template <DualNumber T>
+bool present(const T& x) {
   return x.a != 0 || !x.v.isZero(0);
 }
 
 /// y += w x, without temporaries: the inner operation of every integrator.
 UKEMI_INLINE void add_scaled(double& y, double w, double x) { y += w * x; }
-template <int P>
-UKEMI_INLINE void add_scaled(ceres::Jet<double, P>& y, double w, const ceres::Jet<double, P>& x) {
+template <DualNumber T>
+UKEMI_INLINE void add_scaled(T& y, double w, const T& x) {
   y.a += w * x.a;
-  for (int i = 0; i < P; ++i) y.v[i] += w * x.v[i];
+  for (int i = 0; i < kDerivatives<T>; ++i) y.v[i] += w * x.v[i];
 }
 
 /// y += a b, likewise.
 UKEMI_INLINE void add_product(double& y, double a, double b) { y += a * b; }
-template <int P>
-UKEMI_INLINE void add_product(ceres::Jet<double, P>& y, const ceres::Jet<double, P>& a,
-                              const ceres::Jet<double, P>& b) {
+template <DualNumber T>
+UKEMI_INLINE void add_product(T& y, const T& a, const T& b) {
   y.a += a.a * b.a;
-  for (int i = 0; i < P; ++i) y.v[i] += a.a * b.v[i] + b.a * a.v[i];
+  for (int i = 0; i < kDerivatives<T>; ++i) y.v[i] += a.a * b.v[i] + b.a * a.v[i];
 }
 
 }  // namespace ukemi

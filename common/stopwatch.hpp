@@ -5,13 +5,15 @@
 
 namespace ukemi {
 
+enum class StopwatchTime : int {
+  kWall,       ///< what a robot waits
+  kProcessor,  ///< of the calling thread alone: comparisons on a machine that others use too
+  kProcess,    ///< of all threads of the program
+};
+
 class Stopwatch {
  public:
-  enum class Time {
-    kWall,       ///< what a robot waits
-    kProcessor,  ///< of the calling thread alone: comparisons on a machine that others use too
-    kProcess,    ///< of all threads of the program
-  };
+  using Time = StopwatchTime;
   explicit Stopwatch(Time time)
       : clock_(time == Time::kWall        ? CLOCK_MONOTONIC
                : time == Time::kProcessor ? CLOCK_THREAD_CPUTIME_ID

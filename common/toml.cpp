@@ -15,6 +15,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/files.hpp"
+#include "common/text.hpp"
 #include "common/toml_parser.hpp"
 
 namespace ukemi {

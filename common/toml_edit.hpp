@@ -1,5 +1,4 @@
 // TOML files with other values: what is not changed stays as it is, comments and order included.
-// Private: not installed.
 #pragma once
 
 #include <string>

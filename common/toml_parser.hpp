@@ -1,5 +1,4 @@
 // The parser of TOML files, as all of its users take it.
-// Private: not installed.
 #pragma once
 
 #define TOML_HEADER_ONLY 1

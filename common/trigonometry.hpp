@@ -85,10 +85,11 @@ UKEMI_INLINE std::array<SinCos<double>, 2> sin_cos(double x0, double x1) {
   return {{{sine[0], cosine[0]}, {sine[1], cosine[1]}}};
 }
 
-template <int P>
-std::array<SinCos<ceres::Jet<double, P>>, 2> sin_cos(const ceres::Jet<double, P>& x0, const ceres::Jet<double, P>& x1) {
+template <DualNumber T>
+std::array<SinCos<T>, 2> sin_cos(const T& x0, const T& x1) {
   const auto [f0, f1] = sin_cos(x0.a, x1.a);
-  return {{{{f0.sin, f0.cos * x0.v}, {f0.cos, -f0.sin * x0.v}}, {{f1.sin, f1.cos * x1.v}, {f1.cos, -f1.sin * x1.v}}}};
+  return {
+      {{T(f0.sin, f0.cos * x0.v), T(f0.cos, -f0.sin * x0.v)}, {T(f1.sin, f1.cos * x1.v), T(f1.cos, -f1.sin * x1.v)}}};
 }
 
 }  // namespace ukemi

@@ -7,7 +7,10 @@
 #include <utility>
 
 #include "common/csv.hpp"
+#include "common/eigen.hpp"
 #include "common/error.hpp"
+#include "common/toml.hpp"
+#include "common/uncertainty_file.hpp"
 
 namespace ukemi {
 
@@ -19,7 +22,7 @@ std::pair<std::string, std::string> fault_of(const Uncertainty& u, const std::ve
     if (std::find(u.order.begin(), name, *name) != name) return {"order", quoted(*name) + ": named twice"};
   }
   constexpr double kRounding = 1e-6;  // in parts of both standard errors
-  const Eigen::MatrixXd& c = u.covariance;
+  const auto c = eigen(u.covariance);
   const auto n = long(u.order.size());
   const auto wrong = [](const std::string& message) {
     return std::pair<std::string, std::string>("covariance", message);
@@ -41,14 +44,14 @@ Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string
   const auto rows = section.optional_matrix("covariance");
   if (!order || !rows) section.fail("order", "both 'order' and 'covariance' are needed");
   const auto n = long(rows->size());
-  Uncertainty out{*order, Eigen::MatrixXd(n, n)};
+  Uncertainty out{*order, DenseMatrix(n, n)};
   for (long i = 0; i < n; ++i)
     for (long j = 0; j < n; ++j) out.covariance(i, j) = (*rows)[std::size_t(i)][std::size_t(j)];
   if (const auto [key, message] = fault_of(out, known, whom); !message.empty()) section.fail(key, message);
   return out;
 }
 
-std::string covariance_lines(const Eigen::MatrixXd& covariance) {
+std::string covariance_lines(const DenseMatrix& covariance) {
   std::string t = "covariance = [\n";
   for (long i = 0; i < covariance.rows(); ++i) {
     t += "  [";

@@ -1,29 +1,51 @@
 // How well numbers are known: their names and covariance, as [uncertainty] of a file has them.
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include "common/toml.hpp"
-
 namespace ukemi {
+
+/// A matrix as plain numbers, column by column. Takes any matrix of Eigen, and becomes one.
+class DenseMatrix {
+ public:
+  DenseMatrix() = default;
+  DenseMatrix(long rows, long cols) : rows_(rows), cols_(cols), data_(std::size_t(rows * cols)) {}
+  template <class M>
+  requires requires(const M& m) { m.eval().data(); }
+  DenseMatrix(const M& m) : DenseMatrix(m.rows(), m.cols()) {
+    const auto plain = m.eval();
+    for (long j = 0; j < cols_; ++j)
+      for (long i = 0; i < rows_; ++i) (*this)(i, j) = plain(i, j);
+  }
+  template <class M>
+  requires requires { M::MaxRowsAtCompileTime; }
+  operator M() const {
+    M m(rows_, cols_);
+    for (long j = 0; j < cols_; ++j)
+      for (long i = 0; i < rows_; ++i) m(i, j) = (*this)(i, j);
+    return m;
+  }
+  long rows() const { return rows_; }
+  long cols() const { return cols_; }
+  long size() const { return rows_ * cols_; }
+  double& operator()(long i, long j) { return data_[std::size_t(j * rows_ + i)]; }
+  double operator()(long i, long j) const { return data_[std::size_t(j * rows_ + i)]; }
+  const double* data() const { return data_.data(); }
+  double* data() { return data_.data(); }
+  bool operator==(const DenseMatrix&) const = default;
+
+ private:
+  long rows_ = 0, cols_ = 0;
+  std::vector<double> data_;
+};
 
 /// From a normal number's mean to its 97.5 % quantile, in standard deviations: half of its 95 % interval.
 inline constexpr double kNormal975 = 1.959963984540054;
 
 struct Uncertainty {
   std::vector<std::string> order;
-  Eigen::MatrixXd covariance;  ///< of those, in their order, SI
+  DenseMatrix covariance;  ///< of those, in their order, SI
 };
-
-/// The key that is wrong and what is wrong with it, see `check` of common/checks.hpp; both empty: nothing.
-std::pair<std::string, std::string> fault_of(const Uncertainty& uncertainty, const std::vector<std::string>& known,
-                                             const std::string& whom);
-/// `order` and `covariance`; each name once and one of `known`, which are constants of `whom`. Throws InputError with
-/// file:line:column.
-Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& whom);
-/// The line of the key `covariance`.
-std::string covariance_lines(const Eigen::MatrixXd& covariance);
 
 }  // namespace ukemi

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "common/toml.hpp"
+#include "common/uncertainty_file.hpp"
+
 namespace ukemi {
 
 Verdicts read_verdicts(TomlFile& file, const std::vector<std::string>& constants) {

@@ -11,6 +11,7 @@
 #include "common/actuator.hpp"
 #include "common/random.hpp"
 #include "identify/fit/fit.hpp"
+#include "identify/rollout/rollout.hpp"
 #include "test/folder.hpp"
 
 namespace test {

@@ -1,5 +1,4 @@
 // Explicit where it can be, implicit where it pays: chosen phase by phase while the run goes.
-// Private: not installed.
 #pragma once
 
 #include "common/integrate/rosenbrock.hpp"

@@ -20,20 +20,12 @@
 #include <cmath>
 #include <limits>
 
+#include "common/integrate/counters.hpp"
 #include "common/integrate/guards.hpp"
 #include "common/integrate/runge_kutta.hpp"
 #include "common/integrate/step_control.hpp"
 
 namespace ukemi::integrate {
-
-enum class Status {
-  kStepped,    ///< the step was taken; there may be more
-  kReached,    ///< the step ended at the stop time
-  kEvent,      ///< the step ended on a guard's zero (or had length zero: `immediate`)
-  kTooSmall,   ///< the error control asks for a step below the resolution of time
-  kNotFinite,  ///< the field is not finite where the step starts
-  kStuck,      ///< too many events at one instant
-};
 
 inline const char* name(Status status) {
   switch (status) {
@@ -61,12 +53,6 @@ struct Options {
   double accuracy = 1e-8;    ///< relative tolerance of each step, and absolute in the system's units
   double first_step = 1e-4;  ///< [s]
   double max_step = std::numeric_limits<double>::infinity();  ///< [s]
-};
-
-/// Work done so far.
-struct Counters {
-  long steps = 0, rejected = 0, derivatives = 0, jacobians = 0, events = 0;
-  long implicit = 0;  ///< steps that an automatic method took with its implicit one
 };
 
 /// What a system offers. `derivative` is smooth for the present mode; `tolerance_unit(i)` is the size of component i

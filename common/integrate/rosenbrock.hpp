@@ -6,7 +6,6 @@
 //     W u_i = f(t + c_i h, y + sum_j a_ij u_j) + sum_j (C_ij / h) u_j + h d_i df/dt,     y_1 = y + sum_j m_j u_j
 //
 // The Jacobian is exact: the system offers `linearize`, by Jets. Tests: test/convergence/order.cpp.
-// Private: not installed.
 #pragma once
 
 #include <Eigen/LU>

@@ -58,7 +58,7 @@ double error_size(const State& error, const State& a, const State& b, const Tole
 template <class T, int N>
 struct StepEnds {
   using State = Eigen::Matrix<T, N, 1>;
-  using Time = Clock<T>;
+  using Time = TimeOf<T>;
   Time t{0};        ///< start of the step [s]
   Time h{0};        ///< length of the step [s]
   State y;          ///< state at the start

@@ -5,11 +5,11 @@
 // with y_p the derivatives of the state at a fixed time and f the field before and behind the event.
 // Source: Hiskens, Pai, "Trajectory sensitivity analysis of hybrid systems", IEEE Trans. Circuits Syst. I 47 (2000).
 // Tests: test/property/gradient.cpp.
-// Private: not installed.
 #pragma once
 
 #include <Eigen/Core>
 
+#include "common/jet.hpp"
 #include "common/scalar.hpp"
 
 namespace ukemi::integrate {
@@ -20,13 +20,14 @@ Eigen::Matrix<double, P, 1> event_shift(const ceres::Jet<double, P>& guard, doub
   return guard.v / -rate;
 }
 
-/// y_p(-) to y_p(+) where the state does not jump; `before` and `behind` are the values of the field, `shift` is dt*/dp.
+/// y_p(-) to y_p(+) where the state does not jump; `before` and `behind` are the values of the field, `shift` is
+/// dt*/dp.
 template <class State, class Values, class Shift>
 void saltate(State& y, const Values& before, const Values& behind, const Shift& shift) {
   for (int k = 0; k < y.size(); ++k) y[k].v += (before[k] - behind[k]) * shift;
 }
-/// Where it does: derivatives at a fixed time to those along a time that moves by `shift`, y being at the rate `slope` there; by
-/// -shift back. Between the two the state takes its jump, as a function of itself.
+/// Where it does: derivatives at a fixed time to those along a time that moves by `shift`, y being at the rate `slope`
+/// there; by -shift back. Between the two the state takes its jump, as a function of itself.
 template <class State, class Values, class Shift>
 void move_along(State& y, const Values& slope, const Shift& shift) {
   for (int k = 0; k < y.size(); ++k) y[k].v += slope[k] * shift;

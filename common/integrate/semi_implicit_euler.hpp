@@ -1,5 +1,4 @@
 // Semi-implicit (symplectic) Euler: the fixed-step method of most game and many robot simulators, for comparison.
-// Private: not installed.
 #pragma once
 
 #include "common/integrate/runge_kutta.hpp"

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "common/checks.hpp"
+#include "common/eigen.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 #include "identify/design/design.hpp"
@@ -19,12 +20,12 @@ struct Repeat {
   VectorXd error, half_width;
 };
 
-struct Experiment {
+struct Measured {
   Trial log;
   std::vector<double> phi, phi_m;  ///< without noise
 };
 
-Trial measured(const Experiment& e, double noise, Random& random) {
+Trial measured(const Measured& e, double noise, Random& random) {
   Trial log = e.log;
   for (std::size_t i = 0; i < log.phi.size(); ++i) log.phi[i] = e.phi[i] + noise * random.normal();
   for (std::size_t i = 0; i < log.phi_motor.size(); ++i) log.phi_motor[i] = e.phi_m[i] + noise * random.normal();
@@ -56,9 +57,9 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   rig.validate(), k.validate(), o.validate();
   for (const Trial& t : trials) t.validate();
   check_count("repeats", repeats, 0, 1'000'000);
-  std::vector<Experiment> experiments;
+  std::vector<Measured> experiments;
   const auto prepare = [&](Trial log) {
-    Experiment e{std::move(log), {}, {}};
+    Measured e{std::move(log), {}, {}};
     const PreparedTrial prepared(e.log);
     if (rollout(rig, k.sea, {}, prepared, {}, e.phi, e.phi_m) == RolloutStatus::kDone)
       experiments.push_back(std::move(e));
@@ -85,12 +86,12 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   parallel_for(repeats, o.threads, [&](int r) {
     Random random(o.seed, std::uint64_t(r));
     std::vector<Trial> logs;
-    for (const Experiment& e : experiments) logs.push_back(measured(e, o.log.noise, random));
+    for (const Measured& e : experiments) logs.push_back(measured(e, o.log.noise, random));
     const Fit f = fit(rig, logs, k.sea, k.sea, fit_options);
-    if (!f.converged || !f.covariance.allFinite()) return;
+    if (!f.converged || !eigen(f.covariance).allFinite()) return;
     Repeat out{VectorXd(n), VectorXd(n)};
     const VectorXd inverse = value.cwiseInverse();
-    MatrixXd covariance = inverse.asDiagonal() * f.covariance * inverse.asDiagonal();
+    MatrixXd covariance = inverse.asDiagonal() * eigen(f.covariance) * inverse.asDiagonal();
     for (long i = 0; i < n; ++i)
       out.error[i] = f.parameters[std::size_t(k.constants[std::size_t(i)])].value / value[i] - 1;
     if (trials.empty()) {

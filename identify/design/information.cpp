@@ -8,6 +8,7 @@
 
 #include "common/checks.hpp"
 #include "common/decompositions.hpp"
+#include "common/eigen.hpp"
 #include "common/error.hpp"
 #include "identify/estimate/least_squares.hpp"
 #include "identify/estimate/statistics.hpp"
@@ -102,7 +103,7 @@ std::optional<Knowledge> knowledge_of(const Actuator& actuator) {
     rows.push_back(at - actuator.uncertain.begin());
   }
   const auto information =
-      covariance_of(inverse.asDiagonal() * MatrixXd(actuator.covariance(rows, rows)) * inverse.asDiagonal());
+      covariance_of(inverse.asDiagonal() * MatrixXd(eigen(actuator.covariance)(rows, rows)) * inverse.asDiagonal());
   if (!information) return std::nullopt;
   k.information = *information;
   return k;

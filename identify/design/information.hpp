@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "identify/rollout/rollout.hpp"
 
 namespace ukemi::identify {

@@ -1,5 +1,4 @@
 // What the residuals at a minimum say of the parameters' errors.
-// Private: not installed.
 #pragma once
 
 #include "identify/estimate/least_squares.hpp"

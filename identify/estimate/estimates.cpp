@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/csv.hpp"
+#include "common/eigen.hpp"
 #include "identify/estimate/covariance.hpp"
 #include "identify/estimate/statistics.hpp"
 
@@ -36,9 +37,9 @@ std::vector<const Estimate*> Estimates::globals() const {
 }
 
 void set_errors(const Eigen::MatrixXd& noise, Estimates& out) {
-  out.noise_covariance = out.covariance = noise;
-  for (const Considered& c : out.considered) out.covariance += c.shift * c.shift.transpose();
-  out.correlation = correlation_of(out.covariance);
+  Eigen::MatrixXd whole = noise;
+  for (const Considered& c : out.considered) whole += eigen(c.shift) * eigen(c.shift).transpose();
+  out.noise_covariance = noise, out.covariance = whole, out.correlation = correlation_of(whole);
   long i = 0;
   for_each_global(out, [&](Estimate& e, Kind kind) {
     set_error(e, out.covariance(i, i), noise(i, i), out.half_width);
@@ -55,7 +56,7 @@ std::vector<ErrorBudget> error_budget(const Estimates& of) {
     if (globals[g]->verdict == Identifiability::kFitted || !globals[g]->std || !(whole > 0)) continue;
     out.push_back({globals[g]->name, {{"noise", of.noise_covariance(long(g), long(g)) / whole}}});
     for (const Considered& c : of.considered)
-      out.back().shares.emplace_back(c.name, c.shift.row(long(g)).squaredNorm() / whole);
+      out.back().shares.emplace_back(c.name, eigen(c.shift).row(long(g)).squaredNorm() / whole);
   }
   return out;
 }
@@ -97,7 +98,7 @@ void set_estimates(const LeastSquaresSolution& s, const LeastSquaresProblem& pro
   const long dof = s.residuals - s.free_parameters;
   const double variance = dof > 0 ? s.cost / double(dof) : std::numeric_limits<double>::quiet_NaN();
   out.half_width = t_quantile_975(std::max(dof, 1l));
-  out.eigenvalues = s.eigenvalues;
+  out.eigenvalues.assign(s.eigenvalues.begin(), s.eigenvalues.end());
   std::vector<double> sizes;  // what the constants' intervals are measured against
   for (std::size_t g = 0; g < shared.size(); ++g) {
     Estimate e = estimate_of(problem.globals[g], s.globals[long(g)], NAN, out.half_width);

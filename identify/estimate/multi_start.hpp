@@ -1,5 +1,4 @@
 // Local searches from many starts: the best minimum that they end at, which others there are, and when to stop.
-// Private: not installed.
 #pragma once
 
 #include <functional>

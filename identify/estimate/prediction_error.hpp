@@ -1,6 +1,5 @@
 // Whether a prediction holds on measurements that its constants have not seen: its residual against their noise and
 // against the constants' own errors.
-// Private: not installed.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,6 @@
 #include "identify/estimate/statistics.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -1,5 +1,4 @@
 // Tests of residuals, each with a probability under the hypothesis that nothing is wrong; and a quantile.
-// Private: not installed.
 #pragma once
 
 #include <span>

@@ -9,12 +9,17 @@
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "identify/estimate/estimates.hpp"
 #include "identify/fit/fit_search.hpp"
 #include "identify/fit/replay.hpp"
 #include "identify/fit/sensitivity.hpp"
 #include "identify/logs/log_check.hpp"
 
 namespace ukemi::identify {
+
+RolloutOptions FitOptions::rollout() const {
+  return {.accuracy = accuracy, .max_step = max_step, .method = method, .escape = escape};
+}
 
 void FitOptions::validate() const {
   terms.validate();
@@ -57,7 +62,7 @@ std::vector<Estimate> constants_of(const Terms<RigTerm>& terms, const SeaParamet
 
 /// Constants that start at 0, which is no place for a scaled search.
 void warn_of_zero_starts(const SeaParameters<double>& start, const FitOptions& options, Fit& out) {
-  for (const RigTerm& t : options.terms.table)
+  for (const RigTerm& t : *options.terms.table)
     if (t.is_constant() && options.terms.fits(t.name) && t.value_in(start) <= 0)
       out.warnings.push_back(fmt::format("{} started at 0: moved off it", t.name));
 }
@@ -87,7 +92,7 @@ void replay_best(const FitSearch& search, const std::vector<Weighting>& weights,
   for (std::size_t m = 0; m < weights.size(); ++m)
     search.at_best(m, [&](const Rig& rig, const RolloutInputs<double>& inputs, const PreparedTrial& trial) {
       out.trials.push_back(replay(rig, trial, inputs, o));
-      out.trials.back().weighting = weights[m];
+      out.trials.back().weighting = std::make_shared<const Weighting>(weights[m]);
     });
 }
 
@@ -101,7 +106,7 @@ bool reweigh(FitSearch& search, const std::vector<Trial>& trials, const FitOptio
         search.at_best(m, [&](const Rig& rig, const RolloutInputs<double>& inputs, const PreparedTrial& trial) {
           return weigh_force_noise(rig, inputs.sea, inputs.nuisance, *trial.trial, search.noise(), options.rollout());
         });
-    out.trials[m].weighting = weights[m];
+    out.trials[m].weighting = std::make_shared<const Weighting>(weights[m]);
     changed = changed || weights[m].u.size() > 0;
   }
   if (options.weights != FitOptions::Weights::kTrial) return changed;
@@ -119,7 +124,7 @@ void consider(const Rig& rig, const FitSearch& search, const std::vector<Trial>&
   const LeastSquaresSolution& best = search.best();
   AtMinimum at{rig, trials, options, out.sea, {}, {best.globals.begin(), best.globals.end()}, best.at_bound, {}};
   if (options.errors == FitOptions::Errors::kOfNoise || !states_errors(at)) return;
-  for (const TrialResult& r : out.trials) at.weights.push_back(r.weighting);
+  for (const TrialResult& r : out.trials) at.weights.push_back(weighting_of(r));
   for (long m = 0; m < long(trials.size()); ++m) {
     const Eigen::VectorXd own = best.locals.row(m);
     at.locals.emplace_back(own.begin(), own.end());

@@ -12,22 +12,37 @@
 #include <vector>
 
 #include "common/monitor.hpp"
-#include "identify/estimate/estimates.hpp"
-#include "identify/fit/rig_terms.hpp"
-#include "identify/fit/starts.hpp"
-#include "identify/fit/weighting.hpp"
+#include "common/sea_parameters.hpp"
+#include "identify/estimate/choice.hpp"
+#include "identify/estimate/estimate.hpp"
+#include "identify/fit/start_options.hpp"
+#include "identify/logs/trial.hpp"
+#include "identify/rig/rig.hpp"
+#include "identify/rollout/nuisance.hpp"
+
+namespace ukemi::integrate {
+enum class Method;
+}
 
 namespace ukemi::identify {
+
+struct RigTerm;
+struct RolloutOptions;
+struct Weighting;
+struct Sensitivity;
+
+/// All five constants, nothing along; the table holds every term that can be fitted.
+Terms<RigTerm> rig_choice();
 
 struct FitOptions {
   Terms<RigTerm> terms = rig_choice();  ///< what is fitted; priors of shared terms only
   double huber = 0;                     ///< Huber's delta on each sample's residual [rad]; 0: squares
   enum class Weights { kEqual, kTrial } weights = Weights::kEqual;  ///< kTrial: 1 / each trial's own residual variance
   double accuracy = 1e-9;                                           ///< relative tolerance of the rollout
-  std::optional<Method> method;                 ///< of the rollout, for comparison; see RolloutOptions
-  double max_step = RolloutOptions{}.max_step;  ///< of the rollout [s]
-  double escape = kEscape;                      ///< [rad]; infinite for multi-turn trials
-  int restarts = 10;                            ///< further starts where the residual stays far above the noise
+  std::optional<integrate::Method> method;  ///< of the rollout, for comparison; see RolloutOptions
+  double max_step = kLongestStep;           ///< of the rollout [s]
+  double escape = kEscape;                  ///< [rad]; infinite for multi-turn trials
+  int restarts = 10;                        ///< further starts where the residual stays far above the noise
   int explore = 0;         ///< starts in all, whatever the residual, to see which minima there are; 0: as few as needed
   int threads = 0;         ///< 0: all cores; without influence on the results
   std::uint64_t seed = 1;  ///< of the drawn starts
@@ -37,9 +52,7 @@ struct FitOptions {
   enum class Errors { kWhole, kOfNoise } errors = Errors::kWhole;
   StartOptions starts;  ///< how starts are drawn, and what they may cost
   Monitor monitor;      ///< told of starts; where it stops the fit, the best so far is kept: Fit::interrupted
-  RolloutOptions rollout() const {
-    return {.accuracy = accuracy, .max_step = max_step, .method = method, .escape = escape};
-  }
+  RolloutOptions rollout() const;
   void validate() const;  ///< throws InputError
 };
 
@@ -61,10 +74,8 @@ struct TrialResult {
   double noise = 0;                        ///< the log's own noise [rad]
   std::vector<double> phi, phi_m, torque;  ///< predicted; empty where the rollout failed
   RolloutStatus status = RolloutStatus::kDone;
-  Weighting weighting;  ///< of its residuals in the fit
+  std::shared_ptr<const Weighting> weighting;  ///< of its residuals in the fit; null: not known
 };
-
-struct Sensitivity;
 
 struct Fit : Estimates {
   SeaParameters<double> sea;  ///< the result, tau_max and feedback included; without what a RigTerm::change does
@@ -96,5 +107,13 @@ struct Fit : Estimates {
 /// leave less of; as they are where none tells, or where one is smooth already.
 [[nodiscard]] std::vector<Trial> with_nearer_force(const Rig& rig, const std::vector<Trial>& trials,
                                                    const SeaParameters<double>& sea, const FitOptions& options = {});
+
+/// What was fitted, and how.
+struct Experiment {
+  const Rig& rig;
+  const std::vector<Trial>& trials;
+  FitOptions options;
+  void validate(const Fit& fit) const;  ///< throws InputError, also where `fit` is not of these trials
+};
 
 }  // namespace ukemi::identify

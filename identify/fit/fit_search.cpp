@@ -7,6 +7,7 @@
 
 #include "common/actuator.hpp"
 #include "common/error.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 
@@ -145,7 +146,7 @@ void FitSearch::take_terms(const Sea& from, Sea& to) const {
 FitSearch::Sea FitSearch::admitted(const Sea& drawn) const {
   Sea out = base_;
   const Choice& c = options_.terms;
-  for (const RigTerm& t : options_.terms.table)
+  for (const RigTerm& t : *options_.terms.table)
     if (t.is_constant())
       t.set_in(out, c.fits(t.name) ? std::clamp(t.value_in(drawn), c.lower_of(t), c.upper_of(t))
                                    : t.value_in(start_ ? *start_ : base_));

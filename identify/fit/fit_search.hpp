@@ -1,6 +1,5 @@
 // The search of a fit: one problem, from the given start, from starts that are drawn to explore, or from screened ones
 // until a minimum is believed.
-// Private: not installed.
 #pragma once
 
 #include <atomic>
@@ -9,7 +8,9 @@
 #include <vector>
 
 #include "identify/estimate/multi_start.hpp"
+#include "identify/fit/rig_terms.hpp"
 #include "identify/fit/trial_problem.hpp"
+#include "identify/fit/weighting.hpp"
 
 namespace ukemi::identify {
 

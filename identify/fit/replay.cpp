@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "identify/estimate/statistics.hpp"
+#include "identify/fit/weighting.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 
@@ -61,12 +63,12 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutI
 
 Eigen::VectorXd white_residuals(const Trial& log, const TrialResult& r) {
   Eigen::VectorXd all = raw_residuals(log, r);
-  r.weighting.whiten(all);
+  weighting_of(r).whiten(all);
   return all;
 }
 
 double white_rms(const Trial& log, const TrialResult& r) {
-  if (r.weighting.u.size() == 0) return r.rms;
+  if (weighting_of(r).u.size() == 0) return r.rms;
   return root_mean_square(span_of(white_residuals(log, r)));
 }
 

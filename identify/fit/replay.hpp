@@ -1,10 +1,10 @@
 // Trials replayed for given constants: predictions beside the logs, and their residuals.
-// Private: not installed.
 #pragma once
 
 #include <vector>
 
 #include "identify/fit/fit.hpp"
+#include "identify/fit/rig_terms.hpp"
 
 namespace ukemi::identify {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "common/error.hpp"
 
 namespace ukemi::identify {

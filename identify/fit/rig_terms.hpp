@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/jet.hpp"
 #include "identify/estimate/term.hpp"
 #include "identify/rollout/rollout.hpp"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/eigen.hpp"
 #include "identify/fit/trial_problem.hpp"
 
 namespace ukemi::identify {
@@ -63,7 +64,7 @@ double largest_error(const RigTerm& t, const AtMinimum& at) {
 
 std::vector<RigTerm> further_terms(const AtMinimum& at) {
   std::vector<RigTerm> out;
-  for (RigTerm t : at.options.terms.table) {
+  for (RigTerm t : *at.options.terms.table) {
     if (t.is_constant() || at.options.terms.fits(t.name) || !t.has_a_say(at.trials)) continue;
     const bool says_something = t.only_with.empty() || std::any_of(t.only_with.begin(), t.only_with.end(),
                                                                    [&](auto c) { return at.sea.*c != 0; });
@@ -129,7 +130,7 @@ std::optional<Sensitivity> sensitivity_of(const AtMinimum& at) {
 }
 
 bool states_errors(const AtMinimum& at) {
-  return std::any_of(at.options.terms.table.begin(), at.options.terms.table.end(),
+  return std::any_of(at.options.terms.table->begin(), at.options.terms.table->end(),
                      [&](const RigTerm& t) { return largest_error(t, at) > 0; });
 }
 
@@ -147,7 +148,7 @@ std::vector<Considered> considered_of(const AtMinimum& at, const Sensitivity& s)
     if (t.scope == Scope::kShared) effect = effect.rowwise().sum().eval();
     const MatrixXd moved = -solve(effect);
     Considered c{t.error->key, at.rig.errors.*t.error->at, MatrixXd::Zero(long(at.globals.size()), moved.cols())};
-    for (int f = 0; f < F; ++f) c.shift.row(s.free[std::size_t(f)]) = moved.row(f);
+    for (int f = 0; f < F; ++f) eigen(c.shift).row(s.free[std::size_t(f)]) = moved.row(f);
     out.push_back(std::move(c));
   };
   for (std::size_t a = 0; a < s.shared.size(); ++a) add(s.shared[a], F + int(a));

@@ -7,6 +7,8 @@
 
 #include "common/decompositions.hpp"
 #include "identify/fit/fit.hpp"
+#include "identify/fit/rig_terms.hpp"
+#include "identify/fit/weighting.hpp"
 
 namespace ukemi::identify {
 

@@ -9,6 +9,7 @@
 #include "common/checks.hpp"
 #include "common/random.hpp"
 #include "identify/logs/hits.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 

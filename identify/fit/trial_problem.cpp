@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include "identify/fit/rig_terms.hpp"
+#include "identify/fit/weighting.hpp"
+#include "identify/logs/trial_checks.hpp"
+
 namespace ukemi::identify {
 
 namespace {
@@ -130,7 +134,7 @@ struct TrialBlock {
 /// Those that are given, and what the rig states of terms that are fitted.
 std::vector<Prior> priors_of(const Rig& rig, const Terms<RigTerm>& terms) {
   std::vector<Prior> out = terms.priors;
-  for (const RigTerm& t : terms.table) {
+  for (const RigTerm& t : *terms.table) {
     if (!t.error || !terms.fits(t.name) || !(rig.errors.*t.error->at > 0)) continue;
     if (std::none_of(out.begin(), out.end(), [&](const Prior& p) { return p.term == t.name; }))
       out.push_back({t.name, t.value_in(rig.mounted({})), rig.errors.*t.error->at});

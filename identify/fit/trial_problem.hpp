@@ -1,11 +1,13 @@
 // The fit of one set of trials as a least-squares problem: a residual block a trial, with its derivatives.
-// Private: not installed.
 #pragma once
 
 #include <vector>
 
+#include "identify/estimate/least_squares.hpp"
 #include "identify/fit/fit.hpp"
+#include "identify/fit/rig_terms.hpp"
 #include "identify/fit/starts.hpp"
+#include "identify/fit/weighting.hpp"
 
 namespace ukemi::identify {
 

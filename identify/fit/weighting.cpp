@@ -5,6 +5,7 @@
 
 #include "common/decompositions.hpp"
 #include "identify/logs/hits.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 

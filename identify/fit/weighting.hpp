@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "identify/fit/fit.hpp"
 #include "identify/rollout/rollout.hpp"
 
 namespace ukemi::identify {
@@ -22,6 +23,9 @@ struct Weighting {
     if (u.size() > 0) r -= u * shrink.cwiseProduct(u.transpose() * r);
   }
 };
+
+/// Of a trial of a fit.
+inline Weighting weighting_of(const TrialResult& r) { return r.weighting ? *r.weighting : Weighting{}; }
 
 /// The weighting by the noise of the trial's force (Trial::force_noise) at given constants, first order: each hit is
 /// cut in at most 8 parts, each part's impulse is off by noise sqrt(samples) interval, and the rollout says how far

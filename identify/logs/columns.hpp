@@ -1,5 +1,4 @@
 // The map from a file's columns to quantities in SI units: names, unit suffixes, scales, signs.
-// Private: not installed.
 #pragma once
 
 #include <map>

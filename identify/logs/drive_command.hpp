@@ -1,5 +1,4 @@
 // What a drive told the motor, where that is known before the rig's motion is: from a trial's columns.
-// Private: not installed.
 #pragma once
 
 #include <vector>

@@ -9,6 +9,7 @@
 #include "common/median.hpp"
 #include "identify/logs/columns.hpp"
 #include "identify/logs/hits.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 

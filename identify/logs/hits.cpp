@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/logs/trial_checks.hpp"
+
 namespace ukemi::identify {
 
 double largest_deviation(const std::vector<double>& x, double from) {

@@ -1,5 +1,4 @@
 // Where in a log the force acts: hits, what the load cell reads between them, gaps, and a force whose sign is flipped.
-// Private: not installed.
 #pragma once
 
 #include <optional>

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "identify/logs/hits.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 

@@ -1,5 +1,4 @@
 // What is wrong with logs whatever the model: short pulses, gaps, a force whose sign is flipped.
-// Private: not installed.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // Protobuf's wire format, read with bounds: fields of one message, one after the other.
-// Private: not installed.
 #pragma once
 
 #include <cstdint>

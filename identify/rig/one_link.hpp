@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/integrate/hybrid.hpp"
+#include "common/jet.hpp"
 #include "common/sea.hpp"
 #include "identify/rig/rig.hpp"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
 #include "common/degrees.hpp"
 #include "common/toml.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/sea.hpp"
+#include "common/sea_parameters.hpp"
 
 namespace ukemi::identify {
 

@@ -1,5 +1,4 @@
 // Where a rig that hangs is at rest. Included by roll.hpp, by no other.
-// Private: not installed.
 #pragma once
 
 #include <Eigen/LU>

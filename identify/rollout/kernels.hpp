@@ -1,6 +1,5 @@
 // Which kernel a trial runs. Included by the files that compile them, a scalar each: rollout.cpp, rollout_small.cpp,
 // rollout_large.cpp.
-// Private: not installed.
 #pragma once
 
 #include "identify/rollout/roll.hpp"

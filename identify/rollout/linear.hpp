@@ -5,7 +5,7 @@
 // behind them the states of a drive that is late, is followed exactly, and so are its derivatives where T is a Jet:
 // exp(A h) by scaling and squaring, once for a trial's sampling interval and for what else comes again at every sample,
 // and its action on a state by the Taylor series where samples are uneven. Tests: test/unit/one_link.cpp against the
-// integrated path and closed forms. Private: not installed.
+// integrated path and closed forms.
 #pragma once
 
 #include <Eigen/Core>

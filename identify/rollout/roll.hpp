@@ -1,7 +1,6 @@
 // One trial from stretch to stretch: exactly where the rig is linear, integrated where it is not; from event to event
 // where friction sticks or a limit is met, with exact derivatives through them. Included by the files
 // that compile kernels (kernels.hpp, rollout_methods.cpp), by no other.
-// Private: not installed.
 #pragma once
 
 #include <cmath>

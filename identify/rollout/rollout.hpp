@@ -1,17 +1,17 @@
 // From constants to predicted angles: one trial on the rig, for double or ceres::Jet.
 #pragma once
 
-#include <ceres/jet.h>
-
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/integrate/method.hpp"
+#include "common/jet.hpp"
 #include "identify/logs/trial.hpp"
 #include "identify/rig/one_link.hpp"
 #include "identify/rig/rig.hpp"
+#include "identify/rollout/nuisance.hpp"
 
 namespace ukemi::identify {
 
@@ -36,27 +36,6 @@ struct PreparedTrial {
   double spacing;                  ///< median interval between samples [s]
 };
 
-/// What may differ from trial to trial besides the hit; each may be a nuisance of the fit. A trial starts at rest at
-/// its reference, and is measured as it is, but for these.
-template <class T>
-struct Nuisance {
-  T angle{0};           ///< at the start; moves phi_1 and phi_m together: the spring starts relaxed [rad]
-  T rate{0};            ///< dphi_1 at the start [rad/s]
-  T force_gain{1};      ///< F_e = force_gain F_log(t - time_shift) + force_bias
-  T force_bias{0};      ///< [N]
-  T time_shift{0};      ///< of the force's log, positive: the hit came later than logged [s]
-  T encoder_gain{1};    ///< phi as measured = encoder_gain phi_1 + encoder_offset
-  T encoder_offset{0};  ///< [rad]
-  T torque_gain{1};     ///< a logged torque = torque_gain tau_SEA + torque_bias
-  T torque_bias{0};     ///< [Nm]
-};
-
-/// Beyond this |phi_1| from the start the trial has escaped (turns past any useful angle) [rad].
-inline constexpr double kEscape = 3.14159265358979;
-
-enum class RolloutStatus { kDone, kEscaped, kDiverged };
-const char* name(RolloutStatus status);
-
 /// What several rollouts may spend together, in integrated steps and intervals followed one by one. Counted, not
 /// timed: the same whatever the machine.
 struct Budget {
@@ -66,8 +45,8 @@ struct Budget {
 };
 
 struct RolloutOptions {
-  double accuracy = 1e-9;  ///< relative tolerance of each step
-  double max_step = 0.05;  ///< longest step; the step of a fixed-step method [s]
+  double accuracy = 1e-9;          ///< relative tolerance of each step
+  double max_step = kLongestStep;  ///< longest step; the step of a fixed-step method [s]
   /// Absent: the explicit one that suits the trial's kernel. The others are for comparison, and kAuto for values of
   /// stiff constants; derivatives are explicit only, and with another method only in a Jet of kSmallJet.
   std::optional<Method> method;

@@ -9,6 +9,7 @@
 #include "identify/estimate/statistics.hpp"
 #include "identify/fit/replay.hpp"
 #include "identify/fit/trial_problem.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/estimate/estimates.hpp"
 #include "identify/trust/score.hpp"
 
 namespace ukemi::identify {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "common/error.hpp"
 #include "identify/estimate/covariance.hpp"
 
@@ -56,8 +56,9 @@ bool is_actuator_s(const RigTerm& t) {
 /// The shared term of that name where it may be absent: an optional one of the actuator, with 0 as its bound; else
 /// null.
 const RigTerm* optional_term(const Terms<RigTerm>& terms, const std::string& name) {
-  const auto t = std::find_if(terms.table.begin(), terms.table.end(), [&](const RigTerm& r) { return r.name == name; });
-  return t != terms.table.end() && is_actuator_s(*t) && t->one_sided() ? &*t : nullptr;
+  const auto t =
+      std::find_if(terms.table->begin(), terms.table->end(), [&](const RigTerm& r) { return r.name == name; });
+  return t != terms.table->end() && is_actuator_s(*t) && t->one_sided() ? &*t : nullptr;
 }
 
 /// An optional term that others do completely in these trials; none: nothing.

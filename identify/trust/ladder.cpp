@@ -6,6 +6,7 @@
 
 #include "common/parallel.hpp"
 #include "identify/estimate/statistics.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 
@@ -35,7 +36,7 @@ bool better(const Fit& a, const Fit& b) {
 Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads) {
   experiment.validate(fit);
   std::vector<const RigTerm*> terms;
-  for (const RigTerm& t : experiment.options.terms.table)
+  for (const RigTerm& t : *experiment.options.terms.table)
     if (t.in_ladder) terms.push_back(&t);
   const unsigned rungs = 1u << terms.size();
   const double samples = double(measurements(experiment.trials));

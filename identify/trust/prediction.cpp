@@ -7,6 +7,7 @@
 #include "identify/estimate/prediction_error.hpp"
 #include "identify/estimate/statistics.hpp"
 #include "identify/fit/trial_problem.hpp"
+#include "identify/logs/trial_checks.hpp"
 #include "identify/trust/diagnostics.hpp"
 
 namespace ukemi::identify {
@@ -31,7 +32,7 @@ const RigTerm& stored_as(const std::string& key, const std::vector<RigTerm>& tab
 struct Predicted {
   Predicted(const Experiment& e, const Actuator& a)
       : options(e.options), prepared(e.trials.begin(), e.trials.end()), unweighted(e.trials.size()) {
-    for (const std::string& key : a.uncertain) layout.shared.push_back(&stored_as(key, options.terms.table));
+    for (const std::string& key : a.uncertain) layout.shared.push_back(&stored_as(key, *options.terms.table));
     if (layout.shared.empty()) layout.shared.push_back(&options.terms["i_motor"]);  // the solver wants one, if held
     for (const char* name : {"initial_angle", "initial_rate"}) layout.own.push_back(&options.terms[name]);
     problem = make_problem(e.rig, prepared, unweighted, a.sea,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/actuator.hpp"
-#include "identify/trust/score.hpp"
+#include "identify/fit/fit.hpp"
 
 namespace ukemi::identify {
 

@@ -36,7 +36,7 @@ std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit
   if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
   if (fit.sensitivity) return *fit.sensitivity;
   AtMinimum at{experiment.rig, experiment.trials, experiment.options, fit.sea, {}, {}, {}, {}};
-  for (const TrialResult& r : fit.trials) at.weights.push_back(r.weighting);
+  for (const TrialResult& r : fit.trials) at.weights.push_back(weighting_of(r));
   for (const Estimate* e : fit.globals()) at.globals.push_back(e->value), at.at_bound.push_back(e->at_bound);
   at.locals.resize(fit.trials.size());
   for (const Estimate& e : fit.nuisance)

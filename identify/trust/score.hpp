@@ -10,15 +10,7 @@
 
 namespace ukemi::identify {
 
-/// What was fitted, and how.
-struct Experiment {
-  const Rig& rig;
-  const std::vector<Trial>& trials;
-  FitOptions options;
-  void validate(const Fit& fit) const;  ///< throws InputError, also where `fit` is not of these trials
-};
-
-/// The same without the rig's errors: for fits that are only compared.
+/// An experiment without the rig's errors: for fits that are only compared.
 inline Experiment of_noise(Experiment experiment) {
   experiment.options.errors = FitOptions::Errors::kOfNoise;
   return experiment;

@@ -9,6 +9,7 @@
 #include "common/files.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
+#include "landing/atlas/atlas_file.hpp"
 #include "landing/model/scene_file.hpp"
 
 namespace ukemi::landing {
@@ -39,7 +40,7 @@ AtlasCell cell_of(const Optimum& best) {
 
 /// The best motion for one drop, the search starting from what neighbours play.
 AtlasCell plan_drop(Scene scene, const Actuator& actuator, const AtlasOptions& options, std::size_t drop,
-                    std::vector<Coordinates> starts) {
+                    std::vector<MotionValues> starts) {
   constexpr long kFirst = 4;
   constexpr long kJudging = 256;
   scene.drop = options.grid.drop(drop);
@@ -86,7 +87,7 @@ void plan_atlas(const Scene& scene, const Actuator& actuator, const AtlasOptions
   for (const std::size_t i : options.shard.drops(options.grid)) open += cells[i].state == AtlasCell::State::kOpen;
   std::mutex mutex;
   parallel_for(int(blocks.size()), options.search.threads, [&](int b) {
-    std::vector<Coordinates> starts;
+    std::vector<MotionValues> starts;
     for (const std::size_t i : options.grid.block(blocks[std::size_t(b)])) {
       if (cells[i].state == AtlasCell::State::kOpen) {
         const AtlasCell cell = plan_drop(scene, actuator, options, i, starts);

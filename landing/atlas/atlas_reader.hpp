@@ -4,22 +4,23 @@
 #include <memory>
 #include <string>
 
-#include "landing/atlas/atlas_file.hpp"
 #include "landing/search/planner.hpp"
 
 namespace ukemi::landing {
+
+struct AtlasHeader;
 
 /// What an atlas has for a drop.
 struct AtlasEntry {
   Motion motion{};
   SeaParameters<double> sea;  ///< the drive that plays it
-  Coordinates values;         ///< of the space's variables
+  MotionValues values;        ///< of the space's variables
   /// The values of the motions around, the best first: where Planner may start.
-  std::span<const Coordinates> starts() const { return {around.data(), count}; }
-  std::array<Coordinates, Planner::kStarts> around;
+  std::span<const MotionValues> starts() const { return {around.data(), count}; }
+  std::array<MotionValues, Planner::kStarts> around;
   std::size_t count = 0;
   double value = kNoMotion;  ///< AtlasReader::Options::goal at this very drop; kNoMotion: no time was left to play it
-  std::uint64_t drop = SafestMotion::kNoDrop;  ///< of the grid, for which the motion was planned
+  std::uint64_t drop = ~std::uint64_t(0);  ///< of the grid, for which the motion was planned
   bool inside = false;  ///< false: the grid does not reach so far, or has no motion here, and this is the safest one
   bool found = false;   ///< false: nor has the atlas any motion that lands all its drops
 };
@@ -39,25 +40,16 @@ class AtlasReader {
   AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea, const Options& options);
   AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea)
       : AtlasReader(path, scene, sea, Options()) {}
-  AtlasReader(const AtlasReader&) = delete;
-  AtlasReader& operator=(const AtlasReader&) = delete;
-
+  ~AtlasReader();
   /// Allocates nothing, starts no thread. A vertical speed counts as the height that makes it, a pitch rate as the
   /// pitch that it makes until the floor; what is played is the drop itself.
   [[nodiscard]] AtlasEntry at(const Drop& drop);
 
-  const AtlasHeader& header() const { return file_.header(); }
+  const AtlasHeader& header() const;
 
  private:
-  static constexpr std::size_t kCorners = Planner::kStarts;
-  bool around(const Drop& drop, std::array<std::size_t, kCorners>& corners) const;
-  AtlasEntry best_of(std::span<const std::size_t> drops);
-
-  MappedAtlas file_;
-  Scene scene_;
-  std::unique_ptr<ReferenceSpace> space_;
-  Options options_;
-  Objective objective_;
+  struct Table;
+  std::unique_ptr<Table> table_;
 };
 
 }  // namespace ukemi::landing

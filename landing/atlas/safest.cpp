@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "landing/atlas/atlas.hpp"
+#include "landing/atlas/atlas_file.hpp"
 #include "landing/lanes/batch.hpp"
 
 namespace ukemi::landing {

@@ -4,7 +4,6 @@
 //
 // Every driven joint starts its motion at the first touchdown of any contact, detection_delay later, from where its
 // reference is then, and holds phi_F once its own duration is over; before it the move in the air, where it has one.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

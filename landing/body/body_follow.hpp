@@ -1,5 +1,4 @@
 // One landing of a robot of any joints from event to event. Included by what compiles kernels, by no other.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // What a report needs of a run beside its peak. Private to body_run.cpp.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

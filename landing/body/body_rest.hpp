@@ -8,7 +8,6 @@
 // is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak; a free
 // robot's centre of mass also stands within its support, and E is at most kBarrierShare of the barrier to topple over
 // either end. Ours; test/legs/references.cpp follows what it ends to the end.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "landing/body/body_scene.hpp"
-#include "landing/run/simulate.hpp"
+#include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
 
@@ -45,12 +45,12 @@ struct BodyLanding : RunEnd {
   double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
   BrokenLimit broken;                                                ///< of BodyScene::limits
   std::vector<Touch> touches;                                        ///< in their order
-  std::vector<Peak> peaks;                     ///< between touchdowns, chatter left out; point: of Robot::contacts
-  std::vector<JointDemands> demands;           ///< of Robot::joints
-  std::vector<BodySample> trajectory;          ///< empty unless a rate was given
-  double energy_residual = 0;                  ///< mismatch of the energy check over the energy turned over
-  Vec2<double> base = {0, 0}, speed = {0, 0};  ///< at the end: centre of mass of a free robot, else travel s and 0;
-                                               ///< in the floor's frame [m], [m/s]
+  std::vector<Peak> peaks;                ///< between touchdowns, chatter left out; point: of Robot::contacts
+  std::vector<JointDemands> demands;      ///< of Robot::joints
+  std::vector<BodySample> trajectory;     ///< empty unless a rate was given
+  double energy_residual = 0;             ///< mismatch of the energy check over the energy turned over
+  std::array<double, 2> base{}, speed{};  ///< at the end: centre of mass of a free robot, else travel s and 0;
+                                          ///< in the floor's frame [m], [m/s]
 };
 
 // Both throw InputError for a scene, a motion or options that break the ranges of their fields; of the options

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "landing/body/robot.hpp"
-#include "landing/model/motion.hpp"
+#include "landing/model/motion_data.hpp"
 #include "landing/model/scene.hpp"
 
 namespace ukemi::landing {

@@ -7,6 +7,7 @@
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
+#include "common/uncertainty_file.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/model/scatter_file.hpp"

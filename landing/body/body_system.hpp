@@ -3,13 +3,13 @@
 // check. Heights are distances from the floor along its normal; on a slope the frame is the floor's, and gravity is
 // turned.
 //
-// Private: not installed.
 #pragma once
 
 #include "common/integrate/guards.hpp"
 #include "landing/body/contact.hpp"
 #include "landing/body/equations.hpp"
 #include "landing/model/motion.hpp"
+#include "landing/model/two_link.hpp"
 
 namespace ukemi::landing {
 

@@ -9,7 +9,6 @@
 //
 // The inequalities are the mode of a point, held between events. Friction sticks where |K_t z + C_t v| < mu F_n and
 // slides in the direction s where s (K_t z + C_t v) > mu F_n: a function of the state, whatever came before.
-// Private: not installed.
 #pragma once
 
 #include <cmath>

@@ -16,7 +16,6 @@
 // separates, R'' = sum F / m + g, and has no weight term. Rail: the base is R0 + s e, one more unknown s with
 // M_ss = m, M_sj = sum_i m_i e.(Y_ij, X_ij), and the first body's angle stays. Pinned: the base is fixed.
 // Ours; test/legs/laws.cpp.
-// Private: not installed.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,6 +8,7 @@
 
 #include "common/checks.hpp"
 #include "common/csv.hpp"
+#include "common/sea.hpp"
 
 namespace ukemi::landing {
 

@@ -6,7 +6,6 @@
 // hangs straight down, across points forward (+x). A joint's angle is phi = theta_child - theta_parent (0: in line).
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -14,7 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "common/sea.hpp"
+#include "common/sea_parameters.hpp"
+#include "common/uncertainty.hpp"
 
 namespace ukemi::landing {
 
@@ -58,7 +58,7 @@ struct Joint {
   double parallel_rest = 0;                  ///< [rad]
   double phi = 0;                            ///< at release, passive and locked [rad]
   std::vector<std::string> uncertain;        ///< constants of the drive whose errors are known, see Actuator
-  Eigen::MatrixXd covariance;                ///< of those, in their order
+  DenseMatrix covariance;                    ///< of those, in their order
 
   bool driven() const { return kind == DriveKind::kElastic || kind == DriveKind::kGeared; }
 };

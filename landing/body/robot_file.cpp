@@ -8,6 +8,8 @@
 #include <map>
 
 #include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
+#include "common/sea.hpp"
 
 namespace ukemi::landing {
 

@@ -1,5 +1,4 @@
 // A robot's tables, in a file of its own or in a scene's.
-// Private: not installed.
 #pragma once
 
 #include "common/actuator.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "common/error.hpp"
 #include "landing/derivatives/differentiated_body.hpp"
 #include "landing/derivatives/peak_observer.hpp"

@@ -1,11 +1,11 @@
 // One landing of a robot of links in scalars with P derivatives. Private to body_gradient.cpp.
-// Private: not installed.
 #pragma once
 
 #include <cmath>
 #include <span>
 
 #include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "common/integrate/tableaus.hpp"
 #include "landing/body/body_course.hpp"
 #include "landing/body/body_rest.hpp"

@@ -1,6 +1,5 @@
 // One landing of the paper's robot in scalars with P derivatives. Private to landing's sources that compile it
 // (gradient.cpp, drop_rollout.cpp).
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // A landing in scalars with derivatives, from event to event, and who watches it. Of any robot.
-// Private: not installed.
 #pragma once
 
 #include <limits>

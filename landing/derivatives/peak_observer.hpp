@@ -1,5 +1,4 @@
 // The local maxima of |ddr_0| of a landing and their derivatives, see gradient.hpp for the law. Of any robot.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // The parameters of landing/derivatives/gradient.hpp as scalars that carry derivatives.
-// Private: not installed.
 #pragma once
 
 #include <cmath>
 
+#include "common/jet.hpp"
 #include "landing/derivatives/gradient.hpp"
 
 namespace ukemi::landing {

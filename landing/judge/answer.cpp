@@ -7,6 +7,7 @@
 
 #include "common/checks.hpp"
 #include "common/error.hpp"
+#include "common/stopwatch.hpp"
 
 namespace ukemi::landing {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "landing/scatter/sampler.hpp"
 #include "landing/scatter/sobol.hpp"
 
 namespace ukemi::landing {

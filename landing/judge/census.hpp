@@ -1,5 +1,4 @@
 // What is counted while drops are played, and the points of Sobol's indices: the same for both kinds of robots.
-// Private: not installed.
 #pragma once
 
 #include <functional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "landing/judge/risk.hpp"
+#include "landing/scatter/sampler.hpp"
 
 namespace ukemi::landing {
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "landing/model/motion_space.hpp"
 #include "landing/search/optimize.hpp"
 
 namespace ukemi::landing {

@@ -44,7 +44,7 @@ double PeakMap::coordinate(int variable, int i) const {
   return cells[k] == 1 ? slice[variable] : v.lower + (v.upper - v.lower) * i / (cells[k] - 1);
 }
 
-Coordinates PeakMap::values(const Place& at) const {
+MotionValues PeakMap::values(const Place& at) const {
   Coordinates x(int(at.size()));
   for (int k = 0; k < int(at.size()); ++k) x[k] = coordinate(k, at[std::size_t(k)]);
   return x;
@@ -76,9 +76,10 @@ PeakMap empty_map(const std::vector<Variable>& variables, const MapOptions& opti
   PeakMap map{variables, options.cells, options.slice, {}};
   map.cells.resize(n, 1);
   if (map.slice.size() == 0) {
-    map.slice.resize(long(n));
+    Coordinates middle(static_cast<long>(n));
     for (std::size_t k = 0; k < n; ++k)
-      map.slice[long(k)] = variables[k].lower + 0.5 * (variables[k].upper - variables[k].lower);
+      middle[long(k)] = variables[k].lower + 0.5 * (variables[k].upper - variables[k].lower);
+    map.slice = middle;
   }
   std::size_t points = 1;
   for (const int c : map.cells) points *= std::size_t(c);
@@ -150,6 +151,10 @@ PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& opti
     options.monitor.progress(++rows, count);
   });
   return map;
+}
+
+PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const MapOptions& options) {
+  return map_peaks(scene, ReferenceSpace(scene, sea), options);
 }
 
 PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options) {

@@ -1,15 +1,21 @@
 // The whole box of a motion space on a grid, or a slice of it, and the basins that it shows.
 #pragma once
 
-#include "landing/judge/evidence.hpp"
-#include "landing/lanes/batch.hpp"
+#include <cstdint>
+#include <vector>
+
+#include "common/monitor.hpp"
+#include "landing/model/variables.hpp"
+#include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
+
+class MotionSpace;
 
 struct MapOptions {
   /// Points along each variable, ends included; 1, or none given: the variable stands at its value in `slice`.
   std::vector<int> cells{64, 64, 32};
-  Coordinates slice;       ///< values of the variables that stand; empty: the middle of their ranges
+  MotionValues slice;      ///< values of the variables that stand; empty: the middle of their ranges
   double accuracy = 1e-5;  ///< of the grid's landings
   double tight = 1e-9;     ///< of the basins
   int polished = 24;       ///< the best local minima of the grid are searched from close by
@@ -30,14 +36,14 @@ struct PeakMap {
   using Place = std::vector<int>;   ///< a number of a point along each variable
   std::vector<Variable> variables;  ///< of the motion space
   Place cells;                      ///< points along each
-  Coordinates slice;                ///< where a variable with one point stands
+  MotionValues slice;               ///< where a variable with one point stands
   std::vector<Cell> grid;           ///< the first variable slowest, the last fastest
 
   std::size_t index(const Place& at) const;
   Place place(std::size_t index) const;
   /// The value of a variable at its i-th point.
   double coordinate(int variable, int i) const;
-  Coordinates values(const Place& at) const;
+  MotionValues values(const Place& at) const;
   /// The points at most one away along every variable, the point itself included.
   std::vector<std::size_t> neighbours(std::size_t index) const;
 };
@@ -55,9 +61,12 @@ struct MotionRange {
 /// Every point of the grid, on all lanes and threads, until the monitor stops it.
 [[nodiscard]] PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options = {});
 
+/// The same over the motions of Eq. 6.
+[[nodiscard]] PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const MapOptions& options = {});
+
 /// A basin: the best motion found near a local minimum of the grid, at MapOptions::tight.
 struct Basin {
-  Coordinates values;
+  MotionValues values;
   Play play;
   double peak;
 };

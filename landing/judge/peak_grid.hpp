@@ -1,5 +1,4 @@
 // A grid of peaks and its basins, whatever falls: what the map of the paper's robot and that of a robot of links share.
-// Private: not installed.
 #pragma once
 
 #include <functional>

@@ -9,7 +9,7 @@
 #include "common/actuator.hpp"
 #include "common/monitor.hpp"
 #include "landing/judge/sobol_indices.hpp"
-#include "landing/run/simulate.hpp"
+#include "landing/run/landing.hpp"
 #include "landing/scatter/drop_model.hpp"
 #include "landing/scatter/measure.hpp"
 

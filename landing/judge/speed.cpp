@@ -2,6 +2,7 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "landing/model/motion_space.hpp"
 
 namespace ukemi::landing {
 

@@ -1,6 +1,7 @@
 #include "landing/judge/survey.hpp"
 
 #include "common/stopwatch.hpp"
+#include "landing/model/motion_space.hpp"
 
 namespace ukemi::landing {
 

@@ -3,7 +3,9 @@
 
 #include <functional>
 
+#include "landing/judge/evidence.hpp"
 #include "landing/judge/map.hpp"
+#include "landing/model/motion_space.hpp"
 
 namespace ukemi::landing {
 

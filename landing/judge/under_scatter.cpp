@@ -6,6 +6,7 @@
 #include "common/checks.hpp"
 #include "common/error.hpp"
 #include "landing/run/simulate.hpp"
+#include "landing/scatter/sampler.hpp"
 
 namespace ukemi::landing {
 

@@ -8,6 +8,7 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
+#include "common/sea.hpp"
 #include "landing/lanes/batch_entry.hpp"
 
 namespace ukemi::landing {

@@ -7,8 +7,7 @@
 
 #include <span>
 
-#include "landing/lanes/lane_source.hpp"
-#include "landing/run/simulate.hpp"
+#include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
 
@@ -19,8 +18,6 @@ struct BatchCase {
   Motion motion;
   double abandon_above = std::numeric_limits<double>::infinity();  ///< [m/s^2], see SimulateOptions
 };
-
-using BatchSource = LaneSource<BatchCase, LandingPeak>;
 
 struct BatchOptions {
   double accuracy = 1e-5;  ///< relative tolerance of each step, 1e-14..1e-2: the method is of order 5
@@ -42,13 +39,6 @@ inline constexpr std::array<const char*, 3> kInstructionSetNames = {"baseline", 
 InstructionSet widest_instruction_set();
 /// Landings side by side: 2, 4, 8.
 constexpr int lanes(InstructionSet s) { return 2 << int(s); }
-/// The quickest for so many landings: eight lanes of which half stand empty are slower than four.
-InstructionSet quickest_instruction_set(std::size_t landings);
-
-/// Runs a source until every lane is without work, or the source is over. `set` must be one that the machine has.
-/// Allocates nothing, and looks at nothing: the cases must be valid.
-void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
-
 /// The peaks of many landings, by the kernel that holds the terms of all of them; `threads` as everywhere: 0 for all
 /// cores, and without influence on the results. Those that `over` cut off come back with End::kStopped. Throws
 /// InputError for options or cases that are not valid, and for another number of peaks than of cases.

@@ -1,8 +1,10 @@
 // The landings of the paper's robot in lockstep, see lockstep.hpp.
-// Private: not installed.
 #pragma once
 
+#include <algorithm>
+
 #include "landing/lanes/batch.hpp"
+#include "landing/lanes/batch_source.hpp"
 #include "landing/lanes/lane_mode.hpp"
 #include "landing/lanes/lockstep.hpp"
 #include "landing/run/rest.hpp"
@@ -51,7 +53,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
       const double t = schedule.start(), g = scene.robot.gravity;
       if (schedule.ballistic()) fly(single, scene, t, y);
       if (schedule.flies_on()) {
-        out.end = End::kNoContact, out.t_end = t, out.peak = g, out.state = y.template head<kMechanical>();
+        out.end = End::kNoContact, out.t_end = t, out.peak = g, std::copy_n(y.data(), kMechanical, out.state.begin());
         source_.done(i, out);
         continue;
       }
@@ -95,7 +97,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
       if (end == End::kFailed) out.failure = Failure::kSteps;
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
       out.work.steps = long(steps_[i]), out.joint_lost = lost_[i];
-      for (int k = 0; k < kMechanical; ++k) out.state[k] = step_.y[k][i];
+      for (int k = 0; k < kMechanical; ++k) out.state[std::size_t(k)] = step_.y[k][i];
       source_.done(i, out);
     }
     load(i);

@@ -1,8 +1,8 @@
 // The entry of batch_engine.hpp for so many lanes (batch_kernel.cpp); private to landing.
-// Private: not installed.
 #pragma once
 
 #include "landing/lanes/batch.hpp"
+#include "landing/lanes/batch_source.hpp"
 
 namespace ukemi::landing {
 

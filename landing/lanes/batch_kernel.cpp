@@ -22,6 +22,7 @@ void run_lanes<UKEMI_BATCH_LANES>(BatchSource& source, const BatchOptions& optio
 }  // namespace ukemi::landing
 #else
 #include "landing/lanes/batch_engine.hpp"
+#include "landing/lanes/batch_source.hpp"
 
 namespace ukemi::landing {
 

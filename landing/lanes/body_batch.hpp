@@ -5,8 +5,7 @@
 #include <span>
 
 #include "landing/body/body_run.hpp"
-#include "landing/lanes/batch.hpp"
-#include "landing/lanes/lane_source.hpp"
+#include "landing/lanes/batch_source.hpp"
 
 namespace ukemi::landing {
 

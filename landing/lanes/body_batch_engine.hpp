@@ -1,6 +1,5 @@
 // The landings of robots of links in lockstep, see lockstep.hpp: the robots of all lanes are one tree, whose numbers
 // differ.
-// Private: not installed.
 #pragma once
 
 #include "landing/body/body_course.hpp"

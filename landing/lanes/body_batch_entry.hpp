@@ -1,5 +1,4 @@
 // The entry of body_batch_engine.hpp for so many lanes (body_batch_kernel.cpp); private to landing.
-// Private: not installed.
 #pragma once
 
 #include "landing/body/equations.hpp"

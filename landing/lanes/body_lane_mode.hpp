@@ -1,5 +1,4 @@
 // The mode of a robot of links whose lanes are landings of their own.
-// Private: not installed.
 #pragma once
 
 #include "landing/body/body_system.hpp"

@@ -1,5 +1,4 @@
 // The mode of a landing system whose lanes are landings of their own.
-// Private: not installed.
 #pragma once
 
 #include "common/pack.hpp"

@@ -8,7 +8,6 @@
 // placed by the cubic through the guard at both ends of the step, the step is retaken up to there, and what is left is
 // made up along the field. What only some lanes need (events, the ends of landings) is worked out lane by lane in
 // doubles, with the very functions of the scalar path.
-// Private: not installed.
 #pragma once
 
 #include <cmath>

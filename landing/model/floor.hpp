@@ -10,25 +10,6 @@
 
 namespace ukemi::landing {
 
-/// Constants of the floor.
-template <class T>
-struct Floor {
-  T stiffness;           ///< K_f [N/m], > 0
-  T damping_normal;      ///< C_fy [N/(m/s)], >= 0
-  T damping_tangential;  ///< C_fx [N/(m/s)], >= 0
-
-  /// The same floor in another scalar.
-  template <class U>
-  Floor<U> cast() const {
-    return {U(stiffness), U(damping_normal), U(damping_tangential)};
-  }
-  /// f(a's, b's) of every constant.
-  template <class A, class B, class F>
-  static void for_each(A& a, const B& b, F&& f) {
-    f(a.stiffness, b.stiffness), f(a.damping_normal, b.damping_normal), f(a.damping_tangential, b.damping_tangential);
-  }
-};
-
 /// Mode of a contact point.
 enum class Contact : unsigned char {
   kClear,    ///< above the floor

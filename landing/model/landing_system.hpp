@@ -4,6 +4,7 @@
 #pragma once
 
 #include "common/integrate/hybrid.hpp"
+#include "common/jet.hpp"
 #include "common/trigonometry.hpp"
 #include "landing/model/mode.hpp"
 #include "landing/model/scene.hpp"

@@ -9,6 +9,7 @@
 
 #include "common/csv.hpp"
 #include "common/decompositions.hpp"
+#include "landing/model/motion.hpp"
 
 namespace ukemi::landing {
 

@@ -1,45 +1,14 @@
-// A motion as the rows that a robot plays, motion.csv: written from a motion, and the motion recovered from them.
+// How exactly the rows of a motion.csv must be those of a motion.
 #pragma once
 
-#include <limits>
-#include <string>
-#include <vector>
-
-#include "landing/model/motion.hpp"
+#include "landing/model/files.hpp"
 
 namespace ukemi::landing {
-
-/// The reference over time. t = 0 at the start of the landing motion, which is the detected first touchdown; rows
-/// before are the move in the air.
-struct MotionRows {
-  std::vector<double> t;     ///< [s], increases
-  std::vector<double> phi;   ///< phi_ref [rad]
-  std::vector<double> dphi;  ///< dphi_ref [rad/s]
-  /// When the landing motion is expected to start, from release [s]; needed where rows have t < 0.
-  double start = std::numeric_limits<double>::infinity();
-  double gain_p = 1, gain_d = 1;  ///< factors of K_p and K_d from t = 0 on, >= 0
-  double release_rate = 0;        ///< of the joint at release [rad/s]
-
-  bool moves_in_air() const { return !t.empty() && t.front() < 0; }
-};
-
-/// The rows of a motion whose landing is expected to start at a time from release [s], infinite: once the move in the
-/// air is over. `rate`: rows a second [Hz], > 0; the last row is the motion's end.
-MotionRows rows_of(const Motion& motion, double start, double rate);
-/// The text of a motion.csv; `comments` goes in front, each line behind "# ".
-std::string to_csv(const MotionRows& rows, const std::string& comments);
 
 /// Rows are those of a motion where none is farther from it than this.
 inline constexpr double kAngleMisfit = 1e-4,  ///< [rad]
     kRateMisfit = 1e-2;                       ///< [rad/s]
 /// So many rows must lie inside a piece of the reference that moves: more than it has unknowns.
 inline constexpr int kLeastRows = kMostBumps + 1;
-
-/// Reads a motion.csv as `ukemi optimize` writes it, and recovers the motion: the end angles and the duration are the
-/// rows' own, the shape terms their least-squares fit (linear in b_k), phi_I and the end of the move in the air the
-/// least-squares fit of its quintic. Throws InputError, with file:line:column, on rows that are not of such a motion.
-/// Of several joints in one file, `joint` names the one: its columns are phi_ref_JOINT and so on.
-/// Tests: test/unit/motion_csv.cpp.
-Motion read_motion_csv(const std::string& path, const std::string& joint = "");
 
 }  // namespace ukemi::landing

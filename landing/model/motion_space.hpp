@@ -10,34 +10,12 @@
 
 #include "landing/model/motion.hpp"
 #include "landing/model/scene.hpp"
+#include "landing/model/variables.hpp"
 
 namespace ukemi::landing {
 
-/// A variable of a motion space.
-struct Variable {
-  std::string name;     ///< key and column in files, without its unit: "phi_i"
-  std::string words;    ///< for a reader: "phi_I"
-  std::string unit;     ///< of its values, SI: "rad", "s", "1"
-  double lower, upper;  ///< the range that is searched
-  /// Where it does nothing, if such a value is within its range: a search also looks at motions without it.
-  std::optional<double> neutral = {};
-};
-
-/// As many as a motion of Eq. 6 of [1] has: phi_I, phi_F, duration.
-inline constexpr int kPaperVariables = 3;
-/// A space has at most so many variables: points of it need no allocation.
-inline constexpr int kMostVariables = 12;
 /// A number for each variable: values in their units, or places 0..1 in their ranges.
 using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostVariables, 1>;
-
-/// For each variable -1 on the lower edge of its range, +1 on the upper, else 0.
-using Edges = std::array<signed char, kMostVariables>;
-
-/// What a point of a space stands for: the reference that is played, and the drive that follows it.
-struct Play {
-  Motion motion;
-  SeaParameters<double> sea;
-};
 
 /// The numbers of a play that gradients know, in the order of Parameter (landing/derivatives/gradient.hpp): those of
 /// the motion, phi_I, phi_F and duration first, then K_p, K_d, K_SEA, C_SEA, I_motor.
@@ -50,9 +28,6 @@ std::array<double, 2> ends_of_move(double from, double fall);
 
 /// The motions of the tolerant peak: x (k = 0), six face centres, eight corners of the box of an execution tolerance.
 inline constexpr int kExecutionPoints = 15;
-struct Deviation {
-  double phi_i, phi_f, duration;  ///< in parts of the tolerance, -1..1
-};
 Deviation execution_deviation(int k);
 
 class MotionSpace {

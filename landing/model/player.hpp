@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "landing/model/motion.hpp"
+#include "landing/model/motion_data.hpp"
 
 namespace ukemi::landing {
 

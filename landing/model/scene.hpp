@@ -7,9 +7,8 @@
 
 #include "common/uncertainty.hpp"
 #include "common/verdict.hpp"
-#include "landing/model/floor.hpp"
+#include "landing/model/constants.hpp"
 #include "landing/model/scatter.hpp"
-#include "landing/model/two_link.hpp"
 
 namespace ukemi::landing {
 

@@ -9,6 +9,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/toml.hpp"
+#include "common/uncertainty_file.hpp"
 #include "landing/model/motion_csv.hpp"
 #include "landing/model/release.hpp"
 #include "landing/model/scatter_file.hpp"

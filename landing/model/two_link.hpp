@@ -18,34 +18,12 @@
 #include <cmath>
 
 #include "common/scalar.hpp"
+#include "landing/model/constants.hpp"
 
 namespace ukemi::landing {
 
-/// The points that may touch the floor, in the order of the paper's j = 0, 1, 2.
-enum Point { kHip = 0, kKnee = 1, kFoot = 2 };
-inline constexpr int kPoints = 3;
-inline constexpr std::array<const char*, kPoints> kPointNames = {"hip", "knee", "foot"};
-
 template <class T>
 using Vec2 = Eigen::Matrix<T, 2, 1>;
-
-/// Masses and lengths of the robot.
-template <class T>
-struct TwoLink {
-  std::array<T, 2> mass;         ///< m_0, m_1 [kg], > 0
-  std::array<T, 2> inertia_com;  ///< I_0, I_1 about each centre of mass [kg m^2], > 0
-  T link_length;                 ///< l, of each link [m], > 0
-  T gravity;                     ///< g [m/s^2], >= 0
-
-  /// The same robot in another scalar.
-  template <class U>
-  TwoLink<U> cast() const {
-    return {{U(mass[0]), U(mass[1])}, {U(inertia_com[0]), U(inertia_com[1])}, U(link_length), U(gravity)};
-  }
-};
-
-/// Components of the state.
-enum Component { kX, kY, kTheta0, kTheta1, kPhiM, kVx, kVy, kOmega0, kOmega1, kOmegaM, kMechanical };
 
 /// What the equations need of a TwoLink, worked out once a run. Its scalar may be a double where the state carries
 /// derivatives by other things.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "common/jet.hpp"
+
 namespace ukemi::landing {
 
 namespace {

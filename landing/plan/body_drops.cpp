@@ -4,10 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
+#include "common/eigen.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/scatter/drop_model.hpp"
+#include "landing/scatter/moved.hpp"
 
 namespace ukemi::landing {
 
@@ -89,7 +92,7 @@ void BodyDropModel::scatter_floor(const Uncertainty& known) {
     const double value = numbers.empty() ? 0 : *numbers.front();
     unit[long(i)] = value > 0 && std::isfinite(value) ? 1 / value : 0;
   }
-  sampler_.correlated("floor", unit.asDiagonal() * known.covariance * unit.asDiagonal());
+  sampler_.correlated("floor", unit.asDiagonal() * eigen(known.covariance) * unit.asDiagonal());
 }
 
 BodyDrop BodyDropModel::drop(std::span<const double> u) const {

@@ -1,5 +1,4 @@
 // What a motion of a robot of links is worth: a measure of its peaks over drops, within the limits of the scene. Ours.
-// Private: not installed.
 #pragma once
 
 #include <cmath>

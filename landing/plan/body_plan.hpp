@@ -9,10 +9,9 @@
 
 #include "common/monitor.hpp"
 #include "landing/body/body_run.hpp"
-#include "landing/plan/body_drops.hpp"
-#include "landing/plan/body_space.hpp"
+#include "landing/model/variables.hpp"
 #include "landing/scatter/measure.hpp"
-#include "landing/search/objective.hpp"
+#include "landing/search/goal.hpp"
 
 namespace ukemi::landing {
 

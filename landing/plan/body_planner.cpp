@@ -7,6 +7,7 @@
 #include <initializer_list>
 
 #include "common/error.hpp"
+#include "landing/plan/body_space.hpp"
 
 namespace ukemi::landing {
 

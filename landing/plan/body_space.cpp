@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
 

@@ -1,8 +1,8 @@
 // One landing from event to event: the loop that every method and every kernel shares. Included by what compiles
 // kernels (kernels.hpp, methods.cpp), by no other.
-// Private: not installed.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -147,7 +147,7 @@ class Follower {
     if constexpr (kReport) recorder_.finish();
     out_.end = end, out_.t_end = t_;
     out_.peak = std::sqrt(peak_.square), out_.t_peak = peak_.t;
-    out_.state = y.template head<kMechanical>();
+    std::copy_n(y.data(), kMechanical, out_.state.begin());
   }
 
   const Scene& scene_;

@@ -1,6 +1,5 @@
 // The small set of kernels, and which one a scene runs. Included by the files that compile them (peak.cpp,
 // simulate.cpp).
-// Private: not installed.
 #pragma once
 
 #include "common/integrate/automatic.hpp"

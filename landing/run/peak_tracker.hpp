@@ -1,5 +1,4 @@
 // Finds the largest |ddr_0| of a run: at both limits of every step, and inside the steps that could hold a larger one.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

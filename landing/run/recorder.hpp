@@ -1,5 +1,4 @@
 // What a report needs of a run beside its peak. Private to simulate.cpp.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>
@@ -92,8 +91,10 @@ class Recorder {
     const auto dy = system.derivative(t, y);
     const Vec2<double> r = thigh_position(system.link, f.pose), v = thigh_velocity(system.link, f.pose),
                        a = thigh_acceleration(system.link, f.pose, {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
-    return {t,          r.x(),      r.y(), y[kTheta0], f.sea.phi, f.sea.phi_m, v.x(),           v.y(),  y[kOmega0],
-            f.sea.dphi, y[kOmegaM], a.x(), a.y(),      a.norm(),  f.tau_sea,   f.reference.phi, f.force};
+    Sample out{t,          r.x(),      r.y(), y[kTheta0], f.sea.phi, f.sea.phi_m, v.x(),           v.y(), y[kOmega0],
+               f.sea.dphi, y[kOmegaM], a.x(), a.y(),      a.norm(),  f.tau_sea,   f.reference.phi, {}};
+    for (std::size_t j = 0; j < kPoints; ++j) out.force[j] = {f.force[j].x(), f.force[j].y()};
+    return out;
   }
 };
 

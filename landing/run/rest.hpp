@@ -10,7 +10,6 @@
 //      (sqrt(m^2 + y^2) - y) to topple over either end;
 //   3. E is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak.
 // The thresholds are ours; test/property/rest.cpp proves them by sampling.
-// Private: not installed.
 #pragma once
 
 #include "landing/model/landing_system.hpp"

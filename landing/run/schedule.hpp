@@ -6,7 +6,6 @@
 //       with a move in the air     phi_R is held until `from`, the move until `to`, then phi_I
 //     first touchdown at t_0       noticed at t_0 + detection_delay: the motion starts, from where the reference is
 //     after it                     phi_F is held                                until t_end, or t_0 + Scene::kFollow
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

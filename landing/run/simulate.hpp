@@ -1,99 +1,17 @@
-// One landing: released, in flight, through its contacts, to rest.
+// How a landing is followed: its accuracy, and with one method.
 #pragma once
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
 
 #include "common/integrate/hybrid.hpp"
 #include "common/integrate/method.hpp"
 #include "landing/model/motion.hpp"
-#include "landing/model/scene.hpp"
+#include "landing/model/two_link.hpp"
+#include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
 
-/// Why a run ended.
-enum class End {
-  kRest,       ///< at rest (landing/run/rest.hpp): no later peak can exceed the running one
-  kTimeLimit,  ///< at t_end
-  kNoContact,  ///< at t_end, and no point has touched the floor: `peak` is that of a flight
-  kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
-  kStopped,    ///< SimulateOptions::over said so: `peak` is a lower bound
-  kBroken,     ///< a limit of SimulateOptions::limits was passed: `peak` says nothing
-  kFailed,     ///< the numbers did not work out; `failure` says why, the result so far is kept
-};
-const char* name(End end);
-/// Whether a run that ended so says nothing of a landing's peak.
-constexpr bool no_landing(End end) { return end == End::kNoContact || end == End::kBroken || end == End::kFailed; }
-
-/// Why a run failed.
-enum class Failure : unsigned char {
-  kNone,
-  kIntegration,  ///< the integrator stopped; LandingPeak::status says why
-  kSteps,        ///< more than SimulateOptions::max_steps
-  kUnresolved,   ///< |ddr_0| inside a step is far above its ends: a peak that the step does not resolve
-  kGivesWay,     ///< a spring that softens was bent to where it no longer resists
-  kUnbalanced,   ///< the energy balance does not close: motion and forces do not belong together
-};
-
 using integrate::Method;
-
-/// A touchdown of a point within this time of its last lift-off is chatter: it opens no interval of Peak [s].
-inline constexpr double kChatter = 0.01;
-
-/// A joint that is so far from straight has turned right round: its drive has lost it [rad].
-inline constexpr double kLostJoint = 6.283185307179586;
-
-/// What a landing must not do. A run ends where it first does.
-struct Limits {
-  std::array<bool, kPoints> forbidden{};                          ///< points that must never touch
-  double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s], >= 0
-  double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm], >= 0
-  /// Of the joint angle phi_1 [rad].
-  std::array<double, 2> joint{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  /// Of |dphi_ref| [rad/s]. A landing breaks it where the floor cuts the move in the air short and the motion from
-  /// there is quicker; what is planned is known without a landing, see peak_reference_rate.
-  double reference_rate = std::numeric_limits<double>::infinity();
-  void validate() const;  ///< throws InputError
-  bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
-  bool joint_stops() const { return std::isfinite(joint[0]) || std::isfinite(joint[1]); }
-  bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
-  bool any() const { return any_forbidden() || within_steps() || std::isfinite(reference_rate); }
-  /// Whether steps must be looked at.
-  bool within_steps() const { return rated() || joint_stops(); }
-  /// Whether a landing motion that starts so long after the release breaks them.
-  bool broken_by(const Motion& m, double start) const {
-    return m.reposition && start < m.reposition->to && std::isfinite(reference_rate) &&
-           peak_reference_rate(m, start) > reference_rate;
-  }
-  /// Whether a state breaks them, the motor pulling with `torque` [Nm]; lane by lane for packs.
-  template <class T>
-  auto broken_by(const SeaState<T>& s, const T& torque) const {
-    using std::abs;
-    return (s.phi < T(joint[0])) | (s.phi > T(joint[1])) | (abs(s.dphi_m) > T(motor_speed)) |
-           (abs(torque) > T(motor_torque));
-  }
-};
-
-struct SimulateOptions {
-  /// Relative tolerance of each step, 1e-14..1e-2; see test/regression/reference.cpp for why, and step_accuracy.
-  double accuracy = 1e-9;
-  double abandon_above =
-      std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2], >= 0
-  long max_steps = 200'000;                     ///< steps and events before a run is given up
-  double max_step = 0.1;                        ///< longest step; the step of a fixed-step method [s], > 0
-  Limits limits;
-  Method method = Method::kAuto;                          ///< `simulate` always uses auto
-  std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
-  const std::function<bool()>* over = nullptr;            ///< asked every few dozen steps, if set: true ends the run
-  enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: follow to t_end whatever happens
-  void validate() const;                                  ///< throws InputError
-  /// Asks `over` at every so many steps, some tens of microseconds.
-  bool stopped(long step) const { return over && step % 32 == 31 && (*over)(); }
-};
 
 /// Whether dry friction acts on the output. It turns within kFrictionSpeed, so that an error of the joint's rate that
 /// no tolerance of the state sees is one of |ddr_0| there, and the peak would be the largest of such errors. The scalar
@@ -106,117 +24,8 @@ inline double step_accuracy(double asked, const SeaParameters<double>& sea) {
   return needs_fine_steps(sea) ? std::min(asked, kFine) : asked;
 }
 
-/// The points in the order in which they touch, without chatter (kChatter); as many as fit.
-class ContactOrder {
- public:
-  static constexpr int kCapacity = 30;
-  int size() const { return size_; }
-  Point operator[](int i) const { return Point(code_ >> (2 * i) & 3); }
-  void touchdown(Point p, double t) {
-    first_ = std::min(first_, t);
-    touched_[p] = true;
-    if (size_ < kCapacity && !(t - lifted_[p] < kChatter)) code_ |= std::uint64_t(p) << (2 * size_++);
-  }
-  void liftoff(Point p, double t) { lifted_[p] = t; }
-  /// When the first point touched, from release; infinite if none did [s].
-  double first() const { return first_; }
-  /// Whether a point touched at all, chatter and what no longer fits included.
-  bool touched(Point p) const { return touched_[p]; }
-
- private:
-  static constexpr double kNever = -std::numeric_limits<double>::infinity();
-  std::uint64_t code_ = 0;
-  int size_ = 0;
-  double first_ = std::numeric_limits<double>::infinity();
-  std::array<double, kPoints> lifted_{kNever, kNever, kNever};
-  std::array<bool, kPoints> touched_{};
-};
-
-/// How a landing went, whatever fell.
-struct RunEnd {
-  double peak = 0;    ///< f(x) of Eq. 6: max over time of the acceleration that counts, |ddr_0| of [1] [m/s^2]
-  double t_peak = 0;  ///< when, from release [s]
-  double t_end = 0;   ///< how long the run was followed, from release [s]
-  End end = End::kFailed;
-  Failure failure = Failure::kNone;                        ///< with kFailed
-  integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
-  integrate::Counters work;
-};
-/// Why a landing failed, in words.
-const char* reason(const RunEnd& run);
-
-/// What a search needs of a landing. Nothing in it allocates.
-struct LandingPeak : RunEnd {
-  ContactOrder contacts;    ///< touchdowns
-  int peak_contact = -1;    ///< which of them opened the interval that holds the peak; -1: before the first
-  bool joint_lost = false;  ///< |phi_1| went beyond kLostJoint where a step ended: the peak is that of a whirling link
-  Eigen::Matrix<double, kMechanical, 1> state =
-      Eigen::Matrix<double, kMechanical, 1>::Zero();  ///< where it ended, see landing::Component
-};
-
-/// A point meets the floor and leaves it.
-struct Touch {
-  int point;              ///< a Point; of a robot of links, of Robot::contacts
-  double t_touchdown;     ///< from release [s]
-  double t_liftoff;       ///< when it rises through its surface, y = 0, again [s]; NaN if it never does
-  double peak_force = 0;  ///< largest |F_j| of this contact [N]
-  double peak_acc = 0;    ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
-};
-
-/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Chatter
-/// opens none.
-struct Peak {
-  double t;             ///< [s]
-  double acceleration;  ///< [m/s^2]
-  int point;            ///< Point that opened the interval; -1: before the first touchdown
-};
-
-/// One row of a trajectory, SI units; phi_0, phi_1 as in [1], r_0 the thigh's centre of mass.
-struct Sample {
-  double t, x0, y0, phi0, phi1, phi_m, dx0, dy0, dphi0, dphi1, dphi_m, ddx0, ddy0, acc, tau_sea, phi_ref;
-  std::array<Vec2<double>, kPoints> force;
-};
-
-/// Largest values that an actuator must stand, over the whole run.
-struct Demands {
-  double motor_speed = 0;           ///< max |dphi_m| [rad/s]
-  double motor_torque = 0;          ///< max |tau_mot| [Nm]
-  double sea_torque = 0;            ///< max |tau_SEA| [Nm]
-  double phi_min = 0, phi_max = 0;  ///< range of the joint phi_1 [rad]
-};
-
-/// A landing with everything that a report needs.
-struct Landing : LandingPeak {
-  std::vector<Touch> touches;
-  std::vector<Peak> peaks;
-  std::vector<Sample> trajectory;  ///< empty unless a rate was given
-  Demands demands;
-  double energy_residual = 0;  ///< mismatch of the energy check over the energy turned over
-};
-/// The largest energy residual of a landing that counts as right: steps that keep to the accuracy stay far below it.
-inline double energy_tolerance(double accuracy) { return std::clamp(1e3 * accuracy, 1e-6, 1.0); }
-
-// What follows throws InputError for a scene, an actuator, a motion or options that break the ranges of their fields.
-
-/// What they throw for the first three.
-void validate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion);
-
-/// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are
-/// taken at right and left limits of events and inside steps. Deterministic. A run that fails is a status.
-[[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                                            const SimulateOptions& options = {});
-
-/// When the first point touches the floor, from release [s]; infinite if none does within the flight limit.
-[[nodiscard]] double first_touchdown(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion);
-
 /// `peak_acceleration` with a single method: the comparison's, on one kernel for every scene.
 void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                         const SimulateOptions& options, LandingPeak& out);
-
-/// The same run with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory: a row every
-/// 1/rate s from release, 2e7 at most, and two at each event, its left and right limits. A
-/// run whose energy balance does not close has failed.
-[[nodiscard]] Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                               const SimulateOptions& options = {}, double rate = 0);
 
 }  // namespace ukemi::landing

@@ -1,5 +1,4 @@
 // The touches of a landing, and the largest acceleration between them. Of any robot.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "common/integrate/hybrid.hpp"
+#include "common/integrate/counters.hpp"
 
 namespace ukemi::landing {
 

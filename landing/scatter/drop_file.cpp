@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "common/actuator_constants.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/error.hpp"
+#include "landing/scatter/moved.hpp"
 
 namespace ukemi::landing {
 

@@ -4,7 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
+#include "common/eigen.hpp"
+#include "landing/model/motion_space.hpp"
+#include "landing/scatter/moved.hpp"
+#include "landing/scatter/sampler.hpp"
 
 namespace ukemi::landing {
 
@@ -66,25 +71,29 @@ Play ScatteredDrop::played(const Play& planned) const {
 
 DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator& actuator, const Options& options)
     : scene_(scene), inexact_(options.inexact) {
+  Sampler sampler;
   scene.validate(), scatter.validate(), check_not_negative("inflate", options.inflate);
   if (!actuator.uncertain.empty() || actuator.covariance.size() > 0) validate(actuator);
   for (const ScatterTerm& t : kScatterTerms) {
     if (!(scatter.*t.deviation > 0)) continue;
     if (t.of_links) throw InputError(std::string("scatter: ") + t.name + ": a robot of links is needed");
     of_drop_.push_back(t.deviation);
-    sampler_.normal(t.name, scatter.*t.deviation);
+    sampler.normal(t.name, scatter.*t.deviation);
   }
-  if (options.floor && scene.uncertainty) scatter_floor(*scene.uncertainty);
+  if (options.floor && scene.uncertainty) scatter_floor(*scene.uncertainty, sampler);
   scene_.uncertainty.reset(), scene_.verdicts.clear();  // of the planned floor
   if (options.actuator && options.inflate > 0 && actuator.covariance.size() > 0) {
     constants_ = constant_indices(actuator.uncertain);
-    sampler_.correlated("actuator", actuator.covariance, options.inflate);
+    sampler.correlated("actuator", actuator.covariance, options.inflate);
   }
-  if (inexact_) sampler_.uniform("execution", 3);
+  if (inexact_) sampler.uniform("execution", 3);
+  sampler_ = std::make_shared<const Sampler>(std::move(sampler));
 }
 
+int DropModel::dimension() const { return sampler_->dimension(); }
+
 /// Constants of the floor are log-normal: their covariance counts relative to what they are.
-void DropModel::scatter_floor(const Uncertainty& known) {
+void DropModel::scatter_floor(const Uncertainty& known, Sampler& sampler) {
   Eigen::VectorXd unit = Eigen::VectorXd::Ones(long(known.order.size()));
   for (std::size_t i = 0; i < known.order.size(); ++i) {
     const auto term = std::find_if(kScatterTerms.begin(), kScatterTerms.end(),
@@ -97,11 +106,11 @@ void DropModel::scatter_floor(const Uncertainty& known) {
                                                                        : floor.damping_tangential;
     unit[long(i)] = value > 0 ? 1 / value : 0;
   }
-  sampler_.correlated("floor", unit.asDiagonal() * known.covariance * unit.asDiagonal());
+  sampler.correlated("floor", unit.asDiagonal() * eigen(known.covariance) * unit.asDiagonal());
 }
 
 ScatteredDrop DropModel::drop(std::span<const double> u) const {
-  const std::vector<double> by = sampler_.at(u);
+  const std::vector<double> by = sampler_->at(u);
   ScatteredDrop d{.scene = scene_};
   auto next = by.begin();
   Scatter z;
@@ -129,7 +138,7 @@ std::vector<ScatteredDrop> DropModel::drops(const std::vector<double>& points, l
 }
 
 std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed, long first) const {
-  if (measured_.empty()) return drops(sampler_.even(count, seed, first), count);
+  if (measured_.empty()) return drops(sampler_->even(count, seed, first), count);
   check_count("drops", count, 0, long(1e9));
   const std::size_t n = std::min(measured_.size(), std::size_t(count));
   std::vector<ScatteredDrop> out;
@@ -138,7 +147,7 @@ std::vector<ScatteredDrop> DropModel::even(long count, std::uint64_t seed, long 
 }
 
 std::vector<ScatteredDrop> DropModel::independent(long count, std::uint64_t seed) const {
-  return measured_.empty() ? drops(sampler_.independent(count, seed), count) : measured_;
+  return measured_.empty() ? drops(sampler_->independent(count, seed), count) : measured_;
 }
 
 }  // namespace ukemi::landing

@@ -3,23 +3,20 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/actuator.hpp"
-#include "landing/model/motion_space.hpp"
 #include "landing/model/scatter.hpp"
-#include "landing/scatter/sampler.hpp"
+#include "landing/model/scene.hpp"
+#include "landing/model/variables.hpp"
 
 namespace ukemi::landing {
 
-/// The drive with every constant moved by so much, in the order of actuator_constants(); none leaves its range.
-SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> by);
-/// Moves height, pitch and speeds. Returns whether the drop would begin below the floor; it then begins on it.
-bool move_drop(Drop& drop, const Scatter& by);
-/// The motion of a joint that is released so far beside the planned angle and rate [rad], [rad/s].
-Motion released_beside(Motion motion, double phi, double rate);
+class MotionSpace;
+class Sampler;
 
 /// A drop as it may come, and how what is played then differs from what was planned.
 struct ScatteredDrop {
@@ -57,10 +54,9 @@ class DropModel {
   /// Whether drops differ at all.
   bool scatters() const { return dimension() > 0 || !measured_.empty(); }
   /// Of the coordinates that a drop is drawn from; 0: nothing scatters.
-  int dimension() const { return sampler_.dimension(); }
-  const std::vector<ScatterGroup>& groups() const { return sampler_.groups(); }
+  int dimension() const;
   /// What a drop is drawn from.
-  const Sampler& sampler() const { return sampler_; }
+  const Sampler& sampler() const { return *sampler_; }
   const Scene& scene() const { return scene_; }
   /// The drop of a point inside the unit cube, dimension() numbers; normal numbers are cut at three deviations.
   ScatteredDrop drop(std::span<const double> u) const;
@@ -74,11 +70,11 @@ class DropModel {
   std::vector<ScatteredDrop> independent(long count, std::uint64_t seed) const;
 
  private:
-  void scatter_floor(const Uncertainty& known);
+  void scatter_floor(const Uncertainty& known, Sampler& sampler);
 
   Scene scene_;
   std::vector<ScatteredDrop> measured_;
-  Sampler sampler_;
+  std::shared_ptr<const Sampler> sampler_;
   std::vector<double Scatter::*> of_drop_;   ///< what the sampler's first numbers are
   std::vector<double Scatter::*> of_floor_;  ///< of the scene's [uncertainty]; the floor's constants relative
   std::vector<int> constants_;               ///< of actuator_constants(), those of the covariance

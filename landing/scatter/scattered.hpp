@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "landing/lanes/batch.hpp"
+#include "landing/model/motion_space.hpp"
 #include "landing/run/simulate.hpp"
 #include "landing/scatter/drop_model.hpp"
 

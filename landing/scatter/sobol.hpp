@@ -1,5 +1,4 @@
 // Scrambled Sobol points: as even as a lattice, and as unbiased as random ones.
-// Private: not installed.
 #pragma once
 
 #include <cstdint>

@@ -2,7 +2,6 @@
 // shape follow the better half of each generation. Source: Hansen, "The CMA evolution strategy: a tutorial",
 // arXiv:1604.00772 (2016), without negative weights. Points outside of the cube are moved to its nearest face, and
 // learnt from there.
-// Private: not installed.
 #pragma once
 
 #include <span>

@@ -1,5 +1,4 @@
 // The one place that knows NLopt: minimisation of a function in a box without derivatives.
-// Private: not installed.
 #pragma once
 
 #include <cstdint>

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "common/parallel.hpp"
+#include "landing/lanes/batch_source.hpp"
 
 namespace ukemi::landing {
 

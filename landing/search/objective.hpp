@@ -12,16 +12,12 @@
 #include "landing/lanes/batch.hpp"
 #include "landing/model/motion_space.hpp"
 #include "landing/run/work.hpp"
+#include "landing/scatter/scattered.hpp"
+#include "landing/search/goal.hpp"
 #include "landing/search/robust.hpp"
 #include "landing/search/tolerant_peak.hpp"
 
 namespace ukemi::landing {
-
-enum class Goal {
-  kPeak,      ///< f(x), Eq. 6 of [1]
-  kTolerant,  ///< the worst f within the scene's execution tolerance, see tolerant_peak.hpp
-  kRobust,    ///< a measure of the peaks over scattered drops, see robust.hpp
-};
 
 /// How a value is worked out: by which goal, and under scatter over how many of the drops.
 struct Fidelity {
@@ -32,9 +28,6 @@ struct Fidelity {
   Fidelity() = default;
   Fidelity(Goal g, std::size_t d = kAllDrops) : goal(g), drops(d) {}
 };
-
-/// Above every peak: a motion that could not be followed, or broke a limit [m/s^2].
-inline constexpr double kNoMotion = 1e9;
 
 /// Under scatter, a motion may be given up after so many numbers of drops.
 inline constexpr std::size_t kScatteredStages = 3;

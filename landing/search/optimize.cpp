@@ -7,6 +7,7 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "landing/search/deadline.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/population.hpp"
 #include "landing/search/solvers.hpp"
@@ -45,7 +46,7 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
 }
 
 /// The best of the starts, a place in the cube; under scatter by a few drops. Without one that can be followed nothing.
-std::optional<Coordinates> best_start(Search& search, const std::vector<Coordinates>& starts) {
+std::optional<Coordinates> best_start(Search& search, const std::vector<MotionValues>& starts) {
   constexpr std::size_t kDrops = 16;
   const MotionSpace& space = search.objective().space();
   const Goal goal = search.objective().options().goal;
@@ -78,7 +79,8 @@ Budget budget_of(const OptimizeOptions& options, const Objective& objective, dou
 void take(const Candidate& answer, const Objective& objective, Optimum& out) {
   const Play play = objective.play(answer);
   out.motion = play.motion, out.sea = play.sea;
-  out.values = objective.space().values(answer.u), out.edges = objective.space().edges(out.values);
+  out.values = objective.space().values(answer.u),
+  out.edges = objective.space().edges(objective.space().values(answer.u));
 }
 
 /// The landing of the answer and its execution box, at the accuracy of an answer; `value` is what the search found.

@@ -4,15 +4,25 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/monitor.hpp"
-#include "landing/search/search.hpp"
-#include "landing/search/tolerant_peak.hpp"
+#include "landing/model/variables.hpp"
+#include "landing/run/landing.hpp"
+#include "landing/search/goal.hpp"
+
+namespace ukemi {
+enum class StopwatchTime : int;
+}
 
 namespace ukemi::landing {
+
+class MotionSpace;
+struct Robust;
 
 struct OptimizeOptions {
   std::string solver = "auto";           ///< one of solver_names()
@@ -21,14 +31,15 @@ struct OptimizeOptions {
   std::optional<long> evaluations;  ///< motions in all, with Goal::kRobust landings; absent: default_evaluations, or no
                                     ///< bound with a deadline
   std::optional<double> deadline;   ///< [s], > 0: `optimize` returns by then, whatever has been found
-  Stopwatch::Time time = Stopwatch::Time::kWall;  ///< that the deadline is counted in; kProcessor: on one thread
-  double tolerance = 0;                           ///< see Budget::tolerance; 0: never
-  Limits limits;                                  ///< what no landing may do
-  double search_accuracy = 1e-6;                  ///< of the landings that are searched
-  double accuracy = 1e-9;                         ///< of the result
+  StopwatchTime time{};  ///< that the deadline is counted in: what a robot waits, or the processor's, on one thread
+  /// Relative: stops once 5000 motions in a row bettered the best by less; 0: never.
+  double tolerance = 0;
+  Limits limits;                  ///< what no landing may do
+  double search_accuracy = 1e-6;  ///< of the landings that are searched
+  double accuracy = 1e-9;         ///< of the result
   std::uint64_t seed = 1;
   /// Motions that are tried before all others, as values of the space's variables: the search begins at the best.
-  std::vector<Coordinates> starts;
+  std::vector<MotionValues> starts;
   int threads = 0;               ///< 0: all cores; with a number of evaluations the result does not depend on it
   int tolerance_samples = 2000;  ///< random points inside the execution box of the result; with a deadline none
   Monitor monitor;               ///< told of the motions spent; where it stops, the best so far is judged in kLeave
@@ -42,7 +53,7 @@ constexpr long default_evaluations(Goal goal, int variables = kPaperVariables) {
   return more * (goal == Goal::kPeak ? 40'000 : 10'000);
 }
 
-/// The reference that does nothing, in the best posture that a search knows (Search::held).
+/// The reference that does nothing, in the best posture that a search knows that is known.
 struct Held {
   Motion motion{};
   double value = kNoMotion;  ///< the goal, as searched [m/s^2]; kNoMotion where it keeps no limits
@@ -52,7 +63,7 @@ struct Held {
 struct Optimum {
   Motion motion{};
   SeaParameters<double> sea;       ///< the drive that plays it
-  Coordinates values;              ///< of the space's variables
+  MotionValues values;             ///< of the space's variables
   Edges edges{};                   ///< of the search box that they lie on
   std::optional<Held> held;        ///< absent where the space knows no posture to hold; `value` is no worse
   LandingPeak landing;             ///< of the motion, at OptimizeOptions::accuracy

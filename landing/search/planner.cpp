@@ -7,6 +7,8 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
+#include "landing/search/auto_search.hpp"
+#include "landing/search/deadline.hpp"
 #include "landing/search/population.hpp"
 
 namespace ukemi::landing {
@@ -67,86 +69,117 @@ const char* name(Plan::Status status) {
   return kNames[std::size_t(status)];
 }
 
-Planner::Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options)
-    : scene_(scene),
-      space_(std::move(space)),
-      options_(options),
-      robust_(robust_of(scene, options)),
-      objective_(scene_, *space_,
-                 {.goal = options.goal, .accuracy = options.accuracy, .limits = options.limits, .robust = robust_}) {
-  if (!robust_) return;
-  objective_.reserve_scattered(AutoSearch::kAtOnce);
-  for (const ScatteredDrop& d : robust_->drops)
-    beside_.push_back({.height = d.scene.drop.height - scene.drop.height,
-                       .forward_speed = d.scene.drop.forward_speed - scene.drop.forward_speed,
-                       .pitch = d.scene.drop.pitch - scene.drop.pitch,
-                       .pitch_rate = d.scene.drop.pitch_rate - scene.drop.pitch_rate});
+/// The scene, the motions, and all the memory that a search needs.
+struct Planner::Search {
+  Search(const Scene& s, std::shared_ptr<const MotionSpace> motions, const Options& o);
+  void scatter();
+  Plan plan(double deadline, std::uint64_t seed);
+
+  Scene scene;
+  std::shared_ptr<const MotionSpace> space;
+  std::shared_ptr<ReferenceSpace> in_air;  ///< the same, where it is ours to change
+  Options options;
+  std::shared_ptr<Robust> robust;  ///< for Goal::kRobust: its drops lie about the one that is planned for
+  std::vector<Drop> beside;        ///< each drop, less the planned one
+  Objective objective;
+  AutoSearch search;
+  std::optional<MotionValues> last;          ///< the last plan in the air, its move's end counted from release
+  std::array<MotionValues, kStarts> starts;  ///< see `start`
+  std::size_t given = 0;                     ///< how many of them the next plan starts from
+};
+
+Planner::Search::Search(const Scene& s, std::shared_ptr<const MotionSpace> motions, const Options& o)
+    : scene(s),
+      space(std::move(motions)),
+      options(o),
+      robust(robust_of(s, o)),
+      objective(scene, *space, {.goal = o.goal, .accuracy = o.accuracy, .limits = o.limits, .robust = robust}) {
+  if (!robust) return;
+  objective.reserve_scattered(AutoSearch::kAtOnce);
+  for (const ScatteredDrop& d : robust->drops)
+    beside.push_back({.height = d.scene.drop.height - scene.drop.height,
+                      .forward_speed = d.scene.drop.forward_speed - scene.drop.forward_speed,
+                      .pitch = d.scene.drop.pitch - scene.drop.pitch,
+                      .pitch_rate = d.scene.drop.pitch_rate - scene.drop.pitch_rate});
 }
 
 /// The drops about the scene's.
-void Planner::scatter() {
-  for (std::size_t k = 0; k < beside_.size(); ++k) {
-    const Drop& planned = scene_.drop;
-    const Drop& by = beside_[k];
-    robust_->drops[k].scene.drop = {std::max(0.0, planned.height + by.height), planned.forward_speed + by.forward_speed,
-                                    planned.pitch + by.pitch, planned.pitch_rate + by.pitch_rate,
-                                    planned.vertical_speed};
+void Planner::Search::scatter() {
+  for (std::size_t k = 0; k < beside.size(); ++k) {
+    const Drop& planned = scene.drop;
+    const Drop& by = beside[k];
+    robust->drops[k].scene.drop = {std::max(0.0, planned.height + by.height), planned.forward_speed + by.forward_speed,
+                                   planned.pitch + by.pitch, planned.pitch_rate + by.pitch_rate,
+                                   planned.vertical_speed};
   }
 }
 
-Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
-  if (const char* wrong = fault_of(drop, deadline)) return refused(wrong);
-  scene_.drop = drop;
-  const Plan out = search(deadline, seed);
-  if (out.found() && in_air_ && scene_.release) last_ = in_air_->values_of(out.motion);
-  return out;
-}
-
-void Planner::start(std::span<const Coordinates> values) {
-  given_ = std::min(values.size(), kStarts);
-  std::copy_n(values.begin(), given_, starts_.begin());
-}
-
-Plan Planner::search(double deadline, std::uint64_t seed) {
+/// From the places of `starts`, which are then spent.
+Plan Planner::Search::plan(double deadline, std::uint64_t seed) {
   std::array<Coordinates, kStarts> places;
-  for (std::size_t i = 0; i < given_; ++i) places[i] = space_->unit(starts_[i]);
-  objective_.watch.restart();
+  for (std::size_t i = 0; i < given; ++i) places[i] = space->unit(starts[i]);
+  objective.watch.restart();
   scatter();
-  const long before = objective_.motions();
-  Search search(objective_, {.seconds = deadline - verification_time(deadline, objective_.landing_time())}, seed);
-  search.hints = std::span(places).first(std::exchange(given_, 0));
-  search_.run(search);
-  const long searched = objective_.motions() - before;
-  const Candidate best = search.judge(options_.verified, deadline);
-  const Play play = objective_.play(best);
+  const long before = objective.motions();
+  const double seconds = deadline - verification_time(deadline, objective.landing_time());
+  landing::Search spent(objective, {.seconds = seconds}, seed);
+  spent.hints = std::span(places).first(std::exchange(given, 0));
+  search.run(spent);
+  const long searched = objective.motions() - before;
+  const Candidate best = spent.judge(options.verified, deadline);
+  const Play play = objective.play(best);
   return {best.value < kNoMotion ? Plan::Status::kFound : Plan::Status::kNothing,
           play.motion,
           play.sea,
           best.value,
           searched,
-          space_->edges(space_->values(best.u))};
+          space->edges(space->values(best.u))};
 }
 
-Plan Planner::plan(const FallState& s, double deadline, std::uint64_t seed) {
-  if (!in_air_ || !scene_.release)
+Planner::Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options)
+    : search_(std::make_unique<Search>(scene, std::move(space), options)) {}
+Planner::Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options) {
+  auto space = std::make_shared<ReferenceSpace>(scene, sea);
+  search_ = std::make_unique<Search>(scene, space, options);
+  search_->in_air = std::move(space);
+}
+Planner::~Planner() = default;
+
+Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
+  if (const char* wrong = fault_of(drop, deadline)) return refused(wrong);
+  Search& s = *search_;
+  s.scene.drop = drop;
+  const Plan out = s.plan(deadline, seed);
+  if (out.found() && s.in_air && s.scene.release) s.last = s.in_air->values_of(out.motion);
+  return out;
+}
+
+void Planner::start(std::span<const MotionValues> values) {
+  search_->given = std::min(values.size(), kStarts);
+  std::copy_n(values.begin(), search_->given, search_->starts.begin());
+}
+
+Plan Planner::plan(const FallState& state, double deadline, std::uint64_t seed) {
+  Search& s = *search_;
+  if (!s.in_air || !s.scene.release)
     throw InputError("planner: the scene has no [release]: it is needed for a plan in the air");
-  const double fallen = s.vertical_speed.value_or(-scene_.robot.gravity * s.gone);
-  const Drop drop{s.height, s.forward_speed, s.pitch, s.pitch_rate, fallen};
-  for (const char* wrong : {fault_of(s), fault_of(drop, deadline)})
+  const double fallen = state.vertical_speed.value_or(-s.scene.robot.gravity * state.gone);
+  const Drop drop{state.height, state.forward_speed, state.pitch, state.pitch_rate, fallen};
+  for (const char* wrong : {fault_of(state), fault_of(drop, deadline)})
     if (wrong) return refused(wrong);
-  scene_.drop = drop;
-  scene_.release = Release{s.phi, s.rate, deadline};
-  if (!(fall_time(scene_) > deadline)) return {.status = Plan::Status::kFloorFirst};
-  in_air_->release(scene_);
+  s.scene.drop = drop;
+  s.scene.release = Release{state.phi, state.rate, deadline};
+  if (!(fall_time(s.scene) > deadline)) return {.status = Plan::Status::kFloorFirst};
+  s.in_air->release(s.scene);
   // The last plan goes on where it was: its move ends when it would have.
-  const int to = in_air_->dimension() - 1;
-  if (given_ > 0)
-    last_ = starts_[0];  // where nothing is found, the next plan begins there
-  else if (last_)
-    start(*last_);
-  for (std::size_t i = 0; i < given_; ++i) starts_[i][to] -= s.gone;
-  const Plan out = search(deadline, seed);
-  if (out.found()) last_ = in_air_->values_of(out.motion), (*last_)[to] += s.gone;
+  const int to = s.in_air->dimension() - 1;
+  if (s.given > 0)
+    s.last = s.starts[0];  // where nothing is found, the next plan begins there
+  else if (s.last)
+    start(*s.last);
+  for (std::size_t i = 0; i < s.given; ++i) s.starts[i][to] -= state.gone;
+  const Plan out = s.plan(deadline, seed);
+  if (out.found()) s.last = s.in_air->values_of(out.motion), (*s.last)[to] += state.gone;
   return out;
 }
 

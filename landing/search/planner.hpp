@@ -6,9 +6,14 @@
 #include <optional>
 #include <span>
 
-#include "landing/search/auto_search.hpp"
+#include "landing/model/variables.hpp"
+#include "landing/run/landing.hpp"
+#include "landing/scatter/measure.hpp"
+#include "landing/search/goal.hpp"
 
 namespace ukemi::landing {
+
+class MotionSpace;
 
 /// What a robot measures in the air. A number beyond its range, or NaN, is refused with Plan::Status::kBadInput.
 struct FallState {
@@ -54,8 +59,8 @@ class Planner {
     struct UnderScatter {
       Measure measure;
       Scatter scatter = Scatter::assumed();
-      int drops = 32;  ///< 1 to 4096
-      double penalty = Robust().penalty;
+      int drops = 32;         ///< 1 to 4096
+      double penalty = 1000;  ///< see Robust
     } under_scatter;
   };
 
@@ -63,11 +68,9 @@ class Planner {
   Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options);
   /// Over the motions of Eq. 6, and what the scene lets them have beside. With a [release] in the scene it plans the
   /// move in the air too.
-  Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
-      : Planner(scene, std::make_shared<ReferenceSpace>(scene, sea), options) {}
+  Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
   Planner(const Scene& scene, const SeaParameters<double>& sea) : Planner(scene, sea, Options()) {}
-  Planner(const Planner&) = delete;
-  Planner& operator=(const Planner&) = delete;
+  ~Planner();
 
   /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0 and finite;
   /// the answer comes 3 ms after it at most, however stiff the scene: landings are cut off). No worse than the best
@@ -81,38 +84,12 @@ class Planner {
   /// variables, as an atlas has them (the end of a move in the air from release). Each is followed for a few
   /// generations; under scatter the first alone is.
   static constexpr std::size_t kStarts = 8;
-  void start(std::span<const Coordinates> values);
-  void start(const Coordinates& values) { start(std::span(&values, 1)); }
+  void start(std::span<const MotionValues> values);
+  void start(const MotionValues& values) { start(std::span(&values, 1)); }
 
  private:
-  Planner(const Scene& scene, std::shared_ptr<ReferenceSpace> space, const Options& options)
-      : Planner(scene, std::shared_ptr<const MotionSpace>(space), options) {
-    in_air_ = std::move(space);
-  }
-
-  void scatter();
-  /// From the places of starts_, which are then spent.
-  Plan search(double deadline, std::uint64_t seed);
-
-  Scene scene_;
-  std::shared_ptr<const MotionSpace> space_;
-  std::shared_ptr<ReferenceSpace> in_air_;  ///< the same, where it is ours to change
-  Options options_;
-  std::shared_ptr<Robust> robust_;  ///< for Goal::kRobust: its drops lie about the one that is planned for
-  std::vector<Drop> beside_;        ///< each drop, less the planned one
-  Objective objective_;
-  AutoSearch search_;
-  std::optional<Coordinates> last_;          ///< the last plan in the air, its move's end counted from release
-  std::array<Coordinates, kStarts> starts_;  ///< see `start`
-  std::size_t given_ = 0;                    ///< of them
+  struct Search;
+  std::unique_ptr<Search> search_;
 };
-
-/// A landing at the accuracy that judges takes up to so many times as long as one of the search.
-inline constexpr double kTightLanding = 3;
-/// How much of a time budget is kept back to verify what was found, where one landing of the search takes `landing`; at
-/// most 0.45 of it [s].
-double verification_time(double budget, double landing);
-/// Throws InputError unless it is above 0 [s].
-void check_deadline(double deadline);
 
 }  // namespace ukemi::landing

@@ -1,5 +1,4 @@
 // Pieces that the solvers with populations share.
-// Private: not installed.
 #pragma once
 
 #include <algorithm>

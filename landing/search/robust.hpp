@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "landing/scatter/drop_model.hpp"
 #include "landing/scatter/measure.hpp"
-#include "landing/scatter/scattered.hpp"
 
 namespace ukemi::landing {
 

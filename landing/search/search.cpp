@@ -125,7 +125,7 @@ void Search::keep(const Candidate& p) {
   if (!few_.add(p) || !better) return;
   if (p.value < milestone_ * (1 - budget_.tolerance)) milestone_ = p.value, milestone_motions_ = motions();
   if (progress_ && progress_->size() < progress_->capacity())
-    progress_->push_back({motions(), objective_.landings(), seconds(), p});
+    progress_->push_back({motions(), objective_.landings(), seconds(), p.value});
 }
 
 std::span<Candidate> Search::contenders(std::span<Candidate, Archive::kMost> memory) const {

@@ -25,13 +25,6 @@ struct Budget {
 /// there and not in hours.
 long work_allowed(long landings, long motions);
 
-/// A moment at which the best became better.
-struct Progress {
-  long motions, landings;
-  double seconds;
-  Candidate best;
-};
-
 class Search {
  public:
   /// `progress` receives the moments, up to its capacity; null where nobody asks. Judges the best posture to hold, by
@@ -44,9 +37,7 @@ class Search {
   long motions() const { return objective_.motions() - first_motion_; }
   /// Of Budget::motions: under scatter, where a motion is worth as many landings as it may win, the landings; a motion
   /// that is refused before any landing counts as one.
-  long spent() const {
-    return scattered() ? std::max(objective_.landings() - first_landing_, motions()) : motions();
-  }
+  long spent() const { return scattered() ? std::max(objective_.landings() - first_landing_, motions()) : motions(); }
   const Budget& budget() const { return budget_; }
   /// How much is spent, 0..1: of the motions or of the time, whichever is more.
   double share() const;

@@ -6,21 +6,9 @@
 
 #include "landing/model/motion_space.hpp"
 #include "landing/run/simulate.hpp"
+#include "landing/search/goal.hpp"
 
 namespace ukemi::landing {
-
-/// Worst peaks within the scene's execution tolerance around a motion x.
-struct TolerantPeak {
-  double peak = 0;     ///< f(x) [m/s^2]
-  double value = 0;    ///< the largest f over x, six face centres and eight corners of the box x + (i da, j da, k dt)
-  Motion worst{};      ///< where
-  double sampled = 0;  ///< the largest f on random points inside the box; may exceed `value`
-  int samples = 0;
-  std::array<int, kPoints> touching{}, samples_touching{};  ///< in how many of the fifteen, and of the samples, a point
-                                                            ///< touches
-  bool failed = false;                                      ///< some landing in the box could not be followed
-  bool complete = true;  ///< false: options.over ended it before all was played, and `value` is a lower bound
-};
 
 /// Evaluates the motions of the tolerant peak (kExecutionPoints), and random points inside for the check (in lanes at
 /// 1e-6; the worst by the scalar path), on `threads` threads: `samples` of them, or as many as kCheckWork allows where

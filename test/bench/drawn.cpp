@@ -10,9 +10,10 @@
 #include "common/actuator.hpp"
 #include "common/median.hpp"
 #include "common/parallel.hpp"
+#include "common/stopwatch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
-#include "tools/bench/stability.hpp"
+#include "test/three_ways.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;

@@ -6,6 +6,7 @@
 // Each repetition times both in turn. Then a thousand trials (the eight with fresh noise) by ours alone.
 #include <ceres/ceres.h>
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cstdlib>

@@ -7,7 +7,9 @@
 
 #include "common/integrate/automatic.hpp"
 #include "common/integrate/hybrid.hpp"
+#include "common/integrate/method.hpp"
 #include "common/integrate/semi_implicit_euler.hpp"
+#include "common/jet.hpp"
 #include "common/random.hpp"
 
 using namespace ukemi;

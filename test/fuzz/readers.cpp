@@ -8,6 +8,7 @@
 #include "identify/logs/force_log.hpp"
 #include "identify/logs/hebi_trial.hpp"
 #include "identify/logs/hits.hpp"
+#include "identify/logs/trial_checks.hpp"
 #include "identify/rig/rig.hpp"
 #include "landing/drops/drop_log.hpp"
 #include "landing/model/motion_csv.hpp"

@@ -4,8 +4,11 @@
 #include <limits>
 
 #include "common/degrees.hpp"
+#include "landing/model/motion_space.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/plan/body_drops.hpp"
 #include "landing/plan/body_planner.hpp"
+#include "landing/plan/body_space.hpp"
 #include "landing/run/simulate.hpp"
 #include "test/legs/robots.hpp"
 

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "landing/body/body_scene.hpp"
+#include "landing/model/motion.hpp"
 #include "landing/model/scene_file.hpp"
 #include "test/folder.hpp"
 

@@ -5,6 +5,7 @@
 
 #include "common/error.hpp"
 #include "landing/derivatives/body_gradient.hpp"
+#include "landing/model/motion.hpp"
 #include "test/legs/robots.hpp"
 #include "test/quotient.hpp"
 

@@ -165,7 +165,7 @@ TEST_CASE("legs: a block on a slope stays where friction holds it, and slides by
                             slope);
     const auto place = [&](double t) {
       scene.t_end = t;
-      return land(scene, 1e-11).base.x();
+      return land(scene, 1e-11).base[0];
     };
     const double early = place(4), late = place(14);
     if (mu > std::tan(slope)) {
@@ -190,7 +190,7 @@ TEST_CASE("legs: a sliding block stops after v^2 / (2 mu g)") {
   scene.drop.height = 0;
   const BodyLanding l = land(scene, 1e-11);
   // Released on the surface it sinks first: the work of friction is mu times the impulse's path, to a part in 1e3.
-  CHECK(l.base.x() == Approx(v * v / (2 * 0.4 * kGravity)).epsilon(2e-3));
+  CHECK(l.base[0] == Approx(v * v / (2 * 0.4 * kGravity)).epsilon(2e-3));
 }
 
 TEST_CASE("legs: a ball under Hunt and Crossley's law bounces with its restitution") {
@@ -205,7 +205,7 @@ TEST_CASE("legs: a ball under Hunt and Crossley's law bounces with its restituti
     (c * (v_in + m) < std::log((1 + c * v_in) / (1 - c * m)) ? high : low) = m;
   }
   const double flown = *scene.t_end - l.touches.back().t_liftoff;
-  CHECK(l.speed.y() + kGravity * flown == Approx(low).epsilon(1e-4));  // but for gravity while it touches
+  CHECK(l.speed[1] + kGravity * flown == Approx(low).epsilon(1e-4));  // but for gravity while it touches
 }
 
 TEST_CASE("legs: a stuck foot rings at the frequency of its spring") {
@@ -217,7 +217,7 @@ TEST_CASE("legs: a stuck foot rings at the frequency of its spring") {
   scene.drop.forward_speed = 1e-3, scene.t_end = 3;
   const auto at = [&](double t) {
     scene.t_end = t;
-    return land(scene, 1e-11).base.x();
+    return land(scene, 1e-11).base[0];
   };
   // x'' + w^2 (x - x0) = 0 but for the damper, 2 zeta w = 0.05 1/s: three places a quarter of a period apart.
   const double w = std::sqrt(800 / 2.0), quarter = std::numbers::pi / (2 * w);

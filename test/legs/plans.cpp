@@ -4,7 +4,9 @@
 
 #include "common/degrees.hpp"
 #include "common/random.hpp"
+#include "landing/model/motion_space.hpp"
 #include "landing/plan/body_plan.hpp"
+#include "landing/plan/body_space.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "test/folder.hpp"
 #include "test/legs/robots.hpp"

@@ -9,6 +9,7 @@
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/scatter/drop_model.hpp"
+#include "landing/scatter/sampler.hpp"
 #include "landing/search/tolerant_peak.hpp"
 #include "test/folder.hpp"
 #include "test/legs/robots.hpp"
@@ -132,7 +133,7 @@ TEST_CASE("legs: with one joint, drops, tolerant peaks and risk are those of the
   CHECK(std::abs(r.peaks.mean.value - known.peaks.mean.value) < 3 * error);
   CHECK(r.peaks.samples == 512);
   CHECK(r.failed == 0);
-  CHECK(r.uncertainties.size() == paper.groups().size());
+  CHECK(r.uncertainties.size() == paper.sampler().groups().size());
   CHECK(r.contacts.front().drops > 0);
 }
 

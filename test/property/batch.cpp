@@ -4,6 +4,7 @@
 #include "common/degrees.hpp"
 #include "common/random.hpp"
 #include "landing/lanes/batch.hpp"
+#include "landing/lanes/batch_source.hpp"
 #include "landing/lanes/lane_mode.hpp"
 #include "test/paper.hpp"
 

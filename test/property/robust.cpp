@@ -3,6 +3,7 @@
 
 #include "common/error.hpp"
 #include "landing/judge/answer.hpp"
+#include "landing/scatter/sampler.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
 #include "test/folder.hpp"
@@ -219,7 +220,7 @@ TEST_CASE("robust: the floor's constants scatter as they were calibrated, and a 
   scene.uncertainty = Uncertainty{{"stiffness", "pitch"}, Eigen::MatrixXd{{688.0 * 688, 0}, {0, 1e-4}}};
   const DropModel model(scene, Scatter{});
   CHECK(model.dimension() == 2);
-  CHECK(model.groups().front().name == "floor");
+  CHECK(model.sampler().groups().front().name == "floor");
   double ln = 0, pitch = 0;
   const auto drops = model.independent(4000, 5);
   for (const ScatteredDrop& d : drops) {

@@ -1,7 +1,5 @@
 // A reduced grid of `ukemi bench stability`: steps are bounded, not seconds. Every case passes, is earned sensitive, or
 // is refused with a reason; at most 2 % are refused.
-#include "tools/bench/stability.hpp"
-
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
@@ -9,6 +7,7 @@
 #include "landing/judge/sensitivity.hpp"
 #include "landing/lanes/batch.hpp"
 #include "landing/model/scene_file.hpp"
+#include "test/three_ways.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -40,7 +39,7 @@ TEST_CASE("stability: stiff and extreme landings pass, are sensitive, or are ref
   CHECK(beyond * 8 <= cases);
 }
 
-// The reduced form of `ukemi bench stability --motions 10000 --scenes 10000`, which with seed 1 gave: 100,000 random
+// The reduced form of `bench_three_ways 10000 10000` (test/bench), which with seed 1 gave: 100,000 random
 // motions on the ten shipped scenes: 99,990 agree (largest difference to 1e-11: scalar 5.2e-6, lanes 7.8e-4), 1
 // sensitive, 5 coarse, 4 refused, none wrong; 10,000 random robots, floors, drops, actuators and motions: 8,904 agree
 // (5.7e-6, 9.5e-4), 869 sensitive, 2 coarse, 225 refused, none wrong.

@@ -6,6 +6,7 @@
 
 #include "identify/estimate/prediction_error.hpp"
 #include "identify/estimate/statistics.hpp"
+#include "identify/logs/trial_checks.hpp"
 #include "identify/trust/diagnostics.hpp"
 #include "identify/trust/prediction.hpp"
 #include "test/impact.hpp"

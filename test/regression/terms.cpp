@@ -26,6 +26,13 @@ RigTerm limit() {
           input_field([](auto& in) { return &in.sea.tau_max; })};
 }
 
+/// A further term of the options' table.
+void add(const RigTerm& term, FitOptions& options) {
+  std::vector<RigTerm> table = *options.terms.table;
+  table.push_back(term);
+  options.terms.table = std::make_shared<const std::vector<RigTerm>>(table);
+}
+
 constexpr double kCurvature = 2e-4;  // 6 % at 300 N
 
 /// The eight trials of a load cell that reads too little at large forces, with noise.
@@ -52,7 +59,7 @@ TEST_CASE("a term that a test adds: asked for by its score test, then fitted, wi
   const std::vector<Trial> logs = bent(21);
   FitOptions o;
   o.restarts = 0;
-  o.terms.table.push_back(curvature());
+  add(curvature(), o);
 
   const Identification without = identify::identify({rig(), logs, o}, truth(), limited());
   REQUIRE(without.trust);
@@ -84,7 +91,7 @@ TEST_CASE("a term that a test adds: bounds, priors and derivatives come with the
   const std::vector<Trial> logs = bent(22);
   FitOptions o;
   o.restarts = 0;
-  o.terms.table.push_back(curvature());
+  add(curvature(), o);
   o.terms.nuisance = {"force_curvature"};
   o.terms.upper["force_curvature"] = kCurvature / 2;
   const Fit bounded = fit(rig(), logs, truth(), limited(), o);
@@ -99,8 +106,8 @@ TEST_CASE("a term that a test adds: bounds, priors and derivatives come with the
   sea.tau_max = 15;
   FitOptions exact;
   exact.restarts = 0;
-  exact.terms.table.push_back(limit());
-  exact.terms.table.push_back(curvature());
+  add(limit(), exact);
+  add(curvature(), exact);
   exact.terms.nuisance = {"torque_limit"};
   const std::vector<Trial> clipped = noisy(simulated(shipped(), sea), 23);
   const Fit f = fit(rig(), clipped, truth(), limited(), exact);

@@ -6,9 +6,11 @@
 #include <set>
 
 #include "common/degrees.hpp"
+#include "landing/atlas/atlas_file.hpp"
 #include "landing/atlas/atlas_reader.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
+#include "landing/search/tolerant_peak.hpp"
 #include "test/folder.hpp"
 #include "test/paper.hpp"
 

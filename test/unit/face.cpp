@@ -5,9 +5,11 @@
 #include <cmath>
 #include <functional>
 
+#include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/atlas/atlas.hpp"
+#include "landing/atlas/atlas_file.hpp"
 #include "landing/derivatives/gradient.hpp"
 #include "landing/drops/drop_rollout.hpp"
 #include "landing/judge/answer.hpp"

@@ -1,4 +1,5 @@
 // What the readers promise: every malformed input is located and told its rule; what is written reads back exactly.
+#include <Eigen/Core>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -12,12 +13,14 @@
 #include <sstream>
 
 #include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/files.hpp"
 #include "common/toml.hpp"
 #include "identify/logs/trial.hpp"
+#include "identify/logs/trial_checks.hpp"
 #include "identify/rig/rig.hpp"
 #include "landing/model/scene_file.hpp"
 #include "test/folder.hpp"
@@ -439,8 +442,7 @@ TEST_CASE("an actuator reads back from its file to the last bit, covariance and 
   a.speed_max = 3.14;
   a.verdicts = {{"k_p", "trusted"}, {"k_d", "at its bound"}, {"i_motor", "not identifiable"}};
   a.uncertain = {"k_p", "friction"};
-  a.covariance.resize(2, 2);
-  a.covariance << 0.04, -1.0 / 700, -1.0 / 700, 1e-6;
+  a.covariance = Eigen::Matrix2d{{0.04, -1.0 / 700}, {-1.0 / 700, 1e-6}};
   a.provenance = {{"command", "ukemi identify \"a b\" C:\\x\nmore"}, {"seed", "1"}};
   const Folder f;
   write_file(f.at("a.toml"), to_toml(a, 2.0));

@@ -4,7 +4,9 @@
 
 #include "common/actuator.hpp"
 #include "common/error.hpp"
+#include "common/jet.hpp"
 #include "identify/fit/fit.hpp"
+#include "identify/rollout/rollout.hpp"
 #include "test/folder.hpp"
 
 using namespace ukemi;

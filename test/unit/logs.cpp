@@ -10,6 +10,7 @@
 #include "identify/logs/force_log.hpp"
 #include "identify/logs/hebi_trial.hpp"
 #include "identify/logs/log_check.hpp"
+#include "identify/logs/trial_checks.hpp"
 #include "test/folder.hpp"
 #include "test/unit/hebi_bytes.hpp"
 

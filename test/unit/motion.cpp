@@ -1,6 +1,7 @@
 // The landing motion (landing/model/motion.hpp) and the box of motions of the tolerant peak
 // (landing/search/tolerant_peak.hpp).
 #include "landing/model/motion.hpp"
+#include "common/jet.hpp"
 
 #include <catch2/catch.hpp>
 #include <set>

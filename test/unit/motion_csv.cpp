@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/csv.hpp"
+#include "landing/model/motion.hpp"
 #include "landing/model/scene_file.hpp"
 #include "test/folder.hpp"
 

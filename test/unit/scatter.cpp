@@ -1,4 +1,5 @@
 // How drops scatter: points, normal numbers, measures and their standard errors, files of drops; Sobol's indices.
+#include <Eigen/Core>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,9 +10,11 @@
 #include "common/csv.hpp"
 #include "common/random.hpp"
 #include "landing/judge/sobol_indices.hpp"
+#include "landing/model/motion_space.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "landing/scatter/measure.hpp"
+#include "landing/scatter/sampler.hpp"
 #include "landing/scatter/sobol.hpp"
 #include "test/folder.hpp"
 #include "test/paper.hpp"
@@ -35,8 +38,7 @@ Scatter every_scatter() {
 Actuator correlated() {
   Actuator a = table2();
   a.uncertain = {"k_sea", "k_p", "i_motor"};
-  a.covariance.resize(3, 3);
-  a.covariance << 4, 1.5, 0, 1.5, 1, 1e-4, 0, 1e-4, 1e-6;
+  a.covariance = Eigen::Matrix3d{{4, 1.5, 0}, {1.5, 1, 1e-4}, {0, 1e-4, 1e-6}};
   return a;
 }
 
@@ -151,8 +153,8 @@ TEST_CASE("a covariance that is none is refused, one that is scatters the consta
   CHECK_NOTHROW(DropModel(paper(), Scatter{}, a, {}));
 
   const DropModel model(paper(), Scatter{}, correlated(), {.inflate = 2});
-  REQUIRE(model.groups().size() == 1);
-  CHECK(model.groups()[0].name == "actuator");
+  REQUIRE(model.sampler().groups().size() == 1);
+  CHECK(model.sampler().groups()[0].name == "actuator");
   CHECK(model.dimension() == 3);
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   const std::vector<ScatteredDrop> drops = model.even(4096, 1);
@@ -160,7 +162,7 @@ TEST_CASE("a covariance that is none is refused, one that is scatters the consta
     const Eigen::Vector3d x(d.constants[2], d.constants[0], d.constants[4]);  // k_sea, k_p, i_motor
     sum += x * x.transpose() / double(drops.size());
   }
-  const Eigen::Matrix3d expected = 4 * std::pow(0.98658, 2) * correlated().covariance;
+  const Eigen::MatrixXd known = correlated().covariance, expected = 4 * std::pow(0.98658, 2) * known;
   const Eigen::Vector3d scale = expected.diagonal().cwiseSqrt();
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) CHECK(std::abs(sum(i, j) - expected(i, j)) < 0.02 * scale[i] * scale[j]);
@@ -170,7 +172,7 @@ TEST_CASE("every constant whose error is known scatters, and stays within its ra
   Actuator a = table2();
   a.sea.friction = 0.3, a.sea.control_delay = 1e-3, a.sea.tau_max = 30;
   a.uncertain = {"friction", "tau_max", "control_delay"};
-  a.covariance = Eigen::Vector3d(0.04, 4, 1e-6).asDiagonal();
+  a.covariance = Eigen::MatrixXd(Eigen::Vector3d(0.04, 4, 1e-6).asDiagonal());
   const DropModel model(paper(), Scatter{}, a, {});
   CHECK(model.dimension() == 3);
   const Play planned{{-0.4, -1.4, 0.26}, a.sea};
@@ -265,11 +267,11 @@ double ishigami(const double* u) {
 }
 
 /// Its values at n base points, as sobol_indices takes them.
-struct Values {
+struct KnownPeaks {
   std::vector<double> a, b;
   std::vector<std::vector<double>> ab{3};
 
-  Values(long n, std::uint64_t seed) {
+  KnownPeaks(long n, std::uint64_t seed) {
     const std::vector<double> points = ScrambledSobol(6, seed).points(n);
     for (std::size_t i = 0; i < points.size(); i += 6) {
       const double* u = &points[i];
@@ -287,7 +289,7 @@ struct Values {
 
 TEST_CASE("Sobol indices of Ishigami's function") {
   constexpr double kFirst[3] = {0.3139, 0.4424, 0}, kTotal[3] = {0.5576, 0.4424, 0.2437};
-  Values v(8192, 1);
+  KnownPeaks v(8192, 1);
   const std::vector<SobolIndex> found = sobol_indices(v.a, v.b, v.ab, 1, 1);
   REQUIRE(found.size() == 3);
   for (std::size_t g = 0; g < 3; ++g) {

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/drive_stability.hpp"
+#include "common/jet.hpp"
 #include "common/random.hpp"
 
 using namespace ukemi;

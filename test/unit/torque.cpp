@@ -5,6 +5,7 @@
 #include "common/error.hpp"
 #include "common/random.hpp"
 #include "identify/fit/fit.hpp"
+#include "identify/logs/trial_checks.hpp"
 #include "identify/trust/identification.hpp"
 #include "test/joint_simulator.hpp"
 

@@ -1,5 +1,6 @@
 // Sine and cosine against the standard library, over every quadrant, near their zeros, and beyond the reduction.
 #include "common/trigonometry.hpp"
+#include "common/jet.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "common/toml.hpp"
+
 namespace ukemi::tools {
 
 void add_bench(CLI::App& app, Action& chosen) {
@@ -28,13 +30,8 @@ void add_bench(CLI::App& app, Action& chosen) {
     auto args = std::make_shared<BenchArguments>();
     CLI::App* verb = bench->add_subcommand(kind.name, kind.what);
     verb->add_option("--repetitions", args->repetitions, "timed runs of each entry [30]")->check(CLI::Range(1, 100000));
-    if (kind.run == bench_stability) {
+    if (kind.run == bench_stability)
       verb->add_option("--random", args->random, "seeded random combinations [400]")->check(CLI::Range(0, 1000000));
-      verb->add_option("--motions", args->motions, "random motions of each shipped scene, followed three ways [200]")
-          ->check(CLI::Range(0, 10000000));
-      verb->add_option("--scenes", args->scenes, "random scenes, followed three ways [1000]")
-          ->check(CLI::Range(0, 10000000));
-    }
     if (kind.run == bench_optimizers) {
       verb->add_option("--seeds", args->seeds, "searches of each kind [1]")->check(CLI::Range(1, 1000));
       verb->add_option("--times", args->times,

@@ -21,7 +21,6 @@ inline std::string in_quotes(const std::string& text) { return "\"" + text + "\"
 struct BenchArguments {
   int repetitions = 30;              ///< timed runs of each entry
   int random = 400;                  ///< stability: seeded combinations
-  int motions = 200, scenes = 1000;  ///< stability: followed three ways: motions of each shipped scene, random scenes
   int draws = 20;                    ///< identify: noise draws
   int seeds = 1;                     ///< optimizers: of each search
   std::vector<double> times;         ///< optimizers: budgets of one core [s]; empty: the quick mode's

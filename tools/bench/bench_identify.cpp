@@ -6,10 +6,13 @@
 #include <cmath>
 
 #include "common/actuator.hpp"
+#include "common/integrate/method.hpp"
+#include "common/jet.hpp"
 #include "common/median.hpp"
 #include "common/random.hpp"
 #include "common/stopwatch.hpp"
 #include "identify/fit/fit.hpp"
+#include "identify/rollout/rollout.hpp"
 #include "tools/bench/bench.hpp"
 #include "tools/program/trials.hpp"
 #include "tools/report/report.hpp"

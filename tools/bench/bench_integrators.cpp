@@ -28,6 +28,11 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTight = 1e-13;
 
+/// Where a landing ended: positions and angles.
+Eigen::Matrix<double, kVx, 1> place_of(const LandingPeak& p) {
+  return Eigen::Map<const Eigen::Matrix<double, kVx, 1>>(p.state.data());
+}
+
 /// Largest errors over the cases of a scene.
 struct Errors {
   double peak = 0;       ///< relative
@@ -114,8 +119,8 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
     const LandingPeak reference = peak_acceleration(c.scene, c.sea, c.motion, tight);
     tight.touchdowns = nullptr, tight.accuracy = kTight / 2;
     const LandingPeak half = peak_acceleration(c.scene, c.sea, c.motion, tight);
-    c.place = reference.state.head<kVx>();
-    agreement = std::max(agreement, (half.state.head<kVx>() - c.place).cwiseAbs().maxCoeff());
+    c.place = place_of(reference);
+    agreement = std::max(agreement, (place_of(half) - c.place).cwiseAbs().maxCoeff());
     if (own) {
       c.peak = reference.peak, c.touchdowns = touchdowns;
       agreement = std::max(agreement, std::abs(half.peak / reference.peak - 1));
@@ -137,7 +142,7 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
     work = p.work;
     if (errors)
       *errors = {std::abs(p.peak / c.peak - 1), time_error(touchdowns, c.touchdowns),
-                 (p.state.head<kVx>() - c.place).cwiseAbs().maxCoeff()};
+                 (place_of(p) - c.place).cwiseAbs().maxCoeff()};
     return p.end != End::kFailed;
   };
   return b;

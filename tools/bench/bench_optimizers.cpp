@@ -10,6 +10,7 @@
 #include <span>
 
 #include "common/median.hpp"
+#include "common/toml.hpp"
 #include "landing/search/solvers.hpp"
 #include "tools/bench/bench_searches.hpp"
 #include "tools/report/report.hpp"

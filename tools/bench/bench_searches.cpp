@@ -11,6 +11,7 @@
 #include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
+#include "common/stopwatch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
 #include "tools/program/arguments.hpp"
@@ -32,7 +33,7 @@ std::array<double, kFound> search(const Trial& t, const Scene& scene, const SeaP
   found[kTime] = r.seconds, found[kEvaluations] = double(r.evaluations), found[kLandings] = double(r.landings);
   for (const Progress& p : r.progress)
     for (std::size_t m = 0; m < kMarks.size(); ++m)
-      if (double(p.motions) <= kMarks[m] && p.best.value < kNoMotion) found[kAfter + m] = p.best.value;
+      if (double(p.motions) <= kMarks[m] && p.value < kNoMotion) found[kAfter + m] = p.value;
   if (!r.found) return found;
   found[kValue] = r.value, found[kDuration] = r.motion.duration;
   found[kPhiI] = r.motion.phi_i * kDegrees, found[kPhiF] = r.motion.phi_f * kDegrees;

@@ -2,13 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <mutex>
 #include <numeric>
 
 #include "common/actuator.hpp"
 #include "common/parallel.hpp"
-#include "common/random.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/bench/bench.hpp"
@@ -19,7 +17,6 @@ namespace ukemi::tools {
 
 namespace {
 
-using landing::CrossCheck;
 using landing::StabilityCase;
 using landing::StabilityResult;
 using landing::Verdict;
@@ -27,8 +24,7 @@ using landing::Verdict;
 /// How many of a group of landings came to which verdict.
 struct Tally {
   std::string group;
-  std::array<int, 5> counts{};                 ///< by Verdict
-  double scalar_passed = 0, lanes_passed = 0;  ///< largest difference of those that agree, of three ways
+  std::array<int, 5> counts{};  ///< by Verdict
 
   int& of(Verdict v) { return counts[std::size_t(v)]; }
   int of(Verdict v) const { return counts[std::size_t(v)]; }
@@ -36,7 +32,7 @@ struct Tally {
 };
 Quantities<Tally> tally_quantities(const char* group) {
   Quantities<Tally> out = {{"", "", group, {}, &Tally::group}, {"", "cases", "cases", {}, &Tally::all}};
-  for (const Verdict v : {Verdict::kPass, Verdict::kSensitive, Verdict::kCoarse, Verdict::kRefused, Verdict::kWrong})
+  for (const Verdict v : {Verdict::kPass, Verdict::kSensitive, Verdict::kRefused, Verdict::kWrong})
     out.push_back({"", name(v), name(v), {}, [v](const Tally& t) { return t.of(v); }});
   return out;
 }
@@ -119,100 +115,16 @@ Json landings(const BenchArguments& a, Run& run, Report& report) {
   return out;
 }
 
-/// A landing that did not simply agree, three ways.
-struct Disagreement : CrossCheck {
-  std::string group, index;
-};
-const Quantities<Disagreement> kDisagreementQuantities = {{"group", "", &Disagreement::group},
-                                                          {"index", "", &Disagreement::index},
-                                                          {"verdict", "", [](auto& d) { return name(d.verdict); }},
-                                                          {"reason", "", [](auto& d) { return in_quotes(d.reason); }},
-                                                          {"scalar", "", &Disagreement::scalar},
-                                                          {"lanes", "", &Disagreement::lanes},
-                                                          {"tight", "", &Disagreement::tight},
-                                                          {"scalar_difference", "", &Disagreement::scalar_difference},
-                                                          {"lanes_difference", "", &Disagreement::lanes_difference},
-                                                          {"sensitivity", "", &Disagreement::sensitivity}};
-
-/// Landings that are drawn by their index.
-struct Group {
-  std::string name;
-  long count;
-  std::function<StabilityCase(std::uint64_t)> draw;
-};
-std::vector<Group> groups(const BenchArguments& a, std::uint64_t seed) {
-  using namespace landing;
-  const SeaParameters<double> sea = read_actuator(dataset("actuators/table2.toml")).sea;
-  const Scene paper = read_scene(dataset("scenes/paper.toml"));
-  std::vector<Group> out;
-  for (const std::string name : kShippedScenes) {
-    const Scene scene = read_scene(dataset("scenes/" + name + ".toml"));
-    out.push_back({name, a.motions, [=](std::uint64_t i) { return random_motion(scene, sea, seed, i); }});
-  }
-  out.push_back({"random scenes", a.scenes, [=](std::uint64_t i) { return random_landing(paper, sea, seed, i); }});
-  out.push_back({"random scenes, every term of the drive", a.scenes,
-                 [=](std::uint64_t i) { return with_drive_terms(random_landing(paper, sea, seed, i), seed, i); }});
-  return out;
-}
-
-/// Ordinary landings followed three ways: every difference is earned, or wrong.
-Json three_ways(const BenchArguments& a, Run& run, Report& report) {
-  const long total = a.motions * long(kShippedScenes.size()) + 2 * a.scenes;
-  std::vector<Disagreement> differing;
-  std::vector<Tally> tallies;
-  Tally all;
-  long done = 0;
-  for (const Group& g : groups(a, run.options().seed)) {
-    Tally& tally = tallies.emplace_back(Tally{g.name});
-    constexpr long kPart = 1000;
-    for (long from = 0; from < g.count; from += kPart) {
-      std::vector<StabilityCase> cases;
-      for (long i = from; i < std::min(g.count, from + kPart); ++i) cases.push_back(g.draw(std::uint64_t(i)));
-      const std::vector<CrossCheck> results = cross_check(cases, run.options().threads);
-      for (std::size_t i = 0; i < results.size(); ++i) {
-        const CrossCheck& c = results[i];
-        ++tally.of(c.verdict), ++all.of(c.verdict);
-        if (c.verdict != Verdict::kPass) {
-          differing.push_back({c, g.name, cases[i].setting});
-          continue;
-        }
-        tally.scalar_passed = std::max(tally.scalar_passed, c.scalar_difference);
-        tally.lanes_passed = std::max(tally.lanes_passed, c.lanes_difference);
-      }
-      run.progress("three ways", done += long(cases.size()), total);
-    }
-  }
-  run.add("three_ways.csv",
-          Table(kDisagreementQuantities, differing)
-              .csv(run,
-                   "Landings that do not simply agree. scalar: at 1e-9; lanes: at 1e-6; tight: at 1e-11 [m/s^2]; "
-                   "differences to tight, relative; sensitivity: with the scene moved by 1e-6. The case belongs to its "
-                   "group, index and seed."));
-  report.heading("Landings followed three ways");
-  report.paragraph(
-      "The scalar path at 1e-9 and in lanes at 1e-6 against the scalar path at 1e-11. A difference of more than 0.1 % "
-      "is sensitive where moving the scene by 1e-6 makes one as well, coarse where the lanes are right at 1e-7; else "
-      "wrong.");
-  Quantities<Tally> quantities = tally_quantities("three ways");
-  quantities.push_back({"", "", "largest difference, scalar", "{:.1e}", &Tally::scalar_passed});
-  quantities.push_back({"", "", "in lanes", "{:.1e}", &Tally::lanes_passed});
-  run.say("");
-  (void)tell(Table(quantities, tallies), report, run);
-  return Table::of(tally_quantities(""), all).object();
-}
-
 }  // namespace
 
 int bench_stability(const BenchArguments& a, const CommonOptions& common) {
   Run run("bench stability", common);
   Report report("Stability: stiff and extreme cases");
-  const Json of_landings = landings(a, run, report), three = three_ways(a, run, report),
-             of_fits = stability_of_fits(run, report);
-  const int wrong = of_landings["wrong"].get<int>() + three["wrong"].get<int>() + of_fits["wrong"].get<int>();
+  const Json of_landings = landings(a, run, report), of_fits = stability_of_fits(run, report);
+  const int wrong = of_landings["wrong"].get<int>() + of_fits["wrong"].get<int>();
   if (wrong > 0) run.warn(fmt::format("{} cases are silently wrong", wrong));
   report.write(run);
-  return run.finish({{"landings", of_landings}, {"three_ways", three}, {"fits", of_fits}},
-                    wrong > 0 ? kNumbers : kDone);
+  return run.finish({{"landings", of_landings}, {"fits", of_fits}}, wrong > 0 ? kNumbers : kDone);
 }
 
 }  // namespace ukemi::tools

@@ -6,9 +6,9 @@
 #include <exception>
 #include <vector>
 
-#include "common/actuator.hpp"
-#include "landing/lanes/batch.hpp"
-#include "landing/model/scene_file.hpp"
+#include <ukemi/actuator.hpp>
+#include <ukemi/landing/batch.hpp>
+#include <ukemi/landing/scene_file.hpp>
 
 int main(int argc, char** argv) {
   using namespace ukemi;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/actuator.hpp"
-#include "identify/fit/fit.hpp"
+#include <ukemi/actuator.hpp>
+#include <ukemi/identify/fit.hpp>
 
 int main(int argc, char** argv) {
   using namespace ukemi;

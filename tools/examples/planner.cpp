@@ -12,18 +12,17 @@
 #include <exception>
 #include <optional>
 
-#include "common/actuator.hpp"
-#include "common/degrees.hpp"
-#include "landing/model/release.hpp"
-#include "landing/model/scene_file.hpp"
-#include "landing/run/simulate.hpp"
-#include "landing/search/planner.hpp"
+#include <ukemi/actuator.hpp>
+#include <ukemi/landing/planner.hpp>
+#include <ukemi/landing/scene_file.hpp>
+#include <ukemi/landing/simulate.hpp>
 
 namespace {
 
 using namespace ukemi;
 using namespace ukemi::landing;
-constexpr double kPeriod = 0.02;   // between two plans, and what each may take [s]
+constexpr double kDegrees = 57.29577951308232;  // a radian [deg]
+constexpr double kPeriod = 0.02;                // between two plans, and what each may take [s]
 constexpr double kRefuge = -0.87;  // held where nothing was found: a posture that lands softly by itself [rad]
 
 class Robot {

@@ -5,8 +5,8 @@
 #include <exception>
 #include <string>
 
-#include "landing/body/body_run.hpp"
-#include "landing/model/player.hpp"
+#include <ukemi/landing/body_run.hpp>
+#include <ukemi/landing/player.hpp>
 
 namespace {
 

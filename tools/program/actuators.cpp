@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "common/actuator_constants.hpp"
 #include "common/error.hpp"
 
 namespace ukemi::tools {

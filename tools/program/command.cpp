@@ -1,5 +1,7 @@
 #include "tools/program/command.hpp"
 
+#include "common/toml.hpp"
+
 namespace ukemi::tools {
 
 void add_common(CLI::App& verb, CommonOptions& o) {

@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "common/error.hpp"
+#include "common/text.hpp"
 #include "tools/program/interrupt.hpp"
 #include "tools/program/terminal.hpp"
 
@@ -69,7 +70,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"bench integrators", {"integrators.csv"}},
       {"bench optimizers", {"optimizers.csv", "gaps.csv", "best_known.csv"}},
       {"bench scenes", {"scenes.csv"}},
-      {"bench stability", {"stability.csv", "three_ways.csv", "stability_identify.csv"}}};
+      {"bench stability", {"stability.csv", "stability_identify.csv"}}};
   std::vector<std::string> names = kNames.at(verb);
   names.push_back("report.html");
   for (const std::string& figure : figure_names(verb))

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "common/error.hpp"
 #include "identify/logs/drive_command.hpp"
 #include "identify/logs/hebi_trial.hpp"
 #include "identify/logs/hits.hpp"
+#include "identify/logs/trial_checks.hpp"
 #include "tools/program/command.hpp"
 
 namespace ukemi::tools {
@@ -103,7 +105,8 @@ identify::Rig rig_of(const std::string& path, const TrialArguments& a) {
 }
 
 double escape_of(const TrialArguments& a) {
-  return a.angles == identify::TrialOptions::Angles::kMultiTurn ? identify::Term::kInfinity : identify::kEscape;
+  return a.angles == identify::TrialOptions::Angles::kMultiTurn ? std::numeric_limits<double>::infinity()
+                                                                : identify::kEscape;
 }
 
 std::vector<identify::Trial> with_force_curve(const std::vector<identify::Trial>& trials, const TrialArguments& a,

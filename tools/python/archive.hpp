@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/uncertainty.hpp"
 #include "tools/python/fields.hpp"
 
 namespace ukemi::python {
@@ -185,6 +186,15 @@ struct Carry<Eigen::Matrix<T, R, C, O, MR, MC>> {
       x.resize(rows, columns);
     }
     for (Eigen::Index i = 0; i < x.size(); ++i) a.number(x.data()[i]);
+  }
+};
+template <>
+struct Carry<DenseMatrix> {
+  template <class A, class X>
+  static void go(A& a, X& x) {
+    Eigen::MatrixXd m = x;
+    carry(a, m);
+    if constexpr (A::kReads) x = m;
   }
 };
 /// What watches or stops a call is no part of its result.

@@ -121,7 +121,7 @@ void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates
       .def_property_readonly(
           "fitted", [=](const Result& r) { return of(r).fitted; }, "Names in the order of `covariance`.")
       .def_property_readonly(
-          "covariance", [=](const Result& r) { return of(r).covariance; },
+          "covariance", [=](const Result& r) -> Eigen::MatrixXd { return of(r).covariance; },
           "Covariance of `fitted` [product of their units]; NaN where it is not determined.")
       .def_property_readonly(
           "cost", [=](const Result& r) { return of(r).cost; }, "The sum of squares [square of the outputs' unit].")

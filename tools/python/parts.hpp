@@ -101,6 +101,15 @@ struct Carry<const char*> {
     }
   }
 };
+template <>
+struct Carry<landing::MotionValues> {
+  template <class A, class X>
+  static void go(A& a, X& x) {
+    landing::Coordinates values = x;
+    carry(a, values);
+    if constexpr (A::kReads) x = values;
+  }
+};
 /// Compared by what it tells, for its bytes have gaps.
 template <>
 struct Carry<landing::ContactOrder> {

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <map>
 
+#include "common/actuator_constants.hpp"
 #include "common/csv.hpp"
+#include "common/text.hpp"
 
 namespace ukemi::tools {
 

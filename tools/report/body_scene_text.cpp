@@ -9,6 +9,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/toml_edit.hpp"
+#include "common/uncertainty_file.hpp"
 
 namespace ukemi::tools {
 

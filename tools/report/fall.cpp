@@ -33,7 +33,9 @@ namespace {
 std::vector<std::size_t> frames_of(const Landing& l) {
   constexpr std::size_t kMost = 600;
   std::vector<double> acc, hip;
-  for (const Sample& s : l.trajectory) acc.push_back(s.acc), hip.push_back(s.force[kHip].norm());
+  for (const Sample& s : l.trajectory)
+    acc.push_back(s.acc),
+        hip.push_back(std::sqrt(s.force[kHip][0] * s.force[kHip][0] + s.force[kHip][1] * s.force[kHip][1]));
   return kept_rows({&acc, &hip}, kMost);
 }
 
@@ -65,8 +67,8 @@ Json animation_of(const Fall& f, double length) {
   for (const Landing& ghost : f.ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
   out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
-    out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j].x(); }, 1e-2),
-                                        column([j](const Sample& s) { return s.force[j].y(); }, 1e-2)}));
+    out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j][0]; }, 1e-2),
+                                        column([j](const Sample& s) { return s.force[j][1]; }, 1e-2)}));
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/eigen.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/residuals.hpp"
@@ -217,7 +218,7 @@ Actuator fitted_actuator(const IdentifyQuestion& q, const Fit& fit) {
     determined.push_back(i);
     out.uncertain.push_back(key);
   }
-  out.covariance = fit.covariance(determined, determined);
+  out.covariance = Eigen::MatrixXd(eigen(fit.covariance)(determined, determined));
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "landing/judge/checked.hpp"
+#include "landing/judge/evidence.hpp"
 #include "landing/judge/map.hpp"
 #include "landing/judge/sensitivity.hpp"
 #include "tools/report/report.hpp"

@@ -91,7 +91,7 @@ std::string progress_csv(const Run& run, const Answer& a) {
   csv.header({"solver", "evaluations", "landings", "time_s", "best"});
   for (const Optimum& o : a.tried)
     for (const Progress& p : o.progress)
-      csv.cell(o.solver).cell(p.motions).cell(p.landings).cell(p.seconds).cell(p.best.value).end_row();
+      csv.cell(o.solver).cell(p.motions).cell(p.landings).cell(p.seconds).cell(p.value).end_row();
   return csv.text();
 }
 
@@ -186,11 +186,11 @@ Json summary_of(const Answer& a, Run& run) {
 Series descent(const Optimum& o, double answer, bool timed) {
   constexpr double kLeast = 1e-3;  // [%], of logarithmic axes
   Series out{o.solver, {}, {}};
-  for (const Progress& p : o.progress) answer = std::min(answer, p.best.value);  // before it stepped back from a cliff
-  const auto gap = [&](const Progress& p) { return std::max(100 * (p.best.value / answer - 1), kLeast); };
+  for (const Progress& p : o.progress) answer = std::min(answer, p.value);  // before it stepped back from a cliff
+  const auto gap = [&](const Progress& p) { return std::max(100 * (p.value / answer - 1), kLeast); };
   const auto after = [&](double motions, double seconds) { out.x.push_back(timed ? seconds : motions); };
   for (const Progress& p : o.progress) {
-    if (!(p.best.value < kNoMotion) || (!out.y.empty() && gap(p) > out.y.back())) continue;  // the last are judged anew
+    if (!(p.value < kNoMotion) || (!out.y.empty() && gap(p) > out.y.back())) continue;  // the last are judged anew
     if (!out.x.empty()) after(double(p.motions), p.seconds), out.y.push_back(out.y.back());
     after(double(p.motions), p.seconds), out.y.push_back(gap(p));
   }

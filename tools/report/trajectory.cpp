@@ -24,8 +24,8 @@ const RowColumns<Sample>& trajectory_columns() {
                               {"phi_ref", "joint/reference[rad]", &Sample::phi_ref}};
     for (std::size_t j = 0; j < std::size_t(kPoints); ++j) {
       const std::string point = kPointNames[j];
-      out.push_back({"f_" + point + "_x", "floor/" + point + "_force_x[N]", [j](auto& s) { return s.force[j].x(); }});
-      out.push_back({"f_" + point + "_y", "floor/" + point + "_force_y[N]", [j](auto& s) { return s.force[j].y(); }});
+      out.push_back({"f_" + point + "_x", "floor/" + point + "_force_x[N]", [j](auto& s) { return s.force[j][0]; }});
+      out.push_back({"f_" + point + "_y", "floor/" + point + "_force_y[N]", [j](auto& s) { return s.force[j][1]; }});
     }
     return out;
   }();

@@ -127,7 +127,7 @@ Quantities<identify::Rung> rung_quantities(const identify::Ladder& ladder) {
       {"", "terms",
        [](auto& r) {
          Json terms = Json::object();
-         for (const identify::RigTerm& term : r.options.terms.table)
+         for (const identify::RigTerm& term : *r.options.terms.table)
            if (term.in_ladder && term.value_in(r.fit.sea) != 0) terms[term.name] = number(term.value_in(r.fit.sea));
          return terms;
        }},

@@ -1,6 +1,7 @@
 #include "tools/robots/spatial_robot.hpp"
 
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

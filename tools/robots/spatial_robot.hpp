@@ -2,6 +2,7 @@
 // MJCF end here, the projection begins here.
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>

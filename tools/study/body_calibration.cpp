@@ -144,7 +144,8 @@ bool shared(const BodyScene& scene, const ContactPoint& c, const std::string& ke
 }
 
 /// Appends the terms of one constant; chosen ones by name to `free`.
-void add_terms(const BodyScene& scene, const ContactConstant& constant, Terms<DropTerm>& out) {
+void add_terms(const BodyScene& scene, const ContactConstant& constant, std::vector<DropTerm>& table,
+               Terms<DropTerm>& out) {
   const std::string& key = constant.term.name;
   DropTerm all = constant.term;
   all.moves.clear();
@@ -169,27 +170,29 @@ void add_terms(const BodyScene& scene, const ContactConstant& constant, Terms<Dr
   }
   if (!all.moves.empty()) {
     if (chosen) out.free.push_back(key);
-    out.table.push_back(all);
+    table.push_back(all);
   }
   out.free.insert(out.free.end(), own.begin(), own.end());
-  if (contacts.size() > 1) out.table.insert(out.table.end(), single.begin(), single.end());
+  if (contacts.size() > 1) table.insert(table.end(), single.begin(), single.end());
 }
 
 }  // namespace
 
 Terms<DropTerm> drop_choice(const BodyScene& scene) {
   Terms<DropTerm> out;
-  for (const ContactConstant& constant : contact_constants()) add_terms(scene, constant, out);
+  std::vector<DropTerm> table;
+  for (const ContactConstant& constant : contact_constants()) add_terms(scene, constant, table, out);
   const Base base = scene.robot.base;
-  if (base != Base::kRail) out.table.push_back(pitch_term());
+  if (base != Base::kRail) table.push_back(pitch_term());
   if (base == Base::kFree) out.free.push_back("pitch");
   for (DropTerm& t : drop_nuisances()) {
     const bool moves_base = t.name == "height_offset"  ? base != Base::kPinned
                             : t.name == "speed_offset" ? base == Base::kFree
                             : t.name == "pitch_offset" ? base != Base::kRail
                                                        : true;
-    if (moves_base) out.table.push_back(std::move(t));
+    if (moves_base) table.push_back(std::move(t));
   }
+  out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table));
   return out;
 }
 
@@ -202,14 +205,14 @@ namespace {
 void put_in_order(Terms<DropTerm>& terms) {
   const auto single = [](const DropTerm& t) { return t.name.find('.') != std::string::npos; };
   const auto follows = [&](const DropTerm& t) {
-    return single(t) && !terms.fits(t.name) && std::any_of(terms.table.begin(), terms.table.end(), [&](auto& other) {
+    return single(t) && !terms.fits(t.name) && std::any_of(terms.table->begin(), terms.table->end(), [&](auto& other) {
              return !single(other) && other.is_constant() && t.moves_what(other);
            });
   };
   std::vector<DropTerm> left;
-  for (const DropTerm& t : terms.table)
+  for (const DropTerm& t : *terms.table)
     if (!follows(t)) left.push_back(t);
-  terms.table = std::move(left);
+  terms.table = std::make_shared<const std::vector<DropTerm>>(std::move(left));
   std::stable_sort(terms.free.begin(), terms.free.end(), [&](const std::string& a, const std::string& b) {
     return terms[a].moves.size() > terms[b].moves.size();
   });
@@ -219,7 +222,7 @@ void put_in_order(Terms<DropTerm>& terms) {
 Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before) {
   Terms<DropTerm> out = drop_choice(scene);
   const auto has = [](const Terms<DropTerm>& terms, const std::string& name) {
-    return std::any_of(terms.table.begin(), terms.table.end(), [&](const DropTerm& t) { return t.name == name; });
+    return std::any_of(terms.table->begin(), terms.table->end(), [&](const DropTerm& t) { return t.name == name; });
   };
   const std::vector<std::string> chosen = std::move(out.free);
   out.free.clear();
@@ -238,7 +241,7 @@ Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before
 
 /// The constants of a fit in a scene.
 BodyScene scene_of(BodyScene scene, const Terms<DropTerm>& terms, const FloorFit& fit) {
-  for (const DropTerm& t : terms.table)  // single contacts come behind all
+  for (const DropTerm& t : *terms.table)  // single contacts come behind all
     if (t.is_constant())
       for (const identify::Estimate& e : fit.parameters)
         if (e.name == t.name && e.free) set_in(scene, t, e.value);

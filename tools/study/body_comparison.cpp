@@ -1,5 +1,8 @@
 #include "tools/study/body_comparison.hpp"
 
+#include "landing/plan/body_drops.hpp"
+#include "landing/scatter/sampler.hpp"
+
 namespace ukemi::tools {
 
 using namespace landing;

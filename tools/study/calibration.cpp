@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/eigen.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
 
@@ -113,7 +114,7 @@ Calibration calibrate(const Scene& scene, const SeaParameters<double>& sea, cons
   options.validate();
   check_drops(scene, drops);
   Calibration out{fit_floor(PaperDrops(scene, sea, drops), options), scene};
-  for (const DropTerm& t : options.terms.table)
+  for (const DropTerm& t : *options.terms.table)
     if (t.is_constant())
       for (const identify::Estimate& e : out.parameters)
         if (e.name == t.name && e.free) number_of(t).in(out.scene) = e.value;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "landing/plan/body_drops.hpp"
+
 namespace ukemi::tools {
 
 using namespace landing;

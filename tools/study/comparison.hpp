@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,7 +40,7 @@ struct Comparison {
 };
 
 struct ComparisonOptions {
-  double escape = identify::Term::kInfinity;  ///< see identify::FitOptions::escape
+  double escape = std::numeric_limits<double>::infinity();  ///< see identify::FitOptions::escape
   landing::OptimizeOptions search;
   landing::RobustOptions robust;                       ///< with a measure: plans for scatter, too
   std::function<Monitor(const std::string&)> monitor;  ///< of the search with the set of this name

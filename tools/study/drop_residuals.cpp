@@ -7,6 +7,7 @@
 
 #include "common/median.hpp"
 #include "identify/logs/trial.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::tools {
 

@@ -4,6 +4,7 @@
 
 #include "common/error.hpp"
 #include "identify/fit/fit.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::tools {
 

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "common/csv.hpp"
+#include "common/eigen.hpp"
 #include "common/error.hpp"
 #include "common/median.hpp"
 #include "common/random.hpp"
@@ -215,7 +216,7 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
   Start start;
   for (const Estimate* e : c.globals()) start.push_back(e->value);
   std::vector<identify::Term> shared, of_drop;
-  for (const DropTerm& t : options.terms.table) {
+  for (const DropTerm& t : *options.terms.table) {
     // What moves the same as a fitted term is that term, or Chow's test.
     bool covered = options.terms.fits(t.name);
     for (const auto* list : {&fitted.shared, &fitted.own})
@@ -282,7 +283,7 @@ std::optional<Uncertainty> FloorFit::uncertainty(const std::vector<std::string>*
         std::isfinite(covariance(long(i), long(i))))
       known.push_back(int(i)), out.order.push_back(fitted[i]);
   if (known.empty()) return std::nullopt;
-  out.covariance = covariance(known, known);
+  out.covariance = eigen(covariance)(known, known);
   return out;
 }
 

@@ -50,7 +50,7 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
   const auto terms = [&o](const std::string& option, const std::string& list, identify::Term::Role role) {
     std::vector<std::string> out;
     for (const std::string& item : split(list)) {
-      const std::string term = named(o.terms.table, option, item, {role}).term;
+      const std::string term = named(*o.terms.table, option, item, {role}).term;
       if (std::find(out.begin(), out.end(), term) != out.end())
         throw InputError(option + ": " + quoted(item) + ": named twice");
       out.push_back(term);
@@ -62,7 +62,7 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
   const auto bounds = [&o](const std::string& option, const std::string& list, std::map<std::string, double>& to) {
     for (const std::string& item : split(list)) {
       const auto [name, value] = assignment(option, item);
-      const Named n = named(o.terms.table, option, name, {kConstant});
+      const Named n = named(*o.terms.table, option, name, {kConstant});
       to[n.term] = to_number(option, value) * n.unit;
     }
   };
@@ -70,7 +70,7 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
   bounds("--upper", a.upper, o.terms.upper);
   for (const std::string& item : a.priors) {
     const NamedPrior known = named_prior("--prior", item);
-    const Named n = named(o.terms.table, "--prior", known.name, {kConstant, kNuisance});
+    const Named n = named(*o.terms.table, "--prior", known.name, {kConstant, kNuisance});
     if (!o.terms.fits(n.term))
       throw InputError("--prior: " + quoted(known.name) + ": it is not fitted, see --free and --nuisance");
     o.terms.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});

@@ -1,7 +1,7 @@
 // Links the smallest library of a project that holds ukemi as a part of it.
 #include <cstdio>
 
-#include "common/actuator.hpp"
+#include <ukemi/actuator.hpp>
 
 int main() {
   ukemi::Actuator actuator;

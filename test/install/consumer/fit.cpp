@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "identify/fit/fit.hpp"
+#include <ukemi/identify/fit.hpp>
 
 int main() {
   using namespace ukemi;

@@ -1,7 +1,7 @@
 // A user of landing alone.
 #include <cstdio>
 
-#include "landing/search/optimize.hpp"
+#include <ukemi/landing/optimize.hpp>
 
 int main() {
   using namespace ukemi;

@@ -1,8 +1,8 @@
 // Twenty lines of a user: one fit and one landing with the library alone.
 #include <cstdio>
 
-#include "identify/fit/fit.hpp"
-#include "landing/run/simulate.hpp"
+#include <ukemi/identify/fit.hpp>
+#include <ukemi/landing/simulate.hpp>
 
 int main() {
   using namespace ukemi;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "common/text.hpp"
+#include "common/toml.hpp"
 #include "tools/report/page/gnuplot.hpp"
 
 namespace ukemi::tools {

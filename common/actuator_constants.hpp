@@ -1,0 +1,44 @@
+// The table of an actuator's constants: their keys, units and ranges.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/actuator.hpp"
+#include "common/toml.hpp"
+
+namespace ukemi {
+
+/// Of control_delay and velocity_filter [s].
+inline constexpr double kMostLate = 0.1;
+Range lateness();
+
+/// A constant of [actuator].
+struct ActuatorConstant {
+  const char* key;
+  double SeaParameters<double>::*at;
+  const char* unit;
+  Range range;
+  double absent = 0;  ///< its value in a file without it; of the five no meaning
+};
+/// All of them: the five, tau_max, then the optional ones.
+const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants();
+/// Those that a file needs only where they are not as in no file.
+std::span<const ActuatorConstant> optional_constants();
+/// The keys of all: what an actuator's [uncertainty] may name.
+const std::vector<std::string>& uncertain_constants();
+/// The places of names in actuator_constants(). Throws InputError for another name.
+std::vector<int> constant_indices(const std::vector<std::string>& names);
+
+/// Whether its drive was identified by its command alone: K_t stands in place of K_p and K_d.
+bool by_command(const SeaParameters<double>& sea);
+
+/// Reads the constants and the ratings of a section, whose keys are those of [actuator] without its name.
+void read_constants(TomlSection& section, Actuator& actuator);
+/// Reads `feedback = "output" | "motor"` of a section.
+std::optional<Feedback> read_feedback(TomlSection& section);
+
+}  // namespace ukemi

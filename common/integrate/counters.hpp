@@ -1,0 +1,21 @@
+// How a step of an integrator ended, and what steps cost.
+#pragma once
+
+namespace ukemi::integrate {
+
+enum class Status {
+  kStepped,    ///< the step was taken; there may be more
+  kReached,    ///< the step ended at the stop time
+  kEvent,      ///< the step ended on a guard's zero (or had length zero: `immediate`)
+  kTooSmall,   ///< the error control asks for a step below the resolution of time
+  kNotFinite,  ///< the field is not finite where the step starts
+  kStuck,      ///< too many events at one instant
+};
+
+/// Work done so far.
+struct Counters {
+  long steps = 0, rejected = 0, derivatives = 0, jacobians = 0, events = 0;
+  long implicit = 0;  ///< steps that an automatic method took with its implicit one
+};
+
+}  // namespace ukemi::integrate

@@ -1,0 +1,29 @@
+// [uncertainty] and [verdict] of a file.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/toml.hpp"
+#include "common/uncertainty.hpp"
+#include "common/verdict.hpp"
+
+namespace ukemi {
+
+/// The key that is wrong and what is wrong with it, see `check` of common/checks.hpp; both empty: nothing.
+std::pair<std::string, std::string> fault_of(const Uncertainty& uncertainty, const std::vector<std::string>& known,
+                                             const std::string& whom);
+/// `order` and `covariance`; each name once and one of `known`, which are constants of `whom`. Throws InputError with
+/// file:line:column.
+Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& whom);
+/// The line of the key `covariance`.
+std::string covariance_lines(const DenseMatrix& covariance);
+
+/// Of [verdict]; keys are some of `constants`, the result is in their order. Empty where the file has no such table.
+/// Throws InputError with file:line:column.
+Verdicts read_verdicts(TomlFile& file, const std::vector<std::string>& constants);
+/// The table as a file has it; empty where there is no verdict.
+std::string verdict_table(const Verdicts& verdicts);
+
+}  // namespace ukemi

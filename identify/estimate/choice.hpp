@@ -1,0 +1,53 @@
+// What a fit is asked to estimate: terms by their names, their bounds, and what is known of them beforehand.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ukemi::identify {
+
+struct Term;
+
+/// What is known of a term beforehand: normal about `value`, counted like one more measurement.
+struct Prior {
+  std::string term;
+  double value, std;  ///< in the term's unit; std > 0
+};
+
+/// Which terms of a table are fitted, and what is asked of them.
+struct Choice {
+  std::vector<std::string> free;               ///< constants that are fitted, in this order; the others stay as given
+  std::vector<std::string> nuisance;           ///< terms that are fitted along
+  std::map<std::string, double> lower, upper;  ///< in place of the table's bounds; not below 0 where those are not
+  std::vector<Prior> priors;                   ///< of fitted terms
+
+  bool fits(const std::string& term) const;
+  double lower_of(const Term& term) const;
+  double upper_of(const Term& term) const;
+};
+
+/// Index of a term in a table; throws InputError "WHAT: no such term".
+std::size_t index_of(const std::vector<const Term*>& table, const std::string& what, const std::string& name);
+/// Names, bounds and priors. Throws InputError.
+void validate(const std::vector<const Term*>& table, const Choice& choice);
+
+/// A choice and the table that it chooses from.
+template <class T>
+struct Terms : Choice {
+  std::shared_ptr<const std::vector<T>> table;
+
+  /// Throws InputError where there is no such term.
+  const T& operator[](const std::string& name) const { return (*table)[index_of(pointers(), "term", name)]; }
+  void validate() const { identify::validate(pointers(), *this); }  ///< throws InputError
+
+ private:
+  std::vector<const Term*> pointers() const {
+    std::vector<const Term*> out;
+    for (const T& t : *table) out.push_back(&t);
+    return out;
+  }
+};
+
+}  // namespace ukemi::identify

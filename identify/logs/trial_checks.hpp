@@ -1,0 +1,37 @@
+// What a log says of itself: whether anything moves the rig, how noisy it is.
+#pragma once
+
+#include <vector>
+
+#include "identify/logs/trial.hpp"
+
+namespace ukemi::identify {
+
+/// How many rad count as much as 1 Nm of a logged torque: the angles' noise over the torque's, so that each residual
+/// weighs by its own noise [rad/Nm]; 0 where none is logged.
+double angle_per_torque(const Trial& trial);
+/// Those of all trials.
+long measurements(const std::vector<Trial>& trials);
+
+/// Throws InputError, naming the file and the rule, where nothing moves the rig: no force or all of it zero, and a
+/// reference that stays where it is. A trial that starts at rest then says nothing about the actuator.
+void require_excitation(const Trial& trial);
+
+/// Whether two trials hold the same numbers, whatever their files are called.
+bool same_content(const Trial& a, const Trial& b);
+
+/// The force at the times of `t`, linear between its own samples and 0 outside of them [N]; empty without force.
+std::vector<double> force_at_samples(const Trial& trial);
+
+/// Fewest samples of any pulse of the force (a run above 5 % of the largest |force|); 0 without force.
+int shortest_pulse(const Trial& trial);
+
+/// Standard deviation of the measurement noise of a column, from the median of its fourth differences [same unit]; the
+/// signal must be slow against the sampling. A log that mostly stands still is taken as quantised: its smallest step /
+/// sqrt(12).
+double noise_level(const std::vector<double>& column);
+/// The same over every measured angle of several trials, root mean square [rad]; 0 where nothing is measured.
+double noise_level(const std::vector<const Trial*>& trials);
+double noise_level(const std::vector<Trial>& trials);
+
+}  // namespace ukemi::identify

@@ -1,0 +1,18 @@
+// A drive, a drop and a motion beside what was planned.
+#pragma once
+
+#include <span>
+
+#include "landing/model/motion_data.hpp"
+#include "landing/model/scene.hpp"
+
+namespace ukemi::landing {
+
+/// The drive with every constant moved by so much, in the order of actuator_constants(); none leaves its range.
+SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> by);
+/// Moves height, pitch and speeds. Returns whether the drop would begin below the floor; it then begins on it.
+bool move_drop(Drop& drop, const Scatter& by);
+/// The motion of a joint that is released so far beside the planned angle and rate [rad], [rad/s].
+Motion released_beside(Motion motion, double phi, double rate);
+
+}  // namespace ukemi::landing
