@@ -2,12 +2,27 @@
 // and [verdict] know them.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "landing/body/body_scene.hpp"
 
 namespace ukemi::landing {
+
+/// A constant of a contact law by its key in files.
+struct LawConstant {
+  const char* key;
+  double ContactLaw::*at;
+};
+inline constexpr std::array<LawConstant, 7> kLawConstants = {
+    {{"stiffness", &ContactLaw::stiffness},
+     {"damping_normal", &ContactLaw::damping_normal},
+     {"damping_tangential", &ContactLaw::damping_tangential},
+     {"stiffness_tangential", &ContactLaw::stiffness_tangential},
+     {"friction", &ContactLaw::friction},
+     {"exponent", &ContactLaw::exponent},
+     {"dissipation", &ContactLaw::dissipation}}};
 
 /// KEY: of every contact without a KEY of its own; CONTACT.KEY: of one; pitch. KEY is one of kLawConstants, or
 /// pad_stiffness, pad_damping, pad_thickness.

@@ -82,20 +82,6 @@ struct ContactLaw {
   double dissipation = 0;  ///< c, of the same [s/m], >= 0
 };
 
-/// A constant of a contact law by its key in files.
-struct LawConstant {
-  const char* key;
-  double ContactLaw::*at;
-};
-inline constexpr std::array<LawConstant, 7> kLawConstants = {
-    {{"stiffness", &ContactLaw::stiffness},
-     {"damping_normal", &ContactLaw::damping_normal},
-     {"damping_tangential", &ContactLaw::damping_tangential},
-     {"stiffness_tangential", &ContactLaw::stiffness_tangential},
-     {"friction", &ContactLaw::friction},
-     {"exponent", &ContactLaw::exponent},
-     {"dissipation", &ContactLaw::dissipation}}};
-
 struct ContactPoint {
   std::string name;
   int link = 0;

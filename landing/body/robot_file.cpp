@@ -10,6 +10,7 @@
 #include "common/actuator.hpp"
 #include "common/actuator_constants.hpp"
 #include "common/sea.hpp"
+#include "landing/body/floor_constants.hpp"
 
 namespace ukemi::landing {
 

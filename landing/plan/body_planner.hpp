@@ -18,8 +18,7 @@ struct BodyFallState {
   double pitch = 0;                        ///< theta of the first link, at most 2 pi either way [rad]
   double pitch_rate = 0;                   ///< not on a rail, at most 1e3 either way [rad/s]
   double gone = 0;                         ///< since release, which was at rest; 0 to 1e3 [s]
-  std::optional<double> vertical_speed =
-      {};  ///< upwards, at most 1e3 either way [m/s]; absent: of a free fall of `gone`
+  std::optional<double> vertical_speed = {};  ///< upwards, at most 1e3 [m/s]; absent: of a free fall of `gone`
 };
 
 /// What it answers with.

@@ -81,7 +81,7 @@ TEST_CASE("legs: lanes of robots with pads, slopes, delays, moves in the air, to
       body_batch_peaks({&c, 1}, {&l, 1}, {.accuracy = 1e-7});
       const BodyLanding one = peak_acceleration(scene, motion, {.accuracy = 1e-10});
       INFO(stem);
-      CHECK(l.end == one.end);
+      CHECK(no_landing(l.end) == no_landing(one.end));  // a lane asks less often whether it may rest
       CHECK(l.first_touchdown == Approx(one.first_touchdown).epsilon(1e-6));
       ++played, off += !(std::abs(l.peak / one.peak - 1) < 1e-4);
       if (std::abs(l.peak / one.peak - 1) > 1e-4) WARN(stem << ": " << l.peak << " in a lane, " << one.peak);
@@ -101,7 +101,7 @@ TEST_CASE("legs: a lane's landing is abandoned, forbidden to touch, or handed ov
     int ended = 0;
     for (std::size_t k = 0; k < cases.size(); ++k) {
       const BodyLanding one =
-          peak_acceleration(scene, motions[k], {.accuracy = 1e-8, .abandon_above = cases[k].abandon_above});
+          peak_acceleration(scene, motions[k], {.accuracy = 1e-7, .abandon_above = cases[k].abandon_above});
       INFO(k << ": " << landings[k].peak << ", " << one.peak << ", until " << landings[k].t_end << ", " << one.t_end);
       CHECK(landings[k].end == one.end);
       CHECK(landings[k].broken.kind == one.broken.kind);

@@ -4,6 +4,7 @@
 #include "common/actuator.hpp"
 #include "common/checks.hpp"
 #include "common/csv.hpp"
+#include "common/eigen.hpp"
 #include "common/files.hpp"
 #include "tools/program/output.hpp"
 #include "tools/python/value.hpp"
@@ -133,7 +134,9 @@ void bind_actuator(py::module_& m) {
       .def_property_readonly(
           "feedback", [](const Actuator& a) { return a.sea.feedback; }, "Which angle Eq. 3 feeds back.")
       .def_readonly("uncertain", &Actuator::uncertain, "The constants that a fit found, in the order of `covariance`.")
-      .def_readonly("covariance", &Actuator::covariance, "Covariance of `uncertain` [product of their units].")
+      .def_property_readonly(
+          "covariance", [](const Actuator& a) -> Eigen::MatrixXd { return eigen(a.covariance); },
+          "Covariance of `uncertain` [product of their units].")
       .def_property_readonly(
           "verdicts",
           [](const Actuator& a) { return std::map<std::string, std::string>(a.verdicts.begin(), a.verdicts.end()); },

@@ -10,6 +10,7 @@
 #include "common/degrees.hpp"
 #include "common/toml_edit.hpp"
 #include "common/uncertainty_file.hpp"
+#include "landing/body/floor_constants.hpp"
 
 namespace ukemi::tools {
 
