@@ -29,7 +29,8 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
   constexpr double kLowOrder = 1e-7;  // below it the scalar path's method of a higher order takes less time
   const bool small = fits(robot, kSmallBody);
-  if (options.accuracy < kLowOrder || (!small && !fits(robot, kMiddleBody))) return run_scalar(source, options);
+  if (!options.in_lanes || options.accuracy < kLowOrder || (!small && !fits(robot, kMiddleBody)))
+    return run_scalar(source, options);
   switch (std::min(set, widest_instruction_set())) {
     case InstructionSet::kAvx512:
       return run_body_lanes<8>(source, small, options);
