@@ -17,8 +17,11 @@ namespace {
 void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
   const std::function<bool()> over = [&] { return source.over(); };
   for (BodyBatchCase c; !source.over() && source.next(0, c);) {
-    const BodyLanding l = peak_acceleration(
-        *c.scene, *c.motion, {.accuracy = options.accuracy, .abandon_above = c.abandon_above, .over = &over});
+    const BodyLanding l = peak_acceleration(*c.scene, *c.motion,
+                                            {.accuracy = options.accuracy,
+                                             .abandon_above = c.abandon_above,
+                                             .max_steps = options.max_steps,
+                                             .over = &over});
     if (l.end == End::kStopped) return;
     source.done(0, l);
   }
@@ -29,8 +32,7 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
   constexpr double kLowOrder = 1e-7;  // below it the scalar path's method of a higher order takes less time
   const bool small = fits(robot, kSmallBody);
-  if (!options.in_lanes || options.accuracy < kLowOrder || (!small && !fits(robot, kMiddleBody)))
-    return run_scalar(source, options);
+  if (options.accuracy < kLowOrder || (!small && !fits(robot, kMiddleBody))) return run_scalar(source, options);
   switch (std::min(set, widest_instruction_set())) {
     case InstructionSet::kAvx512:
       return run_body_lanes<8>(source, small, options);

@@ -19,11 +19,8 @@ using BodyBatchSource = LaneSource<BodyBatchCase, BodyLanding>;
 
 struct BodyBatchOptions {
   double accuracy = 1e-6;                       ///< relative tolerance of each step: the method is of order 5
-  long max_steps = 20'000;                      ///< steps of a lane; beyond it the scalar path follows the landing
+  long max_steps = 200'000;                     ///< see SimulateOptions
   const std::function<bool()>* over = nullptr;  ///< see SimulateOptions
-  /// Not yet by default: eight lanes write where they must not in one program of the tests (test/legs/lanes.cpp, the
-  /// third case of [.lanes]); until that is mended the scalar path follows every landing.
-  bool in_lanes = false;
 };
 
 /// Runs a source until every lane is without work, or the source is over. The robots differ in numbers alone: another

@@ -67,16 +67,20 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   /// The scalar path follows the lane's landing.
   void hand_over(int i) {
     const BodyBatchCase& c = case_[i];
-    const BodyLanding l = peak_acceleration(
-        *c.scene, *c.motion, {.accuracy = options_.accuracy, .abandon_above = c.abandon_above, .over = &over_});
+    const BodyLanding l = peak_acceleration(*c.scene, *c.motion,
+                                            {.accuracy = options_.accuracy,
+                                             .abandon_above = c.abandon_above,
+                                             .max_steps = options_.max_steps,
+                                             .over = &over_});
     if (l.end != End::kStopped) source_.done(i, l);
   }
 
   [[gnu::noinline]] void finish(int i, End end) {
-    if (end == End::kFailed) {
+    if (end == End::kFailed && steps_[i] <= double(options_.max_steps)) {
       hand_over(i);
     } else {
       BodyLanding& out = out_[i];
+      if (end == End::kFailed) out.failure = Failure::kSteps;
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
       out.first_touchdown = course_[i]->first_touchdown(), out.work.steps = long(steps_[i]);
       const Values y = values(i);

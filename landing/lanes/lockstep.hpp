@@ -76,7 +76,7 @@ class Lockstep {
   }
   /// A lane without a landing, that costs its neighbours nothing: angles that are no numbers, or large, do.
   void empty(int i) {
-    active_.set(i, false);
+    active_.set(i, false), stale_.set(i, false);
     step_.h.set(i, 0), h_next_.set(i, 0), cut_.set(i, false);
     for (int k = 0; k < kStates; ++k) step_.y[k].set(i, 0), step_.slope[k].set(i, 0), unit_[k].set(i, 1);
   }
@@ -180,7 +180,6 @@ class Lockstep {
     const T h = select(last_, T(stop_ - step_.t), h_next_);
     step_.h = select(cut_, cut_h_, select(active_, h, T(0.0)));
     last_ &= !cut_;
-    assign(whole_, !cut_, step_.h);
     step_.advance([this](const T& t, const State& y, State& dy) UKEMI_INLINE_LAMBDA { field(t, y, dy); });
   }
   UKEMI_BATCH_STAGE void field(const T& t, const State& y, State& dy) const { system_.derivative(t, y, dy); }
@@ -313,7 +312,7 @@ class Lockstep {
   System system_;
   integrate::Step<integrate::DormandPrince54, T, kStates> step_;
   typename System::GuardValues start_, end_;
-  T h_next_{0.0}, whole_{0.0}, cut_h_{0.0}, shift_{0.0}, stop_{0.0}, abandon_square_{0.0};
+  T h_next_{0.0}, cut_h_{0.0}, shift_{0.0}, stop_{0.0}, abandon_square_{0.0};
   T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, steps_{0.0};
   M active_, stale_, cut_, rejected_, accepted_, event_, last_;
   std::array<T, kStates> unit_;

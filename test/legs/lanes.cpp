@@ -39,7 +39,7 @@ Played in_lanes(const BodyScene& scene, const std::vector<BodyMotion>& motions, 
   std::vector<BodyBatchCase> cases;
   for (const BodyMotion& m : motions) cases.push_back({&scene, &m});
   Played out{.landings = std::vector<BodyLanding>(motions.size())};
-  body_batch_peaks(cases, out.landings, {.accuracy = 1e-7, .in_lanes = true}, threads, set);
+  body_batch_peaks(cases, out.landings, {.accuracy = 1e-7}, threads, set);
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const BodyLanding one = peak_acceleration(scene, motions[k], {.accuracy = 1e-9});
     const BodyLanding& l = out.landings[k];
@@ -52,7 +52,7 @@ Played in_lanes(const BodyScene& scene, const std::vector<BodyMotion>& motions, 
 
 }  // namespace
 
-TEST_CASE("legs: lanes are the scalar path, on every machine, whatever the number of threads", "[.lanes]") {
+TEST_CASE("legs: lanes are the scalar path, on every machine, whatever the number of threads") {
   for (const std::string name : {"hopper", "three_links", "foot"}) {
     BodyScene scene = legs::shipped(name);
     const std::vector<BodyMotion> motions = motions_of(scene, 60, 20261125);
@@ -79,7 +79,7 @@ TEST_CASE("legs: lanes of robots with pads, slopes, delays, moves in the air, to
       if (i % 2) scene.detection_delay = 0.003;
       const BodyBatchCase c{&scene, &motion};
       BodyLanding l;
-      body_batch_peaks({&c, 1}, {&l, 1}, {.accuracy = 1e-7, .in_lanes = true});
+      body_batch_peaks({&c, 1}, {&l, 1}, {.accuracy = 1e-7});
       const BodyLanding one = peak_acceleration(scene, motion, {.accuracy = 1e-10});
       INFO(stem);
       CHECK(no_landing(l.end) == no_landing(one.end));  // a lane asks less often whether it may rest
@@ -91,17 +91,14 @@ TEST_CASE("legs: lanes of robots with pads, slopes, delays, moves in the air, to
   CHECK(off <= 3);
 }
 
-namespace {
-
-/// Landings that are abandoned, forbidden to touch, or beyond the lanes, beside the scalar path's.
-void compare_ends(bool in_lanes) {
+TEST_CASE("legs: a lane's landing is abandoned, forbidden to touch, or handed over, as the scalar path's") {
   BodyScene scene = legs::shipped("hopper");
   const std::vector<BodyMotion> motions = motions_of(scene, 24, 7);
   std::vector<BodyBatchCase> cases;
   for (const BodyMotion& m : motions) cases.push_back({&scene, &m, 60});
   std::vector<BodyLanding> landings(cases.size());
   const auto compare = [&] {
-    body_batch_peaks(cases, landings, {.accuracy = 1e-7, .in_lanes = in_lanes});
+    body_batch_peaks(cases, landings, {.accuracy = 1e-7});
     int ended = 0;
     for (std::size_t k = 0; k < cases.size(); ++k) {
       const BodyLanding one =
@@ -127,11 +124,6 @@ void compare_ends(bool in_lanes) {
   for (ContactPoint& c : scene.robot.contacts) c.law.hunt_crossley = true, c.law.dissipation = 0.3;
   compare();
   const std::function<bool()> over = [] { return true; };
-  body_batch_peaks(cases, landings, {.over = &over, .in_lanes = in_lanes});
+  body_batch_peaks(cases, landings, {.over = &over});
   for (const BodyLanding& l : landings) CHECK(l.end == End::kStopped);
 }
-
-}  // namespace
-
-TEST_CASE("legs: many landings end as they do one by one") { compare_ends(false); }
-TEST_CASE("legs: a lane's landing ends as the scalar path's", "[.lanes]") { compare_ends(true); }
