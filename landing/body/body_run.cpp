@@ -29,7 +29,6 @@ BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const Sim
   constexpr double kMostRows = 2e6, kLongest = 30;  // [s]
   if (!(rate >= 0 && rate * scene.t_end.value_or(kLongest) <= kMostRows))
     throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows");
-  constexpr Capacity kAny{kMostLinks, kMostJoints, kMostContacts};
   BodyLanding out;
   BodyFollower<integrate::DormandPrince853, kAny, true>(scene, motion, options, out, rate).follow();
   if (out.end != End::kFailed && out.end != End::kBroken &&

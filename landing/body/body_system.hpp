@@ -234,10 +234,10 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// dz of a contact that is pulled by -along.
   T slip_rate(int i, const State& y, const T& v_t, const T& along) const {
     const auto& m = contact[i];
-    if (!(any(slides_forward(m)) || any(slides_back(m)))) return masked(touching(m), v_t);
+    if (!(any(slides_forward(m)) || any(slides_back(m)))) return masked(m.touching, v_t);
     const T sliding = (along - point[i].k_t * y[kSlip + i]) / point[i].c_t;
     const T rate = select(slides_forward(m), sliding, select(slides_back(m), sliding, v_t));
-    return masked(touching(m), rate);
+    return masked(m.touching, rate);
   }
 
   template <class Time>
@@ -248,10 +248,10 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
     for (int i = 0; i < body.contacts; ++i) {
       const auto& m = contact[i];
-      if (!any(touching(m))) continue;
+      if (!any(m.touching)) continue;
       const Point at = point_at(i, p);
       const T normal = normal_force(point[i], m, at.y, at.v, T(0)).value,
-              along = masked(touching(m), tangential_force(point[i], m, held(i, y, at), normal));
+              along = masked(m.touching, tangential_force(point[i], m, held(i, y, at), normal));
       load.add(body.contact[i], p, body.bodies, -along, normal);
       if constexpr (kAccounts) power += normal * at.v - along * at.v_t;
       if (point[i].rubs || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
@@ -329,17 +329,16 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       const G v = narrowed<G>(value), r = narrowed<G>(rate);
       out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
     };
-    const auto down = touching(m);
+    const auto down = m.touching;
     const G height = narrowed<G>(T(at.y - x.thickness)), speed = narrowed<G>(at.v);
     out.set(first + kSurface, select(down, G(-height), height), select(down, G(-speed), speed));
     if (!any(down)) return;
     const WithRate<T> pad = pad_force(x, at.y, at.v, at.a), floor = floor_force(x, at.y, at.v, at.a);
     if (x.padded) {
-      set(kPadForce, pad_pushes(m), pad.value, pad.rate, down);
-      set(kBottom, !below_floor(m), at.y, at.v, down);
+      set(kPadForce, m.pad, pad.value, pad.rate, down);
+      set(kBottom, !m.below, at.y, at.v, down);
     }
-    if (!(x.hunt_crossley && !any(x.dissipation != T(0))))
-      set(kFloorForce, floor_pushes(m), floor.value, floor.rate, below_floor(m));
+    if (!(x.hunt_crossley && !any(x.dissipation != T(0)))) set(kFloorForce, m.floor, floor.value, floor.rate, m.below);
     if (!x.rubs) return;
     const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
     const T f = held(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;

@@ -27,10 +27,6 @@ struct PointMode {
   signed char slides = 0;  ///< direction in which it slides; 0: it sticks
 };
 
-inline bool touching(const PointMode& m) { return m.touching; }
-inline bool pad_pushes(const PointMode& m) { return m.pad; }
-inline bool below_floor(const PointMode& m) { return m.below; }
-inline bool floor_pushes(const PointMode& m) { return m.floor; }
 inline bool slides_forward(const PointMode& m) { return m.slides > 0; }
 inline bool slides_back(const PointMode& m) { return m.slides < 0; }
 
@@ -105,8 +101,8 @@ WithRate<T> normal_force(const ContactConstants<T>& x, const Mode& m, const T& y
   const auto add = [&](const auto& acts, const WithRate<T>& f) {
     out.value += masked(acts, f.value), out.rate += masked(acts, f.rate);
   };
-  if (any(floor_pushes(m))) add(floor_pushes(m), floor_force(x, y, v, a));
-  if (any(pad_pushes(m))) add(pad_pushes(m), pad_force(x, y, v, a));
+  if (any(m.floor)) add(m.floor, floor_force(x, y, v, a));
+  if (any(m.pad)) add(m.pad, pad_force(x, y, v, a));
   return out;
 }
 /// -F_t and dz in a mode, of f = K_t z + C_t v.

@@ -31,6 +31,12 @@ namespace ukemi::landing {
 struct Capacity {
   int bodies, joints, contacts;
 };
+/// The kernels that there are.
+inline constexpr Capacity kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts};
+inline bool fits(const Robot& robot, const Capacity& c) {
+  return robot.links.size() <= std::size_t(c.bodies) && robot.joints.size() <= std::size_t(c.joints) &&
+         robot.contacts.size() <= std::size_t(c.contacts);
+}
 
 /// Lever arms of a point by body.
 template <class T, int kBodies>

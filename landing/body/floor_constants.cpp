@@ -4,16 +4,7 @@
 
 namespace ukemi::landing {
 
-namespace {
-
-struct PadConstant {
-  const char* key;
-  double Pad::*at;
-};
-constexpr PadConstant kPadConstants[] = {
-    {"pad_stiffness", &Pad::stiffness}, {"pad_damping", &Pad::damping}, {"pad_thickness", &Pad::thickness}};
-
-double* number(ContactPoint& c, const std::string& key) {
+double* contact_constant(ContactPoint& c, const std::string& key) {
   for (const LawConstant& constant : kLawConstants)
     if (key == constant.key) return &(c.law.*constant.at);
   for (const PadConstant& constant : kPadConstants)
@@ -21,16 +12,11 @@ double* number(ContactPoint& c, const std::string& key) {
   return nullptr;
 }
 
-}  // namespace
-
 std::vector<std::string> floor_constant_names(const Robot& robot) {
-  std::vector<std::string> keys;
-  for (const LawConstant& constant : kLawConstants) keys.push_back(constant.key);
-  for (const PadConstant& constant : kPadConstants) keys.push_back(constant.key);
-  std::vector<std::string> out = keys;
+  std::vector<std::string> out(kContactKeys.begin(), kContactKeys.end());
   out.push_back("pitch");
   for (const ContactPoint& c : robot.contacts)
-    for (const std::string& key : keys) out.push_back(c.name + "." + key);
+    for (const char* const key : kContactKeys) out.push_back(c.name + "." + key);
   return out;
 }
 
@@ -42,7 +28,7 @@ std::vector<double*> floor_constants(BodyScene& scene, const std::string& name) 
   for (ContactPoint& c : scene.robot.contacts) {
     const bool meant = dot == std::string::npos ? std::find(c.own.begin(), c.own.end(), key) == c.own.end()
                                                 : c.name == name.substr(0, dot);
-    if (double* const x = meant ? number(c, key) : nullptr) out.push_back(x);
+    if (double* const x = meant ? contact_constant(c, key) : nullptr) out.push_back(x);
   }
   return out;
 }

@@ -24,8 +24,24 @@ inline constexpr std::array<LawConstant, 7> kLawConstants = {
      {"exponent", &ContactLaw::exponent},
      {"dissipation", &ContactLaw::dissipation}}};
 
-/// KEY: of every contact without a KEY of its own; CONTACT.KEY: of one; pitch. KEY is one of kLawConstants, or
-/// pad_stiffness, pad_damping, pad_thickness.
+struct PadConstant {
+  const char* key;
+  double Pad::*at;
+};
+inline constexpr std::array<PadConstant, 3> kPadConstants = {
+    {{"pad_stiffness", &Pad::stiffness}, {"pad_damping", &Pad::damping}, {"pad_thickness", &Pad::thickness}}};
+/// The keys of all constants of a contact: its law's, then its pad's.
+inline constexpr auto kContactKeys = [] {
+  std::array<const char*, kLawConstants.size() + kPadConstants.size()> out{};
+  std::size_t n = 0;
+  for (const LawConstant& constant : kLawConstants) out[n++] = constant.key;
+  for (const PadConstant& constant : kPadConstants) out[n++] = constant.key;
+  return out;
+}();
+/// The number of a contact that a key stands for; null: no such key, or of a pad that there is not.
+double* contact_constant(ContactPoint& contact, const std::string& key);
+
+/// KEY: of every contact without a KEY of its own; CONTACT.KEY: of one; pitch. KEY is one of kContactKeys.
 std::vector<std::string> floor_constant_names(const Robot& robot);
 /// The numbers that a name stands for, which live in the scene; none for a name that there is not, or pads that there
 /// are not.

@@ -8,6 +8,7 @@
 #include "common/actuator.hpp"
 #include "common/actuator_constants.hpp"
 #include "common/error.hpp"
+#include "landing/body/floor_constants.hpp"
 #include "landing/derivatives/differentiated_body.hpp"
 #include "landing/derivatives/peak_observer.hpp"
 
@@ -17,11 +18,8 @@ namespace {
 
 using Of = BodyParameter::Of;
 
-constexpr std::array<const char*, 5> kDropNames = {"height", "forward_speed", "pitch", "pitch_rate", "vertical_speed"};
-constexpr std::array<const char*, 10> kContactNames = {
-    "stiffness", "damping_normal", "stiffness_tangential", "damping_tangential", "friction",
-    "exponent",  "dissipation",    "pad.thickness",        "pad.stiffness",      "pad.damping"};
-enum { kOfStiffness, kOfNormal, kOfStiffnessT, kOfDampingT, kOfFriction, kOfExponent, kOfDissipation, kOfPad };
+/// Of kContactKeys.
+enum { kStiffness, kDampingNormal, kDampingTangential, kStiffnessTangential, kFriction, kExponent, kDissipation, kPad };
 
 std::size_t count_of(Of of) {
   switch (of) {
@@ -34,7 +32,7 @@ std::size_t count_of(Of of) {
     case Of::kContact:
       break;
   }
-  return kContactNames.size();
+  return kContactKeys.size();
 }
 
 /// Throws InputError for what the robot has not.
@@ -48,8 +46,6 @@ void check(const BodyParameter& p, const Robot& robot) {
   const Joint& joint = robot.joints[std::size_t(p.index)];
   if (!joint.driven()) throw InputError("parameter: joint " + joint.name + " is not driven");
 }
-
-constexpr Capacity kSmall{3, 2, 4}, kAny{kMostLinks, kMostJoints, kMostContacts};
 
 /// Parameters of one run.
 constexpr int kAtOnce = 8;
@@ -70,11 +66,8 @@ BodyGradients landed(const BodyScene& scene, const BodyMotion& motion, std::span
 
 BodyGradients some_gradients(const BodyScene& scene, const BodyMotion& motion,
                              std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
-  const Robot& r = scene.robot;
-  const bool small =
-      r.links.size() <= kSmall.bodies && r.joints.size() <= kSmall.joints && r.contacts.size() <= kSmall.contacts;
-  return small ? landed<kSmall>(scene, motion, parameters, options, most)
-               : landed<kAny>(scene, motion, parameters, options, most);
+  return fits(scene.robot, kSmall) ? landed<kSmall>(scene, motion, parameters, options, most)
+                                   : landed<kAny>(scene, motion, parameters, options, most);
 }
 
 /// The derivatives of `more` behind those of `out`. The runs step by their own derivatives too, so that one maximum of
@@ -98,8 +91,6 @@ void join(BodyGradients& out, const BodyGradients& more) {
 
 }  // namespace
 
-std::span<const char* const> contact_constants() { return kContactNames; }
-
 std::string name(const BodyParameter& p, const Robot& robot) {
   check(p, robot);
   const auto which = std::size_t(p.which);
@@ -108,7 +99,7 @@ std::string name(const BodyParameter& p, const Robot& robot) {
   const auto index = std::size_t(p.index);
   if (p.of == Of::kMotion) return kMotionNames[which] + ("_" + robot.joints[index].name);
   if (p.of == Of::kDrive) return "drive." + robot.joints[index].name + "." + actuator_constants()[which].key;
-  return "contact." + robot.contacts[index].name + "." + kContactNames[which];
+  return "contact." + robot.contacts[index].name + "." + kContactKeys[which];
 }
 
 std::vector<BodyParameter> parameters_of(const BodyScene& scene, const BodyMotion& motion) {
@@ -135,33 +126,27 @@ std::vector<BodyParameter> parameters_of(const BodyScene& scene, const BodyMotio
   }
   for (int i = 0; i < int(robot.contacts.size()) && scene.floor; ++i) {
     const ContactPoint& c = robot.contacts[std::size_t(i)];
-    add(Of::kContact, i, kOfStiffness);
-    if (!c.law.hunt_crossley) add(Of::kContact, i, kOfNormal);
-    if (c.law.stiffness_tangential > 0) add(Of::kContact, i, kOfStiffnessT);
-    add(Of::kContact, i, kOfDampingT);
-    if (std::isfinite(c.law.friction)) add(Of::kContact, i, kOfFriction);
-    if (c.law.hunt_crossley) add(Of::kContact, i, kOfExponent), add(Of::kContact, i, kOfDissipation);
-    for (int k = 0; k < 3 && c.pad; ++k) add(Of::kContact, i, kOfPad + k);
+    add(Of::kContact, i, kStiffness);
+    if (!c.law.hunt_crossley) add(Of::kContact, i, kDampingNormal);
+    if (c.law.stiffness_tangential > 0) add(Of::kContact, i, kStiffnessTangential);
+    add(Of::kContact, i, kDampingTangential);
+    if (std::isfinite(c.law.friction)) add(Of::kContact, i, kFriction);
+    if (c.law.hunt_crossley) add(Of::kContact, i, kExponent), add(Of::kContact, i, kDissipation);
+    for (int k = 0; k < 3 && c.pad; ++k) add(Of::kContact, i, kPad + k);
   }
   return out;
 }
 
 double& number(BodyScene& scene, BodyMotion& motion, const BodyParameter& p) {
   check(p, scene.robot);
-  if (p.of == Of::kDrop) {
-    Drop& d = scene.drop;
-    return *std::array{&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed}[std::size_t(p.which)];
-  }
+  if (p.of == Of::kDrop) return *drop_numbers(scene.drop)[std::size_t(p.which)];
   if (p.of == Of::kDrive)
     return scene.robot.joints[std::size_t(p.index)].sea.*actuator_constants()[std::size_t(p.which)].at;
   if (p.of == Of::kContact) {
     ContactPoint& c = scene.robot.contacts[std::size_t(p.index)];
-    if (p.which >= kOfPad && !c.pad) throw InputError("parameter: contact " + c.name + " has no pad");
-    if (p.which >= kOfPad)
-      return *std::array{&c.pad->thickness, &c.pad->stiffness, &c.pad->damping}[std::size_t(p.which - kOfPad)];
-    ContactLaw& l = c.law;
-    return *std::array{&l.stiffness, &l.damping_normal, &l.stiffness_tangential, &l.damping_tangential,
-                       &l.friction,  &l.exponent,       &l.dissipation}[std::size_t(p.which)];
+    double* const x = contact_constant(c, kContactKeys[std::size_t(p.which)]);
+    if (!x) throw InputError("parameter: contact " + c.name + " has no pad");
+    return *x;
   }
   if (p.index < 0) throw InputError("parameter: one joint's number is needed");
   Motion& m = motion.at(std::size_t(p.index));

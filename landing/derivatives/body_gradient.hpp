@@ -19,14 +19,11 @@ struct BodyParameter {
                ///< gain_p, gain_d, to [s]
     kDrop,     ///< `which`: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s], vertical_speed [m/s]
     kDrive,    ///< of a joint's drive, `which` as actuator_constants()
-    kContact,  ///< of a contact, `which` as contact_constants()
+    kContact,  ///< of a contact, `which` as kContactKeys
   } of;
   int index;  ///< of Robot::joints, of kContact of Robot::contacts; -1: of a motion, of all driven joints together
   int which;
 };
-/// The constants of a contact, in SI units: "stiffness", "damping_normal", "stiffness_tangential",
-/// "damping_tangential", "friction", "exponent", "dissipation", "pad.thickness", "pad.stiffness", "pad.damping".
-std::span<const char* const> contact_constants();
 /// "phi_i_hip", "duration", "drop.height", "drive.hip.k_p", "contact.foot.friction".
 std::string name(const BodyParameter& parameter, const Robot& robot);
 /// All numbers that a landing of the scene depends on smoothly: those of the motion, shape terms and gains included, of

@@ -14,6 +14,14 @@
 
 namespace ukemi::landing {
 
+/// The numbers of a drop, by their names.
+inline constexpr std::array<const char*, 5> kDropNames = {"height", "forward_speed", "pitch", "pitch_rate",
+                                                          "vertical_speed"};
+template <class T>
+std::array<T*, kDropNames.size()> drop_numbers(DropOf<T>& d) {
+  return {&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed};
+}
+
 /// The landing and, in the same mode, the same system in plain doubles, and in scalars that carry the rate along the
 /// motion; an observer is one of follow_with_derivatives.
 template <int P, Capacity kSize>
@@ -115,9 +123,7 @@ class DifferentiatedBody {
             seed_motion(course_.motion[i], p.which, slot);
         break;
       case BodyParameter::Of::kDrop: {
-        DropOf<Jet>& d = course_.drop;
-        set(*std::array{&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed}[std::size_t(p.which)],
-            slot, false);
+        set(*drop_numbers(course_.drop)[std::size_t(p.which)], slot, false);
         break;
       }
       case BodyParameter::Of::kDrive:
@@ -127,8 +133,9 @@ class DifferentiatedBody {
       case BodyParameter::Of::kContact: {
         if (p.index >= course_.system.body.contacts) break;
         ContactConstants<Jet>& c = course_.system.point[std::size_t(p.index)];
-        set(*std::array{&c.k, &c.c, &c.k_t, &c.c_t, &c.mu, &c.p, &c.dissipation, &c.thickness, &c.k_pad,
-                        &c.c_pad}[std::size_t(p.which)],
+        // As kContactKeys.
+        set(*std::array{&c.k, &c.c, &c.c_t, &c.k_t, &c.mu, &c.p, &c.dissipation, &c.k_pad, &c.c_pad,
+                        &c.thickness}[std::size_t(p.which)],
             slot, true);
       }
     }

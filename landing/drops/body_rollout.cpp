@@ -128,12 +128,9 @@ BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const st
   until.validate();
   SimulateOptions through = options;
   through.rest = SimulateOptions::Rest::kIgnore;
-  const Robot& r = scene.robot;
   const Sampling sampling{channels, times, out};
-  constexpr Capacity kSmall{3, 2, 4}, kAny{kMostLinks, kMostJoints, kMostContacts};
-  const bool small = r.links.size() <= 3 && r.joints.size() <= 2 && r.contacts.size() <= 4;
-  const BodyLanding landing =
-      small ? follow<kSmall>(until, motion, through, sampling) : follow<kAny>(until, motion, through, sampling);
+  const BodyLanding landing = fits(scene.robot, kSmall) ? follow<kSmall>(until, motion, through, sampling)
+                                                        : follow<kAny>(until, motion, through, sampling);
   out.first_touchdown = landing.first_touchdown, out.peak = landing.peak;
   out.steps = landing.work.steps + landing.work.rejected;
   out.complete = channels.empty() ? landing.end == End::kTimeLimit || landing.end == End::kNoContact

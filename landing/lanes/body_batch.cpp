@@ -8,6 +8,7 @@
 #include "common/error.hpp"
 #include "common/parallel.hpp"
 #include "landing/lanes/body_batch_entry.hpp"
+#include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
 
@@ -30,9 +31,8 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 }  // namespace
 
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
-  constexpr double kLowOrder = 1e-7;  // below it the scalar path's method of a higher order takes less time
-  const bool small = fits(robot, kSmallBody);
-  if (options.accuracy < kLowOrder || (!small && !fits(robot, kMiddleBody))) return run_scalar(source, options);
+  const bool small = fits(robot, kSmall);
+  if (options.accuracy < kLowOrder || (!small && !fits(robot, kMiddle))) return run_scalar(source, options);
   switch (std::min(set, widest_instruction_set())) {
     case InstructionSet::kAvx512:
       return run_body_lanes<8>(source, small, options);

@@ -6,13 +6,6 @@
 
 namespace ukemi::landing {
 
-/// The kernels that there are.
-inline constexpr Capacity kSmallBody{3, 2, 4}, kMiddleBody{5, 4, 7};
-inline bool fits(const Robot& robot, const Capacity& c) {
-  return robot.links.size() <= std::size_t(c.bodies) && robot.joints.size() <= std::size_t(c.joints) &&
-         robot.contacts.size() <= std::size_t(c.contacts);
-}
-
 template <int kLanes>
 void run_body_lanes(BodyBatchSource& source, bool small, const BodyBatchOptions& options);
 template <>

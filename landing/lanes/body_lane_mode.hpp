@@ -11,22 +11,6 @@ struct LanePoint {
   Mask<W> touching, pad, below, floor, forward, back;
 };
 template <int W>
-const Mask<W>& touching(const LanePoint<W>& m) {
-  return m.touching;
-}
-template <int W>
-const Mask<W>& pad_pushes(const LanePoint<W>& m) {
-  return m.pad;
-}
-template <int W>
-const Mask<W>& below_floor(const LanePoint<W>& m) {
-  return m.below;
-}
-template <int W>
-const Mask<W>& floor_pushes(const LanePoint<W>& m) {
-  return m.floor;
-}
-template <int W>
 const Mask<W>& slides_forward(const LanePoint<W>& m) {
   return m.forward;
 }

@@ -32,13 +32,9 @@ namespace {
 
 /// The constants of a contact are log-normal.
 void scale(ContactPoint& c, const Scatter& z) {
-  c.law.stiffness *= std::exp(z.stiffness), c.law.damping_normal *= std::exp(z.damping_normal);
-  c.law.damping_tangential *= std::exp(z.damping_tangential);
-  c.law.stiffness_tangential *= std::exp(z.stiffness_tangential), c.law.friction *= std::exp(z.friction);
-  c.law.dissipation *= std::exp(z.dissipation);
-  if (!c.pad) return;
-  c.pad->thickness *= std::exp(z.pad_thickness);
-  c.pad->stiffness *= std::exp(z.pad_stiffness), c.pad->damping *= std::exp(z.pad_damping);
+  for (const ScatterTerm& t : kScatterTerms)
+    if (double* const x = t.kind == ScatterTerm::Kind::kRelative ? contact_constant(c, t.name) : nullptr)
+      *x *= std::exp(z.*t.deviation);
 }
 
 }  // namespace

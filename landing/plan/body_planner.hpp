@@ -12,12 +12,12 @@ namespace ukemi::landing {
 /// What a robot of links measures while it falls. A number beyond its range, or NaN, is refused with
 /// BodyAnswer::Status::kBadInput.
 struct BodyFallState {
-  double height;                           ///< clearance of the lowest contact now, 0 to 1e4 [m]
-  std::vector<BodyRelease::Joint> joints;  ///< of Robot::joints, at most 2 pi and 1e3 rad/s either way
-  double forward_speed = 0;                ///< of a free base, at most 1e3 either way [m/s]
-  double pitch = 0;                        ///< theta of the first link, at most 2 pi either way [rad]
-  double pitch_rate = 0;                   ///< not on a rail, at most 1e3 either way [rad/s]
-  double gone = 0;                         ///< since release, which was at rest; 0 to 1e3 [s]
+  double height;                              ///< clearance of the lowest contact now, 0 to 1e4 [m]
+  std::vector<BodyRelease::Joint> joints;     ///< of Robot::joints, at most 2 pi and 1e3 rad/s either way
+  double forward_speed = 0;                   ///< of a free base, at most 1e3 either way [m/s]
+  double pitch = 0;                           ///< theta of the first link, at most 2 pi either way [rad]
+  double pitch_rate = 0;                      ///< not on a rail, at most 1e3 either way [rad/s]
+  double gone = 0;                            ///< since release, which was at rest; 0 to 1e3 [s]
   std::optional<double> vertical_speed = {};  ///< upwards, at most 1e3 [m/s]; absent: of a free fall of `gone`
 };
 

@@ -10,8 +10,6 @@ namespace ukemi::landing {
 using integrate::Automatic, integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
 using LowOrder = Automatic<DormandPrince54, Rodas5P>;
 using HighOrder = Automatic<DormandPrince853, Rodas5P>;
-/// From this accuracy up the lower order takes less time; see the work-precision table of tools/docs/benchmarks.md.
-constexpr double kLowOrder = 1e-7;
 
 template <bool kReport>
 void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,

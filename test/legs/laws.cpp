@@ -14,7 +14,6 @@ using namespace ukemi::landing;
 
 namespace {
 
-constexpr Capacity kAny{kMostLinks, kMostJoints, kMostContacts};
 using System = BodySystem<kAny>;
 using State = System::State;
 constexpr std::uint64_t kSeed = 20261124;

@@ -40,17 +40,26 @@ double depth_of(const BodyScene& scene, double stiffness, double exponent) {
   return std::pow((exponent + 1) * energy / stiffness, 1 / (exponent + 1));
 }
 
-/// The other normal law, which gives the same force at that depth and damps the same at half of it.
+/// The linear floor that gives the same force at the depth that a drop presses it to, and damps the same at half of it.
+struct LinearFloor {
+  double depth, stiffness, damping;  ///< [m], [N/m], [N/(m/s)]
+};
+LinearFloor linear_as(const BodyScene& scene, const ContactLaw& law) {
+  if (!law.hunt_crossley) return {depth_of(scene, law.stiffness, 1), law.stiffness, law.damping_normal};
+  const double depth = depth_of(scene, law.stiffness, law.exponent),
+               stiffness = law.stiffness * std::pow(depth, law.exponent - 1);
+  return {depth, stiffness, 0.5 * law.dissipation * stiffness * depth};
+}
+
+/// The other normal law, as linear_as has them alike.
 void change_normal(const BodyScene& scene, ContactLaw& law) {
   constexpr double kHertz = 1.5;
+  const LinearFloor as = linear_as(scene, law);
   if (!law.hunt_crossley) {
-    const double depth = depth_of(scene, law.stiffness, 1);
-    law.dissipation = law.damping_normal / (0.5 * law.stiffness * depth);
-    law.stiffness *= std::pow(depth, 1 - kHertz), law.exponent = kHertz, law.damping_normal = 0;
+    law.dissipation = as.damping / (0.5 * as.stiffness * as.depth);
+    law.stiffness *= std::pow(as.depth, 1 - kHertz), law.exponent = kHertz, law.damping_normal = 0;
   } else {
-    const double depth = depth_of(scene, law.stiffness, law.exponent);
-    const double linear = law.stiffness * std::pow(depth, law.exponent - 1);
-    law.damping_normal = 0.5 * law.dissipation * linear * depth, law.stiffness = linear;
+    law.stiffness = as.stiffness, law.damping_normal = as.damping;
   }
   law.hunt_crossley = !law.hunt_crossley;
 }
@@ -62,21 +71,17 @@ void change_tangential(const BodyScene& scene, ContactLaw& law) {
     law.friction = std::numeric_limits<double>::infinity(), law.stiffness_tangential = 0;
     return;
   }
-  const double p = law.hunt_crossley ? law.exponent : 1, depth = depth_of(scene, law.stiffness, p),
-               stiffness = law.stiffness * std::pow(depth, p - 1),
-               damping = law.hunt_crossley ? 0.5 * law.dissipation * stiffness * depth : law.damping_normal;
+  const LinearFloor as = linear_as(scene, law);
   law.friction = kFriction;
-  if (law.stiffness_tangential == 0) law.stiffness_tangential = stiffness;
-  law.damping_tangential = std::max({law.damping_tangential, kLeastPart * damping, 1e-4 * stiffness});
+  if (law.stiffness_tangential == 0) law.stiffness_tangential = as.stiffness;
+  law.damping_tangential = std::max({law.damping_tangential, kLeastPart * as.damping, 1e-4 * as.stiffness});
 }
 
 /// A cover that is softer than the floor by far.
 Pad pad_on(const BodyScene& scene, const ContactLaw& law) {
   constexpr double kThickness = 0.01, kSoft = 0.3;
-  const double p = law.hunt_crossley ? law.exponent : 1, depth = depth_of(scene, law.stiffness, p),
-               stiffness = law.stiffness * std::pow(depth, p - 1);
-  return {kThickness, kSoft * stiffness,
-          kSoft * (law.hunt_crossley ? 0.5 * law.dissipation * stiffness * depth : law.damping_normal)};
+  const LinearFloor as = linear_as(scene, law);
+  return {kThickness, kSoft * as.stiffness, kSoft * as.damping};
 }
 
 }  // namespace
