@@ -79,7 +79,7 @@ void add_verbs(CLI::App& app, Action& chosen) {
       "Exit codes: 0 done; 1 the numbers did not work out, or memory or stdout gave out; 2 bad usage or bad input; 130 "
       "interrupted (Ctrl-C).");
   for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
-                         add_map, add_ratings, add_risk, add_atlas, add_robot, add_bench, add_manual})
+                         add_map, add_ratings, add_trade, add_risk, add_atlas, add_robot, add_bench, add_manual})
     add(app, chosen);
   check_numbers(app);
 }

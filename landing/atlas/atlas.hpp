@@ -13,6 +13,9 @@
 
 namespace ukemi::landing {
 
+/// As many numbers a motion of a file has at most.
+inline constexpr int kAtlasVariables = 12;
+
 /// What is planned for one drop. As it stands in a file.
 struct AtlasCell {
   enum class State : std::uint64_t {
@@ -24,7 +27,7 @@ struct AtlasCell {
   double value = 0;          ///< the goal [m/s^2]
   double peak = 0;           ///< of the drop itself [m/s^2]
   double tolerant_peak = 0;  ///< the same within the execution tolerance; NaN: some landing in it cannot be followed
-  std::array<double, kMostVariables> values{};  ///< of the motion space's variables, SI; those it has not: 0
+  std::array<double, kAtlasVariables> values{};  ///< of the motion space's variables, SI; those it has not: 0
 
   bool planned() const { return state == State::kPlanned; }
   Coordinates coordinates(int dimension) const { return Coordinates::Map(values.data(), dimension); }

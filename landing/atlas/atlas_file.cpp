@@ -50,7 +50,7 @@ void check(std::span<const std::byte> bytes, const std::string& path) {
   if (checksum(text_of(bytes).substr(kChecked)) != std::string_view(h.checksum, sizeof h.checksum))
     fail("its bytes are not those of its checksum");
   h.grid.validate();
-  if (h.variables > kMostVariables || h.size != sizeof h + h.grid.size() * sizeof(AtlasCell))
+  if (h.variables > kAtlasVariables || h.size != sizeof h + h.grid.size() * sizeof(AtlasCell))
     fail("its header contradicts itself");
 }
 

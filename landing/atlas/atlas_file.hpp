@@ -32,7 +32,7 @@ struct AtlasHeader {
   AtlasGrid grid;
   SafestMotion safest;
   std::uint64_t variables;  ///< of the motion space: so many of AtlasCell::values hold
-  AtlasVariable variable[kMostVariables];
+  AtlasVariable variable[kAtlasVariables];
 };
 
 /// What is written, and read back.

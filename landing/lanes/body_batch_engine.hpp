@@ -49,7 +49,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       out_[i] = {};
       System::for_each(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
       this->begin(i, 0, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
-      impact_[i] = impact_energy(course.system), per_square_.set(i, impact_[i]);
+      asked_[i] = 0, impact_[i] = impact_energy(course.system), per_square_.set(i, impact_[i]);
       abandon_square_.set(i, c.abandon_above * c.abandon_above);
       follow(i);
       return;
@@ -141,14 +141,18 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   void stepped() {}
   M breaking(const M&) const { return M(false); }
   /// Of those whose step ended at no event: the rule of body_rest.hpp, where the kinetic energy allows it.
-  UKEMI_INLINE M resting(const M& plain) const {
+  UKEMI_INLINE M resting(const M& plain) {
     auto p = system_.pose(step_.y);
     if (system_.body.base == Base::kFree) p.vx = T(0.0);
     constexpr long kAsked = 8;  // steps of a lane between two questions, which cost as much as the steps of all lanes
     M out = plain & (kinetic_energy(system_.body, p) <= per_square_ * square_);
     if (!any(out)) return out;
     for (int i = 0; i < W; ++i)
-      if (out[i]) out.set(i, long(steps_[i]) % kAsked == 0 && rests(i));
+      if (out[i]) {
+        const bool ask = steps_[i] >= asked_[i] + kAsked;
+        if (ask) asked_[i] = steps_[i];
+        out.set(i, ask && rests(i));
+      }
     return out;
   }
   [[gnu::noinline]] bool rests(int i) const {
@@ -160,7 +164,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   const BodyBatchOptions options_;
   const std::function<bool()> over_ = [this] { return source_.over(); };
   T longest_{0.0}, per_square_{0.0};
-  std::array<double, W> impact_{};
+  std::array<double, W> impact_{}, asked_{};  ///< energies of impact [J]; steps at the last question for rest
   std::array<std::optional<Course>, W> course_{};
   std::array<BodyBatchCase, W> case_{};
   std::array<BodyLanding, W> out_{};

@@ -88,12 +88,15 @@ class Lockstep {
     double s = 2;  ///< where in the step, 0..1
   };
   static constexpr double kPlaced = 1e-5;  ///< how exactly, in parts of a step; the rest is made up along the field
-  /// Of a step that time hardly resolves a guard's values are rounding.
-  bool unresolved(int i) const { return step_.h[i] <= resolution(step_.t[i]); }
+  /// Whether a step is so short that a guard's values may be rounding beside its rates.
+  bool brief(int i) const {
+    constexpr double kInstant = 1e-9;  // [s]: what accuracies of lanes do not tell apart
+    return step_.h[i] <= kInstant;
+  }
   /// A guard that begins within rounding below zero and rises has no zero in a step too short to lift it out.
   bool rises(int g, int i) const {
-    return start_.value[g][i] <= 0 && start_.rate[g][i] > 0 && end_.rate[g][i] > 0 &&
-           (end_.value[g][i] >= 2 * start_.value[g][i] || unresolved(i));
+    return start_.rate[g][i] > 0 && end_.rate[g][i] > 0 &&
+           (brief(i) || (start_.value[g][i] <= 0 && end_.value[g][i] >= 2 * start_.value[g][i]));
   }
   /// The earliest zero of a guard's cubic in the lane's step.
   Zero first_zero(int i) const {
@@ -125,8 +128,8 @@ class Lockstep {
     const double g = end_.value[c.guard][i], rate = end_.rate[c.guard][i], shift = -g / rate;
     const double reach = std::max(kReach * step_.h[i], resolution(step_.t[i]));
     target_[i] = c.guard;
-    if (rate < 0 && (std::abs(shift) <= reach || unresolved(i) || (cuts_[i] >= kMaxCuts && g <= 0))) {
-      shift_.set(i, std::clamp(shift, -step_.h[i], unresolved(i) ? reach : std::abs(shift)));
+    if (rate < 0 && (std::abs(shift) <= reach || brief(i) || (cuts_[i] >= kMaxCuts && g <= 0))) {
+      shift_.set(i, std::clamp(shift, -step_.h[i], brief(i) ? std::max(reach, step_.h[i]) : std::abs(shift)));
       return StepEnd::kEvent;
     }
     if (c.s >= 1 || cuts_[i] >= kMaxCuts) return StepEnd::kPlain;

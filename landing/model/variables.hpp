@@ -23,7 +23,7 @@ struct Variable {
 /// As many as a motion of Eq. 6 of [1] has: phi_I, phi_F, duration.
 inline constexpr int kPaperVariables = 3;
 /// A space has at most so many variables: points of it need no allocation.
-inline constexpr int kMostVariables = 12;
+inline constexpr int kMostVariables = 20;
 /// A number for each variable, in their order, SI; nothing in it allocates. Takes and gives Eigen's vectors too.
 class MotionValues {
  public:

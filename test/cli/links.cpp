@@ -177,16 +177,51 @@ TEST_CASE("limits of a robot of links: kept by plans, counted by risk, and said 
                            Contains("foot, touches the floor"));
 }
 
+TEST_CASE("trade shows what a number of a design buys") {
+  const Folder f;
+  const Result r =
+      done(f, {"trade", kHopper, "--vary", "drive.knee.k_p=20:100:3", "--evaluations", "800", "-o", "out"});
+  CHECK_THAT(r.out, Contains("lowest: "));
+  const Json s = summary(f);
+  REQUIRE(s["points"].size() == 3);
+  CHECK(s["middle"] == Json({60}));
+  for (const Json& p : s["points"]) CHECK(p["planned"].get<double>() < p["held"].get<double>());
+  CHECK_THAT(read(f.at("out/trade.csv")), Contains("drive.knee.k_p,held,unchanged,planned,peak,phi_i_hip_deg"));
+  CHECK_THAT(read(f.at("out/report.html")), Contains("id=\"figure-trade\""));
+  done(f, {"trade", kFoot, "--vary", "robot.contact.heel.pad.thickness=0:0.02:2", "--vary", "drop.height=0.2:0.3:2",
+           "--evaluations", "200", "--respect-ratings", "-o", "two"});
+  CHECK(summary(f, "two")["points"].size() == 4);
+  const auto refused = [&](const Arguments& more, const Arguments& what) {
+    check_refused(f, Arguments{"trade", kHopper} + more, what);
+  };
+  refused({"--vary", "drive.knee.k_q=1:2"}, {"--vary: 'drive.knee.k_q'", "drive.knee.k_p"});
+  refused({"--vary", "drive.knee.k_p=-1:2"}, {"--vary: drive.knee.k_p = -1", "k_p"});
+  refused({"--vary", "robot.contact.foot.pad.thickness=0.01:0.02"}, {"foot.pad.thickness: there is no pad"});
+  refused({"--vary", "drop.height=0.2"}, {"--vary: ", "LO:HI"});
+  refused({"--vary", "drop.height=0.2:0.3", "--vary", "drop.height=0.2:0.3", "--vary", "drop.height=0.2:0.3"},
+          {"--vary: 3 times", "once or twice"});
+  check_refused(f, {"trade", kPaper, "--vary", "drop.height=0.2:0.3"}, {"paper.toml", "a robot of links is needed"});
+}
+
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  const std::string can = "simulate, optimize, risk, compare, map, calibrate, robot", two = "a robot of links: `ukemi simulate`";
+  const std::string can = "simulate, optimize, risk, compare, map, calibrate, robot",
+                    two = "a robot of links: `ukemi simulate`";
   check_refused(f, {"optimize", kHopper, "--drops", "x.csv"}, {"--drops: ", can});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
                 {"scatter: forward_speed", "this base"});
   check_refused(f, {"optimize", kHopper, "--release-phi", "2"}, {"--release-phi", "[release.JOINT]"});
   check_refused(f, {"optimize", kHopper, "--release-from", "0.1"}, {"--release-from: ", "[release]"});
-  check_refused(f, {"optimize", kHopper, "--bumps", "4"}, {"13 variables for 2 driven joints", "at most 12"});
+  const std::string foot = read(dataset("robots/foot.toml"));  // here with a third drive
+  f.write("leg.toml", foot.substr(0, foot.find("[drive.hip]")) +
+                          "[drive.hip]\nfile = \"table2.toml\"\n[drive.knee]\nfile = \"table2.toml\"\n"
+                          "[drive.ankle]\nfile = \"table2.toml\"\n");
+  f.write("table2.toml", read(kTable2));
+  f.write("scene.toml", replaced(read(kFoot), "\"../robots/foot.toml\"", "\"leg.toml\"") +
+                            "ankle = { phi_deg = [-30, 30], hold_deg = 0 }\n");
+  check_refused(f, {"optimize", "scene.toml", "--bumps", "4", "--landing-gains", "0.5:2"},
+                {"25 variables for 3 driven joints", "at most 20"});
   check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
   check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv:1"}, {"--drop-from: ", can});
   check_refused(f, {"risk", kHopper, "--forbid", "kne"}, {"--forbid: 'kne'", "did you mean"});

@@ -14,6 +14,7 @@ void add_design(CLI::App& app, Action& chosen);
 void add_demo(CLI::App& app, Action& chosen);
 void add_map(CLI::App& app, Action& chosen);
 void add_ratings(CLI::App& app, Action& chosen);
+void add_trade(CLI::App& app, Action& chosen);
 void add_risk(CLI::App& app, Action& chosen);
 void add_atlas(CLI::App& app, Action& chosen);
 void add_robot(CLI::App& app, Action& chosen);

@@ -1,0 +1,144 @@
+#include "landing/plan/design_numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "common/actuator_constants.hpp"
+#include "common/degrees.hpp"
+#include "common/error.hpp"
+#include "landing/body/floor_constants.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+struct DesignNumber {
+  std::string name;
+  std::function<double(const BodyScene&)> get;
+  std::function<void(BodyScene&, double)> set;
+};
+
+/// A number at the end of a path of the scene; `scale` of what files hold is SI.
+template <class Path>
+DesignNumber number(const std::string& name, Path path, double scale = 1) {
+  return {name, [=](const BodyScene& s) { return path(const_cast<BodyScene&>(s)) / scale; },
+          [=](BodyScene& s, double x) { path(s) = x * scale; }};
+}
+template <class Path>
+DesignNumber rating(const std::string& name, Path path) {
+  return {name, [=](const BodyScene& s) { return path(const_cast<BodyScene&>(s)).value_or(kNothing); },
+          [=](BodyScene& s, double x) { path(s) = x; }};
+}
+
+void add_drive(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
+  const Joint& joint = robot.joints[i];
+  const std::string to = "drive." + joint.name + ".";
+  const auto own = [&](const char* key, double Joint::*at, double scale = 1) {
+    out.push_back(number(
+        to + key, [=](BodyScene& s) -> double& { return s.robot.joints[i].*at; }, scale));
+  };
+  if (joint.driven()) {
+    for (const ActuatorConstant& c : actuator_constants())
+      out.push_back(number(to + c.key, [i, at = c.at](BodyScene& s) -> double& { return s.robot.joints[i].sea.*at; }));
+    out.push_back(rating(
+        to + "speed_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].speed_max; }));
+    out.push_back(rating(
+        to + "motor_torque_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].motor_torque_max; }));
+  } else if (joint.kind == DriveKind::kPassive) {
+    own("stiffness", &Joint::stiffness), own("damping", &Joint::damping), own("rest_deg", &Joint::rest, kDegree);
+  }
+  if (joint.kind == DriveKind::kLocked) return;
+  own("parallel_stiffness", &Joint::parallel_stiffness);
+  own("parallel_rest_deg", &Joint::parallel_rest, kDegree);
+}
+
+void add_link(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
+  const std::string to = "robot.link." + robot.links[i].name + ".";
+  out.push_back(number(to + "mass", [i](BodyScene& s) -> double& { return s.robot.links[i].mass; }));
+  out.push_back(number(to + "inertia_com", [i](BodyScene& s) -> double& { return s.robot.links[i].inertia_com; }));
+  out.push_back(number(to + "com.along", [i](BodyScene& s) -> double& { return s.robot.links[i].com.along; }));
+  out.push_back(number(to + "com.across", [i](BodyScene& s) -> double& { return s.robot.links[i].com.across; }));
+}
+
+/// "pad.thickness" of the files is pad_thickness of the table.
+std::string in_files(const std::string& key) { return key.rfind("pad_", 0) == 0 ? "pad." + key.substr(4) : key; }
+/// A constant of some contacts.
+DesignNumber contact_number(const std::string& to, const std::string& key,
+                            const std::function<bool(const ContactPoint&)>& meant) {
+  return {to + in_files(key),
+          [=](const BodyScene& s) {
+            for (const ContactPoint& c : s.robot.contacts)
+              if (const double* x = meant(c) ? contact_constant(const_cast<ContactPoint&>(c), key) : nullptr) return *x;
+            return key == "pad_thickness" ? 0 : kNothing;
+          },
+          [=](BodyScene& s, double value) {
+            bool any = false;
+            for (ContactPoint& c : s.robot.contacts)
+              if (double* const x = meant(c) ? contact_constant(c, key) : nullptr) {
+                any = true, *x = value;
+                if (key == "pad_thickness" && value == 0) c.pad.reset();
+              }
+            if (!any) throw InputError(to + in_files(key) + ": there is no pad: its stiffness and damping are needed");
+          }};
+}
+
+std::vector<DesignNumber> design_of(const BodyScene& scene) {
+  std::vector<DesignNumber> out;
+  const Robot& robot = scene.robot;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) add_drive(out, robot, i);
+  for (std::size_t i = 0; i < robot.links.size(); ++i) add_link(out, robot, i);
+  for (const char* const key : kContactKeys) {
+    const std::string text = key;
+    for (const ContactPoint& c : robot.contacts)
+      out.push_back(contact_number("robot.contact." + c.name + ".", text,
+                                   [name = c.name](const ContactPoint& p) { return p.name == name; }));
+    out.push_back(contact_number("robot.contact.*.", text, [](const ContactPoint&) { return true; }));
+    if (text.rfind("pad_", 0) == 0) continue;
+    out.push_back(contact_number("floor.", text, [text](const ContactPoint& p) {
+      return std::find(p.own.begin(), p.own.end(), text) == p.own.end();
+    }));
+  }
+  out.push_back(number("robot.gravity", [](BodyScene& s) -> double& { return s.robot.gravity; }));
+  out.push_back(number(
+      "floor.slope_deg", [](BodyScene& s) -> double& { return s.slope; }, kDegree));
+  out.push_back(number("drop.height", [](BodyScene& s) -> double& { return s.drop.height; }));
+  out.push_back(number("drop.forward_speed", [](BodyScene& s) -> double& { return s.drop.forward_speed; }));
+  out.push_back(number(
+      "drop.pitch_deg", [](BodyScene& s) -> double& { return s.drop.pitch; }, kDegree));
+  return out;
+}
+
+DesignNumber found(const BodyScene& scene, const std::string& name) {
+  std::vector<std::string> names;
+  for (DesignNumber& n : design_of(scene)) {
+    if (n.name == name) return n;
+    names.push_back(n.name);
+  }
+  throw InputError(quoted(name) + ": no number of this robot, its floor or its drop" + hint(name, names));
+}
+
+}  // namespace
+
+std::vector<std::string> design_names(const BodyScene& scene) {
+  std::vector<std::string> out;
+  for (const DesignNumber& n : design_of(scene)) out.push_back(n.name);
+  return out;
+}
+
+double design_number(const BodyScene& scene, const std::string& name) { return found(scene, name).get(scene); }
+
+void set_design_number(BodyScene& scene, const std::string& name, double value) {
+  found(scene, name).set(scene, value);
+  try {
+    scene.validate();
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("{} = {:g}: {}", name, value, e.what()));
+  }
+}
+
+}  // namespace ukemi::landing

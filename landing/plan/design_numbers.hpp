@@ -1,0 +1,25 @@
+// The numbers of a robot of links, its floor and its drop by the way to them in the files: what a designer may change.
+// Ours.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "landing/body/body_scene.hpp"
+
+namespace ukemi::landing {
+
+/// Every name there is for a scene: drive.JOINT.KEY, robot.link.LINK.KEY, robot.contact.CONTACT.KEY and
+/// robot.contact.*.KEY (all contacts that have it), robot.gravity, floor.KEY (all contacts that have no KEY of their own),
+/// drop.KEY. Keys and units are those of the files, as k_sea, speed_max, mass, pad.thickness, friction, pitch_deg.
+std::vector<std::string> design_names(const BodyScene& scene);
+
+/// What stands there; of several contacts the first's. NaN: nothing, as a rating that is not given or a pad that there
+/// is not. Throws InputError for a name that is not in design_names.
+double design_number(const BodyScene& scene, const std::string& name);
+
+/// Sets it; a pad of no thickness is taken away. Throws InputError for a name that is not in design_names, a pad's
+/// number where there is no pad, or a value outside of the range of its key.
+void set_design_number(BodyScene& scene, const std::string& name, double value);
+
+}  // namespace ukemi::landing

@@ -1,0 +1,94 @@
+// What a number of a design buys: the numbers by their names, and that no neighbour's motion is better.
+#include "landing/plan/trade.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "common/error.hpp"
+#include "landing/plan/design_numbers.hpp"
+#include "test/legs/robots.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+using Catch::Matchers::Contains;
+
+TEST_CASE("legs: every number of a design is found by its name, and set in its file's unit") {
+  for (const std::string name : {"hopper", "three_links", "foot"}) {
+    const BodyScene scene = legs::shipped(name);
+    const std::vector<std::string> names = design_names(scene);
+    CHECK(std::set<std::string>(names.begin(), names.end()).size() == names.size());
+    for (const std::string& key : names) {
+      const double x = design_number(scene, key);
+      if (!std::isfinite(x) || x == 0) continue;
+      BodyScene changed = scene;
+      INFO(name << ": " << key);
+      set_design_number(changed, key, 0.9 * x);
+      CHECK(design_number(changed, key) == Approx(0.9 * x).epsilon(1e-12));
+      for (const std::string& other : names)  // a contact's own, and that of all contacts
+        if (key.rfind("drive.", 0) == 0 && other != key && std::isfinite(design_number(scene, other)))
+          CHECK(design_number(changed, other) == design_number(scene, other));
+    }
+  }
+}
+
+TEST_CASE("legs: a pad, a rating and a slope as numbers of a design; what there is not is refused") {
+  BodyScene scene = legs::shipped("foot");
+  set_design_number(scene, "robot.contact.heel.pad.thickness", 0);
+  CHECK_FALSE(scene.robot.contacts[3].pad);
+  CHECK(design_number(scene, "robot.contact.heel.pad.thickness") == 0);
+  CHECK_THROWS_WITH(set_design_number(scene, "robot.contact.heel.pad.thickness", 0.01),
+                    Contains("heel.pad.thickness: there is no pad"));
+  scene.robot.joints[1].speed_max.reset();
+  CHECK(std::isnan(design_number(scene, "drive.knee.speed_max")));
+  set_design_number(scene, "drive.knee.speed_max", 6);
+  CHECK(scene.robot.joints[1].speed_max == 6);
+  set_design_number(scene, "floor.slope_deg", 5);
+  CHECK(scene.slope == Approx(5 * 3.14159265358979 / 180));
+  set_design_number(scene, "robot.contact.*.friction", 0.4);
+  for (const ContactPoint& c : scene.robot.contacts) CHECK(c.law.friction == 0.4);
+  CHECK_THROWS_WITH(set_design_number(scene, "drive.knee.k_see", 1), Contains("drive.knee.k_sea"));
+  CHECK_THROWS_WITH(set_design_number(scene, "robot.link.shank.mass", -1), Contains("robot.link.shank.mass = -1"));
+}
+
+TEST_CASE("legs: no plan of a trade is worse than holding, the middle's motion or that of a neighbour") {
+  const BodyScene scene = legs::shipped("hopper");
+  for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
+    TradeOptions options;
+    options.search.goal = goal, options.search.evaluations = goal == Goal::kPeak ? 1200 : 250;
+    const Trade t = trade(scene, {{"drive.knee.k_p", {25, 50, 100, 200}}}, options);
+    REQUIRE(t.points.size() == 4);
+    CHECK(t.middle == 2);
+    CHECK(t.points[2].unchanged == t.points[2].planned);
+    for (std::size_t k = 0; k < t.points.size(); ++k) {
+      const TradePoint& p = t.points[k];
+      REQUIRE(p.found);
+      CHECK(p.planned < p.held);
+      CHECK(p.planned <= p.unchanged * (1 + 1e-6));
+      BodyScene s = scene;
+      set_design_number(s, "drive.knee.k_p", p.at[0]);
+      const double peak = peak_acceleration(s, p.motion).peak;
+      CHECK(p.peak == Approx(peak).epsilon(1e-6));
+      if (goal == Goal::kTolerant) CHECK(p.planned >= peak);
+      for (const std::size_t i : {k - 1, k + 1})
+        if (goal == Goal::kPeak && i < t.points.size())
+          CHECK(p.planned <= peak_acceleration(s, t.points[i].motion).peak * (1 + 1e-5));
+    }
+  }
+}
+
+TEST_CASE("legs: a trade of two numbers, under scatter and within ratings") {
+  const BodyScene scene = legs::shipped("hopper");
+  TradeOptions options;
+  options.search.evaluations = 2000, options.search.measure = Measure{}, options.search.samples = 8,
+  options.search.judging = 32;
+  options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
+  const Trade t = trade(scene, {{"drop.height", {0.2, 0.3}}, {"drive.knee.speed_max", {5, 20}}}, options);
+  REQUIRE(t.points.size() == 4);
+  CHECK(t.points[1].at == std::vector<double>{0.2, 20});
+  for (const TradePoint& p : t.points) CHECK(p.found);
+  CHECK(t.points[1].planned <= t.points[3].planned);  // from lower
+  CHECK(t.points[1].planned <= t.points[0].planned);  // a faster motor is no loss
+  CHECK_THROWS_WITH(trade(scene, {{"drop.height", {0.3, 0.2}}}, options), Contains("that rise"));
+  CHECK_THROWS_WITH(trade(scene, {}, options), Contains("one or two"));
+}
