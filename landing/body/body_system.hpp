@@ -342,7 +342,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     if (!x.rubs) return;
     const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
     const T f = held(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;
-    const T most = x.mu * normal.value, d_most = x.mu * normal.rate;
+    const T most = x.mu * normal.value + T(kCling), d_most = x.mu * normal.rate;
     const auto forward = slides_forward(m), back = slides_back(m);
     const auto sticks = down & !forward & !back;
     set(kSlideUp, sticks, T(most - select(back, T(-f), f)), T(d_most - select(back, T(-df), df)), down);
@@ -418,7 +418,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     if (!m.touching || !point[i].rubs) return;
     const Point at = point_at(i, pose(y));
     const double f = value_of(held(i, y, at)),
-                 most = value_of(point[i].mu) * value_of(normal_force(point[i], m, at.y, at.v, T(0)).value);
+                 most = value_of(point[i].mu) * value_of(normal_force(point[i], m, at.y, at.v, T(0)).value) + kCling;
     m.slides = f > most ? 1 : f < -most ? -1 : 0;
   }
 

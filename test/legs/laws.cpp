@@ -8,6 +8,7 @@
 #include "landing/body/body_run.hpp"
 #include "landing/body/body_system.hpp"
 #include "landing/model/landing_system.hpp"
+#include "test/legs/robots.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -223,4 +224,24 @@ TEST_CASE("legs: a stuck foot rings at the frequency of its spring") {
   const double a = at(2), b = at(2 + quarter), d = at(2 + 2 * quarter), e = at(2 + 4 * quarter);
   CHECK(a - e == Approx(0).margin(0.02 * (std::abs(a) + std::abs(b) + std::abs(d))));
   CHECK(a + d == Approx(b + at(2 + 3 * quarter)).margin(1e-6));
+}
+
+TEST_CASE("legs: landings under Hunt and Crossley's law end, at every accuracy") {
+  BodyScene scene = legs::shipped("hopper");  // its slider meets the floor straight down: friction begins at a tie
+  for (ContactPoint& c : scene.robot.contacts) c.law.hunt_crossley = true, c.law.dissipation = 0.3;
+  Random random(20261125);
+  for (int n = 0; n < 60; ++n) {
+    BodyMotion m = held_posture(scene);
+    for (std::size_t i = 0; i < m.size(); ++i) {
+      const auto [low, high] = scene.search[i].phi;
+      m[i].phi_i = random.uniform(low, high), m[i].phi_f = random.uniform(low, high);
+      m[i].duration = random.uniform(0.1, 0.5);
+    }
+    for (const double accuracy : {1e-5, 1e-6, 1e-7, 1e-9}) {
+      const BodyLanding l = peak_acceleration(scene, m, {.accuracy = accuracy});
+      INFO(n << ", " << accuracy << ", until " << l.t_end);
+      CHECK_FALSE(no_landing(l.end));
+      CHECK(l.work.steps < 5000);
+    }
+  }
 }
