@@ -36,7 +36,7 @@ TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
   const NumberRange range = number_range(option, a.value, counted);
   const int n = counted ? range.count : usual;
   TradeAxis out{a.name, {}};
-  for (int i = 0; i < n; ++i) out.values.push_back(range.lower + (range.upper - range.lower) * i / (n - 1));
+  for (int i = 0; i < n; ++i) out.values.push_back((range.lower * (n - 1 - i) + range.upper * i) / (n - 1));
   for (const double end : {range.lower, range.upper})  // refused before anything is searched
     try {
       BodyScene tried = scene;
