@@ -13,7 +13,7 @@ namespace ukemi::landing {
 
 using integrate::Method;
 
-/// From this accuracy up the lower order takes less time; see the work-precision table of tools/docs/benchmarks.md.
+/// From this accuracy up the lower order takes less time; see the work-precision table of tools/docs/benchmarks_landings.md.
 inline constexpr double kLowOrder = 1e-7;
 /// Whether dry friction acts on the output. It turns within kFrictionSpeed, so that an error of the joint's rate that
 /// no tolerance of the state sees is one of |ddr_0| there, and the peak would be the largest of such errors. The scalar
