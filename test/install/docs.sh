@@ -24,7 +24,7 @@ for page in README $pages; do
 done
 for d in demo/compare identify predict optimize simulate design compare calibrate plan watch hold_it map hold falling fallen ratings risk worst \
          robust plans five_seeds twenty_seeds files scene robot_file log_file exported fit_files landing_files bench_scenes bench_integrators \
-         search two_bumps theory words play warned; do
+         search two_bumps theory words play warned first first_landing actuator_file; do
   [ -s "out/$d/summary.json" ]
 done
 
