@@ -15,10 +15,10 @@ void check_range(std::string_view what, double value, const Range& range);
 void check_finite(std::string_view what, double value);
 void check_positive(std::string_view what, double value);
 void check_not_negative(std::string_view what, double value);
-/// And unless there are that many.
+/// Throws also unless there are that many numbers.
 void check_count(std::string_view what, long value, long least, long most);
 
-/// Throws InputError unless each name stands once and is one of `known`, which are constants of `whom`, and the
+/// Throws InputError unless each name occurs once and is one of `known`, which are constants of `whom`, and the
 /// covariance is a symmetric matrix of their size, finite, without a variance below 0.
 void check(const Uncertainty& uncertainty, const std::vector<std::string>& known, const std::string& whom);
 

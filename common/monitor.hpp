@@ -1,4 +1,4 @@
-// What a long computation tells its caller, and how the caller ends it early.
+// Progress of a long computation to its caller, and how the caller ends it early.
 #pragma once
 
 #include <functional>

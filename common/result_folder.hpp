@@ -20,7 +20,7 @@ inline constexpr const char* kSummaryFile = "summary.json";
 /// the last; what a kill leaves of that, the next ResultFolder of this path finishes. Files under other names stay.
 class ResultFolder {
  public:
-  /// `names`: every name that such a run may write beside the summary; '#' stands for digits, as in "hit_#.csv".
+  /// `names`: every name that such a run may write besides the summary; '#' stands for digits, as in "hit_#.csv".
   /// Throws InputError where the folder cannot be made or written in, or a folder stands under one of the names.
   ResultFolder(std::string path, std::vector<std::string> names);
 

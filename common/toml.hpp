@@ -1,4 +1,4 @@
-// TOML files in: every key is asked for with its rule; what nobody asked for is an error that names the nearest known
+// TOML files in: every key is read with its rule; a key that is not read is an error that names the nearest known
 // key.
 #pragma once
 
@@ -87,7 +87,7 @@ class TomlSection {
   /// Accepts whatever else the table holds (provenance).
   void accept_all();
   bool has(const std::string& key) const;
-  /// Where a key stands, or the table if it has no such key.
+  /// The place of a key, or of the table if it has no such key.
   Location where(const std::string& key = "") const;
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 

@@ -8,7 +8,7 @@
 
 namespace ukemi::landing {
 
-/// What a motion demands of the actuator, beside what the actuator can give.
+/// What a motion demands of the actuator, and what the actuator can give.
 struct Ratings {
   double reference_rate = 0;               ///< largest |dphi_ref| of the motion [rad/s]
   Demands demands;                         ///< of its landing

@@ -27,7 +27,7 @@
 
 namespace ukemi::landing {
 
-/// `Landing` tells what falls:
+/// `Landing` defines what falls:
 ///   load(i)              takes the next landing into a lane, by begin(), or leaves it empty
 ///   cross(i, guard)      into the mode beyond a guard; false where the landing ends there
 ///   reached(i)           the step has ended at stop_: how the landing ended, if it did
@@ -88,7 +88,7 @@ class Lockstep {
     double s = 2;  ///< where in the step, 0..1
   };
   static constexpr double kPlaced = 1e-5;  ///< how exactly, in parts of a step; the rest is made up along the field
-  /// Of a step that time hardly resolves a guard's values are rounding.
+  /// In a step that time hardly resolves a guard's values are rounding.
   bool unresolved(int i) const { return step_.h[i] <= resolution(step_.t[i]); }
   /// A guard that begins within rounding below zero and rises has no zero in a step too short to lift it out.
   bool rises(int g, int i) const {

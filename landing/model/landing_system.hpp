@@ -17,7 +17,7 @@ struct LandingTerms {
   bool floor;  ///< contact points that may touch
   constexpr LandingTerms(SeaTerms s, bool f = true) : sea(s), floor(f) {}
 };
-/// Of the kernels that are compiled. A scene runs the first that holds all of its own.
+/// Terms of the compiled kernels. A scene runs the first that holds all of its own.
 inline constexpr LandingTerms kFlightTerms{SeaTerms{.torque_limit = true, .extended = true}, false},  ///< no floor
     kPlainTerms{SeaTerms{.torque_limit = false}},                                ///< no torque limit
     kLimitedTerms{SeaTerms{.torque_limit = true}},                               ///< the paper's scene
@@ -63,7 +63,7 @@ class LandingSystem : public ModeOf<T>::type {
       if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
   }
 
-  /// The same system, in its present mode, in another scalar.
+  /// This system, in its present mode, in another scalar.
   template <class U, class UConstant>
   explicit LandingSystem(const LandingSystem<kAllTerms, kAccounts, U, UConstant>& o)
       : Mode(o),

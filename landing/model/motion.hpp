@@ -24,7 +24,7 @@ std::array<T*, kMotionNumbers> motion_numbers(MotionOf<T>& m, T& none) {
           &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   m.reposition ? &m.reposition->to : &none};
 }
 
-/// Where the reference stands: before a piece of it, in it, or after the landing motion.
+/// Which part of the reference is played: before a piece of it, in it, or after the landing motion.
 enum class Phase : unsigned char { kBefore, kMoving, kAfter };
 inline bool moving(Phase p) { return p == Phase::kMoving; }
 inline bool after(Phase p) { return p == Phase::kAfter; }

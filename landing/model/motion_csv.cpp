@@ -69,7 +69,7 @@ std::string to_csv(const MotionRows& r, const std::string& comments) {
 
 namespace {
 
-/// Below this rate the reference stands [rad/s].
+/// Below this rate the reference counts as constant [rad/s].
 constexpr double kStill = 1e-12;
 
 /// A file's rows, and what of them is recovered. The first row of the landing motion is `zero`, its last `end`.

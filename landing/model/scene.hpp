@@ -36,7 +36,7 @@ struct SearchRange {
   std::array<double, 2> duration{0.1, 1.0};           ///< [s]
 };
 
-/// What motions have beside Eq. 6's three numbers (landing/model/motion.hpp). Ours; absent by default.
+/// What motions have besides Eq. 6's three numbers (landing/model/motion.hpp). Ours; absent by default.
 struct Freedom {
   int bumps = 0;                                                        ///< shape terms, 0..kMostBumps
   std::array<double, 2> bump{-2.0943951023931953, 2.0943951023931953};  ///< range of each: +-120 deg [rad]

@@ -9,7 +9,7 @@
 
 namespace ukemi::landing {
 
-/// What motions may have beside the paper's three numbers, of [motion]: bumps, bump_deg, landing_gains. Throws
+/// What motions may have besides the paper's three numbers, of [motion]: bumps, bump_deg, landing_gains. Throws
 /// InputError.
 Freedom read_freedom(TomlSection& motion);
 

@@ -64,7 +64,7 @@ struct Play {
   SeaParameters<double> sea;
 };
 
-/// A motion that is played beside its plan, in parts of the execution tolerance, -1..1.
+/// How a motion that is played deviates from its plan, in parts of the execution tolerance, -1..1.
 struct Deviation {
   double phi_i, phi_f, duration;
 };

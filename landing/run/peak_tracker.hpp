@@ -9,7 +9,7 @@
 
 namespace ukemi::landing {
 
-/// Keeps the largest |ddr_0|^2 of what it is shown.
+/// Keeps the largest |ddr_0|^2 of the steps that it is given.
 class PeakTracker {
  public:
   double square = 0, t = 0;

@@ -1,4 +1,4 @@
-// What a report needs of a run beside its peak. Private to simulate.cpp.
+// What a report needs of a run besides its peak. Private to simulate.cpp.
 #pragma once
 
 #include <algorithm>

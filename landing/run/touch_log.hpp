@@ -1,4 +1,4 @@
-// The touches of a landing, and the largest acceleration between them. Of any robot.
+// The touches of a landing of any robot, and the largest acceleration between them.
 #pragma once
 
 #include <algorithm>

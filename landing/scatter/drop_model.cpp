@@ -15,7 +15,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// The reference stands at the joint's angle at release until the landing motion starts from there.
+/// The reference is the joint's angle at release until the landing motion starts from there.
 Reposition standing_until_touchdown(double phi, double rate) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   return {phi, rate, kNever, kNever};

@@ -20,7 +20,7 @@ class Archive {
   /// So many at most, 1 to kMost, so far apart in parts of the box, >= 0.
   Archive(std::size_t most, double apart) : most_(std::min(most, kMost)), apart_(apart) {}
 
-  /// Takes a candidate that could be followed, in place of all that it lies beside, or, where there is no place left,
+  /// Takes a candidate that could be followed, instead of all that it lies near, or, where there is no place left,
   /// of the worst. One that lies beside a better or equal one, or is the worst of too many, is refused. Returns whether
   /// it was taken.
   bool add(const Candidate& p) {

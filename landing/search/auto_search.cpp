@@ -22,7 +22,7 @@ constexpr int kToTheEnd = 1'000'000;  // generations that no run needs
 /// How a distribution finds its way down.
 struct Descent {
   double size;             ///< its standard deviation at the start
-  double slack, patience;  ///< how far a run may be behind, and what is left of that after each generation
+  double slack, patience;  ///< how much worse than the best a run may be, and its factor after each generation
   double precision;        ///< relative: to better the best by less does not count
   int stalled, each;       ///< generations without, and so many for each variable more, until it ends
   double finest, poor;     ///< its width where it has converged: of the best run, of others
@@ -154,7 +154,7 @@ void AutoSearch::judge_basins() {
     descend(judged_[i].u, kNarrow, kToTheEnd);
 }
 
-/// A run beside one of the basins, the better the likelier, or from anywhere.
+/// A run from close to one of the basins, the better the likelier, or from anywhere.
 void AutoSearch::hop() {
   constexpr int kGlobal = 3;                                  // populations from anywhere, first of all
   constexpr double kNear = 0.5, kBox = 0.95, kNearly = 1.06;  // shares; a basin worth a race is this good
@@ -224,7 +224,7 @@ void AutoSearch::play_scouts(Fidelity by) {
     if (p.value <= p.bound) starts_.add(p);
 }
 
-/// The same starts, in the order of what runs go by.
+/// The starts again, in the order of the value that runs minimise.
 void AutoSearch::judge_starts() {
   generation_.assign(starts_.begin(), starts_.end());
   starts_.clear();
@@ -239,7 +239,7 @@ bool AutoSearch::behind(double value, double slack, double patience, int generat
   return value > basins_.lowest() * (1 + slack * std::pow(patience, generation));
 }
 
-/// Generations until the population has found its basin, or is given up: behind the best, or in a basin that is known.
+/// Generations until the population has found its basin, or is given up: worse than the best, or in a known basin.
 /// It needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys.
 void AutoSearch::converge(bool may_give_up) {
   constexpr std::size_t kFewest = 6;
@@ -261,7 +261,7 @@ void AutoSearch::converge(bool may_give_up) {
 /// A run from a place, of a size in parts of the cube.
 void AutoSearch::descend(const Coordinates& start, double size, int generations) {
   constexpr double kBound = 1.2;        // a motion is left where it is worse than the last generation's middle by this
-  constexpr double kContender = 1.005;  // a run this near the best goes on to the finest width
+  constexpr double kContender = 1.005;  // a run this close to the best goes on to the finest width
   constexpr int kFree = 8;
   const Descent& how = descent_of(profile_);
   const int most_stalled = how.stalled + how.each * search_->dimension();

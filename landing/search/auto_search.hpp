@@ -6,7 +6,7 @@
 //   2. scouts go anywhere, and close by the best of those before them, the closer the fewer are left: all there is
 //      time for in a hundredth of a second;
 //   3. from the best of them a run finds its way down, each motion followed only while it may still teach something; a
-//      run that falls behind the best basin is given up. With the paper's three variables a run is a population of
+//      run that gets worse than the best basin is given up. With the paper's three variables a run is a population of
 //      differential evolution (population.hpp), with more, or under scatter, a distribution that starts at the best
 //      scout and adapts its covariance (cma.hpp);
 //   4. what a run came to is a basin, one of an archive of those that lie apart; later runs start beside one of them,
@@ -24,7 +24,7 @@
 
 namespace ukemi::landing {
 
-/// A goal as the search is told of it. Scouts are judged by the peak of the planned drop, one landing each.
+/// A goal as the search takes it. Scouts are judged by the peak of the planned drop, one landing each.
 struct GoalProfile {
   Fidelity goal;
   Fidelity rough;          ///< runs go by this at first: it costs less, and leads to about the same places

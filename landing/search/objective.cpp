@@ -180,7 +180,7 @@ void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
   landings_ += landings, flights_ += flights, work_ += work;
 }
 
-/// What ended most motions is played first. Where the box only keeps the limits, a motion that kept them tells nothing.
+/// What ended most motions is played first. Where the box only keeps the limits, a motion that kept them gives no hint.
 void Objective::learn_order(std::span<const Candidate> points, Goal goal) {
   for (const Candidate& p : points)
     if (p.worst >= 0 && (goal == Goal::kTolerant || p.value > p.bound || p.value >= kNoMotion))

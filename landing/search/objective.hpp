@@ -107,16 +107,16 @@ class Objective {
   long flights() const { return flights_; }    ///< of these, never touched the floor
 
   long work() const { return work_; }  ///< spent on them, see work_of
-  /// So much work may be spent from now on.
+  /// Limits the work that may be spent from now on.
   void grant(long work) { granted_ = work < kUnbounded - work_ ? work_ + work : kUnbounded; }
-  /// Landings that somebody else played for this search.
+  /// Counts landings that were played outside of this objective for the search.
   void spend(long work) { work_ += work; }
   bool exhausted() const { return work_ >= granted_; }
   /// True once the deadline has passed, the work is spent or somebody has asked to stop: landings are cut off.
   bool late() const {
     return exhausted() || (std::isfinite(deadline) && watch.seconds() >= deadline) || (stop && stop());
   }
-  /// The same as a landing may be asked to heed it.
+  /// late() in the form that a landing's options take.
   const std::function<bool()>* over() const { return &over_; }
   /// What the landing in the middle of the box took at the search's accuracy [s].
   double landing_time() const { return landing_time_; }

@@ -46,14 +46,14 @@ inline double spread(std::span<const Candidate> points) {
   return widest;
 }
 
-/// A point beside another, to be followed whatever comes: normal, `size` in parts of the box.
+/// A point close to another, to be followed to its end: normal, `size` in parts of the box.
 inline Candidate beside(Candidate p, double size, Random& r) {
   p.bound = kNoMotion;
   for (double& u : p.u) u = std::clamp(u + size * r.normal(), 0.0, 1.0);
   return p;
 }
 
-/// A population close by a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
+/// A population close to a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
 inline void scatter(const Candidate& centre, Random& r, std::vector<Candidate>& population) {
   for (Candidate& p : population)
     p = beside(centre, &p == &population.front() ? 0 : 0.02 * std::pow(10.0, -2 * r.uniform()), r);

@@ -62,7 +62,7 @@ void Search::hold() {
   if (best.value < kNoMotion) judge_held(best);
 }
 
-/// Of a posture that may have been played by the peak.
+/// Judges a posture to hold, which may have been played for its peak already.
 void Search::judge_held(Candidate p) {
   p.bound = held_.value;
   if (objective_.options().goal != Goal::kPeak || p.value >= kNoMotion) evaluate({&p, 1});
@@ -71,7 +71,7 @@ void Search::judge_held(Candidate p) {
 
 /// Plays what was only screened, where nothing that was played is better than holding.
 void Search::play_screened(double deadline) {
-  constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
+  constexpr double kLast = 3e-3;  // what an answer may take where there is none yet, however late it is [s]
   objective_.deadline = few_.empty() ? std::max(deadline, objective_.watch.seconds() + kLast) : deadline;
   for (Candidate p : screened_) {
     if (best().value < held_.value || p.value >= best().value) continue;

@@ -1,4 +1,4 @@
-// The program's options told again, from themselves: man pages and bash completion.
+// Man pages and bash completion, made from the program's own options.
 #pragma once
 
 #include <CLI/CLI.hpp>

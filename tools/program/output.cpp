@@ -48,7 +48,7 @@ std::vector<std::string> figure_names(const std::string& verb) {
   return out;
 }
 
-/// Every file that a verb may write beside summary.json and report.html; '#' stands for a number.
+/// Every file that a verb may write besides summary.json and report.html; '#' stands for a number.
 std::vector<std::string> result_names(const std::string& verb) {
   static const std::map<std::string, std::vector<std::string>> kNames = {
       {"identify", {"actuator.toml", "fit.csv", "profile.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},

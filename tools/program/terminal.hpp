@@ -24,7 +24,7 @@ bool open_for_reader(const std::string& file);
 /// In which colour a message stands where stderr is a terminal that knows colours and NO_COLOR is not set
 /// (https://no-color.org): a warning in yellow, an error in bold red. The words say it too.
 enum class Tone { kPlain, kWarning, kError };
-/// A line on stderr, made safe to show; where stderr takes none there is no one to tell.
+/// A line on stderr, made safe to show; where stderr takes none it is lost.
 void tell(const std::string& line, Tone tone = Tone::kPlain);
 /// To stderr as it is; takes no memory.
 void tell_raw(const char* text);

@@ -205,7 +205,7 @@ Terms<DropTerm> drop_choice(const BodyScene& scene) {
 
 namespace {
 
-/// Constants of single contacts behind what all share, so that each is set in turn; those that are not fitted and
+/// Constants of single contacts after what all share, so that each is set in turn; those that are not fitted and
 /// follow the others are left out.
 void put_in_order(Terms<DropTerm>& terms) {
   const auto single = [](const DropTerm& t) { return t.name.find('.') != std::string::npos; };
@@ -246,7 +246,7 @@ Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before
 
 /// The constants of a fit in a scene.
 BodyScene scene_of(BodyScene scene, const Terms<DropTerm>& terms, const FloorFit& fit) {
-  for (const DropTerm& t : *terms.table)  // single contacts come behind all
+  for (const DropTerm& t : *terms.table)  // single contacts come after all
     if (t.is_constant())
       for (const identify::Estimate& e : fit.parameters)
         if (e.name == t.name && e.free) set_in(scene, t, e.value);
@@ -284,7 +284,7 @@ LawFit fit_law(const BodyScene& from, const std::vector<BodyLoggedDrop>& drops, 
   return out;
 }
 
-/// Laws beside one: each part changed in turn.
+/// Neighbours of a law: each part changed in turn.
 std::vector<FloorLaw> beside(const FloorLaw& law) {
   FloorLaw normal = law, tangential = law, cover = law;
   normal.hunt_crossley = !law.hunt_crossley, tangential.coulomb = !law.coulomb, cover.pads = !law.pads;
@@ -296,10 +296,10 @@ bool better(const TriedLaw& a, const TriedLaw& b) {
   return a.converged && a.bic < b.bic - kDecisive && !(a.held_out > b.held_out);
 }
 
-constexpr int kRivalStarts = 2;  ///< further starts of a law that is tried, which begins near the drops
+constexpr int kRivalStarts = 2;  ///< further starts of a law that is tried, which begins close to the drops
 constexpr int kRivalSteps = 40;  ///< of its solver
 
-/// Tries the laws beside the best, until none is better.
+/// Tries the neighbours of the best law, until none is better.
 void try_rivals(const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationOptions& options, BodyCalibration& out) {
   for (std::size_t from = 0; !options.monitor.stopped();) {
     const TriedLaw start = out.laws[from];

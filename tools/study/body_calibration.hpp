@@ -26,7 +26,7 @@ namespace ukemi::tools {
 struct BodyLoggedDrop {
   landing::DropLog log;  ///< of landing::body_channels
   landing::BodyMotion motion;
-  landing::Drop thrown;  ///< its pitch is the scene's, whatever stands here
+  landing::Drop thrown;  ///< its pitch is the scene's, whatever is given here
 };
 
 /// The laws of a robot's contacts.

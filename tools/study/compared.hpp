@@ -25,7 +25,7 @@ struct ConstantDifference {
   std::optional<double> z() const;     ///< difference in standard errors
   std::optional<bool> inside() const;  ///< the nominal value lies in the identified one's 95 % interval
 };
-/// The five constants of an actuator in both sets; `of` stands behind their names.
+/// The five constants of an actuator in both sets; `of` is appended to their names.
 std::vector<ConstantDifference> differences(const OfSets<Actuator>& sets, const std::string& of = "");
 
 /// A set's best motion, landed under both sets.
@@ -44,7 +44,7 @@ struct ComparedPlanOf {
   Truth truth;
 };
 
-/// Of the plans for scatter: "nominal", "identified", "identified, with its covariance".
+/// Names of the plans for scatter: "nominal", "identified", "identified, with its covariance".
 inline std::string planned_with(std::size_t plan) {
   return plan == 2 ? "identified, with its covariance" : kSets[plan];
 }

@@ -16,7 +16,7 @@
 
 namespace ukemi::tools {
 
-/// Of the paper's robot.
+/// The comparison for the paper's robot.
 using ComparedMotion = ComparedMotionOf<landing::Optimum, landing::Landing>;
 using ComparedPlan = ComparedPlanOf<landing::Optimum, landing::UnderScatter>;
 

@@ -22,7 +22,7 @@ class DropResiduals {
   identify::ResidualBlock block(const std::vector<double>& sigma, double seconds,
                                 const std::vector<Prior>& priors) const;
 
-  /// The whole drop beside its log.
+  /// The whole drop and its log.
   DropResult replay(const double* shared, const double* own) const;
 
  private:

@@ -29,7 +29,7 @@ constexpr std::array<double, 9> kAfter = {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3
 constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
 /// Standard deviation, in a constant's size, of what holds it to the start there.
 constexpr double kPartStd = 0.3;
-/// Integrated steps, of a drop, after which a start is ended where it stands: those of datasets/drops take 1.3e4 in
+/// Integrated steps, of a drop, after which a start is ended: those of datasets/drops take 1.3e4 in
 /// all. And starts that may take so many before no other is tried.
 constexpr double kStepsOfStart = 2e5, kStarts = 4;
 
@@ -54,7 +54,7 @@ struct Problem {
 
   Problem(const DropSimulator& s, DropLayout l, const CalibrationOptions& o)
       : Problem(s, std::move(l), o, every_drop(s)) {}
-  /// Of some of the drops.
+  /// The problem of some of the drops.
   Problem(const DropSimulator& s, DropLayout l, const CalibrationOptions& o, std::vector<std::size_t> some)
       : simulator(s), layout(std::move(l)), options(o), which(std::move(some)) {
     for (const std::size_t m : which) models.emplace_back(s, m, layout, o, steps);

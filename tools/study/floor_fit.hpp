@@ -5,7 +5,7 @@
 // by identify's bounded least squares. sigma_o is the noise of output o, so that accelerations and poses mix.
 //
 // The acceleration jumps where a point touches or leaves the floor: a sample of it within one sampling interval of such
-// a simulated time is left out, for it tells little but on which side it fell, and its residual jumps as the time
+// a simulated time is left out, since it shows little but on which side it fell, and its residual jumps as the time
 // passes over it. A weight that falls to 0 smoothly, its slope counted, was tried and claims information about weak
 // contacts that is not there (mean square of the standardised errors 1.8 instead of 1.3).
 //
@@ -35,13 +35,13 @@ struct CalibrationOptions {
   double believed = identify::kFarAboveNoise;
   enum class Parts {
     kGrow,   ///< each drop is fitted part by part, every part a little longer
-    kWhole,  ///< at once: where the start is near
+    kWhole,  ///< at once: where the start is close
   } parts = Parts::kGrow;
-  Monitor monitor;        ///< told of the fit's parts; where it stops, the last part that was done is kept
+  Monitor monitor;        ///< progress in the fit's parts; where it stops, the last part that was done is kept
   void validate() const;  ///< throws InputError
 };
 
-/// One drop, simulated beside its log.
+/// One drop, simulated, and its log.
 struct DropResult {
   std::string file;
   bool simulated = false;                        ///< false: the run failed; nothing below holds
@@ -64,7 +64,7 @@ struct FloorFit : identify::Estimates {
   long steps = 0;  ///< integrated for the fit
 
   Verdicts verdicts() const;  ///< of every constant
-  /// Of the constants that were fitted, as far as it is known; with `among` of those alone.
+  /// Uncertainty of the fitted constants, as far as it is known; with `among` of those alone.
   std::optional<Uncertainty> uncertainty(const std::vector<std::string>* among = nullptr) const;
 };
 
@@ -83,7 +83,7 @@ void check_logs(const DropSimulator& drops);
 [[nodiscard]] FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& options);
 
 /// rms of a drop's residuals, in units of the outputs' noise, under the constants fitted to all others from those of
-/// the simulator's scene, its own nuisance terms fitted: the median over the drops, for one of them alone may tell a
+/// the simulator's scene, its own nuisance terms fitted: the median over the drops, since one of them alone may fix a
 /// constant. NaN where a drop cannot be followed. Two drops at least.
 [[nodiscard]] double held_out(const DropSimulator& drops, const CalibrationOptions& options);
 

@@ -45,7 +45,7 @@ std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const s
 
 namespace {
 
-/// The files behind a scene are inputs of the run; warns of drives that their fits did not trust.
+/// The files that a scene names are inputs of the run; warns of drives that their fits did not trust.
 void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   run.input(path);
   if (!scene.robot_file.empty()) run.input(scene.robot_file);
@@ -99,7 +99,7 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
 
 namespace {
 
-/// --release-from, in place of what the scene's [release] says.
+/// --release-from, instead of what the scene's [release] says.
 void apply(const std::optional<double>& from, std::optional<BodyRelease>& release) {
   if (!from) return;
   if (!release) throw InputError("--release-from: the scene has no [release] with a table for each driven joint");

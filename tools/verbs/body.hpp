@@ -22,7 +22,7 @@ landing::BodyScene body_of(const std::string& path, const std::vector<std::strin
                            const std::string& option = "--actuator");
 /// Throws InputError where an option is given that a robot of links does not have, with what it has.
 void refuse(bool given, const char* option);
-/// Likewise a release of the joint, which a robot of links does not have; else what a plan may have beside.
+/// Likewise a release of the joint, which a robot of links does not have; else what else a plan may have.
 void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene);
 /// Their --scatter; their --inflate, checked.
 std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);

@@ -27,7 +27,7 @@ Quantities<BestOf> best_quantities() {
   return out;
 }
 
-/// A fact of the paper beside ours.
+/// A number of the paper and ours.
 struct Fact {
   std::string what, paper, ukemi, note;
 };

@@ -21,7 +21,7 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Of a term of the table that `may` be named, by its name or its alias.
+/// Name of a term of the table that `may` be named, by its name or its alias.
 template <class May>
 std::string term_name(const std::string& option, const std::string& given, May&& may) {
   std::vector<std::string> known;
