@@ -29,7 +29,7 @@ struct AnswerOptions {
   std::vector<std::string> solvers;
   double rate = 0;  ///< rows of the trajectories a second [Hz]; 0: none
   enum class Extras {
-    kWithoutDeadline,  ///< evidence is worked out where there is no deadline and landings are not too long
+    kWithoutDeadline,  ///< evidence is computed where there is no deadline and landings are not too long
     kAlways,           ///< whatever it takes, beyond the deadline too
   } evidence = Extras::kWithoutDeadline;
   Monitor evidence_monitor;  ///< progress in the evidence's landings
@@ -52,7 +52,7 @@ struct Answer {
   std::optional<TouchdownLimit> limit;        ///< with the evidence
   double evidence_seconds = 0;                ///< that it took
   std::optional<Scatter> scatter;             ///< of the drops; none: they were measured
-  bool scatter_assumed = false;               ///< for nothing was said
+  bool scatter_assumed = false;               ///< the scene states none, and no option does
   bool scattered = false;                     ///< planned for it: best.value is the measure that is promised
   std::optional<UnderScatter> under_scatter;  ///< with the evidence
   std::optional<Optimum> nominal;             ///< the plan for the scene's own drop, to compare with one for scatter
@@ -67,7 +67,7 @@ struct Answer {
   double reduction() const { return 1 - peak() / held_peak(); }
 };
 
-/// Throws InputError on options that are none; else see Optimum::found, without which the rest is empty.
+/// Throws InputError on invalid options; else see Optimum::found, without which the rest is empty.
 [[nodiscard]] Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions& options = {});
 
 }  // namespace ukemi::landing

@@ -42,8 +42,8 @@ struct Evidence {
   static constexpr long kLandings = 420;
 };
 
-/// Works it out: the deviations first, then the widths. A width is found on a geometric grid from 1e-7 of the range up
-/// and then between its last good and first bad point, so it is that of the part that hangs together with the motion.
+/// Computes the deviations first, then the widths. A width is found on a geometric grid from 1e-7 of the range up
+/// and then between its last good and first bad point, so it is that of the connected part about the motion.
 [[nodiscard]] Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinates& values,
                                 const EvidenceOptions& options);
 /// The evidence of a motion of Eq. 6.

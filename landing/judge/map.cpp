@@ -130,7 +130,7 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
   while (!search.over()) {
     while (!search.over() && spread(population) > kConverged)
       evolve([&](std::span<Candidate> p) { search.evaluate(p); }, random, population, trials, {});
-    scatter(search.best(), random, population);  // once more, from close by
+    scatter(search.best(), random, population);  // once more, from a narrow population
     search.evaluate(population);
   }
   return search.judge(options.tight);

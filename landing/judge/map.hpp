@@ -15,10 +15,10 @@ class MotionSpace;
 struct MapOptions {
   /// Points along each variable, ends included; 1, or none given: the variable is fixed at its value in `slice`.
   std::vector<int> cells{64, 64, 32};
-  MotionValues slice;      ///< values of the variables that stand; empty: the middle of their ranges
+  MotionValues slice;      ///< values of the fixed variables; empty: the middle of their ranges
   double accuracy = 1e-5;  ///< of the grid's landings
   double tight = 1e-9;     ///< of the basins
-  int polished = 24;       ///< the best local minima of the grid are searched from close by
+  int polished = 24;       ///< number of the grid's best local minima that a local search starts from
   std::uint64_t seed = 1;
   int threads = 0;
   Monitor monitor;        ///< progress in the grid's rows, and in the basins

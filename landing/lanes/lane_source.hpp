@@ -23,7 +23,7 @@ class LaneSource {
   virtual bool over() { return false; }
 };
 
-/// A machine has at most so many lanes.
+/// Largest number of lanes of any machine.
 inline constexpr int kMostLanes = 8;
 
 /// Cases in their order, to whichever lane of whichever thread is free.

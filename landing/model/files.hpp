@@ -11,8 +11,8 @@
 namespace ukemi::landing {
 
 /// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run], [motion],
-/// [release], [joint], [detection], [uncertainty], [verdict], [scatter] optional; an absent table or key is an absent
-/// term. Throws InputError with file:line:column.
+/// [release], [joint], [detection], [uncertainty], [verdict], [scatter] optional; an omitted table or key switches its
+/// effect off. Throws InputError with file:line:column.
 Scene read_scene(const std::string& path);
 
 /// The text of a scene.toml that `read_scene` reads back; `comments` goes in front, each line after "# ".

@@ -208,7 +208,7 @@ class LandingSystem : public ModeOf<T>::type {
     else
       return asked(t, y);
   }
-  /// The drive has seen the rates of y, and asked for the torque that it asks for, for ever.
+  /// Sets a late drive as if the rates of y and the torque demanded now had been constant for ever.
   void steady([[maybe_unused]] State& y) const {
     if constexpr (kTerms.late) {
       const SeaState<T> s = sea_state(y);
@@ -270,7 +270,7 @@ class LandingSystem : public ModeOf<T>::type {
 
  private:
   static auto lags(const State& y) { return y.template segment<kLags>(kMechanical); }
-  /// What the drive asks for now, Eq. 3 of what it sees [Nm].
+  /// The torque that the drive demands now, Eq. 3 of what it measures [Nm].
   template <class Time>
   T asked(const Time& t, const State& y) const {
     SeaState<T> s = sea_state(y);

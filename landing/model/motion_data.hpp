@@ -51,7 +51,7 @@ struct MotionOf {
 };
 using Motion = MotionOf<double>;
 using Reposition = RepositionOf<double>;
-/// Throws InputError for a number that is not finite or outside the range that stands beside it. A move in the air that
+/// Throws InputError for a number that is not finite or outside the range given with it. A move in the air that
 /// never begins has both times infinite.
 void validate(const Motion& motion);
 

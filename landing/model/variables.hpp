@@ -1,4 +1,4 @@
-// The variables that a search chooses, and what a choice of them stands for.
+// The variables that a search chooses, and the motion and drive that a choice of them gives.
 #pragma once
 
 #include <array>
@@ -58,7 +58,7 @@ class MotionValues {
 /// For each variable -1 on the lower edge of its range, +1 on the upper, else 0.
 using Edges = std::array<signed char, kMostVariables>;
 
-/// What a point of a space stands for: the reference that is played, and the drive that follows it.
+/// What a point of a space gives: the reference that is played, and the drive that follows it.
 struct Play {
   Motion motion;
   SeaParameters<double> sea;

@@ -98,7 +98,7 @@ class Recorder {
   }
 };
 
-/// The fast path's: nothing is recorded.
+/// The recorder of the fast path: it records nothing.
 struct NoRecorder {
   NoRecorder(Landing*, double) {}
 };

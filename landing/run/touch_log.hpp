@@ -13,7 +13,7 @@ namespace ukemi::landing {
 
 class TouchLog {
  public:
-  /// Into these, of so many points.
+  /// Writes into these, of a robot with so many contact points.
   TouchLog(std::vector<Touch>& touches, std::vector<Peak>& peaks, std::size_t points)
       : touches_(touches), peaks_(peaks), open_(points, -1) {}
 

@@ -45,7 +45,7 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
   max_steps_ = kTimes * std::max(kUsual, steps);
 }
 
-/// The reference is quicker than it may be, played exactly or in the shortest time of its execution box.
+/// Whether the reference is faster than allowed, played exactly or in the shortest time of its execution box.
 bool Objective::too_quick(const Play& play) const {
   const double most = options_.limits.reference_rate;
   if (!std::isfinite(most)) return false;
@@ -114,7 +114,7 @@ class Objective::Race : public BatchSource {
     failed_[i] = true;
     points_[i].value = std::max(points_[i].value, value);
   }
-  /// The one that was this motion's worst comes first, then those that were the worst of the most motions.
+  /// The point that was this motion's worst comes first, then those that were the worst of the most motions.
   int corner(const Candidate& p, int step) const {
     if (corners_ == 1) return 0;
     const int first = first_[std::size_t(&p - points_.data())];

@@ -3,7 +3,7 @@
 // drops ask for.
 //
 // Laws are tried by turns: the scene's, then each with one part changed, linear or Hunt and Crossley, viscous or
-// Coulomb, with or without pads, started from what was fitted; where one is better, those beside that one. A law is
+// Coulomb, with or without pads, started from what was fitted; where one is better, its neighbours too. A law is
 // better where its BIC,
 //
 //     sum_o N_o log(rms_o^2) + k log N,    N_o samples of output o, k fitted numbers,

@@ -1,4 +1,4 @@
-// Two sets of constants side by side, nominal and identified, whatever falls: what differs, and each set's best motion
+// Two sets of constants side by side, nominal and identified, for any robot: what differs, and each set's best motion
 // landed under both.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The fit of a floor to drops, whatever falls: constants that make simulated drops meet the logs of measured ones,
+// The fit of a floor to drops of any robot: constants that make simulated drops meet the logs of measured ones,
 //
 //     min sum_d sum_o sum_n ( (sim_do(t_n + s_d) - meas_do(n)) / sigma_o )^2  +  priors,
 //
