@@ -1,4 +1,4 @@
-// What the public structs promise of their numbers, asked once where a library is entered.
+// The ranges of the public structs' numbers, checked once where a library is entered.
 #pragma once
 
 #include <string_view>

@@ -29,7 +29,7 @@ struct CsvTable {
   std::string file;
   std::vector<std::string> header;              ///< column names, trimmed
   std::vector<std::vector<double>> columns;     ///< columns[c][row]; every value finite unless the cell is empty
-  std::vector<std::vector<std::string>> texts;  ///< texts[c][row] of the columns that were asked for as text
+  std::vector<std::vector<std::string>> texts;  ///< texts[c][row] of the columns that are read as text
   std::vector<long> line;                       ///< line of each row in the file
   std::vector<std::vector<long>> column_of;     ///< byte column of each cell, [c][row]
   std::vector<long> header_column;              ///< byte column of each name in the header line

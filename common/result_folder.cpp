@@ -71,7 +71,7 @@ void finish_commit(const fs::path& folder) {
 }
 
 /// A folder for this process alone, where the files of `target` are written first; what a killed process left in it is
-/// gone, and so is at the end what stands under its name then.
+/// gone, and in the end whatever has its name then is removed.
 class Aside {
  public:
   Aside(fs::path path, fs::path target) : path_(std::move(path)), target_(std::move(target)) {

@@ -26,7 +26,7 @@ struct SeaTerms {
   bool late = false;         ///< a drive that is late, whose states then follow the others: DriveLag
 };
 
-/// True where the drive of `p` is late, or a derivative by how late it is is asked for.
+/// True where the drive of `p` is late, or derivatives by its delay or filter are needed.
 template <class T>
 auto is_late(const SeaParameters<T>& p) {
   return present(p.control_delay) | present(p.velocity_filter);

@@ -42,7 +42,7 @@ class TomlFile {
   std::optional<TomlSection> optional(const std::string& name);
   /// A text of the top level; none where the key is omitted or names a table.
   std::optional<std::string> optional_text(const std::string& key);
-  /// Throws on the first table or key that was not asked for.
+  /// Throws on the first table or key that was not read.
   void finish() const;
   const std::string& path() const;
 
@@ -66,7 +66,7 @@ class TomlSection {
   std::optional<std::array<double, 2>> optional_angle_pair(const std::string& key);
   std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range);
   std::optional<std::vector<double>> optional_numbers(const std::string& key, std::size_t count, const Range& range);
-  /// At most so many; none is an empty list.
+  /// A list of at most `most` numbers; a missing one is empty.
   std::vector<double> optional_list(const std::string& key, std::size_t most, const Range& range);
   std::optional<long> optional_count(const std::string& key, long lowest, long highest);
   std::optional<std::vector<std::vector<double>>> optional_matrix(const std::string& key);

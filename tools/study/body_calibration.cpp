@@ -107,7 +107,7 @@ namespace {
 struct ContactConstant {
   DropTerm term;  ///< for all of them
   bool (*acts)(const ContactPoint&);
-  bool (*chosen)(const ContactPoint&);  ///< fitted where nothing is asked for
+  bool (*chosen)(const ContactPoint&);  ///< fitted by default
 };
 
 DropTerm contact_term(const char* name, const char* unit, const char* words, double smallest_part, double size,

@@ -74,7 +74,7 @@ struct TriedLaw {
 struct BodyCalibration : FloorFit {
   landing::BodyScene scene;    ///< the given one with the fitted constants, their covariance and verdicts
   std::vector<TriedLaw> laws;  ///< the scene's first; empty where nothing could be followed
-  std::size_t asked = 0;       ///< of `laws`: what the drops ask for
+  std::size_t asked = 0;       ///< of `laws`: the law that the drops support best
   std::size_t own = 0;         ///< of `laws`: the one of `scene`
 
   /// Whether the drops speak against that law: its residuals do, or another law is better beyond doubt.

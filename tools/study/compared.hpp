@@ -36,7 +36,7 @@ struct ComparedMotionOf {
   OfSets<std::optional<Landed>> landings;  ///< absent where it was stopped before
 };
 
-/// A plan for drops that scatter, and what it comes to where the identified constants are the truth.
+/// A plan for drops that scatter, and its peaks where the identified constants are the truth.
 template <class Best, class Truth>
 struct ComparedPlanOf {
   std::string set;  ///< see planned_with

@@ -32,7 +32,7 @@ class DropResiduals {
     FollowedDrop drop;
     double shift;
   };
-  /// The last point that was asked for: the solver wants the cost and then the Jacobian of the same.
+  /// The last point that was evaluated: the solver wants the cost and then the Jacobian of the same.
   struct Memory {
     std::vector<double> point;
     Rolled rolled;

@@ -1,4 +1,4 @@
-// The next experiment on a rig, asked and answered: what is known of an actuator, the hits that add most to it, and
+// The design of the next experiment on a rig: what is known of an actuator, the hits that add most to it, and
 // simulated experiments that test the prediction. No printing, no files: tools/verbs/design.cpp is the verb.
 #pragma once
 
@@ -21,7 +21,7 @@ struct DesignAnswer {
   std::optional<identify::DesignCheck> check;
 };
 
-/// What is asked for; what is absent is the trials' or the actuator's.
+/// The request; what is absent is the trials' or the actuator's.
 struct DesignRequest {
   identify::Rig rig;
   Actuator actuator;                    ///< the present estimate

@@ -30,7 +30,7 @@ constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that
 /// Standard deviation, in a constant's size, of what holds it to the start there.
 constexpr double kPartStd = 0.3;
 /// Integrated steps, of a drop, after which a start is ended: those of datasets/drops take 1.3e4 in
-/// all. And starts that may take so many before no other is tried.
+/// all. And the multiple of it after which no other start is tried.
 constexpr double kStepsOfStart = 2e5, kStarts = 4;
 
 /// Values of a layout's shared terms: where a search starts.

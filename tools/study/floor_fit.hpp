@@ -31,7 +31,7 @@ struct CalibrationOptions {
   int restarts = 8;        ///< further starts, drawn about the given one, where the residual stays far above the noise
   std::uint64_t seed = 1;  ///< of those
   int max_iterations = 100;
-  /// A residual so many times the logs' noise is taken for the minimum's, and no further start is tried.
+  /// Up to this multiple of the logs' noise a residual counts as the minimum's: no further start is tried.
   double believed = identify::kFarAboveNoise;
   enum class Parts {
     kGrow,   ///< each drop is fitted part by part, every part a little longer

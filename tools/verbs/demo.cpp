@@ -76,7 +76,7 @@ struct DemoArguments {
   enum class Reports { kName, kOpen } reports = Reports::kName;
 };
 
-/// Names the reports of the parts, and opens them where that is asked for.
+/// Names the reports of the parts, and opens them with --open.
 void name_reports(const DemoArguments& a, const std::string& folder, const CommonOptions& common, Run& run) {
   if (common.report == CommonOptions::Report::kSkip) return;
   run.say(""), run.say("Reports to open:");
