@@ -43,7 +43,7 @@ const std::vector<DropColumn>& columns() {
   return list;
 }
 
-/// The other way of `numbers`.
+/// The inverse of `numbers`.
 ScatteredDrop drop_of(const DropNumbers& n, const Scene& scene, const SeaParameters<double>& sea) {
   ScatteredDrop out{.scene = scene, .phi = n.phi_off, .rate = n.rate_off};
   out.scene.uncertainty.reset(), out.scene.verdicts.clear();  // of the planned floor

@@ -27,7 +27,7 @@ SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> b
   const auto& all = actuator_constants();
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (by[k] == 0) continue;
-    constexpr double kLeast = 1e-12;  // an inertia of 0 is none
+    constexpr double kLeast = 1e-12;  // an inertia must be above 0
     const Range& range = all[k].range;
     double& x = sea.*all[k].at;
     x = std::clamp(x + by[k], range.low_open ? kLeast : range.low, range.high);

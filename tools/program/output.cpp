@@ -130,7 +130,7 @@ void Run::say(const std::string& line) const {
 }
 void Run::progress(const std::string& what, long done, long total) const {
   if (options_.messages != CommonOptions::Messages::kShow || total <= 0) return;
-  constexpr double kBar = 0.1, kLine = 10;  // between two sights of it [s]
+  constexpr double kBar = 0.1, kLine = 10;  // between two updates of it [s]
   const std::lock_guard lock(progress_mutex_);
   const bool terminal = isatty(fileno(stderr));
   const double elapsed = seconds(), rate = elapsed > 0 ? double(done) / elapsed : 0;

@@ -33,9 +33,9 @@ std::string words(const FloorLaw& law) {
 
 namespace {
 
-/// How deep a drop presses a floor of F = K delta^p, all of the robot on one contact and no damping [m].
+/// Depth to which a drop presses a floor of F = K delta^p, all of the robot on one contact and no damping [m].
 double depth_of(const BodyScene& scene, double stiffness, double exponent) {
-  constexpr double kLeast = 0.02;  // height of a fall that is none [m]
+  constexpr double kLeast = 0.02;  // least height of a fall [m]
   const double energy = scene.robot.mass() * scene.robot.gravity * std::max(scene.drop.height, kLeast);
   return std::pow((exponent + 1) * energy / stiffness, 1 / (exponent + 1));
 }
@@ -77,7 +77,7 @@ void change_tangential(const BodyScene& scene, ContactLaw& law) {
   law.damping_tangential = std::max({law.damping_tangential, kLeastPart * as.damping, 1e-4 * as.stiffness});
 }
 
-/// A cover that is softer than the floor by far.
+/// A pad that is much softer than the floor.
 Pad pad_on(const BodyScene& scene, const ContactLaw& law) {
   constexpr double kThickness = 0.01, kSoft = 0.3;
   const LinearFloor as = linear_as(scene, law);
@@ -223,7 +223,7 @@ void put_in_order(Terms<DropTerm>& terms) {
   });
 }
 
-/// The choice for another law: what was chosen and is there, and what the law brings along.
+/// The choice of terms for another law: chosen ones that it has, and its own constants.
 Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before) {
   Terms<DropTerm> out = drop_choice(scene);
   const auto has = [](const Terms<DropTerm>& terms, const std::string& name) {
@@ -291,7 +291,7 @@ std::vector<FloorLaw> beside(const FloorLaw& law) {
   return {normal, tangential, cover};
 }
 
-/// Whether `a` is better than `b` beyond doubt.
+/// Whether `a` is better than `b` by kDecisive in BIC and in the drops left out.
 bool better(const TriedLaw& a, const TriedLaw& b) {
   return a.converged && a.bic < b.bic - kDecisive && !(a.held_out > b.held_out);
 }
@@ -319,7 +319,7 @@ void try_rivals(const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationO
   }
 }
 
-/// What is said of the constants, by the laws too.
+/// Uncertainty and verdicts of the scene's constants; where its law is rejected none is trusted.
 void conclude(BodyCalibration& c) {
   if (c.law_rejected()) identify::distrust(c.parameters);
   if (c.converged) c.scene.uncertainty = c.uncertainty();

@@ -107,7 +107,7 @@ void apply(const std::optional<double>& from, std::optional<BodyRelease>& releas
     throw InputError(fmt::format("--release-from: {}: at least 0 s is needed", *from));
   release->from = *from;
 }
-/// --respect-ratings; warns of drives that have none.
+/// The limits of --respect-ratings; warns of drives without ratings.
 void keep_ratings(BodyScene& scene, Run& run) {
   for (const std::string& joint : respect_ratings(scene))
     run.warn(fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint));
@@ -242,7 +242,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
                      a.exports.has(Exports::Format::kPlotJuggler);
   options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
-  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
+  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses numbers that this base does not have
   options.monitor = run.monitor(options.measure ? "optimize, landings" : "optimize, motions");
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)

@@ -123,7 +123,7 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
                      begin("compare", "compare: identified against nominal (x8-9_nominal.toml)"), &comparison);
   if (code != kDone) return code;
 
-  // Table 2 itself, and the paper's facts.
+  // Table 2 itself, and the paper's numbers.
   const Scene scene = read_scene(paper);
   const SeaParameters<double> table2 = read_actuator(dataset("actuators/table2.toml")).sea;
   OptimizeOptions options;
