@@ -19,7 +19,7 @@ inline constexpr int kConstants = 5;
 inline constexpr std::array<const char*, kConstants> kConstantNames = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
 inline constexpr std::array<const char*, kConstants> kConstantUnits = {"Nm/rad", "Nm/(rad/s)", "Nm/rad", "Nm/(rad/s)",
                                                                        "kg m^2"};
-/// The same constants as a vector and back; the other fields of `sea` stay.
+/// The actuator's constants as a vector and back; the other fields of `sea` stay.
 template <class T>
 std::array<T, kConstants> constants(const SeaParameters<T>& sea) {
   return {sea.k_p, sea.k_d, sea.k_sea, sea.c_sea, sea.i_motor};

@@ -12,7 +12,7 @@
 
 namespace ukemi {
 
-/// Of control_delay and velocity_filter [s].
+/// Largest value of control_delay and velocity_filter [s].
 inline constexpr double kMostLate = 0.1;
 Range lateness();
 
@@ -33,7 +33,7 @@ const std::vector<std::string>& uncertain_constants();
 /// The places of names in actuator_constants(). Throws InputError for another name.
 std::vector<int> constant_indices(const std::vector<std::string>& names);
 
-/// Whether its drive was identified by its command alone: K_t stands in place of K_p and K_d.
+/// Whether its drive was identified by its command alone: K_t replaces K_p and K_d.
 bool by_command(const SeaParameters<double>& sea);
 
 /// Reads the constants and the ratings of a section, whose keys are those of [actuator] without its name.

@@ -1,4 +1,4 @@
-// What the public structs promise of their numbers, asked once where a library is entered.
+// The ranges of the public structs' numbers, checked once where a library is entered.
 #pragma once
 
 #include <string_view>
@@ -15,10 +15,10 @@ void check_range(std::string_view what, double value, const Range& range);
 void check_finite(std::string_view what, double value);
 void check_positive(std::string_view what, double value);
 void check_not_negative(std::string_view what, double value);
-/// And unless there are that many.
+/// Throws also unless there are that many numbers.
 void check_count(std::string_view what, long value, long least, long most);
 
-/// Throws InputError unless each name stands once and is one of `known`, which are constants of `whom`, and the
+/// Throws InputError unless each name occurs once and is one of `known`, which are constants of `whom`, and the
 /// covariance is a symmetric matrix of their size, finite, without a variance below 0.
 void check(const Uncertainty& uncertainty, const std::vector<std::string>& known, const std::string& whom);
 

@@ -19,17 +19,17 @@ struct TimeFault {
   std::size_t at;
   std::string rule;
 };
-/// The first of `t` [s] that is not finite, does not increase, or stands kLongestGap or more behind the one before.
+/// The first of `t` [s] that is not finite, does not increase, or is kLongestGap or more after the one before.
 std::optional<TimeFault> time_fault(const std::vector<double>& t);
 /// Throws InputError "WHAT[i]: value: rule" where there is one, or fewer than two times.
 void require_times(const std::string& what, const std::vector<double>& t);
 
-/// A column's cells as numbers, with where each stands. An empty cell is NaN and `empty` there.
+/// A column's cells as numbers, with the place of each. An empty cell is NaN and `empty` there.
 struct CsvTable {
   std::string file;
   std::vector<std::string> header;              ///< column names, trimmed
   std::vector<std::vector<double>> columns;     ///< columns[c][row]; every value finite unless the cell is empty
-  std::vector<std::vector<std::string>> texts;  ///< texts[c][row] of the columns that were asked for as text
+  std::vector<std::vector<std::string>> texts;  ///< texts[c][row] of the columns that are read as text
   std::vector<long> line;                       ///< line of each row in the file
   std::vector<std::vector<long>> column_of;     ///< byte column of each cell, [c][row]
   std::vector<long> header_column;              ///< byte column of each name in the header line
@@ -50,7 +50,7 @@ struct CsvTable {
 /// kAsEmpty takes "nan" for an empty cell: some programs export it for "no value".
 enum class NanCells { kRefused, kAsEmpty };
 
-/// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, told from the
+/// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, as in the
 /// header. Throws InputError, with file:line:column, on: a missing, unreadable or empty file; NUL or control bytes
 /// ("not a text file"); a line beyond 1 MiB; a repeated column name; a row with another number of cells; text, NaN or
 /// infinity where a number is needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text,
@@ -65,7 +65,7 @@ std::vector<std::string> csv_header(const std::string& path);
 /// cell.
 class CsvWriter {
  public:
-  void comment(const std::string& text);  ///< every line of `text` behind "# "
+  void comment(const std::string& text);  ///< every line of `text` after "# "
   void header(const std::vector<std::string>& names);
   CsvWriter& cell(const std::string& text);
   CsvWriter& cell(const char* text) { return cell(std::string(text)); }

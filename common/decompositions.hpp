@@ -12,7 +12,7 @@ struct SymmetricEigen {
   Eigen::MatrixXd vectors;  ///< of unit length, a column each; of one dimension or more
 };
 
-/// Of a square matrix, of which the lower triangle is read.
+/// Eigenvalues and vectors of a symmetric matrix, of which the lower triangle is read.
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix);
 
 /// The x of least norm among those that bring A x nearest to b, whatever the rank of A (complete orthogonal

@@ -1,4 +1,4 @@
-// Whether a drive, left to itself, comes to rest.
+// Stability of a drive: whether it comes to rest by itself.
 #pragma once
 
 #include "common/sea.hpp"

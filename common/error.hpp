@@ -7,7 +7,7 @@
 
 namespace ukemi {
 
-/// Where in a file something stands; line and column count from 1, 0: not known.
+/// A place in a file; line and column count from 1, 0: not known.
 struct Location {
   std::string file;
   long line = 0, column = 0;

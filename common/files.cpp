@@ -143,7 +143,7 @@ void write_file(const std::string& path, const std::string& content) {
 }
 
 void require_writable_folder(const std::string& folder) {
-  // The nearest folder that exists decides; nothing is made, so that a later error leaves nothing behind.
+  // The nearest folder that exists decides; nothing is made, so that a later error leaves no folder there.
   std::error_code ec;
   fs::path p = fs::absolute(folder, ec);
   while (!fs::exists(p, ec) && p.has_parent_path() && p != p.parent_path()) p = p.parent_path();

@@ -30,7 +30,7 @@ struct ReadFile {
   std::string checksum;  ///< of the bytes that the reader got
 };
 
-/// While it lives, calls `use` for every file that this thread reads to its end. Of several the latest is told.
+/// While it lives, calls `use` for every file that this thread reads to its end. Of several the latest is called.
 class ReadWatch {
  public:
   using Use = std::function<void(const ReadFile&)>;

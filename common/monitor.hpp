@@ -1,14 +1,14 @@
-// What a long computation tells its caller, and how the caller ends it early.
+// Progress of a long computation to its caller, and how the caller ends it early.
 #pragma once
 
 #include <functional>
 
 namespace ukemi {
 
-/// Told of progress and asked whether to end. Either may be empty; both may be called from several threads at once.
+/// Receives progress, and says whether to end. Either may be empty; both may be called from several threads at once.
 struct Monitor {
   std::function<void(long done, long total)> tell;  ///< items of work done, of how many
-  std::function<bool()> stop;                       ///< true: end soon and keep what is finished; asked often
+  std::function<bool()> stop;                       ///< true: end soon and keep what is finished; called often
 
   void progress(long done, long total) const {
     if (tell) tell(done, total);

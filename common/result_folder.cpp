@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kCommit = ".ukemi-commit";
-constexpr const char* kGone = ".gone";  ///< in it: the names whose earlier files go, a line each
+constexpr const char* kGone = ".gone";  ///< in it: the names whose earlier files are removed, a line each
 
 /// '#' in a pattern stands for one digit or more.
 bool matches(std::string_view pattern, std::string_view name) {
@@ -71,7 +71,7 @@ void finish_commit(const fs::path& folder) {
 }
 
 /// A folder for this process alone, where the files of `target` are written first; what a killed process left in it is
-/// gone, and so is at the end what stands under its name then.
+/// gone, and in the end whatever has its name then is removed.
 class Aside {
  public:
   Aside(fs::path path, fs::path target) : path_(std::move(path)), target_(std::move(target)) {
@@ -96,7 +96,7 @@ class Aside {
   const fs::path& path() const { return path_; }
 
  private:
-  /// Makes it, or takes it over from a process that is gone; false where another was quicker.
+  /// Makes it, or takes it over from a process that has ended; false where another was quicker.
   bool take() {
     if (::mkdir(path_.c_str(), 0777) != 0 && errno != EEXIST) fail(target_, errno);
     lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);

@@ -9,7 +9,7 @@
 
 namespace ukemi {
 
-/// The last file of a set to take its place: where it stands, the set is whole.
+/// The last file of a set to take its place: where it exists, the set is whole.
 inline constexpr const char* kSummaryFile = "summary.json";
 
 /// The files of one run, exchanged as one. A kill at any moment leaves the earlier set or the new one whole.
@@ -20,8 +20,8 @@ inline constexpr const char* kSummaryFile = "summary.json";
 /// the last; what a kill leaves of that, the next ResultFolder of this path finishes. Files under other names stay.
 class ResultFolder {
  public:
-  /// `names`: every name that such a run may write beside the summary; '#' stands for digits, as in "hit_#.csv".
-  /// Throws InputError where the folder cannot be made or written in, or a folder stands under one of the names.
+  /// `names`: every name that such a run may write besides the summary; '#' stands for digits, as in "hit_#.csv".
+  /// Throws InputError where the folder cannot be made or written in, or a folder has one of the names.
   ResultFolder(std::string path, std::vector<std::string> names);
 
   /// Throws InputError where the file is one of those that would go, by whatever name it was read.
@@ -37,7 +37,7 @@ class ResultFolder {
   bool owns(const std::string& name) const;
 
  private:
-  std::vector<std::string> found() const;  ///< the names under which something stands in the folder
+  std::vector<std::string> found() const;  ///< the names that exist in the folder
   bool holds_results_only(const std::string& folder) const;
   /// In one step, the rights of `folder` kept; false where that cannot be or must not, and nothing is changed.
   bool exchange(const std::string& aside, const std::string& folder) const;

@@ -23,10 +23,10 @@ inline constexpr double kFrictionSpeed = 0.005;
 struct SeaTerms {
   bool torque_limit = true;  ///< the clamp of Eq. 2
   bool extended = false;     ///< stiffening, friction and motor-side feedback
-  bool late = false;         ///< a drive that is late, whose states then stand behind the others: DriveLag
+  bool late = false;         ///< a drive that is late, whose states then follow the others: DriveLag
 };
 
-/// True where the drive of `p` is late, or a derivative by how late it is is asked for.
+/// True where the drive of `p` is late, or derivatives by its delay or filter are needed.
 template <class T>
 auto is_late(const SeaParameters<T>& p) {
   return present(p.control_delay) | present(p.velocity_filter);
@@ -99,7 +99,7 @@ T motor_torque(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<
 /// so that the reference is as late as the angle: both are read in one cycle. As a linear system the delay is Pade's
 /// approximant of exp(-x), x = s T_d, of the orders 2 and 3, N(x) / D(x) with D = 1 + 3/5 x + 3/20 x^2 + 1/60 x^3; it
 /// errs by |x|^6 / 7200: 2e-6 of u at 100 rad/s and 5 ms. N is exp(-x) D up to its square, and that also where T_d is
-/// below `kShortest`, whose poles then stand in place of its own: no delay, however short, is stiff, and the torque and
+/// below `kShortest`, whose poles then replace its own: no delay, however short, is stiff, and the torque and
 /// its derivative by T_d are right at T_d = 0 too, to (100 rad/s 0.5 ms)^3 / 60 = 2e-6. T_v likewise: exact from
 /// kShortestFilter on and at 0, else right to first order in frequency. Ours.
 /// Sources: Pade (1892); Ehle (1969): of these orders it is L-stable. Tests: test/unit/drive_lag.cpp.
@@ -138,10 +138,10 @@ class DriveLag {
     const T over = (u - x[kThird] - T(kD1) * x[kSecond] - T(kD2) * x[kFirst]) * T(1 / kD3);
     return {over * per_delay_, x[kFirst] * per_delay_, x[kSecond] * per_delay_, (fed_back(s) - x[kRate]) * per_filter_};
   }
-  /// Of a drive that has seen the same rate and asked for the same torque for ever.
+  /// State of a drive whose rate and demanded torque have been constant for ever.
   State steady(const T& u, const SeaState<T>& s) const { return {T(0), T(0), u, fed_back(s)}; }
 
-  /// The same in another scalar, by values.
+  /// These constants in another scalar, by values.
   template <class U>
   explicit DriveLag(const DriveLag<U>& o)
       : motor_(o.motor_),
@@ -236,7 +236,7 @@ T motor_acceleration(const SeaParameters<T>& p, const T& dphi_m, const T& tau_mo
   if constexpr (kTerms.extended) torque -= friction_torque<kTerms>(p, dphi_m, tau_sea);
   return torque / p.i_motor;
 }
-/// The same of a drive that is not late.
+/// ddphi_m of Eq. 4 for a drive that is not late [rad/s^2].
 template <SeaTerms kTerms, Scalar T>
 T motor_acceleration(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref, const T& tau_sea) {
   return motor_acceleration<kTerms>(p, s.dphi_m, motor_torque<kTerms>(p, s, ref), tau_sea);

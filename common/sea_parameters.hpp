@@ -36,7 +36,7 @@ struct SeaParameters {
   T control_delay = T(0);    ///< T_d, from what a drive measures to its torque [s], >= 0; see DriveLag
   T velocity_filter = T(0);  ///< T_v, time constant of the low-pass of the rate that K_d sees [s], >= 0; the same
 
-  /// The same constants in another scalar.
+  /// These constants in another scalar.
   template <class U>
   SeaParameters<U> cast() const {
     SeaParameters<U> out{U(k_p), U(k_d), U(k_sea), U(c_sea), U(i_motor)};

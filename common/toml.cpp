@@ -41,7 +41,7 @@ struct TomlFile::Data {
   std::set<std::string> all;                           // sections that take every key
 
   Location at(const toml::node& n) const { return {path, long(n.source().begin.line), long(n.source().begin.column)}; }
-  /// Throws on the first key of a table, or of tables in [[ ]], that was not asked for; those within them likewise.
+  /// Throws on the first key of a table, or of tables in [[ ]], that was not read; those within them likewise.
   void check(const std::string& name, const toml::node& node) const {
     if (const toml::array* list = node.as_array())
       for (const toml::node& item : *list) check(name, item);

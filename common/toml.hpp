@@ -1,4 +1,4 @@
-// TOML files in: every key is asked for with its rule; what nobody asked for is an error that names the nearest known
+// TOML files in: every key is read with its rule; a key that is not read is an error that names the nearest known
 // key.
 #pragma once
 
@@ -42,7 +42,7 @@ class TomlFile {
   std::optional<TomlSection> optional(const std::string& name);
   /// A text of the top level; none where the key is omitted or names a table.
   std::optional<std::string> optional_text(const std::string& key);
-  /// Throws on the first table or key that was not asked for.
+  /// Throws on the first table or key that was not read.
   void finish() const;
   const std::string& path() const;
 
@@ -66,7 +66,7 @@ class TomlSection {
   std::optional<std::array<double, 2>> optional_angle_pair(const std::string& key);
   std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range);
   std::optional<std::vector<double>> optional_numbers(const std::string& key, std::size_t count, const Range& range);
-  /// At most so many; none is an empty list.
+  /// A list of at most `most` numbers; a missing one is empty.
   std::vector<double> optional_list(const std::string& key, std::size_t most, const Range& range);
   std::optional<long> optional_count(const std::string& key, long lowest, long highest);
   std::optional<std::vector<std::vector<double>>> optional_matrix(const std::string& key);
@@ -87,7 +87,7 @@ class TomlSection {
   /// Accepts whatever else the table holds (provenance).
   void accept_all();
   bool has(const std::string& key) const;
-  /// Where a key stands, or the table if it has no such key.
+  /// The place of a key, or of the table if it has no such key.
   Location where(const std::string& key = "") const;
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 

@@ -34,7 +34,7 @@ const toml::table* table_at(const toml::table& root, const TomlEdit::Place& plac
   return at->as_table();
 }
 
-/// Where a position of the parser, which counts letters, stands in the bytes.
+/// The byte of a position of the parser, which counts letters.
 std::size_t offset(const std::string& text, const toml::source_position& p) {
   std::size_t at = 0;
   for (toml::source_index line = 1; line < p.line; ++line) at = text.find('\n', at) + 1;

@@ -19,7 +19,7 @@ class TomlEdit {
   bool has(const Place& table, const std::string& key) const;
   /// The text at a key; empty where there is none.
   std::string text_at(const Place& table, const std::string& key) const;
-  /// A number at a key of a table that is there; one that stands there already is left as it is written.
+  /// A number at a key of a table that is there; a number that is there already is left as it is written.
   void set(const Place& table, const std::string& key, double value);
   /// A text likewise.
   void set(const Place& table, const std::string& key, const std::string& text);

@@ -20,7 +20,7 @@ Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string
 /// The line of the key `covariance`.
 std::string covariance_lines(const DenseMatrix& covariance);
 
-/// Of [verdict]; keys are some of `constants`, the result is in their order. Empty where the file has no such table.
+/// Verdicts of [verdict]; keys are some of `constants`, the result in their order. Empty where there is no such table.
 /// Throws InputError with file:line:column.
 Verdicts read_verdicts(TomlFile& file, const std::vector<std::string>& constants);
 /// The table as a file has it; empty where there is no verdict.

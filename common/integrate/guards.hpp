@@ -17,7 +17,7 @@ struct Guards {
   std::array<T, N> rate;
   Guards() { value.fill(T(1)), rate.fill(T(0)); }
   void set(int i, const T& v, const T& r) { value[i] = v, rate[i] = r; }
-  /// The same where `active`; inactive elsewhere.
+  /// Sets a guard that counts where `active`, and is inactive elsewhere.
   template <class Mask>
   void set(int i, const T& v, const T& r, const Mask& active) {
     value[i] = select(active, v, T(1)), rate[i] = select(active, r, T(0));
@@ -77,7 +77,7 @@ inline Node start_node(double g, double d) {
   return {0, g <= kOnZero * d ? 0 : std::max(g, 0.0), d};
 }
 
-/// Where a guard, `value(s)`, first falls to zero between two nodes as far as their cubic tells; kNoZero if nowhere.
+/// Where a guard, `value(s)`, first falls to zero between two nodes on their cubic; kNoZero if nowhere.
 inline constexpr double kNoZero = 2;
 template <class F>
 double zero_between(const Node& a, const Node& b, F&& value, double resolution = 1e-14) {

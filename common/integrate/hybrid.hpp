@@ -164,7 +164,7 @@ class Integrator {
     double s = 2;  ///< where in the step, 0..1
   };
   /// The system as a step sees it: f, its Jacobian where asked, and how many components are positions, and how many
-  /// feed anything back (behind them may stand integrals).
+  /// feed anything back (integrals may follow them).
   struct Field {
     static constexpr int kPositions = System::kPositions;
     const System& system;
@@ -251,7 +251,7 @@ class Integrator {
     return guess;
   }
 
-  /// The same on the dense output, in four parts, for guards that come near zero or leave it.
+  /// Looks for the event on the dense output, in four parts, for guards that come near zero or leave it.
   void search_inside(const std::bitset<kGuards>& near, Crossing& first) {
     constexpr int kParts = 4;
     Guards<kGuards> left = start_, right;

@@ -96,7 +96,7 @@ struct StepEnds {
   const State& computed_end() const { return moved_ ? computed_end_ : y_end; }
   Time whole() const { return whole_; }
 
-  /// A place of the step: where in the computed length, 0..1, and how long behind its end [s].
+  /// A place of the step: where in the computed length, 0..1, and how long after its end [s].
   struct Place {
     Time share, behind;
   };

@@ -2,7 +2,7 @@
 //
 //     dt*/dp = -(dg/dp) / (dg/dt),      y_p(+) = y_p(-) + (f(-) - f(+)) dt*/dp                           (saltation)
 //
-// with y_p the derivatives of the state at a fixed time and f the field before and behind the event.
+// with y_p the derivatives of the state at a fixed time and f the field before and after the event.
 // Source: Hiskens, Pai, "Trajectory sensitivity analysis of hybrid systems", IEEE Trans. Circuits Syst. I 47 (2000).
 // Tests: test/property/gradient.cpp.
 #pragma once
@@ -20,8 +20,8 @@ Eigen::Matrix<double, P, 1> event_shift(const ceres::Jet<double, P>& guard, doub
   return guard.v / -rate;
 }
 
-/// y_p(-) to y_p(+) where the state does not jump; `before` and `behind` are the values of the field, `shift` is
-/// dt*/dp.
+/// y_p(-) to y_p(+) where the state does not jump; `before`, `behind`: the values of the field before and after the
+/// event; `shift`: dt*/dp.
 template <class State, class Values, class Shift>
 void saltate(State& y, const Values& before, const Values& behind, const Shift& shift) {
   for (int k = 0; k < y.size(); ++k) y[k].v += (before[k] - behind[k]) * shift;

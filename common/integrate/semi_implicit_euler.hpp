@@ -6,7 +6,7 @@
 namespace ukemi::integrate {
 
 /// v_1 = v + h a(t, q, v), q_1 = q + h v_1; order 1. The first `positions` components of the state are q, as many
-/// follow that are v; what comes behind them advances by the explicit Euler rule. Inside a step it is linear.
+/// follow that are v; what follows them advances by the explicit Euler rule. Inside a step it is linear.
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. (2006), I.1.
 struct SemiImplicitEuler {
   static constexpr const char* kName = "semi_implicit_euler";

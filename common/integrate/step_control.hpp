@@ -9,7 +9,7 @@ namespace ukemi::integrate {
 struct StepControl {
   double safety = 0.9;   ///< 0.8..0.95: nearer to 1, more steps are rejected
   double least = 0.2;    ///< 0.1..0.5: a step never shrinks by more, unless its error is no number
-  double most = 8;       ///< 1.5..10: or grows by more; behind a rejected step not at all
+  double most = 8;       ///< 1.5..10: or grows by more; after a rejected step not at all
   double broken = 0.1;   ///< where the error is no number, or beyond 1e10 tolerances
   double slack = 1.001;  ///< a step that would leave less than 0.1 % of itself before a stop goes to the stop
 };

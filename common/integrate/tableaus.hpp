@@ -183,7 +183,7 @@ struct DormandPrince853 {
     return out;
   }();
   /// Hairer's combination, an estimate of eighth order by the ratio of the two. In a step too long for either, such as
-  /// the first behind a jump of the field, it is a small quotient of two large numbers and means nothing: the
+  /// the first after a jump of the field, it is a small quotient of two large numbers and means nothing: the
   /// fifth-order estimate itself must stay below kFifth tolerances, which at an accuracy of 1e-9 is thrice what it is
   /// in steps that the combination rightly accepts; there it grows as accuracy^(-1/4).
   static double error_norm(const std::array<double, kEstimates>& estimate, double accuracy) {

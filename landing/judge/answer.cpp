@@ -83,7 +83,7 @@ class Timetable {
   bool rehearsed_ = false;
 };
 
-/// Every solver with the same budget, until it is stopped; progress is told of all of them together.
+/// Every solver with the same budget, until it is stopped; progress counts all of them together.
 std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea, OptimizeOptions options,
                             std::vector<std::string> solvers) {
   if (solvers.empty()) solvers = {options.solver};

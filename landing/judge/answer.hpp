@@ -1,4 +1,4 @@
-// The answer to Eq. 6 as a robot's programmer wants it: the best motion, its landing beside that of the held reference,
+// The answer to Eq. 6 as a robot's programmer wants it: the best motion, its landing and that of the held reference,
 // what small deviations do to it, and whether the actuator can follow it; all of it by a deadline, where one is given.
 #pragma once
 
@@ -29,10 +29,10 @@ struct AnswerOptions {
   std::vector<std::string> solvers;
   double rate = 0;  ///< rows of the trajectories a second [Hz]; 0: none
   enum class Extras {
-    kWithoutDeadline,  ///< evidence is worked out where there is no deadline and landings are not too long
+    kWithoutDeadline,  ///< evidence is computed where there is no deadline and landings are not too long
     kAlways,           ///< whatever it takes, beyond the deadline too
   } evidence = Extras::kWithoutDeadline;
-  Monitor evidence_monitor;  ///< told of the evidence's landings
+  Monitor evidence_monitor;  ///< progress in the evidence's landings
   double used = 0;           ///< of the deadline, before the call [s]
   /// Hands an answer over, for practice (the landing is that of the held reference), and returns how long that takes
   /// [s]: so much of the deadline is kept back. Called only with a deadline.
@@ -45,17 +45,17 @@ struct Answer {
   AnswerOptions options;
   Optimum best;
   std::vector<Optimum> tried;  ///< what each solver came to; one where one was asked for
-  /// Of `best.motion` and of best.held; End::kStopped where there was no time to play them.
+  /// The landings of `best.motion` and of best.held; End::kStopped where there was no time to play them.
   Landing landing, held;
   std::optional<LeastBreaking> least_breaking;  ///< where nothing was found that keeps the ratings
   std::optional<Evidence> evidence;
   std::optional<TouchdownLimit> limit;        ///< with the evidence
   double evidence_seconds = 0;                ///< that it took
   std::optional<Scatter> scatter;             ///< of the drops; none: they were measured
-  bool scatter_assumed = false;               ///< for nothing was said
+  bool scatter_assumed = false;               ///< the scene states none, and no option does
   bool scattered = false;                     ///< planned for it: best.value is the measure that is promised
   std::optional<UnderScatter> under_scatter;  ///< with the evidence
-  std::optional<Optimum> nominal;             ///< the plan for the scene's own drop, beside one for scatter
+  std::optional<Optimum> nominal;             ///< the plan for the scene's own drop, to compare with one for scatter
   std::optional<Estimated> promised;          ///< best.value of a plan for scatter, and its error; with the evidence
   std::optional<Ratings> ratings;             ///< where the landing was played
   std::optional<Instability> instability;
@@ -67,7 +67,7 @@ struct Answer {
   double reduction() const { return 1 - peak() / held_peak(); }
 };
 
-/// Throws InputError on options that are none; else see Optimum::found, without which the rest is empty.
+/// Throws InputError on invalid options; else see Optimum::found, without which the rest is empty.
 [[nodiscard]] Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions& options = {});
 
 }  // namespace ukemi::landing

@@ -12,7 +12,7 @@
 
 namespace ukemi::landing {
 
-/// Peaks of the motion and of what is held, and the contacts that make them. A peak that is not finite is that of a
+/// Peaks of the motion and of the held reference, and the contacts that make them. A peak that is not finite: a
 /// drop that could not be followed.
 class PeakCensus {
  public:
@@ -39,7 +39,7 @@ class IndexPlan {
   /// As many points as samples, or none where fewer than two groups scatter.
   IndexPlan(const Sampler& sampler, long samples);
   long landings() const { return n_ * long(blocks()); }
-  /// Why there are none of drawn drops, `stopped` before they were begun.
+  /// Why there are no indices of drawn drops; `stopped`: the run ended before they were begun.
   PeakRisk::WhyNone why_none(bool stopped) const;
   /// Peaks of so many points, infinite where there is none; empty: the run was stopped.
   using Peaks = std::function<std::optional<std::vector<double>>(const std::vector<double>& points, long count)>;

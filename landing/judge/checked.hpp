@@ -8,7 +8,7 @@
 
 namespace ukemi::landing {
 
-/// What a motion demands of the actuator, beside what the actuator can give.
+/// What a motion demands of the actuator, and what the actuator can give.
 struct Ratings {
   double reference_rate = 0;               ///< largest |dphi_ref| of the motion [rad/s]
   Demands demands;                         ///< of its landing
@@ -45,7 +45,7 @@ struct CheckedLanding {
 /// As `simulate`, with rate > 0 [Hz] a trajectory too.
 [[nodiscard]] CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, const Motion& motion,
                                              const SimulateOptions& options = {}, double rate = 0);
-/// The landing of kHeld (under_scatter.hpp) on the same drop, as exact, to stand beside it; none where the motion is
+/// The landing of kHeld (under_scatter.hpp) on the same drop, as exact, to compare with; none where the motion is
 /// that one, or the landing cannot be followed.
 [[nodiscard]] std::optional<Landing> held_beside(const CheckedLanding& checked, const SeaParameters<double>& sea,
                                                  double rate);

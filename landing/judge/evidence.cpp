@@ -12,7 +12,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Plays motions beside the one in question.
+/// Plays motions that deviate from the one in question.
 class Beside {
  public:
   Beside(const Scene& scene, const MotionSpace& space, const Coordinates& values, const EvidenceOptions& options)

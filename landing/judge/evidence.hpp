@@ -1,4 +1,4 @@
-// What a motion is worth beside its peak: how wide its basin is, and what small deviations do to it.
+// What a motion is worth besides its peak: how wide its basin is, and what small deviations do to it.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ struct EvidenceOptions {
   std::uint64_t seed = 1;     ///< of those
   int threads = 0;            ///< 0: all cores; without influence on the result
   long work = kCheckWork;     ///< left out where it would take more, see Evidence::complete
-  Monitor monitor;            ///< told of the landings
+  Monitor monitor;            ///< progress in landings
   void validate() const;      ///< throws InputError
 };
 
@@ -42,11 +42,11 @@ struct Evidence {
   static constexpr long kLandings = 420;
 };
 
-/// Works it out: the deviations first, then the widths. A width is found on a geometric grid from 1e-7 of the range up
-/// and then between its last good and first bad point, so it is that of the part that hangs together with the motion.
+/// Computes the deviations first, then the widths. A width is found on a geometric grid from 1e-7 of the range up
+/// and then between its last good and first bad point, so it is that of the connected part about the motion.
 [[nodiscard]] Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinates& values,
                                 const EvidenceOptions& options);
-/// The same of a motion of Eq. 6.
+/// The evidence of a motion of Eq. 6.
 [[nodiscard]] Evidence evidence(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                 const EvidenceOptions& options);
 

@@ -11,7 +11,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// What one landing demands most, beside what the ratings allow; infinite where it breaks another limit.
+/// What one landing demands most, and what the ratings allow; infinite where it breaks another limit.
 LeastBreaking demanded(const Scene& scene, const Play& play, const Limits& limits) {
   Limits others = limits;
   constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -27,7 +27,7 @@ LeastBreaking demanded(const Scene& scene, const Play& play, const Limits& limit
   return most;
 }
 
-/// The same of a motion over what it is planned for: the largest demand of the share that must keep the ratings.
+/// Demand of a motion over what it is planned for: the largest demand of the share that must keep the ratings.
 LeastBreaking demanded(const Scene& scene, const MotionSpace& space, const Play& play, const OptimizeOptions& options) {
   constexpr std::size_t kDrops = 8;
   std::vector<LeastBreaking> all;

@@ -8,13 +8,13 @@
 
 namespace ukemi::landing {
 
-/// The first touchdown sees the posture alone: no torque acts yet, so |ddr_0| right behind it depends on the joint
+/// The first touchdown sees the posture alone: no torque acts yet, so |ddr_0| right after it depends on the joint
 /// angle and nothing else. Without a move in the air no motion can have a lower peak than the smallest of these; with
 /// one, a joint that still turns at touchdown may be lower.
 struct TouchdownLimit {
-  double jump = 0;               ///< the smallest |ddr_0| right behind the first touchdown [m/s^2]
+  double jump = 0;               ///< the smallest |ddr_0| right after the first touchdown [m/s^2]
   double jump_phi = 0;           ///< the joint angle that gives it [rad]
-  double first_contact = 0;      ///< the smallest peak up to kFirstContact behind it, the joint held [m/s^2]
+  double first_contact = 0;      ///< the smallest peak up to kFirstContact after it, the joint held [m/s^2]
   double first_contact_phi = 0;  ///< [rad]
   bool found = false;            ///< false: no posture meets the floor
 

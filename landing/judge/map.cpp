@@ -119,7 +119,7 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
     for (int a = 0; a < p.u.size(); ++a) {
       const int points = map.cells[std::size_t(a)], at = cell[std::size_t(a)];
       const Variable& v = map.variables[std::size_t(a)];
-      // Along a variable that stands, the population starts within a tenth of its range.
+      // Along a fixed variable the population starts within a tenth of its range.
       const double width = points > 1 ? 1.0 / (points - 1) : 0.1,
                    middle = points > 1 ? at * width : (map.slice[a] - v.lower) / std::max(v.upper - v.lower, 1e-300);
       p.u[a] = std::clamp(points > 1 ? width * (at + random.uniform(-1, 1)) : middle + width * random.uniform(-1, 1),
@@ -130,7 +130,7 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
   while (!search.over()) {
     while (!search.over() && spread(population) > kConverged)
       evolve([&](std::span<Candidate> p) { search.evaluate(p); }, random, population, trials, {});
-    scatter(search.best(), random, population);  // once more, from close by
+    scatter(search.best(), random, population);  // once more, from a narrow population
     search.evaluate(population);
   }
   return search.judge(options.tight);

@@ -13,15 +13,15 @@ namespace ukemi::landing {
 class MotionSpace;
 
 struct MapOptions {
-  /// Points along each variable, ends included; 1, or none given: the variable stands at its value in `slice`.
+  /// Points along each variable, ends included; 1, or none given: the variable is fixed at its value in `slice`.
   std::vector<int> cells{64, 64, 32};
-  MotionValues slice;      ///< values of the variables that stand; empty: the middle of their ranges
+  MotionValues slice;      ///< values of the fixed variables; empty: the middle of their ranges
   double accuracy = 1e-5;  ///< of the grid's landings
   double tight = 1e-9;     ///< of the basins
-  int polished = 24;       ///< the best local minima of the grid are searched from close by
+  int polished = 24;       ///< number of the grid's best local minima that a local search starts from
   std::uint64_t seed = 1;
   int threads = 0;
-  Monitor monitor;        ///< told of the grid's rows, and of the basins
+  Monitor monitor;        ///< progress in the grid's rows, and in the basins
   void validate() const;  ///< throws InputError
 };
 
@@ -36,7 +36,7 @@ struct PeakMap {
   using Place = std::vector<int>;   ///< a number of a point along each variable
   std::vector<Variable> variables;  ///< of the motion space
   Place cells;                      ///< points along each
-  MotionValues slice;               ///< where a variable with one point stands
+  MotionValues slice;               ///< values of the variables with one point
   std::vector<Cell> grid;           ///< the first variable slowest, the last fastest
 
   std::size_t index(const Place& at) const;
@@ -61,7 +61,7 @@ struct MotionRange {
 /// Every point of the grid, on all lanes and threads, until the monitor stops it.
 [[nodiscard]] PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options = {});
 
-/// The same over the motions of Eq. 6.
+/// The map over the motions of Eq. 6.
 [[nodiscard]] PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const MapOptions& options = {});
 
 /// A basin: the best motion found near a local minimum of the grid, at MapOptions::tight.

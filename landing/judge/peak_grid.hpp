@@ -1,4 +1,4 @@
-// A grid of peaks and its basins, whatever falls: what the map of the paper's robot and that of a robot of links share.
+// A grid of peaks and its basins, for any robot: what the map of the paper's robot and that of a robot of links share.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ using PlayCells = std::function<void(const PeakMap& map, std::size_t first, std:
 
 /// The place in the cube of the n-th local minimum's basin, from its cell on; kNoMotion where none could be followed.
 using Descend = std::function<Candidate(const PeakMap::Place& cell, std::uint64_t n)>;
-/// Where the best local minima lead, those that lie apart, the best first; where the monitor stops it, those whose
+/// Distinct basins of the best local minima, the best first; where the monitor stops it, those whose
 /// search has ended.
 [[nodiscard]] std::vector<Candidate> descents(const PeakMap& map, const MapOptions& options, const Descend& descend);
 

@@ -24,7 +24,7 @@ constexpr long kChunk = 16'384;     // landings that are held in memory at once
 double peak_of(const LandingPeak& l) { return counted(l, std::numeric_limits<double>::infinity()); }
 bool followed(const LandingPeak& l) { return std::isfinite(peak_of(l)); }
 
-/// Plays a chunk after the other, and tells of the landings.
+/// Plays chunk after chunk, and reports the landings as progress.
 class Course {
  public:
   Course(const RiskOptions& options, long planned) : options_(options), planned_(planned) {}
@@ -50,7 +50,7 @@ class Course {
   bool stopped_ = false;
 };
 
-/// What limit an event is the passing of; none for a touch, which a landing tells itself.
+/// The limit that an event passes; none for a touch, which the landing's own result has.
 Limits limits_of(const RiskEvent& event, const Scene& scene) {
   Limits out;
   if (event.kind == RiskEvent::Kind::kSpeed) out.motor_speed = event.limit;

@@ -1,4 +1,4 @@
-// What a motion does over drops that scatter: how its peak is distributed, beside that of the held reference, which
+// What a motion does over drops that scatter: how its peak is distributed, compared with the held reference, which
 // contact makes it, what is touched and passed, and which uncertainty matters most.
 #pragma once
 
@@ -17,11 +17,11 @@ namespace ukemi::landing {
 
 struct RiskOptions {
   long samples = 10'000;                  ///< drops that are drawn: scrambled Sobol points; 1 to 10,000,000
-  std::vector<ScatteredDrop> measured;    ///< played in place of them, where there are any
-  std::array<bool, kPoints> forbidden{};  ///< points of which it is told how often they touch
+  std::vector<ScatteredDrop> measured;    ///< played instead of drawn drops, where there are any
+  std::array<bool, kPoints> forbidden{};  ///< points whose touches are counted
   std::uint64_t seed = 1;
   int threads = 0;        ///< 0: all cores; without influence on the results
-  Monitor monitor;        ///< told of the landings; what it stops is of the drops that were played until then
+  Monitor monitor;        ///< progress in landings; what it stops is of the drops that were played until then
   void validate() const;  ///< throws InputError
 };
 
@@ -60,7 +60,7 @@ struct PeakRisk {
   long from_floor = 0;                ///< drops that would begin below the floor: they begin on it
   std::vector<PeakContact> contacts;  ///< most drops first
   std::vector<RiskEvent> events;      ///< of the drops that were followed
-  std::vector<PeakBin> histogram;     ///< of the motion, beside it of what is held
+  std::vector<PeakBin> histogram;     ///< of the motion, and of the held reference
   std::vector<Uncertainty> uncertainties;  ///< the largest total index first; empty: see `why_none`
   enum class WhyNone { kThere, kMeasured, kNothingScatters, kOneGroup, kStopped } why_none = WhyNone::kThere;
   long index_landings = 0, index_failed = 0;  ///< played for them; of these could not be followed

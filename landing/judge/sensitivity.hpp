@@ -17,7 +17,7 @@ struct Sensitivity {
   double error_estimate =
       0;                   ///< relative change of the peak when every step's tolerance is a hundredth (at least 1e-13)
   double change = 0;       ///< largest relative change of that tighter peak over scenes moved by 1e-6 relative
-  bool sensitive = false;  ///< change > kCliff: the motion stands beside a cliff of the objective
+  bool sensitive = false;  ///< change > kCliff: the motion is close to a cliff of the objective
   bool checked = false;    ///< the tighter run could be followed; else nothing of the rest is known
   bool right = false;      ///< the tighter run gives the same peak within kCliff, or the landing is sensitive
 };
@@ -29,7 +29,7 @@ struct Sensitivity {
                                       const SimulateOptions& options, double peak, int draws = 8,
                                       std::uint64_t seed = 1);
 
-/// The same of anything that falls. `play` is the peak at a tolerance, of the scene or of one that a random number
+/// Sensitivity of anything that falls. `play` is the peak at a tolerance, of the scene or of one that a random number
 /// moves; none where the run failed.
 using PeakOfMoved = std::function<std::optional<double>(double accuracy, Random* random)>;
 [[nodiscard]] Sensitivity sensitivity(double peak, double accuracy, const PeakOfMoved& play, int draws,

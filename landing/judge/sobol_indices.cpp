@@ -67,7 +67,7 @@ class Terms {
   std::vector<double> rows_;
 };
 
-/// Draws in which nothing varied tell nothing.
+/// Draws in which nothing varied give no index.
 Interval interval(double value, std::vector<double> draws) {
   std::erase_if(draws, [](double x) { return !std::isfinite(x); });
   if (draws.empty()) return {value, kNaN, kNaN};

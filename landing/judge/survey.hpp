@@ -10,8 +10,8 @@
 namespace ukemi::landing {
 
 struct SurveyOptions {
-  MapOptions map;            ///< its monitor is told of the grid's rows
-  Monitor basins, evidence;  ///< told of the basins that are found, and judged
+  MapOptions map;            ///< its monitor: progress in the grid's rows
+  Monitor basins, evidence;  ///< progress in basins found, and judged
 };
 
 struct JudgedBasin {

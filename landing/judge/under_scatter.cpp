@@ -46,7 +46,7 @@ std::vector<double> finite(std::vector<double> x) {
   return x;
 }
 
-/// A reference that stands at phi, after the planned move in the air, if there is one.
+/// A reference that is constant at phi, after the planned move in the air, if there is one.
 Motion holding(double phi, const Motion& planned) {
   Motion m{phi, phi, 1};
   m.reposition = planned.reposition;

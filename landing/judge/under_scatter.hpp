@@ -1,4 +1,4 @@
-// What a motion is worth where drops scatter, beside the references that do nothing: held at -45 deg, and held in the
+// What a motion is worth where drops scatter, compared with constant references: held at -45 deg, and held in the
 // posture that is best to hold.
 #pragma once
 
@@ -24,7 +24,7 @@ Scatter scatter_for(const std::optional<Scatter>& asked, const Scene& scene);
 struct RobustOptions {
   std::optional<Measure> measure;    ///< what is minimised; absent: the peak or the tolerant peak of the planned drop
   std::optional<Scatter> scatter;    ///< see scatter_for
-  std::vector<ScatteredDrop> drops;  ///< measured ones, in place of all that is drawn
+  std::vector<ScatteredDrop> drops;  ///< measured ones, instead of drawn ones
   double inflate = 1;                ///< see DropModel::Options
   long samples = 256;                ///< drops that are searched on, 1 to 1,000,000
   long judging = 2048;               ///< others, that the best few are judged on; the same range
@@ -58,7 +58,7 @@ struct UnderScatter {
   bool complete = false;   ///< false where it was stopped
 
   std::optional<Distribution> nominal;  ///< of UnderScatterOptions::nominal
-  std::vector<PeakBin> histogram;       ///< of the planned motion, beside it of the nominal one; finite peaks alone
+  std::vector<PeakBin> histogram;       ///< of the planned motion, and of the nominal one; finite peaks alone
   std::vector<Landing> shown;           ///< of the planned motion in the first drops
   static constexpr std::size_t kShown = 10;
 };

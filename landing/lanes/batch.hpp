@@ -27,7 +27,7 @@ struct BatchOptions {
   bool extended = false;
   bool late = false;                      ///< some actuator's drive is late; else the scalar path follows it
   Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
-  enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what becomes of a landing beyond max_steps
+  enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what to do with a landing beyond max_steps
   long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit
   const std::function<bool()>* over = nullptr;  ///< of batch_peaks: see SimulateOptions
   void validate() const;                        ///< throws InputError
@@ -37,7 +37,7 @@ struct BatchOptions {
 enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
 inline constexpr std::array<const char*, 3> kInstructionSetNames = {"baseline", "avx2", "avx512"};
 InstructionSet widest_instruction_set();
-/// Landings side by side: 2, 4, 8.
+/// Lanes of an instruction set: 2, 4, 8.
 constexpr int lanes(InstructionSet s) { return 2 << int(s); }
 /// The peaks of many landings, by the kernel that holds the terms of all of them; `threads` as everywhere: 0 for all
 /// cores, and without influence on the results. Those that `over` cut off come back with End::kStopped. Throws

@@ -155,7 +155,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
     if (!options_.limits.within_steps()) return M(false);
     return where & options_.limits.broken_by(System::sea_state(step_.y), system_.motor_torque_of(step_.t, step_.y));
   }
-  /// Of those whose step ended at no event.
+  /// Lanes at rest, of those whose step ended at no event.
   UKEMI_INLINE M resting(const M& plain) const { return plain & at_rest(system_, step_.y, square_, rest_scale_); }
 
   BatchSource& source_;

@@ -140,7 +140,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   UKEMI_INLINE const T& longest_step() const { return longest_; }
   void stepped() {}
   M breaking(const M&) const { return M(false); }
-  /// Of those whose step ended at no event: the rule of body_rest.hpp, where the kinetic energy allows it.
+  /// Lanes at rest, where the step ended at no event: the rule of body_rest.hpp, where the kinetic energy allows it.
   UKEMI_INLINE M resting(const M& plain) {
     auto p = system_.pose(step_.y);
     if (system_.body.base == Base::kFree) p.vx = T(0.0);

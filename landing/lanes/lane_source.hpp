@@ -19,11 +19,11 @@ class LaneSource {
   virtual bool next(int lane, Case& c) = 0;
   /// The lane's landing has ended.
   virtual void done(int lane, const Result& result) = 0;
-  /// Asked every few dozen steps: true ends the run, and nobody is told of the landings under way.
+  /// Asked every few dozen steps: true ends the run, and the landings under way are not reported.
   virtual bool over() { return false; }
 };
 
-/// A machine has at most so many lanes.
+/// Largest number of lanes of any machine.
 inline constexpr int kMostLanes = 8;
 
 /// Cases in their order, to whichever lane of whichever thread is free.

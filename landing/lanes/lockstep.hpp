@@ -27,7 +27,7 @@
 
 namespace ukemi::landing {
 
-/// `Landing` tells what falls:
+/// `Landing` defines what falls:
 ///   load(i)              takes the next landing into a lane, by begin(), or leaves it empty
 ///   cross(i, guard)      into the mode beyond a guard; false where the landing ends there
 ///   reached(i)           the step has ended at stop_: how the landing ended, if it did

@@ -18,7 +18,7 @@ struct TwoLink {
   T link_length;                 ///< l, of each link [m], > 0
   T gravity;                     ///< g [m/s^2], >= 0
 
-  /// The same robot in another scalar.
+  /// This robot in another scalar.
   template <class U>
   TwoLink<U> cast() const {
     return {{U(mass[0]), U(mass[1])}, {U(inertia_com[0]), U(inertia_com[1])}, U(link_length), U(gravity)};
@@ -35,7 +35,7 @@ struct Floor {
   T damping_normal;      ///< C_fy [N/(m/s)], >= 0
   T damping_tangential;  ///< C_fx [N/(m/s)], >= 0
 
-  /// The same floor in another scalar.
+  /// This floor in another scalar.
   template <class U>
   Floor<U> cast() const {
     return {U(stiffness), U(damping_normal), U(damping_tangential)};

@@ -11,17 +11,17 @@
 namespace ukemi::landing {
 
 /// Reads scene.toml: [robot] and [drop] are required, [floor], [search], [execution], [run], [motion],
-/// [release], [joint], [detection], [uncertainty], [verdict], [scatter] optional; an absent table or key is an absent
-/// term. Throws InputError with file:line:column.
+/// [release], [joint], [detection], [uncertainty], [verdict], [scatter] optional; an omitted table or key switches its
+/// effect off. Throws InputError with file:line:column.
 Scene read_scene(const std::string& path);
 
-/// The text of a scene.toml that `read_scene` reads back; `comments` goes in front, each line behind "# ".
+/// The text of a scene.toml that `read_scene` reads back; `comments` goes in front, each line after "# ".
 std::string to_toml(const Scene& scene, const std::string& comments);
 
 /// Reads motion.toml: [motion] phi_i_deg, phi_f_deg (or phi_i, phi_f in rad), duration; optional bumps_deg, gain_p,
 /// gain_d, and [reposition] phi_deg, rate_deg, from, to. A path that ends in .csv: see read_motion_csv.
 Motion read_motion(const std::string& path);
-/// The text of a motion.toml; `comments` goes in front, each line behind "# ".
+/// The text of a motion.toml; `comments` goes in front, each line after "# ".
 std::string to_toml(const Motion& motion, const std::string& comments);
 /// The reference over time. t = 0 at the start of the landing motion, which is the detected first touchdown; rows
 /// before are the move in the air.
@@ -40,13 +40,13 @@ struct MotionRows {
 /// The rows of a motion whose landing is expected to start at a time from release [s], infinite: once the move in the
 /// air is over. `rate`: rows a second [Hz], > 0; the last row is the motion's end.
 MotionRows rows_of(const Motion& motion, double start, double rate);
-/// The text of a motion.csv; `comments` goes in front, each line behind "# ".
+/// The text of a motion.csv; `comments` goes in front, each line after "# ".
 std::string to_csv(const MotionRows& rows, const std::string& comments);
 
 /// Reads a motion.csv as `ukemi optimize` writes it, and recovers the motion: the end angles and the duration are the
 /// rows' own, the shape terms their least-squares fit (linear in b_k), phi_I and the end of the move in the air the
 /// least-squares fit of its quintic. Throws InputError, with file:line:column, on rows that are not of such a motion.
-/// Of several joints in one file, `joint` names the one: its columns are phi_ref_JOINT and so on.
+/// In a file of several joints `joint` names one: its columns are phi_ref_JOINT and so on.
 /// Tests: test/unit/motion_csv.cpp.
 Motion read_motion_csv(const std::string& path, const std::string& joint = "");
 

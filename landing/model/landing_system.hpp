@@ -17,7 +17,7 @@ struct LandingTerms {
   bool floor;  ///< contact points that may touch
   constexpr LandingTerms(SeaTerms s, bool f = true) : sea(s), floor(f) {}
 };
-/// Of the kernels that are compiled. A scene runs the first that holds all of its own.
+/// Terms of the compiled kernels. A scene runs the first that holds all of its own.
 inline constexpr LandingTerms kFlightTerms{SeaTerms{.torque_limit = true, .extended = true}, false},  ///< no floor
     kPlainTerms{SeaTerms{.torque_limit = false}},                                ///< no torque limit
     kLimitedTerms{SeaTerms{.torque_limit = true}},                               ///< the paper's scene
@@ -63,7 +63,7 @@ class LandingSystem : public ModeOf<T>::type {
       if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
   }
 
-  /// The same system, in its present mode, in another scalar.
+  /// This system, in its present mode, in another scalar.
   template <class U, class UConstant>
   explicit LandingSystem(const LandingSystem<kAllTerms, kAccounts, U, UConstant>& o)
       : Mode(o),
@@ -208,7 +208,7 @@ class LandingSystem : public ModeOf<T>::type {
     else
       return asked(t, y);
   }
-  /// The drive has seen the rates of y, and asked for the torque that it asks for, for ever.
+  /// Sets a late drive as if the rates of y and the torque demanded now had been constant for ever.
   void steady([[maybe_unused]] State& y) const {
     if constexpr (kTerms.late) {
       const SeaState<T> s = sea_state(y);
@@ -270,7 +270,7 @@ class LandingSystem : public ModeOf<T>::type {
 
  private:
   static auto lags(const State& y) { return y.template segment<kLags>(kMechanical); }
-  /// What the drive asks for now, Eq. 3 of what it sees [Nm].
+  /// The torque that the drive demands now, Eq. 3 of what it measures [Nm].
   template <class Time>
   T asked(const Time& t, const State& y) const {
     SeaState<T> s = sea_state(y);

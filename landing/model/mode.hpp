@@ -1,4 +1,4 @@
-// The discrete state of a landing: what touches, which torque limit acts, where the reference stands.
+// The discrete state of a landing: what touches, which torque limit acts, which part of the reference is played.
 #pragma once
 
 #include <array>

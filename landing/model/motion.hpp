@@ -17,14 +17,14 @@ inline constexpr int kMotionNumbers = 10, kDurationSlot = 2, kBumpSlot = 3, kGai
                      kToSlot = kGainSlot + 2;
 inline constexpr std::array<const char*, kMotionNumbers> kMotionNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
                                                                          "b2",    "b3",    "gain_p",   "gain_d", "to"};
-/// They themselves; `none` stands for the `to` of a motion that does not move in the air.
+/// Their values; `none` is given for the `to` of a motion that does not move in the air.
 template <class T>
 std::array<T*, kMotionNumbers> motion_numbers(MotionOf<T>& m, T& none) {
   return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
           &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   m.reposition ? &m.reposition->to : &none};
 }
 
-/// Where the reference stands: before a piece of it, in it, or after the landing motion.
+/// Which part of the reference is played: before a piece of it, in it, or after the landing motion.
 enum class Phase : unsigned char { kBefore, kMoving, kAfter };
 inline bool moving(Phase p) { return p == Phase::kMoving; }
 inline bool after(Phase p) { return p == Phase::kAfter; }

@@ -69,7 +69,7 @@ std::string to_csv(const MotionRows& r, const std::string& comments) {
 
 namespace {
 
-/// Below this rate the reference stands [rad/s].
+/// Below this rate the reference counts as constant [rad/s].
 constexpr double kStill = 1e-12;
 
 /// A file's rows, and what of them is recovered. The first row of the landing motion is `zero`, its last `end`.
@@ -197,7 +197,7 @@ BumpsOf<double> RowReader::bumps(const Motion& plain) const {
   return without > 2 * with + kRounding ? shaped.bumps : plain.bumps;
 }
 
-/// The row where the move in the air begins: the last of those in front that stand, where another joint's move begins
+/// The row where the move in the air begins: the last constant one of the first rows, where another joint's move begins
 /// earlier than this one's.
 std::size_t RowReader::begin_of_move() const {
   std::size_t i = 0;
@@ -232,7 +232,7 @@ void RowReader::fit_move(Motion& m) const {
   m.reposition = Reposition{phi, rows.release_rate, from, rows.start};
   m.phi_i = phi;
   if (last == 0) {
-    if (!suffix_.empty() && rows.release_rate == 0) m.reposition.reset();  // it is another joint that moves
+    if (!suffix_.empty() && rows.release_rate == 0) m.reposition.reset();  // another joint moves
     return;
   }
   require_rows(first, last - first, "move in the air");

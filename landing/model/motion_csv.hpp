@@ -8,7 +8,7 @@ namespace ukemi::landing {
 /// Rows are those of a motion where none is farther from it than this.
 inline constexpr double kAngleMisfit = 1e-4,  ///< [rad]
     kRateMisfit = 1e-2;                       ///< [rad/s]
-/// So many rows must lie inside a piece of the reference that moves: more than it has unknowns.
+/// Least number of rows inside a piece of the reference that moves: more than it has unknowns.
 inline constexpr int kLeastRows = kMostBumps + 1;
 
 }  // namespace ukemi::landing

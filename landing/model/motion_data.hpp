@@ -39,7 +39,7 @@ struct MotionOf {
   /// Joint angle and rate at release.
   T release_phi() const { return reposition ? reposition->phi : phi_i; }
   T release_rate() const { return reposition ? reposition->rate : T(0); }
-  /// The same motion in another scalar.
+  /// This motion in another scalar.
   template <class U>
   MotionOf<U> cast() const {
     MotionOf<U> out{U(phi_i), U(phi_f), U(duration)};
@@ -51,7 +51,7 @@ struct MotionOf {
 };
 using Motion = MotionOf<double>;
 using Reposition = RepositionOf<double>;
-/// Throws InputError for a number that is not finite or outside the range that stands beside it. A move in the air that
+/// Throws InputError for a number that is not finite or outside the range given with it. A move in the air that
 /// never begins has both times infinite.
 void validate(const Motion& motion);
 
@@ -61,7 +61,7 @@ bool moves_in_air(const Motion& m, double start);
 Reference<double> reference_before(const Motion& m, double time);
 /// The landing motion that starts `time` from release, from where the reference is then: phi_I is replaced by it.
 Motion started_at(const Motion& m, double time);
-/// What a landing motion that starts at phi_I plays `time` after its start [s]: phi_I before it, phi_F behind its end.
+/// What a landing motion that starts at phi_I plays `time` after its start [s]: phi_I before it, phi_F after its end.
 Reference<double> reference_of(const Motion& m, double time);
 /// Largest |dphi_ref| of a motion whose landing starts at a time from release (infinite: once the move in the air is
 /// over), the move included; without bumps 15/8 |phi_F - phi_I| / t, at its middle [rad/s].

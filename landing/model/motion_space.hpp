@@ -41,13 +41,13 @@ class MotionSpace {
   /// Values of a point of the unit cube, within their ranges (beyond them where it is beyond the cube); and the middle
   /// of the cube.
   Coordinates values(const Coordinates& unit) const;
-  /// And back: the place of values, beyond the cube where they are beyond their ranges, and the nearest in the cube. A
+  /// The inverse: the place of values, beyond the cube where they are beyond their ranges; then the nearest in it. A
   /// range of one value has its middle.
   Coordinates place(const Coordinates& values) const;
   Coordinates unit(const Coordinates& values) const { return place(values).cwiseMax(0).cwiseMin(1); }
   Coordinates centre() const { return Coordinates::Constant(dimension(), 0.5); }
 
-  /// The motion whose reference stands at phi [rad] throughout, else as the drive is: what a robot does that plans
+  /// The motion whose reference is phi [rad] throughout, else as the drive is: what a robot does that plans
   /// nothing. It may lie beyond the ranges. Absent where a space knows none.
   virtual std::optional<Coordinates> holding(double /*phi*/) const { return std::nullopt; }
   /// Which of the values lie on the lower (-1) or upper (+1) edge of their range, or beyond it, to a thousandth of it.
@@ -55,7 +55,7 @@ class MotionSpace {
 
   /// What the values stand for.
   virtual Play play(const Coordinates& values) const = 0;
-  /// The same as a robot plays it: end angles and duration are what it misses, whatever the other variables. The box
+  /// The motion as a robot plays it: end angles and duration are what it misses, whatever the other variables. The box
   /// may leave the ranges; a duration stops at 0.1 ms.
   virtual Play inexact(Play play, const ExecutionTolerance& tolerance, const Deviation& deviation) const;
   /// Point k of its execution box, the play itself first.
@@ -84,7 +84,7 @@ class ReferenceSpace : public MotionSpace {
   Coordinates values_of(const Motion& m) const;
   std::optional<Coordinates> holding(double phi) const override;
   Eigen::MatrixXd jacobian(const Coordinates&) const override;
-  /// The same space for another release: of `scene`, which has one if and only if the space's own had.
+  /// This space for another release: of `scene`, which has one if and only if the space's own had.
   void release(const Scene& scene);
 
  private:

@@ -16,7 +16,7 @@ struct DriveCommand {
   double gain_d = 1;  ///< factor of K_d
 };
 
-/// Holds the angles of release until it is told of the release, moves in the air by the clock, and plays the landing
+/// Holds the angles of release until `released` is called, moves in the air by the clock, and plays the landing
 /// motion of every joint from the touchdown on, whatever the move in the air is doing then. Behind the end of each
 /// motion its last angle is held. After construction nothing allocates or throws: made for a control loop.
 class Player {

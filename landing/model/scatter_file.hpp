@@ -20,7 +20,7 @@ std::string toml_lines(const Scatter& scatter);
 
 /// NAME=VALUE,... with the names of [scatter] and without quotes. Throws InputError "OPTION: ...".
 Scatter parse_scatter(const std::string& option, const std::string& text);
-/// The same text again.
+/// The text that parse_scatter reads back.
 std::string text_of(const Scatter& scatter);
 
 }  // namespace ukemi::landing

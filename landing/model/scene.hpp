@@ -36,7 +36,7 @@ struct SearchRange {
   std::array<double, 2> duration{0.1, 1.0};           ///< [s]
 };
 
-/// What motions have beside Eq. 6's three numbers (landing/model/motion.hpp). Ours; absent by default.
+/// What motions have besides Eq. 6's three numbers (landing/model/motion.hpp). Ours; absent by default.
 struct Freedom {
   int bumps = 0;                                                        ///< shape terms, 0..kMostBumps
   std::array<double, 2> bump{-2.0943951023931953, 2.0943951023931953};  ///< range of each: +-120 deg [rad]
@@ -64,7 +64,7 @@ struct Scene {
   std::optional<std::array<double, 2>> joint;  ///< stops of the joint angle phi_1 [rad]
   std::optional<Uncertainty> uncertainty;      ///< of stiffness, damping_normal, damping_tangential, pitch
   Verdicts verdicts;                           ///< of those, by the calibration that wrote them; empty: it says nothing
-  std::optional<Scatter> scatter;              ///< of its drops; absent: nothing is said
+  std::optional<Scatter> scatter;              ///< of its drops; absent: the scene does not state it
   double detection_delay = 0;                  ///< from the first touchdown to the motion's start [s], >= 0
   SearchRange search;
   Freedom freedom;
@@ -74,7 +74,7 @@ struct Scene {
   /// A run lasts at most this long after the first touchdown where t_end is absent [s].
   static constexpr double kFollow = 10;
 
-  /// Throws InputError for a number outside the range that stands beside it, or that read_scene refuses.
+  /// Throws InputError for a number outside the range given with it, or that read_scene refuses.
   void validate() const;
   bool touches() const { return floor.has_value() && (contacts[kHip] || contacts[kKnee] || contacts[kFoot]); }
 };

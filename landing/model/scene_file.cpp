@@ -25,7 +25,7 @@ std::array<double, 2> rising(const TomlSection& section, const std::string& key,
   return {v[0], v[1]};
 }
 
-/// [motion], [release], [joint], [uncertainty], [verdict], [scatter] and [detection]: what this scene has beside the
+/// [motion], [release], [joint], [uncertainty], [verdict], [scatter] and [detection]: what this scene has besides the
 /// paper's.
 void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
   if (auto motion = file.optional("motion")) scene.freedom = read_freedom(*motion);
@@ -153,7 +153,7 @@ namespace {
 
 std::string pair(double a, double b) { return "[" + shortest(a) + ", " + shortest(b) + "]"; }
 
-/// "key = value  # unit" behind a text.
+/// Appends "key = value  # unit" to a text.
 struct LineWriter {
   std::string& text;
   void operator()(const char* key, const std::string& value, const char* unit) const {
@@ -161,7 +161,7 @@ struct LineWriter {
   }
 };
 
-/// What this scene has beside the paper's: the tables behind [run].
+/// What this scene has in addition to the paper's: the tables after [run].
 std::string tables_beyond_the_paper(const Scene& s) {
   std::string text;
   const LineWriter line{text};

@@ -9,11 +9,11 @@
 
 namespace ukemi::landing {
 
-/// What motions may have beside the paper's three numbers, of [motion]: bumps, bump_deg, landing_gains. Throws
+/// What motions may have besides the paper's three numbers, of [motion]: bumps, bump_deg, landing_gains. Throws
 /// InputError.
 Freedom read_freedom(TomlSection& motion);
 
-/// What is wrong with a scene's release.
+/// A fault of a scene's release.
 struct ReleaseFault {
   std::string key, message;
 };
@@ -23,7 +23,7 @@ std::optional<ReleaseFault> release_fault(const Scene& scene);
 /// A motion from its tables, of which the second may be absent.
 Motion read_motion(TomlSection& motion, std::optional<TomlSection> reposition);
 
-/// A motion's tables alone; of one of several joints, whose name stands in theirs: [motion.JOINT].
+/// A motion's tables alone; of one of several joints, with its name: [motion.JOINT].
 std::string motion_tables(const Motion& motion, const std::string& joint = "");
 
 }  // namespace ukemi::landing

@@ -42,7 +42,7 @@ class TwoLinkDynamics {
         inertia0(r.inertia_com[0] + mu_a2),
         inertia1(r.inertia_com[1] + mu_a2) {}
 
-  /// The same in another scalar.
+  /// This model in another scalar.
   template <class U>
   TwoLinkDynamics<U> cast() const {
     return TwoLinkDynamics<U>(*this);

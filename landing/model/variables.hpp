@@ -1,4 +1,4 @@
-// The variables that a search chooses, and what a choice of them stands for.
+// The variables that a search chooses, and the motion and drive that a choice of them gives.
 #pragma once
 
 #include <array>
@@ -58,13 +58,13 @@ class MotionValues {
 /// For each variable -1 on the lower edge of its range, +1 on the upper, else 0.
 using Edges = std::array<signed char, kMostVariables>;
 
-/// What a point of a space stands for: the reference that is played, and the drive that follows it.
+/// What a point of a space gives: the reference that is played, and the drive that follows it.
 struct Play {
   Motion motion;
   SeaParameters<double> sea;
 };
 
-/// A motion that is played beside its plan, in parts of the execution tolerance, -1..1.
+/// How a motion that is played deviates from its plan, in parts of the execution tolerance, -1..1.
 struct Deviation {
   double phi_i, phi_f, duration;
 };

@@ -27,7 +27,7 @@ double spline_between(const Waypoint& a, const Waypoint& b, double t);
 /// Tests: test/unit/waypoints.cpp.
 std::vector<Waypoint> waypoints(const ReferencePiece<double>& piece);
 /// Several pieces from t = 0 on, each from its own start (>= 0): the waypoints of each piece at the times of all, the
-/// same number for each. A piece stands before its start and behind its end.
+/// same number for each. A piece is constant before its start and after its end.
 std::vector<std::vector<Waypoint>> waypoints(const std::vector<ReferencePiece<double>>& pieces);
 
 }  // namespace ukemi::landing

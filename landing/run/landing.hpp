@@ -58,9 +58,9 @@ struct Limits {
   std::array<bool, kPoints> forbidden{};                          ///< points that must never touch
   double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s], >= 0
   double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm], >= 0
-  /// Of the joint angle phi_1 [rad].
+  /// Range of the joint angle phi_1 [rad].
   std::array<double, 2> joint{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  /// Of |dphi_ref| [rad/s]. A landing breaks it where the floor cuts the move in the air short and the motion from
+  /// Largest |dphi_ref| [rad/s]. A landing breaks it where the floor cuts the move in the air short and the motion from
   /// there is quicker; what is planned is known without a landing, see peak_reference_rate.
   double reference_rate = std::numeric_limits<double>::infinity();
   void validate() const;  ///< throws InputError

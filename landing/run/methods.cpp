@@ -1,4 +1,4 @@
-// The single methods, for comparison with `auto`: compiled for the kernel that holds every term.
+// Landings by a single integrator, for comparison with `auto`: compiled for the kernel that holds every term.
 #include "common/integrate/rosenbrock.hpp"
 #include "common/integrate/semi_implicit_euler.hpp"
 #include "landing/run/follow.hpp"

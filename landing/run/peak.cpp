@@ -1,4 +1,4 @@
-// The fast path: nothing but the peak.
+// The fast path of a landing: its peak alone, no report.
 #include "landing/model/release.hpp"
 #include "landing/run/kernels.hpp"
 

@@ -9,7 +9,7 @@
 
 namespace ukemi::landing {
 
-/// Keeps the largest |ddr_0|^2 of what it is shown.
+/// Keeps the largest |ddr_0|^2 of the steps that it is given.
 class PeakTracker {
  public:
   double square = 0, t = 0;
@@ -57,7 +57,7 @@ class PeakTracker {
   static constexpr double kDoubles = 4;  ///< a resolved step that holds a new peak ends above a quarter of the old one
   static constexpr double kUnresolved = 100;  ///< times the larger end: no peak of a resolved step
   static constexpr double kUnit = 10;         ///< below it |ddr_0| is small whatever its ratio to the ends [m/s^2]
-  static constexpr double kNear = 0.9;        ///< and its nodes come this near, as squares
+  static constexpr double kNear = 0.9;        ///< of the peak, as squares: lower nodes are not refined
 
   struct Node {
     double s, q;

@@ -1,4 +1,4 @@
-// What a report needs of a run beside its peak. Private to simulate.cpp.
+// What a report needs of a run besides its peak. Private to simulate.cpp.
 #pragma once
 
 #include <algorithm>
@@ -98,7 +98,7 @@ class Recorder {
   }
 };
 
-/// The fast path's: nothing is recorded.
+/// The recorder of the fast path: it records nothing.
 struct NoRecorder {
   NoRecorder(Landing*, double) {}
 };

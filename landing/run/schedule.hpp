@@ -1,4 +1,4 @@
-// The discrete course of a landing, told once: where its integration begins, what every event and every deadline
+// The discrete course of a landing, in one place: where its integration begins, what every event and every deadline
 // changes, and when it ends. The scalar run (follow.hpp), the lanes (landing/lanes) and the run with derivatives
 // (landing/derivatives) only step from one to the next.
 //
@@ -43,14 +43,14 @@ class Schedule {
   bool flies_on() const { return flies_on_; }
   /// What the reference does at start().
   Turn opening(Mode& mode) { return start_ < air_ ? Turn::kNone : turn(mode); }
-  /// The first step behind it [s].
+  /// The first step after start() [s].
   double first_step() const { return ballistic_ && to_ == kNever ? 1e-3 : 1e-2; }
-  /// A step while the reference moves is no longer, or the motion is passed over in a few steps [s].
+  /// A step while the reference moves is no longer, or a few steps would skip the motion [s].
   double motion_part() const { return 0.125 * (in_air() ? to_ - start_of_move_ : duration_); }
   /// The next deadline: no step goes beyond it [s].
   double stop() const { return std::min({limit_, air_, detected_, motion_end_}); }
 
-  /// What crossing a guard did.
+  /// What crossing a guard changed.
   struct Crossing {
     bool touchdown = false, liftoff = false;
     bool first = false;       ///< the first touchdown

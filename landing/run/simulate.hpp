@@ -1,4 +1,4 @@
-// How a landing is followed: its accuracy, and with one method.
+// The accuracy of a landing's steps, and a landing with one given integrator.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace ukemi::landing {
 
 using integrate::Method;
 
-/// From this accuracy up the lower order takes less time; see the work-precision table of tools/docs/benchmarks.md.
+/// From this accuracy up the lower order takes less time; see the table of tools/docs/benchmarks_landings.md.
 inline constexpr double kLowOrder = 1e-7;
 /// Whether dry friction acts on the output. It turns within kFrictionSpeed, so that an error of the joint's rate that
 /// no tolerance of the state sees is one of |ddr_0| there, and the peak would be the largest of such errors. The scalar
@@ -26,7 +26,7 @@ inline double step_accuracy(double asked, const SeaParameters<double>& sea) {
   return needs_fine_steps(sea) ? std::min(asked, kFine) : asked;
 }
 
-/// `peak_acceleration` with a single method: the comparison's, on one kernel for every scene.
+/// `peak_acceleration` with a single method, to compare integrators; one kernel for every scene.
 void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                         const SimulateOptions& options, LandingPeak& out);
 

@@ -1,4 +1,4 @@
-// The touches of a landing, and the largest acceleration between them. Of any robot.
+// The touches of a landing of any robot, and the largest acceleration between them.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace ukemi::landing {
 
 class TouchLog {
  public:
-  /// Into these, of so many points.
+  /// Writes into these, of a robot with so many contact points.
   TouchLog(std::vector<Touch>& touches, std::vector<Peak>& peaks, std::size_t points)
       : touches_(touches), peaks_(peaks), open_(points, -1) {}
 

@@ -1,4 +1,4 @@
-// What following landings costs, counted and not timed: a bound of it is the same on every machine and every day.
+// The cost of landings, counted in steps and not timed: a bound of it is the same on every machine and every day.
 #pragma once
 
 #include <limits>

@@ -43,7 +43,7 @@ const std::vector<DropColumn>& columns() {
   return list;
 }
 
-/// The other way of `numbers`.
+/// The inverse of `numbers`.
 ScatteredDrop drop_of(const DropNumbers& n, const Scene& scene, const SeaParameters<double>& sea) {
   ScatteredDrop out{.scene = scene, .phi = n.phi_off, .rate = n.rate_off};
   out.scene.uncertainty.reset(), out.scene.verdicts.clear();  // of the planned floor
@@ -53,7 +53,7 @@ ScatteredDrop drop_of(const DropNumbers& n, const Scene& scene, const SeaParamet
   out.scene.detection_delay = n.delay;
   for (std::size_t k = 0; k < actuator_constants().size(); ++k)
     if (const auto at = actuator_constants()[k].at; n.sea.*at != sea.*at) out.constants[k] = n.sea.*at - sea.*at;
-  out.scene.execution = {1, 1};  // so that what was missed stands in rad and s, also beyond the scene's tolerance
+  out.scene.execution = {1, 1};  // so that deviations are in rad and s, also beyond the scene's tolerance
   out.deviation = {n.phi_i_off, n.phi_f_off, n.duration_off};
   return out;
 }

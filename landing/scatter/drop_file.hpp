@@ -15,8 +15,8 @@ struct DropNumbers {
   double height, forward_speed, pitch, pitch_rate;
   double stiffness, damping_normal, damping_tangential;  ///< of the floor
   double delay;                                          ///< of the touchdown's detection
-  double phi_off, rate_off;                              ///< of the joint at release, beside the planned
-  double phi_i_off, phi_f_off, duration_off;             ///< of the motion, beside the planned
+  double phi_off, rate_off;                              ///< of the joint at release, less the planned
+  double phi_i_off, phi_f_off, duration_off;             ///< of the motion, less the planned
   SeaParameters<double> sea;                             ///< the actuator's constants
 };
 DropNumbers numbers(const ScatteredDrop& drop, const SeaParameters<double>& sea);
@@ -27,7 +27,7 @@ struct DropColumn {
   double unit;  ///< of the column, in SI: a degree or 1
   double DropNumbers::*number;
   Range range;
-  double SeaParameters<double>::*constant = nullptr;  ///< in place of `number`
+  double SeaParameters<double>::*constant = nullptr;  ///< instead of `number`
 
   const double& of(const DropNumbers& n) const { return constant ? n.sea.*constant : n.*number; }
   double& of(DropNumbers& n) const { return constant ? n.sea.*constant : n.*number; }

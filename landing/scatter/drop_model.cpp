@@ -15,7 +15,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// The reference stands at the joint's angle at release until the landing motion starts from there.
+/// The reference is the joint's angle at release until the landing motion starts from there.
 Reposition standing_until_touchdown(double phi, double rate) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   return {phi, rate, kNever, kNever};
@@ -27,7 +27,7 @@ SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> b
   const auto& all = actuator_constants();
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (by[k] == 0) continue;
-    constexpr double kLeast = 1e-12;  // an inertia of 0 is none
+    constexpr double kLeast = 1e-12;  // an inertia must be above 0
     const Range& range = all[k].range;
     double& x = sea.*all[k].at;
     x = std::clamp(x + by[k], range.low_open ? kLeast : range.low, range.high);

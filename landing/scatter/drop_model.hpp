@@ -21,8 +21,8 @@ class Sampler;
 /// A drop as it may come, and how what is played then differs from what was planned.
 struct ScatteredDrop {
   Scene scene;                                         ///< its drop, floor and detection
-  double phi = 0, rate = 0;                            ///< of the joint at release, beside the planned [rad], [rad/s]
-  std::array<double, kActuatorConstants> constants{};  ///< beside the actuator's own, within their ranges
+  double phi = 0, rate = 0;                            ///< of the joint at release, less the planned [rad], [rad/s]
+  std::array<double, kActuatorConstants> constants{};  ///< less the actuator's own, within their ranges
   Deviation deviation{};                               ///< of the motion, within the scene's execution tolerance
   bool from_floor = false;                             ///< it would begin below the floor, and begins on it
 
@@ -44,7 +44,7 @@ class DropModel {
   DropModel(const Scene& scene, const Scatter& scatter, const Actuator& actuator, const Options& options);
   DropModel(const Scene& scene, const Scatter& scatter) : DropModel(scene, scatter, Actuator{}, Options()) {}
 
-  /// Drops as they were measured, in place of drawn ones.
+  /// Drops as they were measured, instead of drawn ones.
   static DropModel measured(const Scene& scene, std::vector<ScatteredDrop> drops) {
     DropModel out(scene, Scatter{}, Actuator{}, {.floor = false, .actuator = false});
     out.measured_ = std::move(drops);
@@ -53,7 +53,7 @@ class DropModel {
 
   /// Whether drops differ at all.
   bool scatters() const { return dimension() > 0 || !measured_.empty(); }
-  /// Of the coordinates that a drop is drawn from; 0: nothing scatters.
+  /// Number of coordinates that a drop is drawn from; 0: nothing scatters.
   int dimension() const;
   /// What a drop is drawn from.
   const Sampler& sampler() const { return *sampler_; }

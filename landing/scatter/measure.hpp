@@ -1,4 +1,4 @@
-// What a distribution of peaks is worth: its mean, its worst part, its quantiles; and how well so many drops tell it.
+// What a distribution of peaks is worth: its mean, its worst part, its quantiles; and its standard error.
 #pragma once
 
 #include <span>
@@ -21,7 +21,7 @@ struct Measure {
   double share() const { return kind == Kind::kMean ? 0.5 : kind == Kind::kWorst ? 1 : level; }
 
   void validate() const;  ///< throws InputError for a level outside
-  /// Of the peaks, which it puts in another order. NaN of none.
+  /// The measure of the peaks, which it reorders. NaN where there are none.
   double of(std::span<double> peaks) const;
   /// mean, cvar, quantile:Q, worst, as options have them. Throws InputError "OPTION: ...".
   static Measure parse(const std::string& option, const std::string& text);
@@ -47,7 +47,7 @@ Distribution distribution(std::span<const double> peaks);
 /// Drops with a peak from `lower` to below `upper` [m/s^2].
 struct PeakBin {
   double lower, upper;
-  long drops = 0, beside = 0;  ///< of a motion, of what stands beside it
+  long drops = 0, beside = 0;  ///< of a motion, of what it is compared with
 };
 /// Bins whose width is a power of two: 32 to 64 from the smallest peak of the motion to its 99th percentile `q99`, and
 /// not more than 512 over both. Throws InputError for numbers that are not finite.

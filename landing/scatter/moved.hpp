@@ -1,4 +1,4 @@
-// A drive, a drop and a motion beside what was planned.
+// A drive, a drop and a motion that deviate from what was planned.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@ namespace ukemi::landing {
 SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> by);
 /// Moves height, pitch and speeds. Returns whether the drop would begin below the floor; it then begins on it.
 bool move_drop(Drop& drop, const Scatter& by);
-/// The motion of a joint that is released so far beside the planned angle and rate [rad], [rad/s].
+/// The motion of a joint that is released so far from the planned angle and rate [rad], [rad/s].
 Motion released_beside(Motion motion, double phi, double rate);
 
 }  // namespace ukemi::landing

@@ -26,7 +26,7 @@ constexpr long kMostPoints = 1'000'000'000;
 /// R with R R^T = C.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& c) {
   constexpr double kRounding = 1e-9;
-  // Constants differ by powers of ten: what counts as negative is asked of the correlations.
+  // Constants differ by powers of ten: negative eigenvalues are judged on the correlations.
   const Eigen::VectorXd std = c.diagonal().cwiseMax(0).cwiseSqrt();
   const Eigen::VectorXd inverse = std.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
   const SymmetricEigen eigen = symmetric_eigen(inverse.asDiagonal() * c * inverse.asDiagonal());

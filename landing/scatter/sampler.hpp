@@ -33,7 +33,7 @@ class Sampler {
   /// Uniform from -1 to 1.
   void uniform(const std::string& name, int count);
 
-  /// Of the coordinates that a sample is drawn from, one for each number; 0: nothing scatters.
+  /// Number of coordinates that a sample is drawn from, one for each number; 0: nothing scatters.
   int dimension() const { return dimension_; }
   const std::vector<ScatterGroup>& groups() const { return groups_; }
   /// The numbers of a point inside the cube, dimension() of them, in the order in which their groups were added.

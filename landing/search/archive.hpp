@@ -1,4 +1,4 @@
-// The best few candidates that lie apart: starts, basins, what an answer is chosen from.
+// Archive of the best few candidates that differ: starts, basins, contenders for the answer.
 #pragma once
 
 #include <algorithm>
@@ -17,11 +17,11 @@ class Archive {
  public:
   static constexpr std::size_t kMost = 64;
 
-  /// So many at most, 1 to kMost, so far apart in parts of the box, >= 0.
+  /// Largest size, 1 to kMost; least distance of two, in parts of the box, >= 0.
   Archive(std::size_t most, double apart) : most_(std::min(most, kMost)), apart_(apart) {}
 
-  /// Takes a candidate that could be followed, in place of all that it lies beside, or, where there is no place left,
-  /// of the worst. One that lies beside a better or equal one, or is the worst of too many, is refused. Returns whether
+  /// Takes a candidate that could be followed, instead of all within `apart` of it, or, where there is no place left,
+  /// of the worst. One that close to a better or equal one, or is the worst of too many, is refused. Returns whether
   /// it was taken.
   bool add(const Candidate& p) {
     if (!(p.value < bound()) || beside(p, p.value)) return false;
@@ -33,11 +33,11 @@ class Archive {
     *place = p, ++size_;
     return true;
   }
-  /// Whether p lies beside one that is at least as good as `value`.
+  /// Whether p is within `apart` of one that is at least as good as `value`.
   bool beside(const Candidate& p, double value) const {
     return std::any_of(begin(), end(), [&](const Candidate& q) { return q.value <= value && distance(p, q) < apart_; });
   }
-  /// What a candidate has to be below to be taken: the worst of a full list, kNoMotion where there is a place.
+  /// The value below which a candidate is taken: the worst of a full list, kNoMotion where there is a place.
   double bound() const { return size_ == most_ ? all_[size_ - 1].value : kNoMotion; }
   /// The lowest value; kNoMotion where there is none.
   double lowest() const { return size_ > 0 ? all_[0].value : kNoMotion; }

@@ -19,10 +19,10 @@ constexpr double kPlain = 0.1;   // share of the motions from anywhere that do n
 constexpr int kGeneration = 16;  // motions
 constexpr int kToTheEnd = 1'000'000;  // generations that no run needs
 
-/// How a distribution finds its way down.
+/// Settings of a run that descends by an adapting distribution.
 struct Descent {
   double size;             ///< its standard deviation at the start
-  double slack, patience;  ///< how far a run may be behind, and what is left of that after each generation
+  double slack, patience;  ///< how much worse than the best a run may be, and its factor after each generation
   double precision;        ///< relative: to better the best by less does not count
   int stalled, each;       ///< generations without, and so many for each variable more, until it ends
   double finest, poor;     ///< its width where it has converged: of the best run, of others
@@ -72,7 +72,7 @@ void AutoSearch::run(Search& search) {
   while (!over()) hop();
 }
 
-/// A few generations about each place that was given. What was planned for a drop nearby may be in the right basin
+/// A few generations about each given starting point. What was planned for a drop nearby may be in the right basin
 /// though its own value has gone over a cliff.
 void AutoSearch::follow_hints() {
   constexpr double kShare = 0.4, kSize = 0.03;
@@ -82,7 +82,7 @@ void AutoSearch::follow_hints() {
     if (!over()) descend(u, kSize, kGenerations);
 }
 
-/// The quickest way down, from nothing or from the basins that are known: motions from anywhere, then most from beside
+/// Fast first descent, with or without known basins: motions from anywhere, then most of them from close to
 /// the two best, the leads, each followed only while it may better one; from the best of them the first run.
 void AutoSearch::run_with_leads() {
   constexpr long kFree = 128, kEarly = 1'000, kFew = 1'500, kMany = 6'000;  // motions
@@ -116,17 +116,17 @@ void AutoSearch::run_with_leads() {
   converge(false);
 }
 
-/// Runs by the rough value.
+/// Runs that minimise the rough value.
 void AutoSearch::look_for_basins() {
   constexpr long kScouts = 3'000;
-  judged_ = basins_;  // what the places that were given led to
+  judged_ = basins_;  // where the given starting points led
   basins_.clear();
   by_ = profile_.rough, until_ = profile_.rough_share;
   run_from_scouts(kScouts, profile_.scouting * until_, nullptr);
   for (judge_best(); !over(); judge_best()) hop();
 }
 
-/// By the goal, so that there is an answer beside holding, however early the search ends.
+/// Judges by the goal, so that there is an answer besides holding, however early the search ends.
 void AutoSearch::judge_best() {
   if (basins_.empty() || search_->best().value < search_->held().value || search_->over()) return;
   Candidate best = basins_[0];
@@ -135,7 +135,7 @@ void AutoSearch::judge_best() {
   judged_.add(best);
 }
 
-/// The best basins by the goal: compared, then a run in each of the best two, or a population from beside them.
+/// The best basins by the goal: compared, then a run in each of the best two, or a population close to them.
 void AutoSearch::judge_basins() {
   constexpr double kShare = 0.05, kNarrow = 0.015;
   constexpr std::size_t kLeast = 4, kRuns = 2;
@@ -154,13 +154,13 @@ void AutoSearch::judge_basins() {
     descend(judged_[i].u, kNarrow, kToTheEnd);
 }
 
-/// A run beside one of the basins, the better the likelier, or from anywhere.
+/// A run from close to one of the basins, the better the likelier, or from anywhere.
 void AutoSearch::hop() {
   constexpr int kGlobal = 3;                                  // populations from anywhere, first of all
   constexpr double kNear = 0.5, kBox = 0.95, kNearly = 1.06;  // shares; a basin worth a race is this good
   constexpr double kNarrowest = -2, kWidest = -0.7;           // powers of ten
   constexpr double kShare = 0.1, kRaceShare = 0.2;            // of the budget, for scouts at most
-  constexpr double kFinest = -3, kFine = -1.3;                // the same by all drops: too dear to go anywhere else
+  constexpr double kFinest = -3, kFine = -1.3;                // likewise over all drops, which cost the most
   const long scouts = descent_of(profile_).scouts;
   if (profile_.smooth && search_->objective().exact(by_) && !basins_.empty())
     return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kToTheEnd);
@@ -217,14 +217,14 @@ Candidate AutoSearch::fresh(const Coordinates* about) {
   return p;
 }
 
-/// The best are starts.
+/// The best scouts become starts.
 void AutoSearch::play_scouts(Fidelity by) {
   search_->evaluate(generation_, by);
   for (const Candidate& p : generation_)
     if (p.value <= p.bound) starts_.add(p);
 }
 
-/// The same starts, in the order of what runs go by.
+/// The starts again, in the order of the value that runs minimise.
 void AutoSearch::judge_starts() {
   generation_.assign(starts_.begin(), starts_.end());
   starts_.clear();
@@ -239,7 +239,7 @@ bool AutoSearch::behind(double value, double slack, double patience, int generat
   return value > basins_.lowest() * (1 + slack * std::pow(patience, generation));
 }
 
-/// Generations until the population has found its basin, or is given up: behind the best, or in a basin that is known.
+/// Generations until the population has found its basin, or is given up: worse than the best, or in a known basin.
 /// It needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys.
 void AutoSearch::converge(bool may_give_up) {
   constexpr std::size_t kFewest = 6;
@@ -261,7 +261,7 @@ void AutoSearch::converge(bool may_give_up) {
 /// A run from a place, of a size in parts of the cube.
 void AutoSearch::descend(const Coordinates& start, double size, int generations) {
   constexpr double kBound = 1.2;        // a motion is left where it is worse than the last generation's middle by this
-  constexpr double kContender = 1.005;  // a run this near the best goes on to the finest width
+  constexpr double kContender = 1.005;  // a run this close to the best goes on to the finest width
   constexpr int kFree = 8;
   const Descent& how = descent_of(profile_);
   const int most_stalled = how.stalled + how.each * search_->dimension();

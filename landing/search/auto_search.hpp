@@ -2,17 +2,17 @@
 //
 // What it is built for: an objective that is a maximum over time (a landing may be abandoned as soon as it is worse
 // than what it competes with), cheap in batches, with many basins, kinks along valleys and cliffs. So:
-//   1. places that were given are searched for a few generations;
-//   2. scouts go anywhere, and close by the best of those before them, the closer the fewer are left: all there is
+//   1. given starting points are searched for a few generations;
+//   2. scouts are drawn anywhere, and close to the best of earlier ones, the closer the fewer are left: all there is
 //      time for in a hundredth of a second;
-//   3. from the best of them a run finds its way down, each motion followed only while it may still teach something; a
-//      run that falls behind the best basin is given up. With the paper's three variables a run is a population of
+//   3. from the best of them a run descends, each motion followed only while it may still be an improvement; a
+//      run that gets worse than the best basin is given up. With the paper's three variables a run is a population of
 //      differential evolution (population.hpp), with more, or under scatter, a distribution that starts at the best
 //      scout and adapts its covariance (cma.hpp);
-//   4. what a run came to is a basin, one of an archive of those that lie apart; later runs start beside one of them,
-//      where thin cracks are, or from the best of a few scouts anywhere else (basin hopping).
+//   4. where a run ends is a basin, kept in an archive of those that lie apart; later runs start close to one of them,
+//      where narrow minima are, or from the best of a few scouts anywhere else (basin hopping).
 // A goal that costs many landings a motion begins with a rougher value of it (GoalProfile): for a part of the budget
-// basins are looked for by that; then the best of them are judged, and searched, by the goal itself.
+// basins are searched by that; then the best of them are judged, and searched, by the goal itself.
 #pragma once
 
 #include <memory>
@@ -24,11 +24,11 @@
 
 namespace ukemi::landing {
 
-/// A goal as the search is told of it. Scouts are judged by the peak of the planned drop, one landing each.
+/// A goal as the search takes it. Scouts are judged by the peak of the planned drop, one landing each.
 struct GoalProfile {
   Fidelity goal;
-  Fidelity rough;          ///< runs go by this at first: it costs less, and leads to about the same places
-  double rough_share = 0;  ///< of the budget that is spent so, 0..1; 0: the goal itself costs one landing
+  Fidelity rough;          ///< runs minimise this at first: it costs less, and leads to about the same basins
+  double rough_share = 0;  ///< share of the budget that is spent so, 0..1; 0: the goal itself costs one landing
   double scouting = 0.7;   ///< of what runs have at first, the share that scouts may take, 0..1
   bool smooth = false;     ///< scatter has smoothed the cliffs: runs start wider, and end sooner
   bool one_landing() const { return rough_share == 0; }
@@ -39,7 +39,7 @@ class CovarianceAdaptation;
 
 class AutoSearch {
  public:
-  static constexpr std::size_t kAtOnce = 48;  ///< motions that it plays at once over drops, at most
+  static constexpr std::size_t kAtOnce = 48;  ///< largest number of motions played at once over drops
   /// Allocates all that `run` needs.
   AutoSearch();
   ~AutoSearch();
@@ -65,8 +65,8 @@ class AutoSearch {
 
   Search* search_ = nullptr;
   GoalProfile profile_;
-  Fidelity by_;       ///< that runs go by at present
-  double until_ = 1;  ///< and the share of the budget that they end at
+  Fidelity by_;       ///< the value that runs minimise at present
+  double until_ = 1;  ///< the share of the budget at which they end
   int races_ = 0;     ///< populations so far
   Random random_{0};
   std::unique_ptr<CovarianceAdaptation> distribution_;

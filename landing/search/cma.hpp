@@ -1,7 +1,7 @@
 // Covariance matrix adaptation, for valleys that run across the variables: a normal distribution whose mean, size and
 // shape follow the better half of each generation. Source: Hansen, "The CMA evolution strategy: a tutorial",
 // arXiv:1604.00772 (2016), without negative weights. Points outside of the cube are moved to its nearest face, and
-// learnt from there.
+// count as samples there.
 #pragma once
 
 #include <span>
@@ -15,11 +15,11 @@ class CovarianceAdaptation {
  public:
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostVariables, kMostVariables>;
 
-  /// Begins anew about a point, `size` in parts of the cube, for so many points a generation (>= 4).
+  /// Restarts about a point, `size` in parts of the cube, with a number of points a generation (>= 4).
   void start(const Coordinates& mean, double size, int generation);
   /// A generation's points; their bounds are the caller's.
   void sample(Random& random, std::span<Candidate> points) const;
-  /// Learns from them, the best first.
+  /// Updates the distribution from them, the best first.
   void learn(std::span<const Candidate> sorted);
   /// The distribution's largest standard deviation, in parts of the cube.
   double widest() const { return size_ * root_.maxCoeff(); }

@@ -45,7 +45,7 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
   max_steps_ = kTimes * std::max(kUsual, steps);
 }
 
-/// The reference is quicker than it may be, played exactly or in the shortest time of its execution box.
+/// Whether the reference is faster than allowed, played exactly or in the shortest time of its execution box.
 bool Objective::too_quick(const Play& play) const {
   const double most = options_.limits.reference_rate;
   if (!std::isfinite(most)) return false;
@@ -114,7 +114,7 @@ class Objective::Race : public BatchSource {
     failed_[i] = true;
     points_[i].value = std::max(points_[i].value, value);
   }
-  /// The one that was this motion's worst comes first, then those that were the worst of the most motions.
+  /// The point that was this motion's worst comes first, then those that were the worst of the most motions.
   int corner(const Candidate& p, int step) const {
     if (corners_ == 1) return 0;
     const int first = first_[std::size_t(&p - points_.data())];
@@ -180,7 +180,7 @@ void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
   landings_ += landings, flights_ += flights, work_ += work;
 }
 
-/// What ended most motions is played first. Where the box only keeps the limits, a motion that kept them tells nothing.
+/// What ended most motions is played first. Where the box only keeps the limits, a motion that kept them gives no hint.
 void Objective::learn_order(std::span<const Candidate> points, Goal goal) {
   for (const Candidate& p : points)
     if (p.worst >= 0 && (goal == Goal::kTolerant || p.value > p.bound || p.value >= kNoMotion))

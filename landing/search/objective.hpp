@@ -19,7 +19,7 @@
 
 namespace ukemi::landing {
 
-/// How a value is worked out: by which goal, and under scatter over how many of the drops.
+/// How a value is computed: by which goal, and under scatter over how many of the drops.
 struct Fidelity {
   static constexpr std::size_t kAllDrops = std::numeric_limits<std::size_t>::max();
   Goal goal = Goal::kPeak;
@@ -29,14 +29,14 @@ struct Fidelity {
   Fidelity(Goal g, std::size_t d = kAllDrops) : goal(g), drops(d) {}
 };
 
-/// Under scatter, a motion may be given up after so many numbers of drops.
+/// Under scatter, the number of stages after each of which a motion may be given up.
 inline constexpr std::size_t kScatteredStages = 3;
 
 /// A point of the motion space as the solvers carry it.
 struct Candidate {
   Coordinates u;             ///< its place in the unit cube
   double value = kNoMotion;  ///< the goal [m/s^2]; above `bound` only a lower bound of it
-  double bound = kNoMotion;  ///< what the caller still cares for: landings are abandoned above it
+  double bound = kNoMotion;  ///< landings are abandoned above it: the caller needs no larger value
   /// Under scatter: values over the first drops (0: not known); before it is played, of the motion that has the bound.
   std::array<double, kScatteredStages> early{};
   int worst = -1;  ///< which point of the execution box gave the value, and is tried first next time; -1: not known
@@ -53,7 +53,7 @@ class Objective {
     /// motion whose reference is too quick.
     Limits limits;
     int threads = 1;                                            ///< 0: all cores; without influence on the results
-    Stopwatch::Time time = Stopwatch::Time::kWall;              ///< that deadlines are counted in
+    Stopwatch::Time time = Stopwatch::Time::kWall;              ///< the clock of deadlines
     double deadline = std::numeric_limits<double>::infinity();  ///< from the construction on, which plays a landing [s]
     std::function<bool()> stop;                                 ///< see Objective::stop
     std::shared_ptr<const Robust> robust;                       ///< for Goal::kRobust
@@ -65,18 +65,18 @@ class Objective {
   Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
 
   const MotionSpace& space() const { return space_; }
-  /// What a candidate stands for.
+  /// The motion and drive of a candidate.
   Play play(const Candidate& c) const { return space_.play(space_.values(c.u)); }
   Objective(const Objective&) = delete;
   /// Values of many motions. On one thread it allocates nothing. What ends it early (see `late`) cuts landings off:
   /// their motions come back with kNoMotion. Drops are played in stages; a motion that cannot be as good as its bound
   /// any more is left with its value over those that it was played on, above the bound.
   void evaluate(std::span<Candidate> points, Fidelity by);
-  /// Whether values of that kind are the goal's own.
+  /// Whether values of that fidelity are the goal's own.
   bool exact(Fidelity by) const {
     return by.goal == options_.goal && (by.goal != Goal::kRobust || by.drops >= options_.robust->drops.size());
   }
-  /// What the few best are worth over the judging drops, and no more than they can bear; as above.
+  /// Values of the best few over the judging drops; cut off as above.
   void judge_scattered(std::span<Candidate> points);
   /// Under scatter: room for so many motions at once over the drops that are searched on; they allocate nothing then.
   void reserve_scattered(std::size_t motions);
@@ -107,16 +107,16 @@ class Objective {
   long flights() const { return flights_; }    ///< of these, never touched the floor
 
   long work() const { return work_; }  ///< spent on them, see work_of
-  /// So much work may be spent from now on.
+  /// Limits the work that may be spent from now on.
   void grant(long work) { granted_ = work < kUnbounded - work_ ? work_ + work : kUnbounded; }
-  /// Landings that somebody else played for this search.
+  /// Counts landings that were played outside of this objective for the search.
   void spend(long work) { work_ += work; }
   bool exhausted() const { return work_ >= granted_; }
   /// True once the deadline has passed, the work is spent or somebody has asked to stop: landings are cut off.
   bool late() const {
     return exhausted() || (std::isfinite(deadline) && watch.seconds() >= deadline) || (stop && stop());
   }
-  /// The same as a landing may be asked to heed it.
+  /// late() in the form that a landing's options take.
   const std::function<bool()>* over() const { return &over_; }
   /// What the landing in the middle of the box took at the search's accuracy [s].
   double landing_time() const { return landing_time_; }
@@ -135,9 +135,9 @@ class Objective {
   bool limited_;  ///< a landing may break a limit
   bool extended_, late_;
   Feedback feedback_;
-  bool patient_ = false;  ///< landings may be as long as they like
+  bool patient_ = false;  ///< landings may take any number of steps
   long max_steps_ = 0;
-  std::array<int, kExecutionPoints> order_;        ///< in which an execution box is played: the worst come first
+  std::array<int, kExecutionPoints> order_;        ///< order in which an execution box is played: the worst come first
   std::array<long, kExecutionPoints> failures_{};  ///< how often each gave a value or ended a motion
   long motions_ = 0, landings_ = 0, flights_ = 0, work_ = 0, granted_ = kUnbounded;
   double landing_time_ = 0;

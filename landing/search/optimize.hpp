@@ -42,7 +42,7 @@ struct OptimizeOptions {
   std::vector<MotionValues> starts;
   int threads = 0;               ///< 0: all cores; with a number of evaluations the result does not depend on it
   int tolerance_samples = 2000;  ///< random points inside the execution box of the result; with a deadline none
-  Monitor monitor;               ///< told of the motions spent; where it stops, the best so far is judged in kLeave
+  Monitor monitor;               ///< progress in motions; where it stops, the best so far is judged in kLeave
   void validate() const;         ///< throws InputError
   static constexpr double kLeave = 0.15;  ///< [s]
 };
@@ -53,7 +53,7 @@ constexpr long default_evaluations(Goal goal, int variables = kPaperVariables) {
   return more * (goal == Goal::kPeak ? 40'000 : 10'000);
 }
 
-/// The reference that does nothing, in the best posture that a search knows that is known.
+/// A constant reference, in the best posture to hold that a search has found.
 struct Held {
   Motion motion{};
   double value = kNoMotion;  ///< the goal, as searched [m/s^2]; kNoMotion where it keeps no limits
@@ -85,7 +85,7 @@ struct Optimum {
 /// takes is kept back from it: some landings as long as that in the middle of the box, whose time is measured. However
 /// stiff the scene, a search of a number of motions ends with work_allowed, counted and not timed.
 [[nodiscard]] Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOptions& options = {});
-/// The same over the motions of Eq. 6.
+/// `optimize` over the motions of Eq. 6.
 [[nodiscard]] Optimum optimize(const Scene& scene, const SeaParameters<double>& sea,
                                const OptimizeOptions& options = {});
 

@@ -21,7 +21,7 @@ struct FallState {
   double forward_speed = 0;              ///< dx_0, at most 1e3 either way [m/s]
   double pitch = 0, pitch_rate = 0;      ///< of the thigh, at most 2 pi [rad] and 1e3 [rad/s] either way
   double phi = 0, rate = 0;              ///< of the joint, as the pitch [rad], [rad/s]
-  double gone = 0;                       ///< since release, which was at rest; 0 to 1e3 [s]
+  double gone = 0;                       ///< time since release, which was at rest; 0 to 1e3 [s]
   std::optional<double> vertical_speed;  ///< dy_0, upwards, at most 1e3 either way [m/s]; absent: -g `gone`
 };
 
@@ -66,7 +66,7 @@ class Planner {
 
   /// Throws InputError where `under_scatter.drops` is out of its range.
   Planner(const Scene& scene, std::shared_ptr<const MotionSpace> space, const Options& options);
-  /// Over the motions of Eq. 6, and what the scene lets them have beside. With a [release] in the scene it plans the
+  /// Over the motions of Eq. 6, with all that the scene lets them have. With a [release] in the scene it plans the
   /// move in the air too.
   Planner(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
   Planner(const Scene& scene, const SeaParameters<double>& sea) : Planner(scene, sea, Options()) {}
@@ -77,7 +77,7 @@ class Planner {
   /// posture to hold that is known by then, see Search::held. Whatever was measured, it throws nothing: see
   /// Plan::Status.
   [[nodiscard]] Plan plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
-  /// The same for a robot in the air, whose reference stands at `state.phi` until the deadline and can move from then
+  /// `plan` for a robot in the air, whose reference stands at `state.phi` until the deadline and can move from then
   /// on. The release stays for later calls. Throws InputError where the scene has no [release], whatever was measured.
   [[nodiscard]] Plan plan(const FallState& state, double deadline, std::uint64_t seed = 1);
   /// The next plan tries these motions before all others, the best first, at most kStarts: values of the space's

@@ -1,4 +1,4 @@
-// Pieces that the solvers with populations share.
+// What the population-based solvers share: random points, differential evolution.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,13 @@ namespace ukemi::landing {
 
 inline constexpr int kBatch = 32;  ///< candidates played at once: whole packs of lanes, however wide
 
-/// Anywhere in the cube of so many variables.
+/// A uniform point of the cube of so many variables.
 inline Candidate random_point(Random& r, int dimension) {
   Candidate p{Coordinates(dimension)};
   for (double& u : p.u) u = r.uniform();
   return p;
 }
-/// Anywhere in the cube of these variables; with the probability `plain` without the variables that can do nothing,
+/// Uniform in the cube of these variables; with the probability `plain` those with a neutral value take that value,
 /// where there are such: within ratings the motions that keep them are often the plain ones.
 inline Candidate point_of(Random& r, const std::vector<Variable>& variables, double plain) {
   Candidate p = random_point(r, int(variables.size()));
@@ -46,14 +46,14 @@ inline double spread(std::span<const Candidate> points) {
   return widest;
 }
 
-/// A point beside another, to be followed whatever comes: normal, `size` in parts of the box.
+/// A point close to another, to be followed to its end: normal, `size` in parts of the box.
 inline Candidate beside(Candidate p, double size, Random& r) {
   p.bound = kNoMotion;
   for (double& u : p.u) u = std::clamp(u + size * r.normal(), 0.0, 1.0);
   return p;
 }
 
-/// A population close by a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
+/// A population close to a point: normal, with sizes from 0.02 down to 0.0002 of the box; the point itself comes first.
 inline void scatter(const Candidate& centre, Random& r, std::vector<Candidate>& population) {
   for (Candidate& p : population)
     p = beside(centre, &p == &population.front() ? 0 : 0.02 * std::pow(10.0, -2 * r.uniform()), r);
@@ -91,7 +91,7 @@ void evolve(Play&& play, Random& r, std::span<Candidate> population, std::span<C
       const double x = base[k] + f * (ua[k] - ub[k]);
       trial.u[k] = x < 0   ? 0.5 * parent.u[k]
                    : x > 1 ? 0.5 * (1 + parent.u[k])
-                           : x;  // back inside, half way to the edge
+                           : x;  // back inside the cube, half way to the edge
     }
     trial.bound = parent.value;
   }

@@ -9,7 +9,7 @@
 namespace ukemi::landing {
 
 struct Robust {
-  /// Of the landings of such a search: peaks to 1e-4 or so.
+  /// Accuracy of the landings of such a search: peaks to 1e-4 or so.
   static constexpr double kAccuracy = 1e-5;
   Measure measure;
   std::vector<ScatteredDrop> drops;  ///< that are searched on

@@ -8,7 +8,7 @@
 namespace ukemi::landing {
 
 namespace {
-constexpr std::size_t kFew = 12;  ///< that an answer is chosen from
+constexpr std::size_t kFew = 12;  ///< contenders that an answer is chosen from
 constexpr double kSame = 1e-3;    ///< of the box: of neighbours only the best is kept
 }  // namespace
 
@@ -46,7 +46,7 @@ void Search::hold() {
   held_ = holding(scene.release ? scene.release->phi : std::midpoint(low, high));
   judge_held(held_);
   if (scene.release) return;
-  // Postures side by side by the peak, then between the best one's neighbours; the best of all is judged.
+  // Postures on a grid by the peak, then between the best one's neighbours; the best of all is judged.
   const double most = std::min(double(budget_.motions), kInLanes * budget_.seconds / objective_.landing_time());
   std::array<Candidate, kPostures> postures;
   Candidate best = none_;
@@ -62,7 +62,7 @@ void Search::hold() {
   if (best.value < kNoMotion) judge_held(best);
 }
 
-/// Of a posture that may have been played by the peak.
+/// Judges a posture to hold, which may have been played for its peak already.
 void Search::judge_held(Candidate p) {
   p.bound = held_.value;
   if (objective_.options().goal != Goal::kPeak || p.value >= kNoMotion) evaluate({&p, 1});
@@ -71,7 +71,7 @@ void Search::judge_held(Candidate p) {
 
 /// Plays what was only screened, where nothing that was played is better than holding.
 void Search::play_screened(double deadline) {
-  constexpr double kLast = 3e-3;  // what an answer in place of none may take, however late it is [s]
+  constexpr double kLast = 3e-3;  // what an answer may take where there is none yet, however late it is [s]
   objective_.deadline = few_.empty() ? std::max(deadline, objective_.watch.seconds() + kLast) : deadline;
   for (Candidate p : screened_) {
     if (best().value < held_.value || p.value >= best().value) continue;
@@ -185,7 +185,7 @@ Candidate Search::judge_exactly(double accuracy) {
   if (best().value > found[0].value * (1 + kFallen)) step_back(found[0]);
   objective_.set_accuracy(searched);
   objective_.grant(kCheckWork);
-  // Where nothing stood in the lanes, or the deadline came before, what was found is judged.
+  // Where nothing was followed in the lanes, or the deadline came before, what was found is judged.
   Candidate out = none_;
   for (Candidate p : few_.empty() ? std::span<const Candidate>(found) : std::span(few_.begin(), few_.end())) {
     if (p.value >= out.value) break;
@@ -195,8 +195,8 @@ Candidate Search::judge_exactly(double accuracy) {
   return out;
 }
 
-/// Back from the edge of a cliff: a population about the place where the best seemed to be, from a hundredth of the box
-/// down to its rounding, that converges on ground that holds.
+/// Steps back from a cliff: a population about the place where the best seemed to be, from a hundredth of the box
+/// down to its rounding, that converges where the peak does not jump.
 void Search::step_back(const Candidate& edge) {
   constexpr int kGenerations = 80;
   constexpr double kConverged = 1e-8;

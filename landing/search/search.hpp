@@ -17,7 +17,7 @@ struct Budget {
   long work = kUnbounded;  ///< see work_of; what judging the result takes is granted apart
   double tolerance = 0;    ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
   long patience = 5'000;   ///< [motions]
-  double hold = 0.05;      ///< share that may go into postures to hold, beside the first; 0: none, for a single basin
+  double hold = 0.05;      ///< share that may go into postures to hold, besides the first; 0: none, for a single basin
 };
 
 /// What a search of so many motions, each of so many landings, may take: five times what ordinary landings do, each
@@ -35,7 +35,7 @@ class Search {
   bool over() const { return spent() >= budget_.motions || objective_.late() || stalled(); }
   double seconds() const { return objective_.watch.seconds() - start_; }
   long motions() const { return objective_.motions() - first_motion_; }
-  /// Of Budget::motions: under scatter, where a motion is worth as many landings as it may win, the landings; a motion
+  /// As Budget::motions: under scatter, where a motion is worth as many landings as it may win, the landings; a motion
   /// that is refused before any landing counts as one.
   long spent() const { return scattered() ? std::max(objective_.landings() - first_landing_, motions()) : motions(); }
   const Budget& budget() const { return budget_; }
@@ -66,7 +66,7 @@ class Search {
   const std::uint64_t seed;
   /// Places in the unit cube that are tried before all others, the best first; they must outlive the search.
   std::span<const Coordinates> hints;
-  std::function<void(long done, long total)> tell;  ///< told of the motions spent, else of the milliseconds, if set
+  std::function<void(long done, long total)> tell;  ///< receives the motions spent, else the milliseconds, if set
   const Objective& objective() const { return objective_; }
   /// Landings that a solver played by itself.
   void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }

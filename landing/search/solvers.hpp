@@ -1,4 +1,4 @@
-// The solvers behind `optimize`, side by side: each spends a Search, in its own way.
+// The solvers of `optimize`: each spends the budget of a Search in its own way.
 #pragma once
 
 #include <string>

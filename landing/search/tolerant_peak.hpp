@@ -15,7 +15,7 @@ namespace ukemi::landing {
 /// every landing is long.
 [[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const Play& play,
                                          const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
-/// The same of a motion of Eq. 6.
+/// The tolerant peak of a motion of Eq. 6.
 [[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                          const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
 

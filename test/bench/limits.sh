@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What more freedom is worth on every shipped scene, beside the two limits of its drop: limits.sh [SEEDS]. Best peaks of the paper's motion in 1 s,
 # with two shape terms in 3 s, with four in 6 s, on one thread, the median of the seeds; then the same within the actuator's ratings
-# (3.14 rad/s, 20 Nm). m/s^2; the table of tools/docs/benchmarks.md.
+# (3.14 rad/s, 20 Nm). m/s^2; the table of tools/docs/benchmarks_plans.md.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seeds=${1:-3} program=${UKEMI:-build/release/ukemi} out=$(mktemp -d)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Plans for drops that scatter (1 deg, 1 cm, 3 cm/s, assumed): scatter.sh scenes|ratings|solvers [SEEDS]. Each plan is played over fresh
-# drops, the same for every plan of a scene. Peaks in m/s^2; the tables of tools/docs/benchmarks.md.
+# drops, the same for every plan of a scene. Peaks in m/s^2; the tables of tools/docs/benchmarks_plans.md.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 program=${UKEMI:-build/release/ukemi} out=$(mktemp -d) seeds=${2:-5}

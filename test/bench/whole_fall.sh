@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Medians over seeds of the searches with more than the paper's three variables, on one thread: whole_fall.sh [SEEDS]. Each
-# line: median, lowest and highest value [m/s^2], median of the motions tried, options. The table of tools/docs/benchmarks.md.
+# line: median, lowest and highest value [m/s^2], median of the motions tried, options. The table of tools/docs/benchmarks_plans.md.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seeds=${1:-20} program=${UKEMI:-build/release/ukemi} out=$(mktemp -d)

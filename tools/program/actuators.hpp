@@ -16,10 +16,10 @@ void warn_of_doubts(const std::string& path, const Verdicts& verdicts, Run& run)
 /// Reads the file, lists it among the run's inputs, and warns of every constant that its fit did not trust.
 Actuator actuator_of(const std::string& path, Run& run);
 
-/// The same for a landing: see require_gains.
+/// actuator_of for a landing: see require_gains.
 Actuator landing_actuator_of(const std::string& path, Run& run);
 
-/// The same for what demands something of the motor: warns of a rating that the file does not give.
+/// actuator_of for a verb that loads the motor: warns of a rating that the file does not give.
 Actuator rated_actuator_of(const std::string& path, Run& run);
 void warn_of_unknown_ratings(const Actuator& actuator, const std::string& path, Run& run);
 

@@ -37,7 +37,7 @@ NumberRange number_range(const std::string& option, const std::string& text, boo
 
 /// Index of `text` in `choices`, of which there are few; the error names them all, and the nearest.
 std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices);
-/// What stands behind the choice.
+/// The value of the choice.
 template <class T>
 T choice(const std::string& option, const std::string& text, const std::vector<std::pair<std::string, T>>& choices) {
   std::vector<std::string> names;

@@ -17,7 +17,7 @@ using Action = std::function<int()>;  ///< returns the exit code
 /// -o, --json, --threads, --seed, --quiet, --no-report.
 void add_common(CLI::App& verb, CommonOptions& options);
 
-/// An option whose text is one of `choices`, of which `to` becomes what stands behind it.
+/// An option whose text is one of `choices`; `to` becomes the value of that choice.
 template <class T>
 void add_choice(CLI::App& verb, const std::string& option, T& to,
                 const std::type_identity_t<std::vector<std::pair<std::string, T>>>& choices, const std::string& help) {

@@ -6,7 +6,7 @@ namespace ukemi::tools {
 /// From now on SIGINT (Ctrl-C) and SIGTERM are requests; a second one ends the program at once. Called by what asks for
 /// them (Run::monitor): a verb that never does is ended by the first, and leaves what stood before.
 void catch_interrupts();
-/// Whether one has come.
+/// Whether a request has come.
 bool interrupted();
 
 }  // namespace ukemi::tools

@@ -16,7 +16,7 @@ std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
 std::vector<const CLI::Option*> options_of(const CLI::App& app, bool positional) {
   return app.get_options([&](const CLI::Option* o) { return o->get_positional() == positional; });
 }
-/// The words by which a shell calls it: "ukemi bench scenes".
+/// The command line that calls it: "ukemi bench scenes".
 std::string words_of(const CLI::App& app) {
   return app.get_parent() ? words_of(*app.get_parent()) + " " + app.get_name() : app.get_name();
 }

@@ -49,7 +49,7 @@ std::vector<std::string> figure_names(const std::string& verb) {
   return out;
 }
 
-/// Every file that a verb may write beside summary.json and report.html; '#' stands for a number.
+/// Every file that a verb may write besides summary.json and report.html; '#' stands for a number.
 std::vector<std::string> result_names(const std::string& verb) {
   static const std::map<std::string, std::vector<std::string>> kNames = {
       {"identify", {"actuator.toml", "fit.csv", "profile.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
@@ -132,7 +132,7 @@ void Run::say(const std::string& line) const {
 }
 void Run::progress(const std::string& what, long done, long total) const {
   if (options_.messages != CommonOptions::Messages::kShow || total <= 0) return;
-  constexpr double kBar = 0.1, kLine = 10;  // between two sights of it [s]
+  constexpr double kBar = 0.1, kLine = 10;  // between two updates of it [s]
   const std::lock_guard lock(progress_mutex_);
   const bool terminal = isatty(fileno(stderr));
   const double elapsed = seconds(), rate = elapsed > 0 ? double(done) / elapsed : 0;

@@ -35,7 +35,7 @@ struct CommonOptions {
 
 /// The command line as a shell takes it, for provenance.
 void set_command_line(int argc, char** argv);
-/// The same of another front end, as it stands.
+/// The command line of another front end, as it is given.
 void set_command_line(std::string text);
 
 /// One verb's run: collects files, warnings and the summary, and at the end exchanges what an earlier run left for

@@ -21,10 +21,10 @@ std::optional<std::string> stdout_failure();
 /// Opens a file with what the desktop opens it with; false where there is no xdg-open. Does not wait for it.
 bool open_for_reader(const std::string& file);
 
-/// In which colour a message stands where stderr is a terminal that knows colours and NO_COLOR is not set
+/// The colour of a message where stderr is a terminal that knows colours and NO_COLOR is not set
 /// (https://no-color.org): a warning in yellow, an error in bold red. The words say it too.
 enum class Tone { kPlain, kWarning, kError };
-/// A line on stderr, made safe to show; where stderr takes none there is no one to tell.
+/// A line on stderr, made safe to show; where stderr takes none it is lost.
 void tell(const std::string& line, Tone tone = Tone::kPlain);
 /// To stderr as it is; takes no memory.
 void tell_raw(const char* text);

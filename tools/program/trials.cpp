@@ -23,7 +23,7 @@ Json gains_json(const std::optional<identify::HebiGains>& g) {
   return {{"kp", number(g->k_p)}, {"ki", number(g->k_i)}, {"kd", number(g->k_d)}};
 }
 
-/// What the log says of the module, for the record.
+/// What the log states about the module, for the record.
 Json module_json(const std::string& file, const identify::HebiModule& m) {
   return {{"file", file},
           {"name", m.name},

@@ -54,7 +54,7 @@ struct TrialNeeds {
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& arguments,
                         const identify::Rig& rig, const TrialNeeds& needs, Run& run);
 
-/// The trials with the force between their samples as these constants' residuals ask, unless it was asked for.
+/// The trials with the force between their samples as these constants' residuals suggest, unless the option states it.
 std::vector<identify::Trial> with_force_curve(const std::vector<identify::Trial>& trials,
                                               const TrialArguments& arguments, const identify::Rig& rig,
                                               const SeaParameters<double>& sea);

@@ -33,9 +33,9 @@ std::string words(const FloorLaw& law) {
 
 namespace {
 
-/// How deep a drop presses a floor of F = K delta^p, all of the robot on one contact and no damping [m].
+/// Depth to which a drop presses a floor of F = K delta^p, all of the robot on one contact and no damping [m].
 double depth_of(const BodyScene& scene, double stiffness, double exponent) {
-  constexpr double kLeast = 0.02;  // height of a fall that is none [m]
+  constexpr double kLeast = 0.02;  // least height of a fall [m]
   const double energy = scene.robot.mass() * scene.robot.gravity * std::max(scene.drop.height, kLeast);
   return std::pow((exponent + 1) * energy / stiffness, 1 / (exponent + 1));
 }
@@ -77,7 +77,7 @@ void change_tangential(const BodyScene& scene, ContactLaw& law) {
   law.damping_tangential = std::max({law.damping_tangential, kLeastPart * as.damping, 1e-4 * as.stiffness});
 }
 
-/// A cover that is softer than the floor by far.
+/// A pad that is much softer than the floor.
 Pad pad_on(const BodyScene& scene, const ContactLaw& law) {
   constexpr double kThickness = 0.01, kSoft = 0.3;
   const LinearFloor as = linear_as(scene, law);
@@ -107,7 +107,7 @@ namespace {
 struct ContactConstant {
   DropTerm term;  ///< for all of them
   bool (*acts)(const ContactPoint&);
-  bool (*chosen)(const ContactPoint&);  ///< fitted where nothing is asked for
+  bool (*chosen)(const ContactPoint&);  ///< fitted by default
 };
 
 DropTerm contact_term(const char* name, const char* unit, const char* words, double smallest_part, double size,
@@ -205,7 +205,7 @@ Terms<DropTerm> drop_choice(const BodyScene& scene) {
 
 namespace {
 
-/// Constants of single contacts behind what all share, so that each is set in turn; those that are not fitted and
+/// Constants of single contacts after what all share, so that each is set in turn; those that are not fitted and
 /// follow the others are left out.
 void put_in_order(Terms<DropTerm>& terms) {
   const auto single = [](const DropTerm& t) { return t.name.find('.') != std::string::npos; };
@@ -223,7 +223,7 @@ void put_in_order(Terms<DropTerm>& terms) {
   });
 }
 
-/// The choice for another law: what was chosen and is there, and what the law brings along.
+/// The choice of terms for another law: chosen ones that it has, and its own constants.
 Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before) {
   Terms<DropTerm> out = drop_choice(scene);
   const auto has = [](const Terms<DropTerm>& terms, const std::string& name) {
@@ -246,7 +246,7 @@ Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before
 
 /// The constants of a fit in a scene.
 BodyScene scene_of(BodyScene scene, const Terms<DropTerm>& terms, const FloorFit& fit) {
-  for (const DropTerm& t : *terms.table)  // single contacts come behind all
+  for (const DropTerm& t : *terms.table)  // single contacts come after all
     if (t.is_constant())
       for (const identify::Estimate& e : fit.parameters)
         if (e.name == t.name && e.free) set_in(scene, t, e.value);
@@ -284,22 +284,22 @@ LawFit fit_law(const BodyScene& from, const std::vector<BodyLoggedDrop>& drops, 
   return out;
 }
 
-/// Laws beside one: each part changed in turn.
+/// Neighbours of a law: each part changed in turn.
 std::vector<FloorLaw> beside(const FloorLaw& law) {
   FloorLaw normal = law, tangential = law, cover = law;
   normal.hunt_crossley = !law.hunt_crossley, tangential.coulomb = !law.coulomb, cover.pads = !law.pads;
   return {normal, tangential, cover};
 }
 
-/// Whether `a` is better than `b` beyond doubt.
+/// Whether `a` is better than `b` by kDecisive in BIC and in the drops left out.
 bool better(const TriedLaw& a, const TriedLaw& b) {
   return a.converged && a.bic < b.bic - kDecisive && !(a.held_out > b.held_out);
 }
 
-constexpr int kRivalStarts = 2;  ///< further starts of a law that is tried, which begins near the drops
+constexpr int kRivalStarts = 2;  ///< further starts of a law that is tried, which begins close to the drops
 constexpr int kRivalSteps = 40;  ///< of its solver
 
-/// Tries the laws beside the best, until none is better.
+/// Tries the neighbours of the best law, until none is better.
 void try_rivals(const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationOptions& options, BodyCalibration& out) {
   for (std::size_t from = 0; !options.monitor.stopped();) {
     const TriedLaw start = out.laws[from];
@@ -319,7 +319,7 @@ void try_rivals(const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationO
   }
 }
 
-/// What is said of the constants, by the laws too.
+/// Uncertainty and verdicts of the scene's constants; where its law is rejected none is trusted.
 void conclude(BodyCalibration& c) {
   if (c.law_rejected()) identify::distrust(c.parameters);
   if (c.converged) c.scene.uncertainty = c.uncertainty();

@@ -3,7 +3,7 @@
 // drops ask for.
 //
 // Laws are tried by turns: the scene's, then each with one part changed, linear or Hunt and Crossley, viscous or
-// Coulomb, with or without pads, started from what was fitted; where one is better, those beside that one. A law is
+// Coulomb, with or without pads, started from what was fitted; where one is better, its neighbours too. A law is
 // better where its BIC,
 //
 //     sum_o N_o log(rms_o^2) + k log N,    N_o samples of output o, k fitted numbers,
@@ -26,7 +26,7 @@ namespace ukemi::tools {
 struct BodyLoggedDrop {
   landing::DropLog log;  ///< of landing::body_channels
   landing::BodyMotion motion;
-  landing::Drop thrown;  ///< its pitch is the scene's, whatever stands here
+  landing::Drop thrown;  ///< its pitch is the scene's, whatever is given here
 };
 
 /// The laws of a robot's contacts.
@@ -74,7 +74,7 @@ struct TriedLaw {
 struct BodyCalibration : FloorFit {
   landing::BodyScene scene;    ///< the given one with the fitted constants, their covariance and verdicts
   std::vector<TriedLaw> laws;  ///< the scene's first; empty where nothing could be followed
-  std::size_t asked = 0;       ///< of `laws`: what the drops ask for
+  std::size_t asked = 0;       ///< of `laws`: the law that the drops support best
   std::size_t own = 0;         ///< of `laws`: the one of `scene`
 
   /// Whether the drops speak against that law: its residuals do, or another law is better beyond doubt.

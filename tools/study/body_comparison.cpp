@@ -36,7 +36,7 @@ bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions&
   BodyPlanOptions search = options.search;
   const std::vector<BodyDrop> drops =
       BodyDropModel(scenes[1], scatter, {.inflate = 0}).independent(search.fresh, fresh_seed(search.seed));
-  search.scatter = scatter, search.fresh = 0;  // told on the drops of the identified set
+  search.scatter = scatter, search.fresh = 0;  // judged on the drops of the identified set
   for (std::size_t n = 0; n < (scenes[1].robot.fitted() ? 3 : 2); ++n) {
     const std::string set = planned_with(n);
     if (options.monitor) search.monitor = options.monitor("robust, " + set);

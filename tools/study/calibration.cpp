@@ -12,7 +12,7 @@ using namespace landing;
 
 namespace {
 
-/// A number that a term moves: where it stands in a scene, and the exact derivative by it.
+/// A number that a term moves: its place in a scene, and the exact derivative by it.
 struct SceneNumber {
   const char* name;
   double& (*in)(Scene&);

@@ -15,7 +15,7 @@ namespace ukemi::tools {
 struct LoggedDrop {
   landing::DropLog log;
   landing::Motion motion;
-  landing::Drop thrown;  ///< its pitch is the scene's, whatever stands here
+  landing::Drop thrown;  ///< its pitch is the scene's, whatever is given here
 };
 
 struct Calibration : FloorFit {

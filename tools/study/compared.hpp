@@ -1,4 +1,4 @@
-// Two sets of constants side by side, nominal and identified, whatever falls: what differs, and each set's best motion
+// Two sets of constants side by side, nominal and identified, for any robot: what differs, and each set's best motion
 // landed under both.
 #pragma once
 
@@ -25,7 +25,7 @@ struct ConstantDifference {
   std::optional<double> z() const;     ///< difference in standard errors
   std::optional<bool> inside() const;  ///< the nominal value lies in the identified one's 95 % interval
 };
-/// The five constants of an actuator in both sets; `of` stands behind their names.
+/// The five constants of an actuator in both sets; `of` is appended to their names.
 std::vector<ConstantDifference> differences(const OfSets<Actuator>& sets, const std::string& of = "");
 
 /// A set's best motion, landed under both sets.
@@ -36,7 +36,7 @@ struct ComparedMotionOf {
   OfSets<std::optional<Landed>> landings;  ///< absent where it was stopped before
 };
 
-/// A plan for drops that scatter, and what it comes to where the identified constants are the truth.
+/// A plan for drops that scatter, and its peaks where the identified constants are the truth.
 template <class Best, class Truth>
 struct ComparedPlanOf {
   std::string set;  ///< see planned_with
@@ -44,7 +44,7 @@ struct ComparedPlanOf {
   Truth truth;
 };
 
-/// Of the plans for scatter: "nominal", "identified", "identified, with its covariance".
+/// Names of the plans for scatter: "nominal", "identified", "identified, with its covariance".
 inline std::string planned_with(std::size_t plan) {
   return plan == 2 ? "identified, with its covariance" : kSets[plan];
 }

@@ -16,7 +16,7 @@
 
 namespace ukemi::tools {
 
-/// Of the paper's robot.
+/// The comparison for the paper's robot.
 using ComparedMotion = ComparedMotionOf<landing::Optimum, landing::Landing>;
 using ComparedPlan = ComparedPlanOf<landing::Optimum, landing::UnderScatter>;
 
@@ -33,7 +33,7 @@ struct Comparison {
   std::vector<ConstantDifference> constants;
   std::optional<OfSets<identify::Fit>> predictions;  ///< of the trials, where there are any
   std::vector<ComparedMotion> motions;               ///< where there is a scene: of both sets
-  std::vector<ComparedPlan> plans;                   ///< where plans for scatter are asked for
+  std::vector<ComparedPlan> plans;                   ///< where plans for scatter are requested
   bool complete = true;  ///< every rollout, search and landing worked out and none was stopped
 
   bool landed() const { return all_landed(motions); }

@@ -65,7 +65,7 @@ ResidualBlock DropResiduals::block(const std::vector<double>& sigma, double seco
             if (!rolled) return false;
             const std::size_t size = rows.size() + priors.size();
             std::size_t row = 0;
-            // A residual and, where they are asked for, its derivatives by each term.
+            // A residual and, where they are needed, its derivatives by each term.
             const auto fill = [&](double residual, const auto& by_column) {
               if (jacobian)
                 for (std::size_t c = 0; c < rolled->settings.size(); ++c) jacobian[c * size + row] = by_column(c);

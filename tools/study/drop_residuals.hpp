@@ -22,7 +22,7 @@ class DropResiduals {
   identify::ResidualBlock block(const std::vector<double>& sigma, double seconds,
                                 const std::vector<Prior>& priors) const;
 
-  /// The whole drop beside its log.
+  /// The whole drop and its log.
   DropResult replay(const double* shared, const double* own) const;
 
  private:
@@ -32,7 +32,7 @@ class DropResiduals {
     FollowedDrop drop;
     double shift;
   };
-  /// The last point that was asked for: the solver wants the cost and then the Jacobian of the same.
+  /// The last point that was evaluated: the solver wants the cost and then the Jacobian of the same.
   struct Memory {
     std::vector<double> point;
     Rolled rolled;

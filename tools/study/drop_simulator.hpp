@@ -20,7 +20,7 @@ using Settings = std::vector<Setting>;
 /// One drop at given times.
 struct FollowedDrop {
   std::vector<std::vector<double>> value;  ///< of each channel, one a time
-  /// Of each channel, times x settings; empty: not known yet.
+  /// Values of each channel, times x settings; empty: not known yet.
   std::vector<Eigen::MatrixXd> slope;
   std::vector<double> jumps;  ///< touchdowns and lift-offs, from release [s], in order
   bool complete = false;      ///< every time has its values
@@ -46,7 +46,7 @@ class DropSimulator {
   /// nearby.
   virtual bool differentiate(std::size_t drop, const Settings& settings, const std::vector<double>& times,
                              const landing::SimulateOptions& options, FollowedDrop& followed) const = 0;
-  /// So many times the work of an exact derivative may be spent before a start is given up.
+  /// Work that may be spent before a start is given up, as a multiple of that of an exact derivative.
   virtual double patience(std::size_t /*settings*/) const { return 1; }
   /// Largest acceleration over all times up to one [m/s^2].
   virtual double peak(std::size_t drop, const Settings& settings, double until,

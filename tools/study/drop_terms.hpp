@@ -10,7 +10,7 @@
 namespace ukemi::tools {
 
 struct DropTerm : identify::Term {
-  /// The numbers of a scene that it moves, by the names of its DropSimulator: a constant is what stands in each of
+  /// The numbers of a scene that it moves, by the names of its DropSimulator: a constant is the value of each of
   /// them, a nuisance is added to it. None: it shifts the log.
   std::vector<std::string> moves = {};
   double spread = 2;  ///< of drawn starts about the scene's: a factor either way, or where it has a sign, an amount

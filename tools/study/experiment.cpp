@@ -23,7 +23,7 @@ identify::DesignOptions options_of(const DesignRequest& r) {
   return o;
 }
 
-/// What is known of the constants before the hits.
+/// The information on the constants before the hits.
 identify::Knowledge knowledge_of(const DesignRequest& r, double noise) {
   Actuator actuator = r.actuator;
   actuator.sea = r.rig.mounted(actuator.sea);

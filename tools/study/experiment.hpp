@@ -1,4 +1,4 @@
-// The next experiment on a rig, asked and answered: what is known of an actuator, the hits that tell most more, and
+// The design of the next experiment on a rig: what is known of an actuator, the hits that add most to it, and
 // simulated experiments that test the prediction. No printing, no files: tools/verbs/design.cpp is the verb.
 #pragma once
 
@@ -21,7 +21,7 @@ struct DesignAnswer {
   std::optional<identify::DesignCheck> check;
 };
 
-/// What is asked for; what is absent is the trials' or the actuator's.
+/// The request; what is absent is the trials' or the actuator's.
 struct DesignRequest {
   identify::Rig rig;
   Actuator actuator;                    ///< the present estimate
@@ -29,7 +29,7 @@ struct DesignRequest {
   identify::DesignOptions options;      ///< of its log the noise and the outputs are set here
   std::optional<double> noise;          ///< standard deviation of an angle [rad], > 0; absent: the trials'
   std::optional<double> tau_max;        ///< torque limit of the spring [Nm]; absent: the rig's, else the actuator's
-  /// Of the arguments, in messages.
+  /// Names of the arguments in messages.
   std::string rig_name = "rig", actuator_name = "actuator", noise_name = "noise";
 };
 

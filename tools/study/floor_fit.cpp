@@ -27,10 +27,10 @@ namespace {
 constexpr double kWhole = std::numeric_limits<double>::infinity();
 constexpr std::array<double, 9> kAfter = {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3, 0.5, kWhole};
 constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
-/// Standard deviation, in a constant's size, of what holds it to the start there.
+/// Standard deviation, in a constant's size, of the prior that holds it to the start there.
 constexpr double kPartStd = 0.3;
-/// Integrated steps, of a drop, after which a start is ended where it stands: those of datasets/drops take 1.3e4 in
-/// all. And starts that may take so many before no other is tried.
+/// Integrated steps, of a drop, after which a start is ended: those of datasets/drops take 1.3e4 in
+/// all. And the multiple of it after which no other start is tried.
 constexpr double kStepsOfStart = 2e5, kStarts = 4;
 
 /// Values of a layout's shared terms: where a search starts.
@@ -42,7 +42,7 @@ std::vector<std::size_t> every_drop(const DropSimulator& s) {
   return out;
 }
 
-/// A fit of drops by one layout.
+/// The least-squares problem of drops with one layout of terms.
 struct Problem {
   const DropSimulator& simulator;
   const DropLayout layout;
@@ -50,11 +50,11 @@ struct Problem {
   const std::vector<std::size_t> which;
   std::vector<DropResiduals> models;
   mutable long steps = 0, parts = 0;  ///< integrated, and done, so far
-  mutable bool spent = false;         ///< a start was ended, for its work was spent
+  mutable bool spent = false;         ///< a start was ended because its work was spent
 
   Problem(const DropSimulator& s, DropLayout l, const CalibrationOptions& o)
       : Problem(s, std::move(l), o, every_drop(s)) {}
-  /// Of some of the drops.
+  /// The problem of some of the drops.
   Problem(const DropSimulator& s, DropLayout l, const CalibrationOptions& o, std::vector<std::size_t> some)
       : simulator(s), layout(std::move(l)), options(o), which(std::move(some)) {
     for (const std::size_t m : which) models.emplace_back(s, m, layout, o, steps);
@@ -76,7 +76,7 @@ struct Problem {
       p.globals.push_back(layout.shared[g]->column(start[g], options.terms));
     for (const DropTerm* t : layout.own) p.locals.push_back(t->column(t->absent, options.terms));
     for (std::size_t m = 0; m < models.size(); ++m) {
-      std::vector<Prior> priors;  // those of the shared terms stand in the first block
+      std::vector<Prior> priors;  // those of the shared terms are in the first block
       for (const Prior& prior : options.terms.priors)
         if (layout.holds(layout.own, prior.term) || (m == 0 && layout.holds(layout.shared, prior.term)))
           priors.push_back(prior);
@@ -146,12 +146,12 @@ struct Problem {
   }
 };
 
-/// Whether it leaves no more than the logs' noise, about.
+/// Whether its residual is about the logs' noise.
 bool believed(const LeastSquaresSolution& s, const CalibrationOptions& options) {
   return s.usable && s.cost <= options.believed * options.believed * double(s.residuals);
 }
 
-/// The best solution from the scene and from starts drawn about it, while none is believed.
+/// The best solution from the scene and from starts drawn about it, until one has a small enough residual.
 LeastSquaresSolution search(const Problem& problem, const CalibrationOptions& options, FloorFit& out) {
   identify::MultiStart starts({.believed = [&](const LeastSquaresSolution& s) { return believed(s, options); },
                                .work = kStarts * problem.work_of_start(),
@@ -172,7 +172,7 @@ std::vector<Estimate> as_given(const CalibrationOptions& options, const DropSimu
   return identify::as_given(options.terms, [&](const DropTerm& t) { return simulator.value(t); });
 }
 
-/// The constants, their errors and what can be said of them.
+/// The constants, their errors and verdicts.
 void report(const LeastSquaresSolution& s, const Problem& fitted, const LeastSquaresProblem& problem, FloorFit& out) {
   const std::vector<const identify::Term*> shared(fitted.layout.shared.begin(), fitted.layout.shared.end());
   out.parameters = as_given(fitted.options, fitted.simulator);
@@ -217,7 +217,7 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
   for (const Estimate* e : c.globals()) start.push_back(e->value);
   std::vector<identify::Term> shared, of_drop;
   for (const DropTerm& t : *options.terms.table) {
-    // What moves the same as a fitted term is that term, or Chow's test.
+    // A term that moves the same numbers as a fitted one is that term, or Chow's test.
     bool covered = options.terms.fits(t.name);
     for (const auto* list : {&fitted.shared, &fitted.own})
       for (const DropTerm* other : *list) covered = covered || t.moves_what(*other);
@@ -225,7 +225,7 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
       covered = covered || (t.is_constant() && other->is_constant() && t.moves_what(*other));
     if (covered) continue;
     identify::Term absent = t;
-    if (t.is_constant()) {  // it may be more or less than what it is held at, but where that is its bound
+    if (t.is_constant()) {  // it may be above or below the value that it is held at, except at its bound
       absent.absent = simulator.value(t);
       if (absent.absent > t.lower) absent.lower = -identify::Term::kInfinity;
     }

@@ -1,11 +1,11 @@
-// The fit of a floor to drops, whatever falls: constants that make simulated drops meet the logs of measured ones,
+// The fit of a floor to drops of any robot: constants that make simulated drops meet the logs of measured ones,
 //
 //     min sum_d sum_o sum_n ( (sim_do(t_n + s_d) - meas_do(n)) / sigma_o )^2  +  priors,
 //
 // by identify's bounded least squares. sigma_o is the noise of output o, so that accelerations and poses mix.
 //
 // The acceleration jumps where a point touches or leaves the floor: a sample of it within one sampling interval of such
-// a simulated time is left out, for it tells little but on which side it fell, and its residual jumps as the time
+// a simulated time is left out, since it shows little but on which side it fell, and its residual jumps as the time
 // passes over it. A weight that falls to 0 smoothly, its slope counted, was tried and claims information about weak
 // contacts that is not there (mean square of the standardised errors 1.8 instead of 1.3).
 //
@@ -31,17 +31,17 @@ struct CalibrationOptions {
   int restarts = 8;        ///< further starts, drawn about the given one, where the residual stays far above the noise
   std::uint64_t seed = 1;  ///< of those
   int max_iterations = 100;
-  /// A residual so many times the logs' noise is taken for the minimum's, and no further start is tried.
+  /// Up to this multiple of the logs' noise a residual counts as the minimum's: no further start is tried.
   double believed = identify::kFarAboveNoise;
   enum class Parts {
     kGrow,   ///< each drop is fitted part by part, every part a little longer
-    kWhole,  ///< at once: where the start is near
+    kWhole,  ///< at once: where the start is close
   } parts = Parts::kGrow;
-  Monitor monitor;        ///< told of the fit's parts; where it stops, the last part that was done is kept
+  Monitor monitor;        ///< progress in the fit's parts; where it stops, the last part that was done is kept
   void validate() const;  ///< throws InputError
 };
 
-/// One drop, simulated beside its log.
+/// One drop, simulated, and its log.
 struct DropResult {
   std::string file;
   bool simulated = false;                        ///< false: the run failed; nothing below holds
@@ -64,7 +64,7 @@ struct FloorFit : identify::Estimates {
   long steps = 0;  ///< integrated for the fit
 
   Verdicts verdicts() const;  ///< of every constant
-  /// Of the constants that were fitted, as far as it is known; with `among` of those alone.
+  /// Uncertainty of the fitted constants, as far as it is known; with `among` of those alone.
   std::optional<Uncertainty> uncertainty(const std::vector<std::string>* among = nullptr) const;
 };
 
@@ -83,7 +83,7 @@ void check_logs(const DropSimulator& drops);
 [[nodiscard]] FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& options);
 
 /// rms of a drop's residuals, in units of the outputs' noise, under the constants fitted to all others from those of
-/// the simulator's scene, its own nuisance terms fitted: the median over the drops, for one of them alone may tell a
+/// the simulator's scene, its own nuisance terms fitted: the median over the drops, since one of them alone may fix a
 /// constant. NaN where a drop cannot be followed. Two drops at least.
 [[nodiscard]] double held_out(const DropSimulator& drops, const CalibrationOptions& options);
 

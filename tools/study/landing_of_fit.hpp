@@ -16,7 +16,7 @@ struct LandingOfFit {
   double mean = 0;         ///< over the drawn actuators
   double deviation = 0;    ///< standard deviation over them: what more measuring could take away
   double worst_tenth = 0;  ///< mean of the worst tenth
-  long samples = 0;        ///< landings that were drawn; 0: the fit tells no covariance
+  long samples = 0;        ///< landings that were drawn; 0: the fit has no covariance
   long failed = 0;         ///< of them could not be followed, and are left out
 };
 

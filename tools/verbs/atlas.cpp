@@ -44,7 +44,7 @@ AtlasAxis axis_of(const std::string& option, const std::string& text, double uni
   return {r.lower / unit, r.upper / unit, std::uint64_t(r.count)};
 }
 
-/// "2/3".
+/// Shard K of N as text: "2/3".
 AtlasShard shard_of(const std::string& text) {
   const std::size_t slash = text.find('/');
   if (slash == std::string::npos) throw InputError("--shard: " + quoted(text) + ": K/N is needed, as in 1/3");
@@ -93,11 +93,11 @@ void take_finished(const std::string& path, const std::string& identity, const s
     const MappedAtlas there(path);
     if (std::string_view(there.header().identity, sizeof there.header().identity) != identity) return;
     for (const std::size_t i : drops) cells[i] = there.cells()[i];
-  } catch (const InputError&) {  // what is no atlas is replaced like every earlier result
+  } catch (const InputError&) {  // a file that is not an atlas is replaced like every earlier result
   }
 }
 
-/// The last thing that an atlas needs, once all its drops are planned.
+/// Finds the safest motion of an atlas, once all its drops are planned.
 void find_safest(AtlasResult& r, const CommonOptions& common, const Run& run) {
   r.atlas.header.safest = {};
   if (r.atlas.open() == 0)
@@ -131,7 +131,7 @@ int run_plan(const AtlasArguments& a, const CommonOptions& common) {
   return report(r, run);
 }
 
-/// Takes the drops that a part has. Throws InputError where another part has them otherwise.
+/// Takes the drops of a part. Throws InputError where another part has different motions for them.
 void take_part(const Atlas& part, const std::string& path, Atlas& whole) {
   if (std::memcmp(part.header.identity, whole.header.identity, sizeof part.header.identity) != 0)
     throw InputError({path}, "a part of another atlas: scene, actuator, grid, goal, effort or seed differ");

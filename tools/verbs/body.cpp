@@ -45,7 +45,7 @@ std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const s
 
 namespace {
 
-/// The files behind a scene are inputs of the run; warns of drives that their fits did not trust.
+/// The files that a scene names are inputs of the run; warns of drives that their fits did not trust.
 void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   run.input(path);
   if (!scene.robot_file.empty()) run.input(scene.robot_file);
@@ -99,7 +99,7 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
 
 namespace {
 
-/// --release-from, in place of what the scene's [release] says.
+/// --release-from, instead of what the scene's [release] says.
 void apply(const std::optional<double>& from, std::optional<BodyRelease>& release) {
   if (!from) return;
   if (!release) throw InputError("--release-from: the scene has no [release] with a table for each driven joint");
@@ -107,7 +107,7 @@ void apply(const std::optional<double>& from, std::optional<BodyRelease>& releas
     throw InputError(fmt::format("--release-from: {}: at least 0 s is needed", *from));
   release->from = *from;
 }
-/// --respect-ratings; warns of drives that have none.
+/// The limits of --respect-ratings; warns of drives without ratings.
 void keep_ratings(BodyScene& scene, Run& run) {
   for (const std::string& joint : respect_ratings(scene))
     run.warn(fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint));
@@ -242,7 +242,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
                      a.exports.has(Exports::Format::kPlotJuggler);
   options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
-  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
+  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses numbers that this base does not have
   options.monitor = run.monitor(options.measure ? "optimize, landings" : "optimize, motions");
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)

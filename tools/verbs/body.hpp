@@ -14,15 +14,15 @@ namespace ukemi::tools {
 /// The one file of --actuator that the paper's robot has. Throws InputError where there is none, or more.
 std::string only_actuator(const std::vector<std::string>& given, const std::string& option = "--actuator");
 
-/// FILE, or JOINT=FILE; what stands before '=' is a joint's name, not a path.
+/// FILE, or JOINT=FILE; the text before '=' is a joint's name, not a path.
 std::vector<landing::GivenDrive> drives_of(const std::vector<std::string>& given,
                                            const std::string& option = "--actuator");
 /// The scene with the drives that are given; its files are inputs of the run, which warns of what looks wrong.
 landing::BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
                            const std::string& option = "--actuator");
-/// Throws InputError where an option is given that a robot of links does not have, with what it has.
+/// Throws InputError where an option is given that a robot of links does not have; the message lists what it has.
 void refuse(bool given, const char* option);
-/// Likewise a release of the joint, which a robot of links does not have; else what a plan may have beside.
+/// Likewise a release of the joint, which a robot of links does not have; else what else a plan may have.
 void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene);
 /// Their --scatter; their --inflate, checked.
 std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);

@@ -132,7 +132,7 @@ Motion motion_of(const std::string& path, Run& run) {
   return read_motion(path);
 }
 
-/// The logs with how each was played, `motion` unless told otherwise, and thrown.
+/// The logs with how each was played, `motion` unless stated otherwise, and thrown.
 std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const CalibrateArguments& a,
                                    const Scene& scene, const std::optional<Motion>& motion, Run& run) {
   std::vector<LoggedDrop> out;

@@ -19,7 +19,7 @@ struct CalibrateArguments {
   Doubt doubt = Doubt::kReport;
   enum class Law {
     kScene,  ///< the scene's, others are tried
-    kAsked,  ///< the one that the drops ask for
+    kAsked,  ///< the law that the drops support best
     kOnly,   ///< the scene's, no other is tried
   };
   std::optional<Law> law;  ///< of a robot of links; absent: kScene

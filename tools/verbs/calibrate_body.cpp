@@ -36,7 +36,7 @@ std::vector<BodyLoggedDrop> read_drops(const std::vector<std::string>& paths, co
   return out;
 }
 
-/// Throws InputError for an option that a base of this kind has not.
+/// Throws InputError for an option that a base of this kind does not have.
 void check_base(const CalibrateArguments& a, const Robot& robot) {
   if (!a.height_of.empty() && robot.base == Base::kPinned)
     throw InputError("--height-of: a pinned robot is not dropped");

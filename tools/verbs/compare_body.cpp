@@ -32,7 +32,7 @@ BodyComparisonOptions options_of(const CompareArguments& a, const BodyScene& sce
   if (a.robust) {
     out.search.measure = Measure::parse("--robust", *a.robust);
     out.search.scatter = scatter_of(a.scatter), out.search.inflate = inflate_of(a.scatter, scene, run);
-    (void)BodyDropModel(scene, scatter_for(out.search.scatter, scene));  // refuses what this base has not
+    (void)BodyDropModel(scene, scatter_for(out.search.scatter, scene));  // refuses numbers that this base does not have
   }
   out.search.validate();
   out.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set); };

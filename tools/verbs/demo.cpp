@@ -27,7 +27,7 @@ Quantities<BestOf> best_quantities() {
   return out;
 }
 
-/// A fact of the paper beside ours.
+/// A number of the paper and ours.
 struct Fact {
   std::string what, paper, ukemi, note;
 };
@@ -76,7 +76,7 @@ struct DemoArguments {
   enum class Reports { kName, kOpen } reports = Reports::kName;
 };
 
-/// Names the reports of the parts, and opens them where that is asked for.
+/// Names the reports of the parts, and opens them with --open.
 void name_reports(const DemoArguments& a, const std::string& folder, const CommonOptions& common, Run& run) {
   if (common.report == CommonOptions::Report::kSkip) return;
   run.say(""), run.say("Reports to open:");
@@ -123,7 +123,7 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
                      begin("compare", "compare: identified against nominal (x8-9_nominal.toml)"), &comparison);
   if (code != kDone) return code;
 
-  // Table 2 itself, and the paper's facts.
+  // Table 2 itself, and the paper's numbers.
   const Scene scene = read_scene(paper);
   const SeaParameters<double> table2 = read_actuator(dataset("actuators/table2.toml")).sea;
   OptimizeOptions options;

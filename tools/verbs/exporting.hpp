@@ -15,9 +15,9 @@ struct ExportChoices {
   std::vector<std::pair<std::string, Exports::Format>> formats;
   std::string help;
 };
-/// Of a motion and its landing.
+/// Formats of a motion and its landing.
 ExportChoices landing_exports();
-/// Of an actuator.
+/// Formats of an actuator.
 ExportChoices actuator_exports();
 /// Throws InputError unless the joints of a robot of links can be exported so: --joint is the name of one alone.
 void check_exports(const Exports& exports, const landing::Robot& robot);

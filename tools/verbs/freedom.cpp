@@ -38,7 +38,7 @@ void apply(const FreedomArguments& a, Freedom& freedom) {
 
 namespace {
 
-/// In place of what the scene says.
+/// Replaces the scene's keys by the arguments.
 void apply(const FreedomArguments& a, Scene& scene) {
   apply(a, scene.freedom);
   if (!a.release_phi && !a.release_rate && !a.from) return;

@@ -1,4 +1,4 @@
-// Options that several verbs share: what motions of a scene may have beside the paper's three numbers, and how the
+// Options that several verbs share: what motions of a scene may have besides the paper's three numbers, and how the
 // joint hangs at release. They stand for [motion] and [release] of the scene.
 #pragma once
 
@@ -17,11 +17,11 @@ struct FreedomArguments {
   std::optional<double> release_phi, release_rate, from;  ///< deg, deg/s, s
 };
 void add_freedom(CLI::App& verb, FreedomArguments& arguments);
-/// What they say of bumps and gains, in place of what a scene says. Throws InputError.
+/// What they say of bumps and gains, instead of what a scene says. Throws InputError.
 void apply(const FreedomArguments& arguments, landing::Freedom& freedom);
 /// The scene of a file, an input of the run, with a warning of what its calibration did not trust. Throws InputError.
 landing::Scene scene_of(const std::string& path, Run& run);
-/// The same, with the arguments in place of what it says. Throws InputError.
+/// The scene, with the arguments instead of its own keys. Throws InputError.
 landing::Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run);
 
 }  // namespace ukemi::tools

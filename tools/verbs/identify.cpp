@@ -21,7 +21,7 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Of a term of the table that `may` be named, by its name or its alias.
+/// Name of a term of the table that `may` be named, by its name or its alias.
 template <class May>
 std::string term_name(const std::string& option, const std::string& given, May&& may) {
   std::vector<std::string> known;
@@ -80,7 +80,7 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   return o;
 }
 
-/// Throws InputError where a profile cannot be, or a constant that is not fitted has no value.
+/// Throws InputError where a profile cannot be computed, or a constant that is not fitted has no value.
 void check(const IdentifyArguments& a, const IdentifyQuestion& q) {
   for (const std::string& name : split(a.profile)) {
     if (!q.options.terms.fits(kConstantNames[constant_index("--profile", name)]))
@@ -102,7 +102,7 @@ void scale_effort(const TrialArguments& a, IdentifyQuestion& q) {
     terms.nuisance.push_back("torque_gain");
 }
 
-/// What the trials must hold. From rest, one without excitation says nothing; one let go from elsewhere does.
+/// What the trials must contain. From rest a trial without excitation has no information; from elsewhere it has.
 TrialNeeds needs_of(const IdentifyQuestion& q) {
   TrialNeeds needs;
   if (q.verb == IdentifyQuestion::Verb::kPredict)

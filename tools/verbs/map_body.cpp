@@ -15,7 +15,7 @@ using namespace landing;
 
 namespace {
 
-/// Points along each variable: those of NAME[:N],...; 1 where a variable stands.
+/// Points along each variable: those of NAME[:N],...; 1 where a variable is fixed.
 std::vector<int> cells_of(const std::string& text, const BodySpace& space) {
   std::vector<std::string> names;
   for (const Variable& v : space.variables()) names.push_back(v.name);

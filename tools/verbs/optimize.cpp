@@ -22,7 +22,7 @@ using namespace landing;
 
 namespace {
 
-/// Time since the program's start: what the processor has spent on it says when that was.
+/// Time since the program's start: processor time until here, then the wall clock [s].
 class Clock {
  public:
   Clock() : before_(double(std::clock()) / CLOCKS_PER_SEC) {}
@@ -71,7 +71,7 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   return out;
 }
 
-/// How long it takes to write such an answer [s].
+/// Time to write such an answer [s].
 double writing_time(const Answer& a, double rate, const Exports& exports, const Run& run) {
   constexpr double kTwice = 2, kFiles = 8, kExit = 2e-3;  // the program's own end takes 1 ms
   const Stopwatch watch(Stopwatch::Time::kWall);

@@ -23,7 +23,7 @@ using namespace landing;
 
 namespace {
 
-/// What says how drops are drawn has no say where they were measured.
+/// Refuses options for drawing drops where the drops were measured.
 void check_measured(const RiskArguments& a) {
   const char* given = a.execution == RiskArguments::Execution::kInexact ? "--inexact"
                       : a.samples                                       ? "--samples"

@@ -38,7 +38,7 @@ Scattering scattering_of(const ScatterArguments& a, const landing::Scene& scene,
     run.warn(fmt::format("--inflate makes no difference: {} holds no [uncertainty], so its constants do not scatter",
                          actuator.name));
   if (a.scatter) out.scatter = landing::parse_scatter("--scatter", *a.scatter);
-  (void)landing::DropModel(scene, {}, actuator, {.inflate = out.inflate});  // refuses what is no covariance
+  (void)landing::DropModel(scene, {}, actuator, {.inflate = out.inflate});  // refuses an invalid covariance
   return out;
 }
 

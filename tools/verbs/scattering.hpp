@@ -25,7 +25,7 @@ double checked_inflate(const ScatterArguments& arguments);
 struct Scattering {
   std::optional<landing::Scatter> scatter;       ///< none: the scene's, or what is assumed
   double inflate = 1;                            ///< of the constants' standard errors
-  std::vector<landing::ScatteredDrop> measured;  ///< in place of all that
+  std::vector<landing::ScatteredDrop> measured;  ///< instead of drawn drops
 };
 Scattering scattering_of(const ScatterArguments& arguments, const landing::Scene& scene, const Actuator& actuator,
                          Run& run);
