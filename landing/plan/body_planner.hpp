@@ -48,6 +48,8 @@ class BodyPlanner {
   /// The same for a robot in the air, whose references stand at the measured angles until the deadline and can move
   /// from then on. No worse than to stand there, where that keeps the limits. Throws nothing for whatever was measured.
   [[nodiscard]] BodyAnswer plan(const BodyFallState& state, double deadline, std::uint64_t seed = 1);
+  /// The next plan tries these motions before all others, as an atlas has them, and not the last plan.
+  void start(std::vector<BodyMotion> motions) { starts_ = std::move(motions); }
   /// A new fall: the last plan is forgotten.
   void forget() { last_.clear(); }
 
@@ -56,6 +58,7 @@ class BodyPlanner {
 
   BodyScene scene_;
   BodyPlanOptions options_;
+  std::vector<BodyMotion> starts_;
   BodyMotion last_;  ///< in the air the ends of its moves count from release
 };
 

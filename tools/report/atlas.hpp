@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "common/actuator.hpp"
 #include "landing/atlas/atlas_file.hpp"
 #include "tools/program/output.hpp"
 
 namespace ukemi::tools {
 
 struct AtlasResult {
-  landing::Scene scene;
-  Actuator actuator;
-  std::string scene_toml, actuator_toml;  ///< their texts, of which the header has the checksum
+  std::string scene;                         ///< its name
+  std::vector<landing::Variable> variables;  ///< of its motions
+  std::string scene_toml, actuator_toml;     ///< texts, of which the header has the checksum; of a robot of links the
+                                             ///< scene names its drives, and the other is empty
   landing::Atlas atlas;                   ///< drops of other shards are open
   std::vector<std::size_t> drops;         ///< of the shard, in the grid's order
   std::string shard;                      ///< "2/3"; empty: the whole
@@ -21,7 +21,7 @@ struct AtlasResult {
   std::string journal;                    ///< where it was interrupted: what the next run goes on from
 };
 
-/// atlas.csv, atlas.bin, scene.toml and actuator.toml; of an interrupted run its journal in place of atlas.bin.
+/// atlas.csv, atlas.bin, scene.toml and, of the paper's robot, actuator.toml; of an interrupted run its journal in place of atlas.bin.
 int report(const AtlasResult& result, Run& run);
 
 }  // namespace ukemi::tools
