@@ -197,7 +197,8 @@ void BodyAtlas::validate(const AtlasGrid& grid) const {
   for (std::size_t k = 0; k < own.size(); ++k)
     if (!has[k] && !(grid.axes[k].stands() && grid.axes[k].lower == own[k]))
       throw InputError(fmt::format("atlas: {}: {}", AtlasGrid::kNames[k], kWhy[k]));
-  if (!scene_.touches()) throw InputError("atlas: no contact of the scene touches a floor: there is no landing to plan");
+  if (!scene_.touches())
+    throw InputError("atlas: no contact of the scene touches a floor: there is no landing to plan");
 }
 
 Scatter BodyAtlas::scatter(const std::optional<Scatter>& asked) const { return scatter_for(asked, scene_); }

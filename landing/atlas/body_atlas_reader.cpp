@@ -59,7 +59,7 @@ BodyAtlasEntry BodyAtlasReader::Table::at(const BodyScene& here, const Stopwatch
     BodyAtlasEntry entry = best_of(here, atlas.safest().span(), watch);
     entry.inside = false;
     return entry;
-  } catch (const InputError& e) {  // as a speed of a base that has none
+  } catch (const InputError& e) {  // as a vertical speed of a base that does not fall
     return {.wrong = e.what()};
   }
 }

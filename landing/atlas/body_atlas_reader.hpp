@@ -14,8 +14,8 @@ struct AtlasHeader;
 /// What an atlas has for a fall of a robot of links; as AtlasEntry.
 struct BodyAtlasEntry {
   BodyMotion motion;
-  std::vector<BodyMotion> starts;  ///< the motions around, the best first: where BodyPlanner may start
-  double value = kNoMotion;        ///< Options::goal at this very drop; kNoMotion: no time was left to play it
+  std::vector<BodyMotion> starts;          ///< the motions around, the best first: where BodyPlanner may start
+  double value = kNoMotion;                ///< Options::goal at this very drop; kNoMotion: no time was left to play it
   std::uint64_t drop = ~std::uint64_t(0);  ///< of the grid, for which the motion was planned
   bool inside = false;  ///< false: the grid does not reach so far, or has no motion here, and this is the safest one
   bool found = false;   ///< false: nor is there such a one, or what was measured cannot be

@@ -179,7 +179,8 @@ TEST_CASE("limits of a robot of links: kept by plans, counted by risk, and said 
 
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, robot", two = "a robot of links: `ukemi simulate`";
+  const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, robot",
+                    two = "a robot of links: `ukemi simulate`";
   check_refused(f, {"optimize", kHopper, "--drops", "x.csv"}, {"--drops: ", can});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},

@@ -268,3 +268,17 @@ TEST_CASE("atlas: a reader takes the best of the motions around, says what is ou
   CHECK_THAT(refusal([&] { AtlasReader other(f.write("part.bin", atlas_bytes(part)), paper(), table2().sea); }),
              Contains("part.bin: drops of it are not planned"));
 }
+
+// Written by ukemi 0.1.0 before robots of links had atlases: heights 0.3, 0.5 m, 0.4, 0.8 m/s, 10, 25 deg.
+TEST_CASE("atlas: a file of before is still read, and answers") {
+  const std::string path = UKEMI_SOURCE "/test/data/atlas_version_2.bin";
+  AtlasReader reader(path, paper(), table2().sea, {.goal = Goal::kPeak, .deadline = 10});
+  const MappedAtlas file(path);
+  Scene scene = paper();
+  scene.drop = {.height = 0.5, .forward_speed = 0.8, .pitch = 25 * kDegree};
+  const AtlasEntry entry = reader.at(scene.drop);
+  REQUIRE(entry.inside);
+  CHECK(entry.value <= file.cells()[7].peak * (1 + 1e-3));
+  CHECK(peak_acceleration(scene, entry.sea, entry.motion).peak == Approx(entry.value).epsilon(1e-3));
+  CHECK(file.header().safest.drop < 8);
+}

@@ -59,8 +59,7 @@ AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& op
     plan_atlas(robot, options, r.atlas.cells);
     r.atlas.header.safest = {};
     if (r.atlas.open() == 0)
-      r.atlas.header.safest =
-          safest_motion(robot, options.grid, r.atlas.cells, options.search.threads, {{}, stop});
+      r.atlas.header.safest = safest_motion(robot, options.grid, r.atlas.cells, options.search.threads, {{}, stop});
     return true;
   });
   return out;

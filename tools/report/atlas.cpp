@@ -170,4 +170,25 @@ int report(const AtlasResult& r, Run& run) {
   return run.finish(summary, atlas.planned() > 0 ? kDone : kNumbers);
 }
 
+int report(const AskedAtlas& a, Run& run) {
+  Json summary = {{"drop", drop_json(a.drop)}, {"found", a.found}, {"inside", a.inside}};
+  Report page("An atlas asked: " + a.scene);
+  if (!a.found) {
+    const char* none = "the atlas has no motion for this drop, and none that lands all of its own";
+    run.warn(none), page.paragraph(none);
+  } else {
+    if (!a.inside) run.warn("the grid does not reach this drop: the motion that is safest over all of its own");
+    const std::string said = fmt::format("{}: {} {} m/s^2, peak {}; held {}", a.motion_words, a.goal,
+                                         peak_words(a.value), peak_words(a.peak), peak_words(a.held));
+    run.say(said), page.paragraph(said + ".");
+    summary["planned_for"] = drop_json(a.planned);
+    summary["motion"] = a.motion, summary["objective"] = a.goal, summary["goal"] = a.value;
+    summary["peak_acceleration"] = a.peak, summary["hold"] = {{"peak_acceleration", a.held}};
+    run.add("motion.toml", a.motion_toml);
+  }
+  page.distrust(run.warnings());
+  page.write(run);
+  return run.finish(summary, a.found ? kDone : kNumbers);
+}
+
 }  // namespace ukemi::tools

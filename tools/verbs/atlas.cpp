@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "tools/program/interrupt.hpp"
 #include "tools/report/atlas.hpp"
 #include "tools/report/body_scene_text.hpp"
+#include "tools/verbs/atlas_ask.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/scattering.hpp"
@@ -32,7 +34,7 @@ constexpr const char *kBinary = "atlas.bin", *kJournal = "atlas.part",
                      *kNeeded = "atlas: SCENE and --actuator are needed, or --merge";
 
 struct AtlasArguments {
-  std::string scene, height, speed, pitch, shard;
+  std::string scene, height, speed, pitch, shard, ask;
   std::vector<std::string> actuators;
   std::vector<std::string> merge;
   Goal goal = Goal::kPeak;
@@ -104,8 +106,9 @@ Subject two_link_of(const AtlasArguments& a, Run& run) {
 Subject body_subject(const AtlasArguments& a, Run& run) {
   const FreedomArguments& f = a.freedom;
   if (f.bumps || f.gains || f.release_phi || f.release_rate || f.from)
-    throw InputError("--bumps, --landing-gains, --release-...: of a robot of links [motion] and [release] of its scene, "
-                     "which lies beside its atlas, say it");
+    throw InputError(
+        "--bumps, --landing-gains, --release-...: of a robot of links [motion] and [release] of its scene, "
+        "which lies beside its atlas, say it");
   const BodyScene scene = body_of(a.scene, a.actuators, run);
   Subject out{.name = scene.name,
               .robust = robust_of(a, BodyPlanOptions().samples),
@@ -170,10 +173,8 @@ void find_safest(AtlasResult& r, const AtlasRobot& robot, const CommonOptions& c
 std::vector<std::size_t> all_drops(const AtlasGrid& grid) { return AtlasShard().drops(grid); }
 
 AtlasResult result_of(const Subject& s) {
-  return {.scene = s.name,
-          .variables = s.robot->variables(),
-          .scene_toml = s.scene_toml,
-          .actuator_toml = s.actuator_toml};
+  return {
+      .scene = s.name, .variables = s.robot->variables(), .scene_toml = s.scene_toml, .actuator_toml = s.actuator_toml};
 }
 
 int run_plan(const AtlasArguments& a, const CommonOptions& common) {
@@ -266,7 +267,29 @@ int run_merge(const AtlasArguments& a, const CommonOptions& common) {
   return report(r, run);
 }
 
+/// The one value of --height, --speed or --pitch-deg of a drop that is asked for.
+double asked_of(const char* option, const std::string& text, double unit, double otherwise) {
+  const double value = text.empty() ? otherwise : to_number(option, text) / unit;
+  if (!std::isfinite(value)) throw InputError(std::string(option) + ": a finite number is needed");
+  return value;
+}
+
+int run_ask(const AtlasArguments& a, const CommonOptions& common) {
+  if (!a.merge.empty() || !a.scene.empty() || !a.actuators.empty() || !a.shard.empty() || a.robust || a.evaluations)
+    throw InputError("--ask: SCENE, --actuator, --merge, --shard, --robust, --evaluations have no say: the atlas has");
+  Run run("atlas", common);
+  return ask_atlas(
+      a.ask, a.goal,
+      [&](const Drop& own) {
+        return Drop{.height = asked_of("--height", a.height, 1, own.height),
+                    .forward_speed = asked_of("--speed", a.speed, 1, own.forward_speed),
+                    .pitch = asked_of("--pitch-deg", a.pitch, kDegrees, own.pitch)};
+      },
+      run);
+}
+
 int run_atlas(const AtlasArguments& a, const CommonOptions& common) {
+  if (!a.ask.empty()) return run_ask(a, common);
   return a.merge.empty() ? run_plan(a, common) : run_merge(a, common);
 }
 
@@ -293,9 +316,13 @@ void add_atlas(CLI::App& app, Action& chosen) {
   verb->add_option("--robust", args->robust,
                    "plan for drops that scatter about each of the grid: mean, cvar, quantile:Q or worst");
   add_scatter(*verb, args->scatter);
-  verb->add_option("--samples", args->samples, "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
+  verb->add_option("--samples", args->samples,
+                   "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
   verb->add_option("--shard", args->shard, "K/N: only part K of N of the grid's blocks");
   verb->add_option("--merge", args->merge, "folders of all shards of an atlas: puts them together");
+  verb->add_option("--ask", args->ask,
+                   "folder of an atlas: its motion for the drop of --height, --speed and --pitch-deg, a number each "
+                   "[the scene's]");
   add_action<AtlasArguments>(*verb, args,
                              "ukemi atlas scene.toml --actuator actuator.toml --height 0.1:1:10 --speed -1:2:13 "
                              "--pitch-deg -40:40:17 -o out",
