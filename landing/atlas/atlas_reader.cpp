@@ -42,8 +42,6 @@ AtlasReader::AtlasReader(const std::string& path, const Scene& scene, const SeaP
     : table_(std::make_unique<Table>(path, scene, sea, options)) {}
 AtlasReader::~AtlasReader() = default;
 
-const AtlasHeader& AtlasReader::header() const { return table_->atlas.header(); }
-
 AtlasEntry AtlasReader::at(const Drop& drop) {
   Table& t = *table_;
   t.scene.drop = drop;

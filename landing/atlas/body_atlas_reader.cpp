@@ -12,13 +12,13 @@
 namespace ukemi::landing {
 
 struct BodyAtlasReader::Table {
-  Table(const std::string& path, const BodyScene& s, const Options& o)
+  Table(const std::string& path, const BodyScene& s, const AtlasReaderOptions& o)
       : scene(s), options(o), atlas(path, o.goal, o.deadline, BodySpace(s).variables(), robot_checksum(s)) {}
   BodyAtlasEntry best_of(const BodyScene& here, std::span<const std::size_t> drops, const Stopwatch& watch) const;
   BodyAtlasEntry at(const BodyScene& here, const Stopwatch& watch) const;
 
   BodyScene scene;
-  Options options;
+  AtlasReaderOptions options;
   AtlasTable atlas;
 };
 
@@ -64,11 +64,9 @@ BodyAtlasEntry BodyAtlasReader::Table::at(const BodyScene& here, const Stopwatch
   }
 }
 
-BodyAtlasReader::BodyAtlasReader(const std::string& path, const BodyScene& scene, const Options& options)
+BodyAtlasReader::BodyAtlasReader(const std::string& path, const BodyScene& scene, const AtlasReaderOptions& options)
     : table_(std::make_unique<Table>(path, scene, options)) {}
 BodyAtlasReader::~BodyAtlasReader() = default;
-
-const AtlasHeader& BodyAtlasReader::header() const { return table_->atlas.header(); }
 
 BodyAtlasEntry BodyAtlasReader::at(const Drop& drop) {
   const Stopwatch watch(Stopwatch::Time::kWall);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <utility>
@@ -31,7 +30,7 @@ std::string fault_of(const Drop& d, double deadline) {
   const std::string wrong = fault_of({{deadline, 1e-6, kFast, "deadline: above 0 to 1e3 s is needed"}});
   return wrong.empty() ? landing::fault_of(d) : wrong;
 }
-BodyAnswer refused(std::string wrong) { return {.status = BodyAnswer::Status::kBadInput, .wrong = std::move(wrong)}; }
+BodyAnswer refused(std::string wrong) { return {.status = Plan::Status::kBadInput, .wrong = std::move(wrong)}; }
 
 /// The ends of the moves in the air, so much later [s].
 BodyMotion later(BodyMotion motion, double seconds) {
@@ -68,11 +67,6 @@ BodyScene falling(BodyScene scene, const BodyFallState& s, double from) {
   return scene;
 }
 
-const char* name(BodyAnswer::Status status) {
-  constexpr std::array<const char*, 4> kNames = {"found", "nothing", "floor_first", "bad_input"};
-  return kNames[std::size_t(status)];
-}
-
 BodyPlanner::BodyPlanner(const BodyScene& scene, const BodyPlanOptions& options) : scene_(scene), options_(options) {
   options_.deadline.reset(), options_.starts.clear();
   options_.validate(), scene_.validate();
@@ -90,7 +84,7 @@ BodyAnswer BodyPlanner::search(const BodyScene& scene, double deadline, std::uin
   } catch (const InputError& e) {  // as a speed of a base that has none
     return refused(e.what());
   }
-  out.status = out.plan.found ? BodyAnswer::Status::kFound : BodyAnswer::Status::kNothing;
+  out.status = out.plan.found ? Plan::Status::kFound : Plan::Status::kNothing;
   return out;
 }
 
@@ -107,7 +101,7 @@ BodyAnswer BodyPlanner::plan(const BodyFallState& s, double deadline, std::uint6
   const BodyScene scene = falling(scene_, s, deadline);
   for (std::string wrong : {fault_of(s, scene_.robot.joints.size()), fault_of(scene.drop, deadline)})
     if (!wrong.empty()) return refused(std::move(wrong));
-  if (!(fall_time(scene) > deadline)) return {.status = BodyAnswer::Status::kFloorFirst};
+  if (!(fall_time(scene) > deadline)) return {.status = Plan::Status::kFloorFirst};
   last_ = later(std::move(last_), -s.gone);
   const BodyAnswer out = search(scene, deadline, seed);
   last_ = later(out.found() ? out.plan.motion : std::move(last_), s.gone);

@@ -7,7 +7,6 @@
 #include "landing/atlas/atlas_reader.hpp"
 #include "landing/atlas/body_atlas_reader.hpp"
 #include "landing/model/scene_file.hpp"
-#include "landing/run/simulate.hpp"
 #include "tools/report/atlas.hpp"
 #include "tools/report/body.hpp"
 #include "tools/verbs/body.hpp"
@@ -28,11 +27,10 @@ struct Asked {
 };
 
 template <class Entry>
-AskedAtlas found_of(const std::string& name, const Drop& drop, const Entry& entry, const AtlasHeader& header,
-                    Goal goal) {
+AskedAtlas found_of(const std::string& name, const Drop& drop, const Entry& entry, const Asked& a) {
   AskedAtlas out{.scene = name, .drop = drop, .inside = entry.inside, .found = entry.found};
-  out.goal = goal == Goal::kPeak ? "peak" : "tolerant peak", out.value = entry.value;
-  if (entry.found) out.planned = header.grid.drop(entry.drop);
+  out.goal = a.goal == Goal::kPeak ? "peak" : "tolerant peak", out.value = entry.value;
+  if (entry.found) out.planned = MappedAtlas(a.atlas).header().grid.drop(entry.drop);
   return out;
 }
 
@@ -42,7 +40,7 @@ int ask_body(const Asked& a, Run& run) {
   scene.drop = a.drop(scene.drop);
   const BodyAtlasEntry entry = reader.at(scene.drop);
   if (!entry.wrong.empty()) throw InputError("--ask: " + entry.wrong);
-  AskedAtlas out = found_of(scene.name, scene.drop, entry, reader.header(), a.goal);
+  AskedAtlas out = found_of(scene.name, scene.drop, entry, a);
   if (!entry.found) return report(out, run);
   out.peak = simulate(scene, entry.motion).peak, out.held = simulate(scene, held_posture(scene)).peak;
   out.motion = Table::of(motion_quantities(scene.robot, entry.motion), entry.motion).object();
@@ -59,7 +57,7 @@ int ask_two_link(const Asked& a, Run& run) {
   scene.drop = a.drop(scene.drop);
   scene.validate();
   const AtlasEntry entry = reader.at(scene.drop);
-  AskedAtlas out = found_of(scene.name, scene.drop, entry, reader.header(), a.goal);
+  AskedAtlas out = found_of(scene.name, scene.drop, entry, a);
   if (!entry.found) return report(out, run);
   out.peak = simulate(scene, entry.sea, entry.motion).peak, out.held = simulate(scene, sea, kHeld).peak;
   out.motion = motion_json(entry.motion), out.motion_words = motion_words(entry.motion);
