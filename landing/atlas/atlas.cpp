@@ -1,16 +1,11 @@
 #include "landing/atlas/atlas.hpp"
 
-#include <atomic>
-#include <cmath>
 #include <mutex>
 
-#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/files.hpp"
 #include "common/parallel.hpp"
 #include "common/random.hpp"
-#include "landing/atlas/atlas_file.hpp"
-#include "landing/model/scene_file.hpp"
 
 namespace ukemi::landing {
 
@@ -26,63 +21,28 @@ long AtlasOptions::effort() const {
   return search.evaluations.value_or(usual);
 }
 
-namespace {
-
-AtlasCell cell_of(const Optimum& best) {
-  AtlasCell out{.state = AtlasCell::State::kNone};
-  if (!best.found || best.landing.joint_lost) return out;
-  out.state = AtlasCell::State::kPlanned;
-  out.value = best.value, out.peak = best.landing.peak;
-  out.tolerant_peak = best.tolerant.failed ? std::nan("") : best.tolerant.value;
-  std::copy(best.values.begin(), best.values.end(), out.values.begin());
-  return out;
-}
-
-/// The best motion for one drop, the search starting from what neighbours play.
-AtlasCell plan_drop(Scene scene, const Actuator& actuator, const AtlasOptions& options, std::size_t drop,
-                    std::vector<MotionValues> starts) {
-  constexpr long kFirst = 4;
-  constexpr long kJudging = 256;
-  scene.drop = options.grid.drop(drop);
-  OptimizeOptions search = options.search;
-  search.evaluations = options.effort() * (starts.empty() ? kFirst : 1);
-  search.starts = std::move(starts);
-  search.threads = 1, search.tolerance_samples = 0;
-  search.seed = Random(options.search.seed, drop).bits();
-  search.monitor = {{}, options.monitor.stop};
-  if (options.robust.measure) {
-    const DropModel drops(scene, scatter_for(options.robust.scatter, scene), actuator,
-                          {.inflate = options.robust.inflate});
-    RobustOptions robust = options.robust;
-    robust.judging = kJudging;
-    search.goal = Goal::kRobust, search.search_accuracy = Robust::kAccuracy;
-    search.robust = robust_goal(drops, robust, options.search.seed);
-  }
-  return cell_of(optimize(scene, actuator.sea, search));
-}
-
-}  // namespace
-
-std::string atlas_identity(const Scene& scene, const Actuator& actuator, const AtlasOptions& options) {
-  std::string text = UKEMI_VERSION + to_toml(scene, "") + to_toml(actuator);  // another version may plan otherwise
+std::string atlas_identity(const AtlasRobot& robot, const AtlasOptions& options) {
+  std::string text = UKEMI_VERSION + robot.text();  // another version may plan otherwise
   const auto add = [&](double x) { text += shortest(x) + "\n"; };
   for (const AtlasAxis& a : options.grid.axes) add(a.lower), add(a.upper), add(double(a.count));
-  add(double(options.search.goal)), add(double(options.effort()));
+  add(double(options.search.goal)), add(double(robot.effort(options)));
   text += std::to_string(options.search.seed) + "\n";
   if (const auto& measure = options.robust.measure) {
     text += measure->name() + "\n";
-    const Scatter scatter = scatter_for(options.robust.scatter, scene);
+    const Scatter scatter = robot.scatter(options.robust.scatter);
     for (const ScatterTerm& term : kScatterTerms) add(scatter.*term.deviation);
     add(options.robust.inflate), add(double(options.robust.samples)), add(options.robust.penalty);
   }
   return checksum(text);
 }
 
-void plan_atlas(const Scene& scene, const Actuator& actuator, const AtlasOptions& options, std::span<AtlasCell> cells) {
-  options.validate(), scene.validate(), validate(actuator);
+void plan_atlas(const AtlasRobot& robot, const AtlasOptions& options, std::span<AtlasCell> cells) {
+  constexpr long kFirst = 4;  // times the effort where nothing starts the search
+  options.validate(), robot.validate(options.grid);
   options.grid.check_cells(cells.size());
   const std::vector<std::size_t> blocks = options.shard.blocks(options.grid);
-  const int dimension = ReferenceSpace(scene, actuator.sea).dimension();
+  const int dimension = int(robot.variables().size());
+  const long effort = robot.effort(options);
   long open = 0, planned = 0;
   for (const std::size_t i : options.shard.drops(options.grid)) open += cells[i].state == AtlasCell::State::kOpen;
   std::mutex mutex;
@@ -90,7 +50,8 @@ void plan_atlas(const Scene& scene, const Actuator& actuator, const AtlasOptions
     std::vector<MotionValues> starts;
     for (const std::size_t i : options.grid.block(blocks[std::size_t(b)])) {
       if (cells[i].state == AtlasCell::State::kOpen) {
-        const AtlasCell cell = plan_drop(scene, actuator, options, i, starts);
+        const AtlasCell cell = robot.plan(options, {options.grid.drop(i), effort * (starts.empty() ? kFirst : 1),
+                                                    Random(options.search.seed, i).bits(), starts});
         if (options.monitor.stopped()) return;  // it may have been cut short
         const std::lock_guard lock(mutex);
         cells[i] = cell;

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "common/actuator.hpp"
 #include "landing/atlas/grid.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/search/optimize.hpp"
@@ -49,13 +49,53 @@ struct AtlasOptions {
   void validate() const;  ///< throws InputError
 };
 
+/// One drop to be planned.
+struct AtlasTask {
+  Drop drop;
+  long effort;                       ///< motions, with a measure landings
+  std::uint64_t seed;                ///< of the search
+  std::vector<MotionValues> starts;  ///< what the drops of the block that are planned already play
+};
+
+/// Motions of an atlas over drops.
+class AtlasTrial {
+ public:
+  virtual ~AtlasTrial() = default;
+  /// The motion from now on, of a drop of the atlas.
+  virtual void take(const Drop& planned_for, const MotionValues& values) = 0;
+  /// Its peaks [m/s^2], one above `bound` only a bound of itself; kNoMotion where it cannot be followed, breaks a limit
+  /// or was stopped.
+  virtual void play(std::span<const Drop> drops, double bound, std::span<double> peaks) = 0;
+};
+
+/// A robot as an atlas sees it: what a drop of it may be, how one is planned, what a motion of it does.
+class AtlasRobot {
+ public:
+  virtual ~AtlasRobot() = default;
+  /// Robot, floor, drives and what a motion may be, as text: what determines the cells beside AtlasOptions.
+  virtual std::string text() const = 0;
+  /// What the motions are planned on: a checksum of the robot, its floor, its stops and detection, how exactly it
+  /// plays, and its drives, each number to 9 digits; of neither the drop, nor the release, nor what is known of errors.
+  virtual std::string checksum() const = 0;
+  virtual std::vector<Variable> variables() const = 0;
+  /// Throws InputError for a robot that is not valid, and for drops that it cannot have.
+  virtual void validate(const AtlasGrid& grid) const = 0;
+  /// How its drops scatter: as asked for, else as the scene says, else what is assumed.
+  virtual Scatter scatter(const std::optional<Scatter>& asked) const = 0;
+  virtual long effort(const AtlasOptions& options) const { return options.effort(); }
+  /// One thread.
+  virtual AtlasCell plan(const AtlasOptions& options, const AtlasTask& task) const = 0;
+  /// `over` must outlive it.
+  virtual std::unique_ptr<AtlasTrial> trial(int threads, const std::function<bool()>& over) const = 0;
+};
+
 /// What determines the cells, apart from the shard: a checksum, so that parts of different atlases never meet.
-[[nodiscard]] std::string atlas_identity(const Scene& scene, const Actuator& actuator, const AtlasOptions& options);
+[[nodiscard]] std::string atlas_identity(const AtlasRobot& robot, const AtlasOptions& options);
 
 /// Plans the shard's drops that are open in `cells` (one for each drop of the grid). The drops of a block are planned
 /// one after the other, each search starting from the best of the block's motions so far; blocks know nothing of each
 /// other. So the result depends neither on threads, nor on shards, nor on where it was stopped.
-void plan_atlas(const Scene& scene, const Actuator& actuator, const AtlasOptions& options, std::span<AtlasCell> cells);
+void plan_atlas(const AtlasRobot& robot, const AtlasOptions& options, std::span<AtlasCell> cells);
 
 /// The motion of the atlas whose worst peak over all drops of the grid is the smallest: for a drop that the atlas does
 /// not know.
@@ -65,7 +105,7 @@ struct SafestMotion {
   static constexpr std::uint64_t kNoDrop = ~std::uint64_t(0);
 };
 /// Each motion is played, the hardest drops first, until one is worse than the worst of the best so far.
-[[nodiscard]] SafestMotion safest_motion(const Scene& scene, const SeaParameters<double>& sea, const AtlasGrid& grid,
+[[nodiscard]] SafestMotion safest_motion(const AtlasRobot& robot, const AtlasGrid& grid,
                                          std::span<const AtlasCell> cells, int threads, const Monitor& monitor);
 
 }  // namespace ukemi::landing

@@ -64,37 +64,25 @@ std::size_t Atlas::none() const {
       std::count_if(cells.begin(), cells.end(), [](auto& c) { return c.state == AtlasCell::State::kNone; }));
 }
 
-std::string robot_checksum(const Scene& s, const SeaParameters<double>& sea) {
-  std::string text;
-  const auto add = [&](double x) { text += fmt::format("{:.9g},", x); };
-  for (const double x : s.robot.mass) add(x);
-  for (const double x : s.robot.inertia_com) add(x);
-  add(s.robot.link_length), add(s.robot.gravity);
-  for (const bool touches : s.contacts) add(touches);
-  const Floor<double> floor = s.floor.value_or(Floor<double>{});
-  Floor<double>::for_each(floor, floor, [&](double x, double) { add(x); });
-  if (s.joint) add((*s.joint)[0]), add((*s.joint)[1]);
-  add(s.detection_delay), add(s.execution.phi), add(s.execution.duration);
-  SeaParameters<double>::for_each(sea, sea, [&](double x, double) { add(x); });
-  add(double(sea.feedback));
-  return checksum(text);
+bool AtlasVariable::is(const Variable& v) const {
+  AtlasVariable other{};
+  put(other.name, v.name), put(other.unit, v.unit);
+  return std::memcmp(this, &other, sizeof other) == 0;
 }
 
-AtlasHeader atlas_header(const Scene& scene, const Actuator& actuator, const AtlasOptions& options) {
+AtlasHeader atlas_header(const AtlasRobot& robot, const AtlasOptions& options) {
   AtlasHeader h{};
   put(h.magic, std::string(kMagic));
   h.version = AtlasHeader::kVersion, h.order = AtlasHeader::kLittleEndian;
-  put(h.identity, atlas_identity(scene, actuator, options));
-  put(h.robot, robot_checksum(scene, actuator.sea));
+  put(h.identity, atlas_identity(robot, options));
+  put(h.robot, robot.checksum());
   h.goal = std::uint64_t(options.robust.measure ? Goal::kRobust : options.search.goal);
   if (const auto& m = options.robust.measure) h.measure = std::uint64_t(m->kind), h.level = m->level;
   h.grid = options.grid;
-  const ReferenceSpace space(scene, actuator.sea);
-  h.variables = std::uint64_t(space.dimension());
-  for (std::size_t k = 0; k < h.variables; ++k) {
-    put(h.variable[k].name, space.variables()[k].name);
-    put(h.variable[k].unit, space.variables()[k].unit);
-  }
+  const std::vector<Variable> variables = robot.variables();
+  h.variables = std::uint64_t(variables.size());
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    put(h.variable[k].name, variables[k].name), put(h.variable[k].unit, variables[k].unit);
   return h;
 }
 

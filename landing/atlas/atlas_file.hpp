@@ -12,9 +12,10 @@
 
 namespace ukemi::landing {
 
-/// A name with its unit, both ended by zeros.
+/// A name with its unit, filled up by zeros; what is longer is cut.
 struct AtlasVariable {
   char name[24], unit[8];
+  bool is(const Variable& v) const;
 };
 
 struct AtlasHeader {
@@ -25,7 +26,7 @@ struct AtlasHeader {
   std::uint64_t size;     ///< of the file [bytes]
   char checksum[16];      ///< FNV-1a, 64 bits in hexadecimal digits, of all bytes behind it
   char identity[16];      ///< see atlas_identity
-  char robot[16];         ///< see robot_checksum
+  char robot[16];         ///< see AtlasRobot::checksum
   std::uint64_t goal;     ///< Goal: what AtlasCell::value is
   std::uint64_t measure;  ///< under scatter, Measure::Kind, and its level
   double level;
@@ -45,11 +46,8 @@ struct Atlas {
   std::size_t open() const { return cells.size() - planned() - none(); }
 };
 
-/// What the motions were planned on: a checksum of the robot, its floor, its stops and detection, how exactly it plays,
-/// and its drive, each number to 9 digits; of neither the drop, nor the release, nor what is known of errors.
-[[nodiscard]] std::string robot_checksum(const Scene& scene, const SeaParameters<double>& sea);
 /// A header for what is to be planned; size and checksum follow when it is written.
-[[nodiscard]] AtlasHeader atlas_header(const Scene& scene, const Actuator& actuator, const AtlasOptions& options);
+[[nodiscard]] AtlasHeader atlas_header(const AtlasRobot& robot, const AtlasOptions& options);
 /// Its bytes as a file has them.
 [[nodiscard]] std::string atlas_bytes(const Atlas& atlas);
 /// The same back. Throws InputError "PATH: ..." for what is no atlas, of another version or machine, cut or changed.

@@ -8,8 +8,6 @@
 
 namespace ukemi::landing {
 
-struct AtlasHeader;
-
 /// What an atlas has for a drop.
 struct AtlasEntry {
   Motion motion{};
@@ -25,27 +23,25 @@ struct AtlasEntry {
   bool found = false;   ///< false: nor has the atlas any motion that lands all its drops
 };
 
+struct AtlasReaderOptions {
+  Goal goal = Goal::kTolerant;  ///< by which the motions are compared: kPeak or kTolerant
+  double accuracy = 1e-5;       ///< of their landings
+  double deadline = 1.5e-3;     ///< for playing; what is not played by then is no answer [s]
+  Limits limits;                ///< what no landing may do
+};
+
 /// Motions do not blend: between two drops lies a cliff as often as not. So the motions of the drops around the one at
 /// hand are played, in lanes, and the best is taken.
 class AtlasReader {
  public:
-  struct Options {
-    Goal goal = Goal::kTolerant;  ///< by which the motions are compared: kPeak or kTolerant
-    double accuracy = 1e-5;       ///< of their landings
-    double deadline = 1.5e-3;     ///< for playing; what is not played by then is no answer [s]
-    Limits limits;                ///< what no landing may do
-  };
+  using Options = AtlasReaderOptions;
   /// Opens the file; all memory is taken here. Throws InputError for what is no whole atlas, and where it was
   /// planned for other motions, another robot, floor or drive than these.
-  AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea, const Options& options);
-  AtlasReader(const std::string& path, const Scene& scene, const SeaParameters<double>& sea)
-      : AtlasReader(path, scene, sea, Options()) {}
+  AtlasReader(const std::string& path, const Scene&, const SeaParameters<double>& sea, const Options& options = {});
   ~AtlasReader();
   /// Allocates nothing, starts no thread. A vertical speed counts as the height that makes it, a pitch rate as the
   /// pitch that it makes until the floor; what is played is the drop itself.
   [[nodiscard]] AtlasEntry at(const Drop& drop);
-
-  const AtlasHeader& header() const;
 
  private:
   struct Table;

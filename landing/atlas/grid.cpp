@@ -18,11 +18,11 @@ std::size_t parts(const AtlasAxis& axis) { return (axis.count + kSide - 1) / kSi
 }  // namespace
 
 void AtlasGrid::validate() const {
-  constexpr std::array<const char*, kAxes> kNames = {"height", "speed", "pitch"};
   double drops = 1;
   for (std::size_t k = 0; k < kAxes; ++k) {
     const AtlasAxis& a = axes[k];
-    if (!(std::isfinite(a.lower) && std::isfinite(a.upper) && a.lower < a.upper && a.count >= 2))
+    if (!(std::isfinite(a.lower) && std::isfinite(a.upper) &&
+          (a.count == 1 ? a.lower == a.upper : a.lower < a.upper && a.count >= 2)))
       throw InputError(fmt::format("atlas: {}: {} to {} in {}: finite numbers that rise, and at least 2, are needed",
                                    kNames[k], a.lower, a.upper, a.count));
     drops *= double(a.count);

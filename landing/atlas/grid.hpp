@@ -10,15 +10,16 @@
 
 namespace ukemi::landing {
 
-/// `count` values from `lower` to `upper`, both included. As it stands in a file.
+/// `count` values from `lower` to `upper`, both included; one value of a number that stands. As it stands in a file.
 struct AtlasAxis {
   double lower, upper;
-  std::uint64_t count;  ///< >= 2
+  std::uint64_t count;  ///< >= 1, where the axis rises >= 2
 
   double at(std::size_t i) const {
     return i + 1 < count ? lower + (upper - lower) * double(i) / double(count - 1) : upper;
   }
-  bool holds(double x) const { return x >= lower && x <= upper; }
+  bool stands() const { return count == 1; }
+  bool holds(double x) const { return stands() || (x >= lower && x <= upper); }
 };
 
 /// Drops from rest by height [m], forward speed [m/s] and pitch [rad], the pitch fastest.
@@ -26,10 +27,11 @@ struct AtlasGrid {
   static constexpr std::size_t kAxes = 3;
   static constexpr std::size_t kMostDrops = 1'000'000;
   using Place = std::array<std::size_t, kAxes>;
+  static constexpr std::array<const char*, kAxes> kNames = {"height", "speed", "pitch"};
   std::array<AtlasAxis, kAxes> axes{};
 
-  /// Throws InputError for an axis that does not rise or has less than two values, a height below 0, or more than
-  /// kMostDrops drops.
+  /// Throws InputError for an axis of several values that does not rise, a height below 0, or more than kMostDrops
+  /// drops.
   void validate() const;
   /// Throws InputError unless it is valid and has so many drops.
   void check_cells(std::size_t cells) const;

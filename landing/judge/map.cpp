@@ -7,6 +7,7 @@
 #include "common/checks.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
+#include "landing/judge/survey.hpp"
 #include "landing/search/population.hpp"
 #include "landing/search/search.hpp"
 

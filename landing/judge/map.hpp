@@ -10,8 +10,6 @@
 
 namespace ukemi::landing {
 
-class MotionSpace;
-
 struct MapOptions {
   /// Points along each variable, ends included; 1, or none given: the variable is fixed at its value in `slice`.
   std::vector<int> cells{64, 64, 32};
@@ -58,21 +56,7 @@ struct MotionRange {
 [[nodiscard]] std::vector<double> peak_slice(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                              const MotionRange& x, const MotionRange& y, int cells, int threads = 0);
 
-/// Every point of the grid, on all lanes and threads, until the monitor stops it.
-[[nodiscard]] PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options = {});
-
-/// The map over the motions of Eq. 6.
+/// Every point of the grid over the motions of Eq. 6, on all lanes and threads, until the monitor stops it.
 [[nodiscard]] PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const MapOptions& options = {});
-
-/// A basin: the best motion found near a local minimum of the grid, at MapOptions::tight.
-struct Basin {
-  MotionValues values;
-  Play play;
-  double peak;
-};
-/// The distinct basins of the grid's best local minima, the best first; where the monitor stops it, those whose search
-/// has ended.
-[[nodiscard]] std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const PeakMap& map,
-                                        const MapOptions& options = {});
 
 }  // namespace ukemi::landing

@@ -9,6 +9,20 @@
 
 namespace ukemi::landing {
 
+/// map_peaks over the motions of a space.
+[[nodiscard]] PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options = {});
+
+/// A basin: the best motion found near a local minimum of the grid, at MapOptions::tight.
+struct Basin {
+  MotionValues values;
+  Play play;
+  double peak;
+};
+/// The distinct basins of the grid's best local minima, the best first; where the monitor stops it, those whose search
+/// has ended.
+[[nodiscard]] std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const PeakMap& map,
+                                        const MapOptions& options = {});
+
 struct SurveyOptions {
   MapOptions map;            ///< its monitor: progress in the grid's rows
   Monitor basins, evidence;  ///< progress in basins found, and judged

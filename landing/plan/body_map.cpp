@@ -16,22 +16,6 @@ namespace {
 
 constexpr double kSearchAccuracy = 1e-6;
 
-Coordinates values_of(const std::vector<Variable>& variables, const Coordinates& unit) {
-  Coordinates out(unit.size());
-  for (std::size_t k = 0; k < variables.size(); ++k)
-    out[long(k)] = std::lerp(variables[k].lower, variables[k].upper, unit[long(k)]);
-  return out;
-}
-/// And back; a range of one value has its middle.
-Coordinates unit_of(const std::vector<Variable>& variables, const Coordinates& values) {
-  Coordinates out(values.size());
-  for (std::size_t k = 0; k < variables.size(); ++k) {
-    const auto& [low, high] = std::pair(variables[k].lower, variables[k].upper);
-    out[long(k)] = high > low ? std::clamp((values[long(k)] - low) / (high - low), 0.0, 1.0) : 0.5;
-  }
-  return out;
-}
-
 const std::function<bool()>* over_of(const Monitor& monitor) { return monitor.stop ? &monitor.stop : nullptr; }
 
 /// The peak of a motion [m/s^2]; kNoMotion where it could not be followed, or was stopped.
@@ -91,20 +75,20 @@ Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyM
         throw InputError(where, fmt::format("{}_{} = {:.6g}: {:.6g} is the nearest that is mapped", kMotionNames[k],
                                             joint.name, *x[k], *y[k]));
   }
-  return values_of(space.variables(), unit);
+  return space.values(unit);
 }
 
 Coordinates held_slice(const BodySpace& space, const BodyScene& scene) {
   BodyMotion held = held_posture(scene);
   for (Motion& m : held) m.duration = 0.5 * (scene.duration[0] + scene.duration[1]);
-  return values_of(space.variables(), space.unit(held));
+  return space.values(space.unit(held));
 }
 
 BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
   scene.validate();
   const BodySpace space(scene);
   const auto motion = [&](const PeakMap& map, const PeakMap::Place& at) {
-    return space.motion(unit_of(map.variables, map.values(at)));
+    return space.motion(space.unit(map.values(at)));
   };
   const auto play = [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> cells) {
     for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -121,7 +105,7 @@ BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
   MapOptions near = options.map;
   near.monitor = options.basins;
   const auto descend = [&](const PeakMap::Place& cell, std::uint64_t n) {
-    return close_in(scene, space, unit_of(out.map.variables, out.map.values(cell)), near, n);
+    return close_in(scene, space, space.unit(out.map.values(cell)), near, n);
   };
   const std::vector<BodyDrop> box = execution_drops(scene);
   for (const Candidate& p : descents(out.map, near, descend)) {

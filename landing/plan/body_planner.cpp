@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
 #include "common/error.hpp"
+#include "landing/plan/body_fall.hpp"
 #include "landing/plan/body_space.hpp"
 
 namespace ukemi::landing {
@@ -26,8 +27,22 @@ std::string fault_of(std::initializer_list<Number> numbers) {
 constexpr double kFar = 1e4, kFast = 1e3, kTurn = 6.283185307179586;
 
 std::string fault_of(const Drop& d, double deadline) {
-  return fault_of({{deadline, 1e-6, kFast, "deadline: above 0 to 1e3 s is needed"},
-                   {d.height, 0, kFar, "height: 0 to 1e4 m is needed"},
+  const std::string wrong = fault_of({{deadline, 1e-6, kFast, "deadline: above 0 to 1e3 s is needed"}});
+  return wrong.empty() ? landing::fault_of(d) : wrong;
+}
+BodyAnswer refused(std::string wrong) { return {.status = Plan::Status::kBadInput, .wrong = std::move(wrong)}; }
+
+/// The ends of the moves in the air, so much later [s].
+BodyMotion later(BodyMotion motion, double seconds) {
+  for (Motion& m : motion)
+    if (m.reposition) m.reposition->to += seconds;
+  return motion;
+}
+
+}  // namespace
+
+std::string fault_of(const Drop& d) {
+  return fault_of({{d.height, 0, kFar, "height: 0 to 1e4 m is needed"},
                    {d.forward_speed, -kFast, kFast, "forward_speed: at most 1e3 m/s either way is needed"},
                    {d.pitch, -kTurn, kTurn, "pitch: radians, at most 2 pi either way, are needed"},
                    {d.pitch_rate, -kFast, kFast, "pitch_rate: at most 1e3 rad/s either way is needed"},
@@ -43,20 +58,13 @@ std::string fault_of(const BodyFallState& s, std::size_t joints) {
   }
   return fault_of({{s.gone, 0, kFast, "gone: 0 to 1e3 s is needed"}});
 }
-BodyAnswer refused(std::string wrong) { return {.status = BodyAnswer::Status::kBadInput, .wrong = std::move(wrong)}; }
-
-/// The ends of the moves in the air, so much later [s].
-BodyMotion later(BodyMotion motion, double seconds) {
-  for (Motion& m : motion)
-    if (m.reposition) m.reposition->to += seconds;
-  return motion;
-}
-
-}  // namespace
-
-const char* name(BodyAnswer::Status status) {
-  constexpr std::array<const char*, 4> kNames = {"found", "nothing", "floor_first", "bad_input"};
-  return kNames[std::size_t(status)];
+BodyScene falling(BodyScene scene, const BodyFallState& s, double from) {
+  const Robot& robot = scene.robot;
+  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1,
+               fallen = robot.base == Base::kPinned ? 0 : -robot.gravity * along * along * s.gone;
+  scene.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, s.vertical_speed.value_or(fallen)};
+  scene.release = BodyRelease{s.joints, from};
+  return scene;
 }
 
 BodyPlanner::BodyPlanner(const BodyScene& scene, const BodyPlanOptions& options) : scene_(scene), options_(options) {
@@ -68,14 +76,15 @@ BodyPlanner::BodyPlanner(const BodyScene& scene, const BodyPlanOptions& options)
 BodyAnswer BodyPlanner::search(const BodyScene& scene, double deadline, std::uint64_t seed) {
   BodyPlanOptions options = options_;
   options.deadline = deadline, options.seed = seed;
-  if (!last_.empty()) options.starts = {last_};
+  options.starts = std::exchange(starts_, {});
+  if (options.starts.empty() && !last_.empty()) options.starts = {last_};
   BodyAnswer out;
   try {
     out.plan = landing::plan(scene, options);
   } catch (const InputError& e) {  // as a speed of a base that has none
     return refused(e.what());
   }
-  out.status = out.plan.found ? BodyAnswer::Status::kFound : BodyAnswer::Status::kNothing;
+  out.status = out.plan.found ? Plan::Status::kFound : Plan::Status::kNothing;
   return out;
 }
 
@@ -89,15 +98,10 @@ BodyAnswer BodyPlanner::plan(const Drop& drop, double deadline, std::uint64_t se
 }
 
 BodyAnswer BodyPlanner::plan(const BodyFallState& s, double deadline, std::uint64_t seed) {
-  const Robot& robot = scene_.robot;
-  BodyScene scene = scene_;
-  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1,
-               fallen = robot.base == Base::kPinned ? 0 : -robot.gravity * along * along * s.gone;
-  scene.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, s.vertical_speed.value_or(fallen)};
-  for (std::string wrong : {fault_of(s, robot.joints.size()), fault_of(scene.drop, deadline)})
+  const BodyScene scene = falling(scene_, s, deadline);
+  for (std::string wrong : {fault_of(s, scene_.robot.joints.size()), fault_of(scene.drop, deadline)})
     if (!wrong.empty()) return refused(std::move(wrong));
-  scene.release = BodyRelease{s.joints, deadline};
-  if (!(fall_time(scene) > deadline)) return {.status = BodyAnswer::Status::kFloorFirst};
+  if (!(fall_time(scene) > deadline)) return {.status = Plan::Status::kFloorFirst};
   last_ = later(std::move(last_), -s.gone);
   const BodyAnswer out = search(scene, deadline, seed);
   last_ = later(out.found() ? out.plan.motion : std::move(last_), s.gone);

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "landing/plan/body_plan.hpp"
+#include "landing/search/planner.hpp"
 
 namespace ukemi::landing {
 
-/// What a robot of links measures while it falls. A number beyond its range, or NaN, is refused with
-/// BodyAnswer::Status::kBadInput.
+/// What a robot of links measures in the air. A number beyond its range, or NaN, makes Plan::Status::kBadInput.
 struct BodyFallState {
   double height;                              ///< clearance of the lowest contact now, 0 to 1e4 [m]
   std::vector<BodyRelease::Joint> joints;     ///< of Robot::joints, at most 2 pi and 1e3 rad/s either way
@@ -23,21 +23,14 @@ struct BodyFallState {
 
 /// What it answers with.
 struct BodyAnswer {
-  enum class Status {
-    kFound,
-    kNothing,     ///< nothing could be followed within the limits in the time given
-    kFloorFirst,  ///< the floor comes before the deadline: there is no time to plan
-    kBadInput,    ///< a number of the fall or the deadline is none that can be; `wrong` says which
-  } status = Status::kNothing;
+  Plan::Status status = Plan::Status::kNothing;
   BodyPlan plan;      ///< times of its moves in the air count from the call
   std::string wrong;  ///< with kBadInput: the number and its rule
-  bool found() const { return status == Status::kFound; }
+  bool found() const { return status == Plan::Status::kFound; }
 };
-/// "found", "nothing", "floor_first", "bad_input".
-const char* name(BodyAnswer::Status status);
 
 /// Owns a scene, and what was planned last: the next plan of a fall begins there. Not to be called from two threads at
-/// once. Unlike Planner it allocates, and searches on BodyPlanOptions::threads. Tests: test/legs/planner.cpp.
+/// once. Unlike Planner it allocates, and searches on BodyPlanOptions::threads. Tests: test/legs/air.cpp.
 class BodyPlanner {
  public:
   /// Of the options `deadline` and `starts` are set by each call. Throws InputError as `plan`.
@@ -48,6 +41,8 @@ class BodyPlanner {
   /// The same for a robot in the air, whose references stand at the measured angles until the deadline and can move
   /// from then on. No worse than to stand there, where that keeps the limits. Throws nothing for whatever was measured.
   [[nodiscard]] BodyAnswer plan(const BodyFallState& state, double deadline, std::uint64_t seed = 1);
+  /// The next plan tries these motions before all others, as an atlas has them, and not the last plan.
+  void start(std::vector<BodyMotion> motions) { starts_ = std::move(motions); }
   /// A new fall: the last plan is forgotten.
   void forget() { last_.clear(); }
 
@@ -56,6 +51,7 @@ class BodyPlanner {
 
   BodyScene scene_;
   BodyPlanOptions options_;
+  std::vector<BodyMotion> starts_;
   BodyMotion last_;  ///< in the air the ends of its moves count from release
 };
 

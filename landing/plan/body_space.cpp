@@ -70,10 +70,10 @@ void BodySpace::add(int joint, int number, const Variable& variable) {
 
 BodyMotion BodySpace::motion(const Coordinates& unit) const {
   BodyMotion out = rest_;
+  const Coordinates x = values(unit);
   for (std::size_t k = 0; k < variables_.size(); ++k) {
-    const double value = std::lerp(variables_[k].lower, variables_[k].upper, unit[long(k)]);
     for (const int i : driven_)
-      if (slots_[k].joint < 0 || slots_[k].joint == i) number(out[std::size_t(i)], slots_[k].number) = value;
+      if (slots_[k].joint < 0 || slots_[k].joint == i) number(out[std::size_t(i)], slots_[k].number) = x[long(k)];
   }
   return out;
 }
@@ -85,6 +85,22 @@ Coordinates BodySpace::unit(const BodyMotion& motion) const {
     Motion m = motion[std::size_t(slots_[k].joint < 0 ? driven_.front() : slots_[k].joint)];
     if (!m.reposition) m.reposition = Reposition{m.phi_i, 0, 0, v.upper};
     out[long(k)] = std::clamp((number(m, slots_[k].number) - v.lower) / (v.upper - v.lower), 0.0, 1.0);
+  }
+  return out;
+}
+
+Coordinates BodySpace::values(const Coordinates& unit) const {
+  Coordinates out(dimension());
+  for (std::size_t k = 0; k < variables_.size(); ++k)
+    out[long(k)] = std::lerp(variables_[k].lower, variables_[k].upper, unit[long(k)]);
+  return out;
+}
+
+Coordinates BodySpace::unit(const Coordinates& values) const {
+  Coordinates out(dimension());
+  for (std::size_t k = 0; k < variables_.size(); ++k) {
+    const auto& [low, high] = std::pair(variables_[k].lower, variables_[k].upper);
+    out[long(k)] = high > low ? std::clamp((values[long(k)] - low) / (high - low), 0.0, 1.0) : 0.5;
   }
   return out;
 }

@@ -26,6 +26,10 @@ class BodySpace {
   BodyMotion motion(const Coordinates& unit) const;
   /// The place of a motion in the cube, the nearest where it lies beyond.
   Coordinates unit(const BodyMotion& motion) const;
+  /// The variables' values at a point of the cube, and back: the nearest place in it; a range of one value has its
+  /// middle.
+  Coordinates values(const Coordinates& unit) const;
+  Coordinates unit(const Coordinates& values) const;
   /// What each variable is to a landing, in their order.
   std::vector<BodyParameter> parameters() const;
   /// Which variables of a point lie on an edge of their range, to a thousandth of it.

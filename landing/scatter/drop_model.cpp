@@ -69,6 +69,12 @@ Play ScatteredDrop::played(const Play& planned) const {
   return with(*this, {deviated(planned.motion, scene.execution, deviation), planned.sea});
 }
 
+DropModel DropModel::measured(const Scene& scene, std::vector<ScatteredDrop> drops) {
+  DropModel out(scene, Scatter{}, Actuator{}, {.floor = false, .actuator = false});
+  out.measured_ = std::move(drops);
+  return out;
+}
+
 DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator& actuator, const Options& options)
     : scene_(scene), inexact_(options.inexact) {
   Sampler sampler;

@@ -45,11 +45,7 @@ class DropModel {
   DropModel(const Scene& scene, const Scatter& scatter) : DropModel(scene, scatter, Actuator{}, Options()) {}
 
   /// Drops as they were measured, instead of drawn ones.
-  static DropModel measured(const Scene& scene, std::vector<ScatteredDrop> drops) {
-    DropModel out(scene, Scatter{}, Actuator{}, {.floor = false, .actuator = false});
-    out.measured_ = std::move(drops);
-    return out;
-  }
+  static DropModel measured(const Scene& scene, std::vector<ScatteredDrop> drops);
 
   /// Whether drops differ at all.
   bool scatters() const { return dimension() > 0 || !measured_.empty(); }

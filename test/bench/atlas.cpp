@@ -10,6 +10,7 @@
 #include "common/actuator.hpp"
 #include "common/degrees.hpp"
 #include "common/random.hpp"
+#include "landing/atlas/atlas_file.hpp"
 #include "landing/atlas/atlas_reader.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
@@ -22,7 +23,7 @@ int main(int count, char** given) {
   const Scene scene = read_scene(given[2]);
   const Actuator actuator = read_actuator(given[3]);
   AtlasReader reader(given[1], scene, actuator.sea, {.goal = Goal::kPeak});
-  const AtlasGrid& grid = reader.header().grid;
+  const AtlasGrid grid = MappedAtlas(given[1]).header().grid;
   Planner planner(scene, actuator.sea, {.goal = Goal::kPeak});
   Random random(std::uint64_t(number(6, 1)));
   std::vector<double> gaps[4];

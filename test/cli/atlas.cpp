@@ -1,5 +1,6 @@
 // ukemi atlas as a user calls it: shards, kills, what another run left.
 #include <catch2/catch.hpp>
+#include <regex>
 #include <sstream>
 
 #include "test/cli/refused.hpp"
@@ -104,6 +105,97 @@ TEST_CASE("atlas: Ctrl-C keeps what is finished, and the next run goes on from t
   CHECK(summary(f)["resumed"] == planned);
   done(f, args + Arguments{"-o", "whole"});
   CHECK(table(f, "out") == table(f, "whole"));
+}
+
+TEST_CASE("atlas: of a robot of links shards, kills and Ctrl-C leave what a single run leaves") {
+  const Folder f;
+  const Arguments hopper = {"atlas",  dataset("scenes/hopper.toml"), "--height", "0.1:0.5:9", "--evaluations", "1500",
+                            "--quiet"};
+  constexpr std::size_t kHeights = 9;
+  done(f, hopper + Arguments{"--threads", "1", "-o", "one"});
+  done(f, hopper + Arguments{"--threads", "3", "-o", "three"});
+  CHECK(table(f, "one") == table(f, "three"));
+  CHECK(summary(f, "one")["planned"] == kHeights);
+  CHECK_THAT(table(f, "one"), Contains("phi_i_hip_deg,phi_f_hip_deg,phi_i_knee_deg,phi_f_knee_deg,duration,goal"));
+  for (const std::string k : {"1", "2"}) done(f, hopper + Arguments{"--shard", k + "/2", "-o", "s" + k});
+  done(f, {"atlas", "--merge", "s2", "s1", "-o", "deep/all", "--quiet"});
+  CHECK(table(f, "one") == table(f, "deep/all"));
+  CHECK(read(f.at("one/atlas.bin")) == read(f.at("deep/all/atlas.bin")));
+  done(f, {"simulate", "deep/all/scene.toml", "-o", "sim", "--quiet"});  // its robot is found from there
+  const Interrupted r = interrupted_after(1, hopper + Arguments{"--threads", "1", "-o", "out"}, f.at(""));
+  CHECK(r.code == 130);
+  CHECK(fs::exists(f.at("out/atlas.part")));
+  const std::size_t begun = summary(f)["planned"];
+  CHECK(begun < kHeights);
+  if (killed_after(0.5, hopper + Arguments{"--threads", "1", "-o", "out"}, f) != 0)
+    CHECK(fs::exists(f.at("out/atlas.part")));
+  done(f, hopper + Arguments{"-o", "out"});
+  CHECK(std::size_t(summary(f)["resumed"]) >= begun);
+  CHECK(table(f, "out") == table(f, "one"));
+  CHECK(read(f.at("out/atlas.bin")) == read(f.at("one/atlas.bin")));
+
+  // Asked between its drops: a motion that plays, better than holding.
+  done(f, {"atlas", "--ask", "one", "--height", "0.33", "-o", "asked", "--quiet"});
+  const Json asked = summary(f, "asked");
+  CHECK(asked["inside"] == true);
+  CHECK(asked["peak_acceleration"] < asked["hold"]["peak_acceleration"]);
+  done(f, {"simulate", dataset("scenes/hopper.toml"), "--motion", "asked/motion.toml", "-o", "played", "--quiet"});
+  done(f, {"atlas", "--ask", "one", "--height", "0.9", "-o", "far", "--quiet"});
+  CHECK(summary(f, "far")["inside"] == false);
+  CHECK(summary(f, "far")["planned_for"] != summary(f, "asked")["planned_for"]);
+
+  // What is damaged is refused, by its name.
+  std::string bytes = read(f.at("s1/atlas.bin"));
+  bytes[700] = char(bytes[700] ^ 1);
+  f.write("s1/atlas.bin", bytes);
+  check_refused(f, {"atlas", "--merge", "s1", "s2", "-o", "bad"},
+                {"s1/atlas.bin: its bytes are not those of its checksum"});
+  f.write("one/atlas.bin", read(f.at("three/atlas.bin")).substr(0, 1000));
+  check_refused(f, {"atlas", "--ask", "one", "-o", "bad"}, {"one/atlas.bin: 1000 bytes: its header says"});
+  check_refused(f, {"atlas", "--ask", "three", "-o", "three"}, {"three/scene.toml: this run would write over it"});
+}
+
+TEST_CASE("atlas: of a robot of links it says which axes the base has, and keeps its scene as files") {
+  const Folder f;
+  const std::string hopper = dataset("scenes/hopper.toml"), links = dataset("scenes/three_links.toml");
+  const Arguments atlas = {"atlas", hopper, "--height", "0.1:0.5:3", "--evaluations", "100", "--quiet"};
+  check_refused(f, {"atlas", hopper, "-o", "out"}, {"--height: LO:HI:N is needed"});
+  check_refused(f, atlas + Arguments{"--speed", "0:1:2"} + kOut, {"atlas: speed: the base", "no forward speed"});
+  check_refused(f, atlas + Arguments{"--pitch-deg", "0:1:2"} + kOut, {"atlas: pitch: a robot on a rail"});
+  check_refused(f, atlas + Arguments{"--bumps", "1"} + kOut, {"--bumps", "[motion]"});
+  check_refused(f, atlas + Arguments{"--actuator", "knee=" + kTable2} + kOut,
+                {"--actuator: ", "has a drive in its file"});
+  check_refused(f, {"atlas", links, "--height", "0.1:0.5:3", "-o", "out"}, {"--speed: LO:HI:N is needed"});
+  check_refused(f, atlas + Arguments{"--robust", "mean", "--scatter", "forward_speed=0.1"} + kOut,
+                {"scatter: forward_speed", "this base"});
+  f.write("free.toml", std::regex_replace(read(hopper), std::regex("\"\\.\\./robots"), "\"" + dataset("robots")) +
+                           "\n[motion]\nbumps = 4\n");
+  check_refused(f, {"atlas", "free.toml", "--height", "0.1:0.5:3", "-o", "out"}, {"13 variables", "at most 12"});
+  done(f, atlas + Arguments{"--robust", "mean", "--samples", "16", "-o", "robust"});
+  CHECK(summary(f, "robust")["goal"] == "mean");
+  // A drive that the files leave open goes with the scene.
+  std::string robot = read(dataset("robots/three_links.toml"));
+  f.write("robot.toml", robot.substr(0, robot.find("[drive.")));
+  std::string scene = read(links);
+  f.write("scene.toml", scene.replace(scene.find("../robots/three_links.toml\"\n\n"), 26, "robot.toml"));
+  done(f,
+       {"atlas", "scene.toml", "--actuator", "hip=" + kTable2, "--actuator", "knee=" + kTable2, "--height", "0.3:0.5:2",
+        "--speed", "0.5:0.7:2", "--pitch-deg", "10:20:2", "--evaluations", "60", "--quiet", "-o", "a/b"});
+  CHECK_THAT(read(f.at("a/b/scene.toml")), Contains("[drive.hip]") && Contains("[drive.knee]"));
+  done(f, {"atlas", "--ask", "a/b", "--height", "0.4", "--speed", "0.6", "-o", "asked", "--quiet"});
+  CHECK(summary(f, "asked")["inside"] == true);
+}
+
+TEST_CASE("atlas: asked, that of the paper's robot answers too") {
+  const Folder f;
+  done(f, kAtlas + Arguments{"-o", "out"});
+  done(f,
+       {"atlas", "--ask", "out", "--height", "0.45", "--speed", "0.6", "--pitch-deg", "18", "-o", "asked", "--quiet"});
+  CHECK(summary(f, "asked")["inside"] == true);
+  CHECK(summary(f, "asked")["peak_acceleration"] < summary(f, "asked")["hold"]["peak_acceleration"]);
+  check_refused(f, {"atlas", "--ask", "out", kPaper, "-o", "bad"}, {"--ask: SCENE"});
+  check_refused(f, {"atlas", "--ask", "out", "--height", "-1", "-o", "bad"}, {"height"});
+  check_refused(f, {"atlas", "--ask", "none", "-o", "bad"}, {"none/scene.toml: no such file"});
 }
 
 TEST_CASE("atlas: bad input is refused, and nothing is written") {

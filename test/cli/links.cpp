@@ -205,7 +205,7 @@ TEST_CASE("trade shows what a number of a design buys") {
 
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  const std::string can = "simulate, optimize, risk, compare, map, calibrate, robot",
+  const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot",
                     two = "a robot of links: `ukemi simulate`";
   check_refused(f, {"optimize", kHopper, "--drops", "x.csv"}, {"--drops: ", can});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});

@@ -162,7 +162,7 @@ TEST_CASE("legs: a planner answers in the air, by the clock, whatever was measur
       REQUIRE(a.found());
       CHECK(a.plan.value <= a.plan.held_value);
     }
-    using Status = BodyAnswer::Status;
+    using Status = Plan::Status;
     const auto status = [&](auto change, double deadline = 0.05) {
       BodyFallState s = now;
       change(s);

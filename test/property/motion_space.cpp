@@ -6,7 +6,7 @@
 #include "common/error.hpp"
 #include "landing/derivatives/gradient.hpp"
 #include "landing/judge/evidence.hpp"
-#include "landing/judge/map.hpp"
+#include "landing/judge/survey.hpp"
 #include "landing/search/optimize.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"

@@ -8,6 +8,7 @@
 #include "common/degrees.hpp"
 #include "landing/atlas/atlas_file.hpp"
 #include "landing/atlas/atlas_reader.hpp"
+#include "landing/atlas/two_link_atlas.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/tolerant_peak.hpp"
@@ -29,9 +30,9 @@ AtlasOptions small() {
 }
 
 Atlas planned(const AtlasOptions& o) {
-  Atlas out{atlas_header(paper(), table2(), o), std::vector<AtlasCell>(o.grid.size())};
-  plan_atlas(paper(), table2(), o, out.cells);
-  out.header.safest = safest_motion(paper(), table2().sea, o.grid, out.cells, 0, {});
+  Atlas out{atlas_header(TwoLinkAtlas(paper(), table2()), o), std::vector<AtlasCell>(o.grid.size())};
+  plan_atlas(TwoLinkAtlas(paper(), table2()), o, out.cells);
+  out.header.safest = safest_motion(TwoLinkAtlas(paper(), table2()), o.grid, out.cells, 0, {});
   return out;
 }
 
@@ -87,7 +88,7 @@ TEST_CASE("atlas: threads, shards and where it was stopped change no cell") {
   o.search.threads = 3;
   for (const std::size_t k : {2, 1}) {
     o.shard = {k, 2};
-    plan_atlas(paper(), table2(), o, parts.cells);
+    plan_atlas(TwoLinkAtlas(paper(), table2()), o, parts.cells);
   }
   std::vector<AtlasCell> again(o.grid.size());
   o.shard = {};
@@ -99,7 +100,7 @@ TEST_CASE("atlas: threads, shards and where it was stopped change no cell") {
     std::size_t here = 0;
     o.done = [&](std::size_t, const AtlasCell&) { ++here; };
     o.monitor.stop = [&] { return here >= 1 && ++asked > 5; };
-    plan_atlas(paper(), table2(), o, again);
+    plan_atlas(TwoLinkAtlas(paper(), table2()), o, again);
     told += here, ++lost;
     over = std::none_of(again.begin(), again.end(), [](auto& c) { return c.state == AtlasCell::State::kOpen; });
     REQUIRE(lost <= again.size());
@@ -189,9 +190,9 @@ TEST_CASE("atlas: a journal keeps every whole cell, wherever it is cut, and no s
 
 TEST_CASE("atlas: what makes another atlas makes another identity") {
   const AtlasOptions o = small();
-  std::set<std::string> seen{atlas_identity(paper(), table2(), o)};
+  std::set<std::string> seen{atlas_identity(TwoLinkAtlas(paper(), table2()), o)};
   const auto differs = [&](const AtlasOptions& other) {
-    CHECK(seen.insert(atlas_identity(paper(), table2(), other)).second);
+    CHECK(seen.insert(atlas_identity(TwoLinkAtlas(paper(), table2()), other)).second);
   };
   AtlasOptions a = o;
   a.search.seed = 2, differs(a), a = o;
@@ -203,9 +204,9 @@ TEST_CASE("atlas: what makes another atlas makes another identity") {
   a.robust.scatter = Scatter{.pitch = 0.1}, differs(a);
   Scene soft = paper();
   soft.floor->stiffness *= 2;
-  CHECK(seen.insert(atlas_identity(soft, table2(), o)).second);
+  CHECK(seen.insert(atlas_identity(TwoLinkAtlas(soft, table2()), o)).second);
   a = o, a.search.threads = 7, a.shard = {2, 2};
-  CHECK(seen.count(atlas_identity(paper(), table2(), a)) == 1);
+  CHECK(seen.count(atlas_identity(TwoLinkAtlas(paper(), table2()), a)) == 1);
 }
 
 TEST_CASE("atlas: a reader takes the best of the motions around, says what is outside, and starts a planner") {
@@ -266,4 +267,18 @@ TEST_CASE("atlas: a reader takes the best of the motions around, says what is ou
   part.cells[3].state = AtlasCell::State::kOpen;
   CHECK_THAT(refusal([&] { AtlasReader other(f.write("part.bin", atlas_bytes(part)), paper(), table2().sea); }),
              Contains("part.bin: drops of it are not planned"));
+}
+
+// Written by ukemi 0.1.0 before robots of links had atlases: heights 0.3, 0.5 m, 0.4, 0.8 m/s, 10, 25 deg.
+TEST_CASE("atlas: a file of before is still read, and answers") {
+  const std::string path = UKEMI_SOURCE "/test/data/atlas_version_2.bin";
+  AtlasReader reader(path, paper(), table2().sea, {.goal = Goal::kPeak, .deadline = 10});
+  const MappedAtlas file(path);
+  Scene scene = paper();
+  scene.drop = {.height = 0.5, .forward_speed = 0.8, .pitch = 25 * kDegree};
+  const AtlasEntry entry = reader.at(scene.drop);
+  REQUIRE(entry.inside);
+  CHECK(entry.value <= file.cells()[7].peak * (1 + 1e-3));
+  CHECK(peak_acceleration(scene, entry.sea, entry.motion).peak == Approx(entry.value).epsilon(1e-3));
+  CHECK(file.header().safest.drop < 8);
 }

@@ -10,6 +10,7 @@
 #include "common/stopwatch.hpp"
 #include "landing/atlas/atlas.hpp"
 #include "landing/atlas/atlas_file.hpp"
+#include "landing/atlas/two_link_atlas.hpp"
 #include "landing/derivatives/gradient.hpp"
 #include "landing/drops/drop_rollout.hpp"
 #include "landing/judge/answer.hpp"
@@ -287,5 +288,6 @@ TEST_CASE("face: what is refused is named") {
   std::vector<AtlasCell> cells(3);
   AtlasOptions atlas;
   atlas.grid.axes = {{{0.3, 0.5, 2}, {0.4, 0.8, 2}, {0.1, 0.2, 2}}};
-  CHECK_THAT(refusal([&] { plan_atlas(Input().scene, Input().actuator, atlas, cells); }), Contains("3 cells: 8"));
+  CHECK_THAT(refusal([&] { plan_atlas(TwoLinkAtlas(Input().scene, Input().actuator), atlas, cells); }),
+             Contains("3 cells: 8"));
 }

@@ -24,7 +24,7 @@ set(UKEMI_PUBLIC_HEADERS
     "landing/robot: landing/body/robot"
     "landing/body_scene: landing/body/body_scene"
     "landing/body_run: landing/body/body_run"
-    "landing/body_planner: landing/plan/body_plan landing/plan/body_planner")
+    "landing/body_planner: landing/plan/body_plan landing/plan/body_planner landing/atlas/body_atlas_reader")
 
 # Calls NAME(header parts...) for each.
 macro(ukemi_for_each_public_header function)

@@ -62,7 +62,7 @@ std::vector<std::string> result_names(const std::string& verb) {
       {"compare", {"parameters.csv", "trajectories.csv"}},
       {"design", {"hit_#.csv", "hits.csv"}},
       {"demo", {}},
-      {"atlas", {"atlas.csv", "atlas.bin", "atlas.part", "scene.toml", "actuator.toml"}},
+      {"atlas", {"atlas.csv", "atlas.bin", "atlas.part", "scene.toml", "actuator.toml", "motion.toml"}},
       {"map", {"map.csv", "basins.csv"}},
       {"ratings", {"ratings.csv"}},
       {"trade", {"trade.csv"}},

@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "landing/atlas/atlas_reader.hpp"
+#include "landing/atlas/two_link_atlas.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/atlas.hpp"
@@ -29,6 +30,8 @@ namespace {
 
 struct AtlasPlan {
   tools::AtlasResult result;
+  Scene scene;
+  Actuator actuator;
   std::uint64_t seed = 1;
 
   const std::vector<AtlasCell>& cells() const { return result.atlas.cells; }
@@ -44,19 +47,19 @@ const char* goal_name(std::uint64_t goal) { return Goal(goal) == Goal::kPeak ? "
 
 AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& options) {
   options.validate();
-  AtlasPlan out{{.scene = scene, .actuator = actuator}, options.search.seed};
+  const TwoLinkAtlas robot(scene, actuator);
+  AtlasPlan out{{.scene = scene.name, .variables = robot.variables()}, scene, actuator, options.search.seed};
   tools::AtlasResult& r = out.result;
   r.scene_toml = to_toml(scene, ""), r.actuator_toml = to_toml(actuator);
   r.drops = options.shard.drops(options.grid);
-  r.atlas.header = atlas_header(scene, actuator, options);
+  r.atlas.header = atlas_header(robot, options);
   r.atlas.cells.resize(options.grid.size());
   long_call([&](const std::function<bool()>& stop) {
     options.monitor.stop = stop;
-    plan_atlas(scene, actuator, options, r.atlas.cells);
+    plan_atlas(robot, options, r.atlas.cells);
     r.atlas.header.safest = {};
     if (r.atlas.open() == 0)
-      r.atlas.header.safest =
-          safest_motion(scene, actuator.sea, options.grid, r.atlas.cells, options.search.threads, {{}, stop});
+      r.atlas.header.safest = safest_motion(robot, options.grid, r.atlas.cells, options.search.threads, {{}, stop});
     return true;
   });
   return out;
@@ -80,7 +83,7 @@ std::optional<PlannedMotion> motion_at(const AtlasPlan& p, const std::array<std:
       throw InputError(fmt::format("index {}: {}: 0 to {} is needed", k, place[k], h.grid.axes[k].count - 1));
   const AtlasCell& cell = p.cells()[h.grid.index(place)];
   if (!cell.planned()) return std::nullopt;
-  const ReferenceSpace space(p.result.scene, p.result.actuator.sea);
+  const ReferenceSpace space(p.scene, p.actuator.sea);
   return PlannedMotion{space.play(cell.coordinates(space.dimension())).motion, goal_name(h.goal), cell.value};
 }
 

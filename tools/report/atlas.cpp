@@ -24,9 +24,8 @@ std::string atlas_csv(const AtlasResult& r, const Run& run) {
   CsvWriter csv = run.csv();
   csv.comment("goal: " + goal_of(h) + " [m/s^2]; a drop without a motion: none was found that can be followed.");
   std::vector<std::string> header = {"height", "forward_speed", "pitch_deg"};
-  const std::vector<Variable> variables = ReferenceSpace(r.scene, r.actuator.sea).variables();
   std::vector<double> factor;
-  for (const Variable& v : variables) {
+  for (const Variable& v : r.variables) {
     const Display d = display(v);
     header.push_back(d.key), factor.push_back(d.factor);
   }
@@ -49,18 +48,43 @@ Json drop_json(const Drop& d) {
   return {{"height", d.height}, {"forward_speed", d.forward_speed}, {"pitch_deg", d.pitch * kDegrees}};
 }
 
-/// The goal over speed and pitch at one height.
-Heatmap at_height(const Atlas& atlas, std::size_t height) {
-  const AtlasGrid& grid = atlas.header.grid;
-  Heatmap out{.x_label = "pitch [deg]", .y_label = "forward speed [m/s]"};
-  for (std::size_t k = 0; k < grid.axes[2].count; ++k) out.x.push_back(grid.axes[2].at(k) * kDegrees);
-  for (std::size_t j = 0; j < grid.axes[1].count; ++j) {
-    out.y.push_back(grid.axes[1].at(j));
-    for (std::size_t k = 0; k < grid.axes[2].count; ++k) {
-      const AtlasCell& c = atlas.cells[grid.index({height, j, k})];
-      out.values.push_back(c.planned() ? c.value : std::nan(""));
-    }
-  }
+/// Values of an axis as a reader sees them.
+std::vector<double> shown(const AtlasAxis& axis, double factor) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < axis.count; ++i) out.push_back(factor * axis.at(i));
+  return out;
+}
+struct AxisWords {
+  const char* label;
+  double factor;
+};
+constexpr std::array<AxisWords, AtlasGrid::kAxes> kAxisWords = {
+    {{"height [m]", 1}, {"forward speed [m/s]", 1}, {"pitch [deg]", kDegrees}}};
+
+double goal_at(const Atlas& atlas, const AtlasGrid::Place& at) {
+  const AtlasCell& c = atlas.cells[atlas.header.grid.index(at)];
+  return c.planned() ? c.value : std::nan("");
+}
+
+/// The goal over two axes; the third stands where `at` says.
+Heatmap over(const Atlas& atlas, AtlasGrid::Place at, std::size_t x, std::size_t y) {
+  const auto& axes = atlas.header.grid.axes;
+  Heatmap out{.x_label = kAxisWords[x].label,
+              .y_label = kAxisWords[y].label,
+              .x = shown(axes[x], kAxisWords[x].factor),
+              .y = shown(axes[y], kAxisWords[y].factor)};
+  for (at[y] = 0; at[y] < axes[y].count; ++at[y])
+    for (at[x] = 0; at[x] < axes[x].count; ++at[x]) out.values.push_back(goal_at(atlas, at));
+  return out;
+}
+
+/// The goal along one axis.
+Series along(const Atlas& atlas, std::size_t x) {
+  const AtlasAxis& axis = atlas.header.grid.axes[x];
+  Series out;
+  out.x = shown(axis, kAxisWords[x].factor);
+  AtlasGrid::Place at{};
+  for (at[x] = 0; at[x] < axis.count; ++at[x]) out.y.push_back(goal_at(atlas, at));
   return out;
 }
 
@@ -81,14 +105,28 @@ Json range_json(const AtlasResult& r) {
   return out;
 }
 
+/// A map at each of some heights; of fewer axes one map, or a line.
 void picture(Report& page, const Atlas& atlas) {
   constexpr std::size_t kPictures = 6;
-  const AtlasAxis& heights = atlas.header.grid.axes[0];
-  const std::size_t n = std::min<std::size_t>(kPictures, heights.count);
-  for (std::size_t p = 0; p < n; ++p) {
-    const std::size_t i = p * (heights.count - 1) / (n - 1);
-    page.heading(fmt::format("Dropped from {:.3g} m: {} [m/s²]", heights.at(i), goal_of(atlas.header)));
-    page.heatmap(at_height(atlas, i));
+  const auto& axes = atlas.header.grid.axes;
+  std::vector<std::size_t> moving;
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    if (!axes[k].stands()) moving.push_back(k);
+  const std::string what = goal_of(atlas.header);
+  if (moving.size() == 1) {
+    page.heading(fmt::format("The {} of each drop", what));
+    page.plot("goal", kAxisWords[moving[0]].label, what + " [m/s²]", {along(atlas, moving[0])});
+  } else if (moving.size() == 2) {
+    page.heading(fmt::format("The {} of each drop [m/s²]", what));
+    page.heatmap(over(atlas, {}, moving[1], moving[0]));
+  } else if (moving.size() == 3) {
+    const AtlasAxis& heights = axes[0];
+    const std::size_t n = std::min<std::size_t>(kPictures, heights.count);
+    for (std::size_t p = 0; p < n; ++p) {
+      const std::size_t i = p * (heights.count - 1) / (n - 1);
+      page.heading(fmt::format("Dropped from {:.3g} m: {} [m/s²]", heights.at(i), what));
+      page.heatmap(over(atlas, {i, 0, 0}, 2, 1));
+    }
   }
 }
 
@@ -116,13 +154,13 @@ int report(const AtlasResult& r, Run& run) {
   }
   run.add("atlas.csv", atlas_csv(r, run));
   run.add("scene.toml", r.scene_toml);
-  run.add("actuator.toml", r.actuator_toml);
+  if (!r.actuator_toml.empty()) run.add("actuator.toml", r.actuator_toml);
   if (finished)
     run.add("atlas.bin", atlas_bytes(atlas));
   else
     run.add("atlas.part", r.journal);
 
-  Report page("Atlas of landings: " + r.scene.name);
+  Report page("Atlas of landings: " + r.scene);
   page.paragraph(said + ". White: no motion, or not planned here.");
   if (safe)
     page.paragraph(fmt::format("The safest motion over all drops has a worst peak of {:.1f} m/s².", h.safest.worst));
@@ -130,6 +168,27 @@ int report(const AtlasResult& r, Run& run) {
   page.distrust(run.warnings());
   page.write(run);
   return run.finish(summary, atlas.planned() > 0 ? kDone : kNumbers);
+}
+
+int report(const AskedAtlas& a, Run& run) {
+  Json summary = {{"drop", drop_json(a.drop)}, {"found", a.found}, {"inside", a.inside}};
+  Report page("An atlas asked: " + a.scene);
+  if (!a.found) {
+    const char* none = "the atlas has no motion for this drop, and none that lands all of its own";
+    run.warn(none), page.paragraph(none);
+  } else {
+    if (!a.inside) run.warn("the grid does not reach this drop: the motion that is safest over all of its own");
+    const std::string said = fmt::format("{}: {} {} m/s^2, peak {}; held {}", a.motion_words, a.goal,
+                                         peak_words(a.value), peak_words(a.peak), peak_words(a.held));
+    run.say(said), page.paragraph(said + ".");
+    summary["planned_for"] = drop_json(a.planned);
+    summary["motion"] = a.motion, summary["objective"] = a.goal, summary["goal"] = a.value;
+    summary["peak_acceleration"] = a.peak, summary["hold"] = {{"peak_acceleration", a.held}};
+    run.add("motion.toml", a.motion_toml);
+  }
+  page.distrust(run.warnings());
+  page.write(run);
+  return run.finish(summary, a.found ? kDone : kNumbers);
 }
 
 }  // namespace ukemi::tools

@@ -8,6 +8,8 @@
 
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
+#include "common/error.hpp"
+#include "common/toml.hpp"
 #include "common/toml_edit.hpp"
 #include "common/uncertainty_file.hpp"
 #include "landing/body/floor_constants.hpp"
@@ -101,6 +103,24 @@ void move_drives(const Robot& robot, const std::string& path, const std::string&
       file.set({"drive", j.name}, "file", from_folder(fs::path(path).parent_path() / drive, folder));
 }
 
+/// Tables of drives that were given beside the files'.
+std::string drive_tables(const BodyScene& scene, const std::vector<GivenDrive>& drives, const TomlEdit& file,
+                         const TomlEdit& robot, const std::string& folder) {
+  std::string out;
+  for (const GivenDrive& g : drives) {
+    const auto takes = [&](const Joint& j) {
+      const bool own = file.has({"drive"}, j.name) || robot.has({"drive"}, j.name);
+      return j.driven() && !own && (g.joint.empty() || g.joint == j.name);
+    };
+    const auto joint = std::find_if(scene.robot.joints.begin(), scene.robot.joints.end(), takes);
+    if (joint == scene.robot.joints.end())
+      throw InputError(g.option + ": " + ukemi::quoted(g.file) +
+                       ": the joint has a drive in its file: what is kept with its scene is changed there");
+    out += fmt::format("\n[drive.{}]\nfile = \"{}\"\n", joint->name, toml_text(from_folder(g.file, folder)));
+  }
+  return out;
+}
+
 std::string tables_behind(const BodyScene& scene) {
   std::string out;
   if (scene.uncertainty) {
@@ -114,7 +134,8 @@ std::string tables_behind(const BodyScene& scene) {
 }  // namespace
 
 std::map<std::string, std::string> scene_files(const std::string& path, const BodyScene& scene,
-                                               const std::string& comments, const std::string& folder) {
+                                               const std::string& comments, const std::string& folder,
+                                               const std::vector<GivenDrive>& drives) {
   std::map<std::string, std::string> out;
   TomlEdit file(path);
   file.remove_table("uncertainty"), file.remove_table("verdict");
@@ -126,6 +147,7 @@ std::map<std::string, std::string> scene_files(const std::string& path, const Bo
   bool changed = false;
   const bool apart = !scene.robot_file.empty();
   TomlEdit other = apart ? TomlEdit(scene.robot_file) : file;
+  const std::string given = drive_tables(scene, drives, file, other, folder);
   for (std::size_t i = 0; i < scene.robot.contacts.size(); ++i)
     changed = write_contact(scene.robot, i, other) || changed;
   CsvWriter head;
@@ -139,7 +161,7 @@ std::map<std::string, std::string> scene_files(const std::string& path, const Bo
   } else {
     file.set({}, "robot", from_folder(scene.robot_file, folder));
   }
-  file.append(tables_behind(scene));
+  file.append(given + tables_behind(scene));
   out["scene.toml"] = head.text() + file.text();
   return out;
 }

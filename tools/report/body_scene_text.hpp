@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "landing/body/body_scene.hpp"
 
@@ -11,8 +12,10 @@ namespace ukemi::tools {
 /// The files scene.toml and, where contacts that stand in the robot's own file change, robot.toml, for `folder`. `path`
 /// is the scene's file; `scene` was read from it, and has other contact laws, pads, pitch, uncertainty or verdicts.
 /// What stands in the file and is as before is left as it is written, paths are made relative to the folder;
-/// `comments` go in front. Throws InputError where the file is written in a way that cannot be followed.
+/// `comments` go in front. `drives`: those that the scene was read with beside its own. Throws InputError where the
+/// file is written in a way that cannot be followed, and for a drive of a joint that has one in the files.
 std::map<std::string, std::string> scene_files(const std::string& path, const landing::BodyScene& scene,
-                                               const std::string& comments, const std::string& folder);
+                                               const std::string& comments, const std::string& folder,
+                                               const std::vector<landing::GivenDrive>& drives = {});
 
 }  // namespace ukemi::tools

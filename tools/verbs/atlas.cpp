@@ -1,6 +1,8 @@
 // ukemi atlas.
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -8,11 +10,16 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "landing/atlas/atlas_file.hpp"
+#include "landing/atlas/body_atlas.hpp"
+#include "landing/atlas/two_link_atlas.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/interrupt.hpp"
 #include "tools/report/atlas.hpp"
+#include "tools/report/body_scene_text.hpp"
+#include "tools/verbs/atlas_ask.hpp"
+#include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/scattering.hpp"
 #include "tools/verbs/verbs.hpp"
@@ -23,10 +30,12 @@ using namespace landing;
 
 namespace {
 
-constexpr const char *kBinary = "atlas.bin", *kJournal = "atlas.part";
+constexpr const char *kBinary = "atlas.bin", *kJournal = "atlas.part",
+                     *kNeeded = "atlas: SCENE and --actuator are needed, or --merge";
 
 struct AtlasArguments {
-  std::string scene, actuator, height, speed, pitch, shard;
+  std::string scene, height, speed, pitch, shard, ask;
+  std::vector<std::string> actuators;
   std::vector<std::string> merge;
   Goal goal = Goal::kPeak;
   std::optional<long> evaluations;
@@ -51,7 +60,17 @@ AtlasShard shard_of(const std::string& text) {
   return {to_seed("--shard", text.substr(0, slash)), to_seed("--shard", text.substr(slash + 1))};
 }
 
-RobustOptions robust_of(const AtlasArguments& a, const Scene& scene, const Actuator& actuator, Run& run) {
+/// What an atlas is of.
+struct Subject {
+  std::unique_ptr<AtlasRobot> robot;
+  std::string name, scene_toml, actuator_toml;  ///< as AtlasResult has them
+  RobustOptions robust;
+  std::array<bool, AtlasGrid::kAxes> axes{true, true, true};  ///< that its base has
+  Drop drop;                                                  ///< of the scene, where the others stand
+};
+
+/// The measure and its samples, where they are asked for, `samples` where nobody says how many.
+RobustOptions robust_of(const AtlasArguments& a, long samples) {
   if (!a.scatter.drops.empty())
     throw InputError("--drops: the drops of an atlas are those of its grid: --scatter says how they scatter");
   if (!a.robust) {
@@ -62,25 +81,71 @@ RobustOptions robust_of(const AtlasArguments& a, const Scene& scene, const Actua
     if (given) throw InputError(fmt::format("{}: without --robust it has no say", given));
     return {};
   }
-  const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
-  RobustOptions out{
-      .measure = Measure::parse("--robust", *a.robust), .scatter = scattering.scatter, .inflate = scattering.inflate};
-  out.samples = a.samples.value_or(out.samples);
+  RobustOptions out{.measure = Measure::parse("--robust", *a.robust)};
+  out.samples = a.samples.value_or(samples);
   if (!(out.samples >= 16 && out.samples <= 4096))
     throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", out.samples));
   return out;
 }
 
-AtlasOptions options_of(const AtlasArguments& a, const CommonOptions& common, const Scene& scene,
-                        const Actuator& actuator, Run& run) {
+Subject two_link_of(const AtlasArguments& a, Run& run) {
+  if (a.actuators.empty()) throw InputError(kNeeded);
+  const Scene scene = scene_of(a.scene, a.freedom, run);
+  const Actuator actuator = landing_actuator_of(only_actuator(a.actuators), run);
+  Subject out{.name = scene.name,
+              .scene_toml = to_toml(scene, ""),
+              .actuator_toml = to_toml(actuator),
+              .robust = robust_of(a, RobustOptions().samples)};
+  out.robot = std::make_unique<TwoLinkAtlas>(scene, actuator);
+  if (!out.robust.measure) return out;
+  const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
+  out.robust.scatter = scattering.scatter, out.robust.inflate = scattering.inflate;
+  return out;
+}
+
+Subject body_subject(const AtlasArguments& a, Run& run) {
+  const FreedomArguments& f = a.freedom;
+  if (f.bumps || f.gains || f.release_phi || f.release_rate || f.from)
+    throw InputError(
+        "--bumps, --landing-gains, --release-...: of a robot of links [motion] and [release] of its scene, "
+        "which lies beside its atlas, say it");
+  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  Subject out{.name = scene.name,
+              .robust = robust_of(a, BodyPlanOptions().samples),
+              .axes = axes_of(scene.robot),
+              .drop = scene.drop};
+  out.robot = std::make_unique<BodyAtlas>(scene);
+  if (scene.touches())
+    out.scene_toml = scene_files(a.scene, scene, "", run.folder(), drives_of(a.actuators)).at("scene.toml");
+  if (!out.robust.measure) return out;
+  out.robust.scatter = scatter_of(a.scatter), out.robust.inflate = inflate_of(a.scatter, scene, run);
+  (void)BodyDropModel(scene, scatter_for(out.robust.scatter, scene));  // refuses what this base has not
+  return out;
+}
+
+Subject subject_of(const AtlasArguments& a, Run& run) {
+  if (a.scene.empty()) throw InputError(kNeeded);
+  return is_body(a.scene) ? body_subject(a, run) : two_link_of(a, run);
+}
+
+/// What the options say; an axis that the base has not stands where the scene does.
+AtlasGrid grid_of(const AtlasArguments& a, const Subject& subject) {
+  const auto axis = [&](std::size_t k, const char* option, const std::string& text, double unit, double own) {
+    return text.empty() && !subject.axes[k] ? AtlasAxis{own, own, 1} : axis_of(option, text, unit);
+  };
+  const Drop& d = subject.drop;
+  return {{axis(0, "--height", a.height, 1, d.height), axis(1, "--speed", a.speed, 1, d.forward_speed),
+           axis(2, "--pitch-deg", a.pitch, kDegrees, d.pitch)}};
+}
+
+AtlasOptions options_of(const AtlasArguments& a, const CommonOptions& common, const Subject& subject) {
   AtlasOptions out;
-  out.grid.axes = {axis_of("--height", a.height, 1), axis_of("--speed", a.speed, 1),
-                   axis_of("--pitch-deg", a.pitch, kDegrees)};
+  out.grid = grid_of(a, subject);
   if (!a.shard.empty()) out.shard = shard_of(a.shard);
   out.search.goal = a.goal, out.search.evaluations = a.evaluations;
   out.search.seed = common.seed, out.search.threads = common.threads;
-  out.robust = robust_of(a, scene, actuator, run);
-  out.validate();
+  out.robust = subject.robust;
+  out.validate(), subject.robot->validate(out.grid);
   return out;
 }
 
@@ -98,26 +163,31 @@ void take_finished(const std::string& path, const std::string& identity, const s
 }
 
 /// Finds the safest motion of an atlas, once all its drops are planned.
-void find_safest(AtlasResult& r, const CommonOptions& common, const Run& run) {
+void find_safest(AtlasResult& r, const AtlasRobot& robot, const CommonOptions& common, const Run& run) {
   r.atlas.header.safest = {};
   if (r.atlas.open() == 0)
-    r.atlas.header.safest = safest_motion(r.scene, r.actuator.sea, r.atlas.header.grid, r.atlas.cells, common.threads,
+    r.atlas.header.safest = safest_motion(robot, r.atlas.header.grid, r.atlas.cells, common.threads,
                                           run.monitor("atlas: the safest motion"));
 }
 
 std::vector<std::size_t> all_drops(const AtlasGrid& grid) { return AtlasShard().drops(grid); }
 
+AtlasResult result_of(const Subject& s) {
+  return {
+      .scene = s.name, .variables = s.robot->variables(), .scene_toml = s.scene_toml, .actuator_toml = s.actuator_toml};
+}
+
 int run_plan(const AtlasArguments& a, const CommonOptions& common) {
   Run run("atlas", common);
-  if (a.scene.empty() || a.actuator.empty()) throw InputError("atlas: SCENE and --actuator are needed, or --merge");
-  AtlasResult r{.scene = scene_of(a.scene, a.freedom, run), .actuator = landing_actuator_of(a.actuator, run)};
-  AtlasOptions options = options_of(a, common, r.scene, r.actuator, run);
-  r.scene_toml = to_toml(r.scene, ""), r.actuator_toml = to_toml(r.actuator);
+  const Subject subject = subject_of(a, run);
+  const AtlasRobot& robot = *subject.robot;
+  AtlasOptions options = options_of(a, common, subject);
+  AtlasResult r = result_of(subject);
   r.shard = a.shard;
   r.drops = options.shard.drops(options.grid);
-  r.atlas.header = atlas_header(r.scene, r.actuator, options);
+  r.atlas.header = atlas_header(robot, options);
   r.atlas.cells.resize(options.grid.size());
-  const std::string identity = atlas_identity(r.scene, r.actuator, options), folder = run.options().folder;
+  const std::string identity = atlas_identity(robot, options), folder = run.options().folder;
   take_finished(in(folder, kBinary), identity, r.drops, r.atlas.cells);
   AtlasJournal journal(in(folder, kJournal), identity, r.atlas.cells);
   r.resumed = r.atlas.planned() + r.atlas.none();
@@ -125,8 +195,8 @@ int run_plan(const AtlasArguments& a, const CommonOptions& common) {
                        options.grid.size(), options.grid.blocks(), r.resumed));
   options.done = [&](std::size_t drop, const AtlasCell& cell) { journal.add(drop, cell); };
   options.monitor = run.monitor("atlas");
-  plan_atlas(r.scene, r.actuator, options, r.atlas.cells);
-  find_safest(r, common, run);
+  plan_atlas(robot, options, r.atlas.cells);
+  find_safest(r, robot, common, run);
   if (interrupted()) r.journal = journal.bytes();
   return report(r, run);
 }
@@ -144,42 +214,82 @@ void take_part(const Atlas& part, const std::string& path, Atlas& whole) {
   }
 }
 
+/// The robot of the files beside an atlas.
+Subject subject_beside(const std::string& folder, const AtlasHeader& header, Run& run) {
+  AtlasArguments files;
+  files.scene = in(folder, "scene.toml");
+  run.input(files.scene);
+  Subject out;
+  if (is_body(files.scene)) {
+    out = subject_of(files, run);
+  } else {
+    files.actuators = {in(folder, "actuator.toml")};
+    run.input(files.actuators[0]);
+    const Scene scene = read_scene(files.scene);
+    out.name = scene.name;
+    out.scene_toml = read_text_file(files.scene), out.actuator_toml = read_text_file(files.actuators[0]);
+    out.robot = std::make_unique<TwoLinkAtlas>(scene, read_actuator(files.actuators[0]));
+  }
+  if (out.robot->checksum() != std::string_view(header.robot, sizeof header.robot))
+    throw InputError({files.scene}, "scene.toml or actuator.toml beside it are not those of the atlas");
+  return out;
+}
+
 int run_merge(const AtlasArguments& a, const CommonOptions& common) {
   Run run("atlas", common);
   for (const auto& [option, text] : {std::pair{"SCENE", a.scene},
-                                     {"--actuator", a.actuator},
+                                     {"--actuator", a.actuators.empty() ? "" : a.actuators[0]},
                                      {"--shard", a.shard},
                                      {"--height", a.height},
                                      {"--speed", a.speed},
                                      {"--pitch-deg", a.pitch}})
     if (!text.empty()) throw InputError(std::string("--merge: ") + option + " has no say: the parts say it");
-  AtlasResult r;
+  Atlas whole;
   for (const std::string& folder : a.merge) {
     const std::string path = in(folder, kBinary);
     run.input(path);
     const std::string bytes = read_binary_file(path);
     Atlas part = atlas_of(std::as_bytes(std::span(bytes)), path);
-    if (r.atlas.cells.empty())
-      r.atlas = std::move(part);
+    if (whole.cells.empty())
+      whole = std::move(part);
     else
-      take_part(part, path, r.atlas);
+      take_part(part, path, whole);
   }
-  if (const std::size_t open = r.atlas.open(); open > 0)
+  if (const std::size_t open = whole.open(); open > 0)
     throw InputError(fmt::format("--merge: {} of {} drops are in none of the folders: a shard is missing", open,
-                                 r.atlas.cells.size()));
-  const std::string scene = in(a.merge[0], "scene.toml"), actuator = in(a.merge[0], "actuator.toml");
-  run.input(scene), run.input(actuator);
-  r.scene_toml = read_text_file(scene), r.actuator_toml = read_text_file(actuator);
-  r.scene = read_scene(scene), r.actuator = read_actuator(actuator);
-  if (robot_checksum(r.scene, r.actuator.sea) != std::string_view(r.atlas.header.robot, sizeof r.atlas.header.robot))
-    throw InputError({scene}, "scene.toml or actuator.toml beside it are not those of the atlas");
+                                 whole.cells.size()));
+  const Subject subject = subject_beside(a.merge[0], whole.header, run);
+  AtlasResult r = result_of(subject);
+  r.atlas = std::move(whole);
   r.drops = all_drops(r.atlas.header.grid);
   r.resumed = r.atlas.cells.size();
-  find_safest(r, common, run);
+  find_safest(r, *subject.robot, common, run);
   return report(r, run);
 }
 
+/// The one value of --height, --speed or --pitch-deg of a drop that is asked for.
+double asked_of(const char* option, const std::string& text, double unit, double otherwise) {
+  const double value = text.empty() ? otherwise : to_number(option, text) / unit;
+  if (!std::isfinite(value)) throw InputError(std::string(option) + ": a finite number is needed");
+  return value;
+}
+
+int run_ask(const AtlasArguments& a, const CommonOptions& common) {
+  if (!a.merge.empty() || !a.scene.empty() || !a.actuators.empty() || !a.shard.empty() || a.robust || a.evaluations)
+    throw InputError("--ask: SCENE, --actuator, --merge, --shard, --robust, --evaluations have no say: the atlas has");
+  Run run("atlas", common);
+  return ask_atlas(
+      a.ask, a.goal,
+      [&](const Drop& own) {
+        return Drop{.height = asked_of("--height", a.height, 1, own.height),
+                    .forward_speed = asked_of("--speed", a.speed, 1, own.forward_speed),
+                    .pitch = asked_of("--pitch-deg", a.pitch, kDegrees, own.pitch)};
+      },
+      run);
+}
+
 int run_atlas(const AtlasArguments& a, const CommonOptions& common) {
+  if (!a.ask.empty()) return run_ask(a, common);
   return a.merge.empty() ? run_plan(a, common) : run_merge(a, common);
 }
 
@@ -189,21 +299,30 @@ void add_atlas(CLI::App& app, Action& chosen) {
   auto args = std::make_shared<AtlasArguments>();
   CLI::App* verb = app.add_subcommand("atlas", "the best motion for every drop of a grid: the table a robot carries");
   verb->add_option("SCENE", args->scene, "scene file (TOML); its drop has no say");
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
+  verb->add_option(
+          "--actuator", args->actuators,
+          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
+      ->allow_extra_args(false);
   verb->add_option("--height", args->height, "LO:HI:N, heights of the drops [m]");
-  verb->add_option("--speed", args->speed, "LO:HI:N, forward speeds [m/s]");
-  verb->add_option("--pitch-deg", args->pitch, "LO:HI:N, pitches of the thigh [deg]");
+  verb->add_option("--speed", args->speed, "LO:HI:N, forward speeds [m/s]; not of a robot on a rail");
+  verb->add_option("--pitch-deg", args->pitch,
+                   "LO:HI:N, pitches of the thigh, of a robot of links of its first link [deg]; not on a rail");
   add_choice<Goal>(*verb, "--objective", args->goal, {{"peak", Goal::kPeak}, {"tolerant", Goal::kTolerant}},
                    "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
   verb->add_option("--evaluations", args->evaluations,
-                   "motions tried for each drop [3000; tolerant 1000]; with --robust landings [12000]");
+                   "motions tried for each drop [3000; tolerant 1000]; with --robust landings [12000]; of a robot of "
+                   "links in proportion to the variables of its motions, of which the paper's has 3");
   add_freedom(*verb, args->freedom);
   verb->add_option("--robust", args->robust,
                    "plan for drops that scatter about each of the grid: mean, cvar, quantile:Q or worst");
   add_scatter(*verb, args->scatter);
-  verb->add_option("--samples", args->samples, "with --robust, drops that are searched on, best a power of two [256]");
+  verb->add_option("--samples", args->samples,
+                   "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
   verb->add_option("--shard", args->shard, "K/N: only part K of N of the grid's blocks");
   verb->add_option("--merge", args->merge, "folders of all shards of an atlas: puts them together");
+  verb->add_option("--ask", args->ask,
+                   "folder of an atlas: its motion for the drop of --height, --speed and --pitch-deg, a number each "
+                   "[the scene's]");
   add_action<AtlasArguments>(*verb, args,
                              "ukemi atlas scene.toml --actuator actuator.toml --height 0.1:1:10 --speed -1:2:13 "
                              "--pitch-deg -40:40:17 -o out",

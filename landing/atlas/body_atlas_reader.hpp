@@ -1,0 +1,38 @@
+// The atlas in the control program of a robot of links: an answer for the fall at hand, before any search.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "landing/atlas/atlas_reader.hpp"
+#include "landing/plan/body_planner.hpp"
+
+namespace ukemi::landing {
+
+/// What an atlas has for a fall of a robot of links; value, drop, inside and found as AtlasEntry's.
+struct BodyAtlasEntry {
+  BodyMotion motion;
+  std::vector<BodyMotion> starts;  ///< the motions around, the best first, for BodyPlanner::start
+  double value = kNoMotion;
+  std::uint64_t drop = ~std::uint64_t(0);
+  bool inside = false, found = false;
+  std::string wrong;  ///< what was measured and cannot be, and its rule: nothing is found then
+};
+
+/// As AtlasReader, of whose options `limits` has no say: a scene has its own. It allocates. In the air the references
+/// stand at the measured angles until the deadline, then move to phi_I. Throws as AtlasReader. Tests:
+/// test/legs/atlas.cpp.
+class BodyAtlasReader {
+ public:
+  BodyAtlasReader(const std::string& path, const BodyScene& scene, const AtlasReaderOptions& = {.deadline = 0.03});
+  ~BodyAtlasReader();
+  [[nodiscard]] BodyAtlasEntry at(const Drop& drop);
+  [[nodiscard]] BodyAtlasEntry at(const BodyFallState& state);
+
+ private:
+  struct Table;
+  std::unique_ptr<Table> table_;
+};
+
+}  // namespace ukemi::landing
