@@ -164,6 +164,22 @@ std::optional<TomlSection> TomlFile::optional(const std::string& name) {
   return TomlSection(data_.get(), n->as_table(), name);
 }
 
+std::vector<TomlSection> TomlFile::sections(const std::string& name) {
+  const toml::node* n = data_->root.get(name);
+  if (!n) return {};
+  const auto refuse = [&](const toml::node& wrong) {
+    throw InputError(data_->at(wrong), "'" + name + "': " + show(wrong) + ": tables [[" + name + "]] are needed");
+  };
+  if (!n->is_array()) refuse(*n);
+  data_->asked[name];
+  std::vector<TomlSection> out;
+  for (const toml::node& item : *n->as_array()) {
+    if (!item.is_table()) refuse(item);
+    out.push_back(TomlSection(data_.get(), item.as_table(), name));
+  }
+  return out;
+}
+
 std::optional<std::string> TomlFile::optional_text(const std::string& key) {
   const toml::node* n = data_->root.get(key);
   if (!n || n->is_table()) return std::nullopt;

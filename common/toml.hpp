@@ -40,6 +40,8 @@ class TomlFile {
   /// A table. A missing one that is `required` throws; an optional one gives an empty optional.
   TomlSection require(const std::string& name);
   std::optional<TomlSection> optional(const std::string& name);
+  /// Tables [[NAME]], in their order; none where there are none.
+  std::vector<TomlSection> sections(const std::string& name);
   /// A text of the top level; none where the key is omitted or names a table.
   std::optional<std::string> optional_text(const std::string& key);
   /// Throws on the first table or key that was not read.

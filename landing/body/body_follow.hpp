@@ -7,6 +7,7 @@
 #include "landing/body/body_course.hpp"
 #include "landing/body/body_record.hpp"
 #include "landing/body/body_rest.hpp"
+#include "landing/body/load_observer.hpp"
 #include "landing/run/peak_tracker.hpp"
 
 namespace ukemi::landing {
@@ -29,7 +30,10 @@ class BodyFollower {
         course_(scene, motion),
         system_(course_.system),
         recorder_(scene, out, recorded),
-        impact_(impact_energy(system_)) {}
+        abandon_(options.abandon_above * own_rating(scene)),
+        impact_(impact_energy(system_)) {
+    if (observed(scene)) loads_.emplace(scene, system_);
+  }
 
   void follow() {
     const State y = course_.released();
@@ -46,6 +50,10 @@ class BodyFollower {
     const bool free = scene_.robot.base == Base::kFree;
     out_.base = {last[System::kX], free ? last[System::kY] : 0},
     out_.speed = {last[System::kVx], free ? last[System::kVy] : 0};
+    if (loads_) {
+      out_.loads = loads_->finish(t_, peak_);
+      if (const int load = loads_->exceeded(); load >= 0) broken(BrokenLimit::Kind::kLoad, load);
+    }
     if constexpr (kReport) recorder_.finish();
   }
 
@@ -65,9 +73,11 @@ class BodyFollower {
       if (softened(driver.state())) return failed(Failure::kGivesWay);
       if constexpr (kReport) recorder_.step(system_, driver);
       if (!scene_.limits.joints.empty() && !out_.broken) look(driver);
+      if (loads_) bear(driver);
     }
     if (out_.broken && scene_.limits.broken == BodyLimits::Broken::kEnds) return End::kBroken;
-    if (peak_.square > options_.abandon_above * options_.abandon_above) return End::kAbandoned;
+    if (peak_.square > abandon_ * abandon_ || (loads_ && loads_->worth() > options_.abandon_above))
+      return End::kAbandoned;
     if (options_.stopped(n)) return End::kStopped;
     if (outcome.event >= 0) return cross(driver, outcome.event), std::nullopt;
     if (outcome.status == integrate::Status::kReached) {
@@ -76,8 +86,15 @@ class BodyFollower {
       course_.turn(t_), jump(driver);
     }
     const bool asked = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.waits();
-    if (asked && at_rest(system_, t_, driver.state(), peak_.square, impact_)) return End::kRest;
+    const double least = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
+    if (asked && at_rest(system_, t_, driver.state(), least, impact_)) return End::kRest;
     return std::nullopt;
+  }
+  /// What the step brings to the loads.
+  template <class Driver>
+  [[gnu::noinline]] void bear(Driver& driver) {
+    loads_->step(system_, driver, peak_);
+    if (const int load = loads_->exceeded(); load >= 0) broken(BrokenLimit::Kind::kLoad, load);
   }
   void broken(BrokenLimit::Kind kind, int index) {
     if (!out_.broken) out_.broken = {kind, index, t_};
@@ -117,6 +134,7 @@ class BodyFollower {
   template <class Driver>
   void jump(Driver& driver) {
     driver.refresh(), peak_.jump();
+    if (loads_) loads_->jump();
     if constexpr (kReport) recorder_.jump();
   }
   template <class Driver>
@@ -128,6 +146,8 @@ class BodyFollower {
     driver.refresh(y);
     if (touched >= 0 && !scene_.limits.forbidden.empty() && scene_.limits.forbidden[std::size_t(touched)])
       broken(BrokenLimit::Kind::kForbidden, touched);
+    if (loads_ && crossing.surface)
+      touched >= 0 ? loads_->touchdown(touched, t_) : loads_->liftoff(event / System::kOfContact, t_);
     if (crossing.lands) land();
     jump(driver);
     if constexpr (kReport) {
@@ -159,7 +179,8 @@ class BodyFollower {
   System& system_;
   Recorder<System, kReport> recorder_;
   PeakTracker peak_;
-  double t_ = 0, impact_;
+  std::optional<LoadObserver<System>> loads_;
+  double t_ = 0, abandon_, impact_;
 };
 
 }  // namespace ukemi::landing

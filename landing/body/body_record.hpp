@@ -21,6 +21,16 @@ std::pair<double, double> motor_demand(const System& s, int i, double t, const S
   return {std::abs(geared ? q.dphi : q.dphi_m), std::abs(torque)};
 }
 
+/// Normal and tangential force of contact i on the robot, in the floor's frame [N].
+template <class System>
+Vec2<double> contact_force(const System& s, int i, const typename System::Pose& p, const typename System::State& y) {
+  const PointMode& m = s.contact[i];
+  if (!m.touching) return {0, 0};
+  const auto at = s.point_at(i, p);
+  const double normal = normal_force(s.point[i], m, at.y, at.v, 0.0).value;
+  return {-tangential_force(s.point[i], m, s.held(i, y, at), normal), normal};
+}
+
 /// Collects touches, peaks, demands, the energy check and the trajectory; without kReport nothing.
 template <class System, bool kReport>
 class BodyRecorder {
@@ -68,19 +78,12 @@ class BodyRecorder {
 
  private:
   double next_row() const { return double(rows_) / rate_; }
-  /// Normal and tangential force of contact i on the robot, in the floor's frame [N].
-  static Vec2<double> force(const System& s, int i, const typename System::Pose& p, const State& y) {
-    const PointMode& m = s.contact[i];
-    if (!m.touching) return {0, 0};
-    const auto at = s.point_at(i, p);
-    const double normal = normal_force(s.point[i], m, at.y, at.v, 0.0).value;
-    return {-tangential_force(s.point[i], m, s.held(i, y, at), normal), normal};
-  }
 
   void observe(const System& s, double t, const State& y) {
     const auto p = s.pose(y);
     for (int i = 0; i < s.body.contacts; ++i)
-      if (Touch* const touch = log_.open(i)) touch->peak_force = std::max(touch->peak_force, force(s, i, p, y).norm());
+      if (Touch* const touch = log_.open(i))
+        touch->peak_force = std::max(touch->peak_force, contact_force(s, i, p, y).norm());
     for (int i = 0; i < s.body.joints; ++i) {
       const SeaState<double> q = s.joint_state(i, y);
       const auto& drive = s.drive[i];
@@ -121,7 +124,7 @@ class BodyRecorder {
     const Vec2<double> a = level(acceleration(s.body.peak, p, s.accelerations_of(dy), s.body.bodies));
     out.acc_x = a.x(), out.acc_y = a.y(), out.acc = a.norm();
     for (int i = 0; i < s.body.contacts; ++i) {
-      const Vec2<double> r = level(position(s.body.contact[i], p, s.body.bodies)), f = level(force(s, i, p, y));
+      const Vec2<double> r = level(position(s.body.contact[i], p, s.body.bodies)), f = level(contact_force(s, i, p, y));
       const std::size_t k = std::size_t(i);
       out.contact_x[k] = r.x(), out.contact_y[k] = r.y(), out.force_x[k] = f.x(), out.force_y[k] = f.y();
     }

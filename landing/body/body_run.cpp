@@ -18,6 +18,8 @@ const char* words(BrokenLimit::Kind kind) {
       return "motor torque";
     case BrokenLimit::Kind::kReferenceRate:
       return "reference rate";
+    case BrokenLimit::Kind::kLoad:
+      return "beyond its rating";
     case BrokenLimit::Kind::kNone:
       break;
   }

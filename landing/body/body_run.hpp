@@ -23,34 +23,37 @@ struct BodySample {
 
 /// Largest values that a joint and its drive stand, over the whole run.
 struct JointDemands {
-  double motor_speed = 0;           ///< max |dphi_m|, of a geared drive |dphi| [rad/s]
-  double motor_torque = 0;          ///< max of the motor's torque [Nm]
-  double torque = 0;                ///< max |tau| on the child [Nm]
-  double phi_min = 0, phi_max = 0;  ///< range of the joint [rad]
+  double motor_speed = 0, motor_torque = 0;  ///< max |dphi_m|, of a geared drive |dphi| [rad/s]; of the motor [Nm]
+  double torque = 0;                         ///< max |tau| on the child [Nm]
+  double phi_min = 0, phi_max = 0;           ///< range of the joint [rad]
 };
 
 /// Where a landing first breaks a limit of its scene.
 struct BrokenLimit {
-  enum class Kind { kNone, kForbidden, kStop, kMotorSpeed, kMotorTorque, kReferenceRate } kind = Kind::kNone;
-  int index = -1;  ///< of Robot::joints, of kForbidden of Robot::contacts
+  enum class Kind { kNone, kForbidden, kStop, kMotorSpeed, kMotorTorque, kReferenceRate, kLoad } kind = Kind::kNone;
+  int index = -1;  ///< of Robot::joints, of kForbidden of Robot::contacts, of kLoad of BodyScene::loads
   double t = 0;    ///< [s]
   explicit operator bool() const { return kind != Kind::kNone; }
 };
-/// "touches the floor", "passes its stop", "motor speed", "motor torque", "reference rate".
+/// "touches the floor", "passes its stop", "motor speed", "motor torque", "reference rate", "beyond its rating".
 const char* words(BrokenLimit::Kind kind);
+
+struct LoadPeak {
+  double value = 0, t = 0;  ///< of a load, the largest of a run, and when [s]
+};
 
 /// A landing, with everything that a report needs. What only the long form has is empty where peak_acceleration made
 /// it: touches, peaks, demands, trajectory, energy_residual.
 struct BodyLanding : RunEnd {
   double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
-  BrokenLimit broken;                                                ///< of BodyScene::limits
+  BrokenLimit broken;                                                ///< of BodyScene::limits, or of a load
+  std::vector<LoadPeak> loads;                                       ///< of BodyScene::loads
   std::vector<Touch> touches;                                        ///< in their order
   std::vector<Peak> peaks;                ///< between touchdowns, chatter left out; point: of Robot::contacts
   std::vector<JointDemands> demands;      ///< of Robot::joints
   std::vector<BodySample> trajectory;     ///< empty unless a rate was given
   double energy_residual = 0;             ///< mismatch of the energy check over the energy turned over
-  std::array<double, 2> base{}, speed{};  ///< at the end: centre of mass of a free robot, else travel s and 0;
-                                          ///< in the floor's frame [m], [m/s]
+  std::array<double, 2> base{}, speed{};  ///< at its end: centre of mass, else travel and 0; floor's frame
 };
 
 // Both throw InputError for a scene, a motion or options that break the ranges of their fields; of the options

@@ -18,15 +18,13 @@ namespace ukemi::landing {
 struct JointSearch {
   std::array<double, 2> phi{-1.5707963267948966, 0};  ///< of phi_I and phi_F [rad]
   std::optional<double> hold;                         ///< where the joint is held without a plan [rad]
-  /// Absent: the middle of the range.
-  double held() const { return hold.value_or(0.5 * (phi[0] + phi[1])); }
+  double held() const { return hold.value_or(0.5 * (phi[0] + phi[1])); }  ///< absent: in the middle of the range
 };
 
 /// How the joints are where the robot lets go, or where a plan arrives; the reference stands there until `from`.
 struct BodyRelease {
   struct Joint {
-    double phi = 0;   ///< the spring relaxed [rad]
-    double rate = 0;  ///< [rad/s]
+    double phi = 0, rate = 0;  ///< the spring relaxed [rad], [rad/s]
   };
   std::vector<Joint> joints;  ///< of Robot::joints; of those that are not driven without meaning
   double from = 0;            ///< when the references may begin to move, from release [s], >= 0
@@ -36,19 +34,27 @@ struct BodyRelease {
 struct BodyLimits {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
   struct Joint {
-    std::array<double, 2> phi{-kNone, kNone};  ///< stops of the joint's angle [rad]
-    double motor_speed = kNone;                ///< of |dphi_m|, of a geared drive of |dphi| [rad/s]
-    double motor_torque = kNone;               ///< [Nm]
-    double reference_rate = kNone;             ///< of |dphi_ref| [rad/s]
+    std::array<double, 2> phi{-kNone, kNone};          ///< stops of the joint's angle [rad]
+    double motor_speed = kNone, motor_torque = kNone;  ///< of |dphi_m|, of a geared drive of |dphi| [rad/s]; [Nm]
+    double reference_rate = kNone;                     ///< of |dphi_ref| [rad/s]
     bool stops() const { return phi[0] > -kNone || phi[1] < kNone; }
   };
   std::vector<Joint> joints;    ///< of Robot::joints; empty: none of them has limits
   std::vector<bool> forbidden;  ///< of Robot::contacts, which must never touch; empty: each may
-  enum class Broken {
-    kTold,  ///< a run goes on
-    kEnds,  ///< it ends with End::kBroken
-  } broken = Broken::kTold;
+  enum class Broken { kTold, kEnds } broken = Broken::kTold;  ///< a run goes on; it ends with End::kBroken
   bool any() const { return !joints.empty() || !forbidden.empty(); }
+};
+
+/// What a part bears, beside what it can; kinds, units and places: tools/docs/loads.md.
+struct Load {
+  enum class Kind { kAcceleration, kTorque, kDeflection, kMotorSpeed, kMotorTorque, kAngle, kForce, kImpulse, kTouch };
+  std::string name;
+  Kind kind = Kind::kAcceleration;
+  int index = 0;                ///< of Robot::links, joints or contacts
+  Place at;                     ///< of kAcceleration
+  std::array<double, 2> phi{};  ///< of kAngle: the range [rad]
+  double rating = 1;            ///< in the unit of the kind, > 0; of a limit >= 0
+  bool limit = false;           ///< plans keep it; of the others they make the largest value / rating small
 };
 
 struct BodyScene {
@@ -73,10 +79,12 @@ struct BodyScene {
   ExecutionTolerance execution;              ///< how exactly every joint plays its motion
   std::optional<BodyRelease> release;        ///< absent: released at phi_I
   BodyLimits limits;
+  std::vector<Load> loads;
 
   /// Throws InputError for a number outside the range that stands beside it.
   void validate() const;
   bool touches() const { return floor && !robot.contacts.empty(); }
+  bool limited() const;  ///< by `limits` or a load
 };
 
 /// What each joint of Robot::joints plays from the first touchdown of any contact on; of those that are not driven
@@ -103,9 +111,8 @@ struct GivenDrive {
 
 /// Whether a scene's or a robot's file holds a robot in the long form: links of its own, or the name of a file.
 bool has_links(const std::string& path);
-/// Reads scene.toml whose robot is in the long form: [robot] with [[robot.link]], [[robot.contact]] and [drive.JOINT],
-/// here or in the file that robot = "FILE" names, relative to this one; [floor], [drop], [search], [run], [detection].
-/// Throws InputError with file:line:column. Tests: test/legs.
+/// Reads scene.toml whose robot is in the long form, here or in the file that robot = "FILE" names, relative to this
+/// one: tools/docs/files.md. Throws InputError with file:line:column. Tests: test/legs.
 BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives = {});
 /// The same of a file that may be a robot alone, without a drop.
 BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& drives = {});
@@ -117,8 +124,7 @@ BodyMotion read_body_motion(const std::string& path, const Robot& robot);
 std::string body_motion_toml(const BodyMotion& motion, const Robot& robot, const std::string& comments);
 /// Rows of phi_ref_JOINT and dphi_ref_JOINT over the time from the first touchdown, of one driven joint phi_ref and
 /// dphi_ref; `rate` rows a second [Hz], > 0. `start`: when the landing motions are expected to start, from release [s];
-/// finite: the moves in the air that have begun by then are the rows before t = 0, with t_from_release; infinite: there
-/// are no such rows. Tests: test/legs/plans.cpp.
+/// finite: the moves in the air that have begun by then are the rows before t = 0. Tests: test/legs/plans.cpp.
 std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double rate, const std::string& comments,
                             double start = std::numeric_limits<double>::infinity());
 

@@ -9,6 +9,7 @@
 #include "common/degrees.hpp"
 #include "common/uncertainty_file.hpp"
 #include "landing/body/floor_constants.hpp"
+#include "landing/body/load.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/model/scene_file.hpp"
@@ -125,6 +126,7 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);
   if (auto release = file.optional("release")) read_release(*release, out.robot, out);
   if (auto stops = file.optional("joint")) read_stops(*stops, out.robot, out.limits);
+  out.loads = read_loads(file, out);
   if (auto motion = file.optional("motion")) {
     out.freedom = read_freedom(*motion);
     out.own_durations = motion->optional_choice("duration", {"shared", "own"}) == "own";
@@ -181,6 +183,7 @@ void BodyScene::validate() const {
     throw InputError("drop.vertical_speed: 0 is needed: this base keeps the robot from falling");
   if (release) check(*release, robot);
   check(limits, robot);
+  for (const Load& l : loads) check(l, robot);
   check_not_negative("detection_delay", detection_delay);
   if (t_end) check_positive("t_end", *t_end);
   if (search.size() != robot.joints.size())
@@ -196,6 +199,10 @@ void BodyScene::validate() const {
   check_count("freedom.bumps", freedom.bumps, 0, kMostBumps), rising("freedom.bump", freedom.bump);
   if (freedom.gains) rising("freedom.gains", *freedom.gains), check_not_negative("freedom.gains", (*freedom.gains)[0]);
   rising("duration", duration), check_positive("duration", duration[0]);
+}
+
+bool BodyScene::limited() const {
+  return limits.any() || std::any_of(loads.begin(), loads.end(), [](auto& l) { return l.limit; });
 }
 
 BodyMotion held_posture(const BodyScene& scene) {

@@ -263,6 +263,15 @@ T kinetic_energy(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p) {
   return T(0.5) * twice;
 }
 
+/// Lever arms of a place of a link, from those of its origin.
+template <class T, Capacity kSize>
+Arms<T, kSize.bodies> shifted(const Body<T, kSize>& b, Arms<T, kSize.bodies> from, int link, const Place& at) {
+  const std::size_t body = std::size_t(b.body_of[link]);
+  const double c = std::cos(b.offset[link]), s = std::sin(b.offset[link]);
+  from.a[body] += at.along * c - at.across * s, from.b[body] += at.along * s + at.across * c;
+  return from;
+}
+
 /// The equations' constants of a robot. Throws InputError where it has more of anything than the kernel.
 template <Capacity kSize>
 Body<double, kSize> body_of(const Robot& robot) {
@@ -270,11 +279,8 @@ Body<double, kSize> body_of(const Robot& robot) {
   Body<double, kSize> out;
   out.base = robot.base;
   std::vector<Arm> origin(robot.links.size()), com = origin;
-  const auto shifted = [&](Arm from, int link, const Place& at) {
-    const std::size_t body = std::size_t(out.body_of[link]);
-    const double c = std::cos(out.offset[link]), s = std::sin(out.offset[link]);
-    from.a[body] += at.along * c - at.across * s, from.b[body] += at.along * s + at.across * c;
-    return from;
+  const auto shifted = [&](const Arm& from, int link, const Place& at) {
+    return landing::shifted(out, from, link, at);
   };
   for (int i = 0; i < int(robot.links.size()); ++i) {
     const Link& link = robot.links[i];

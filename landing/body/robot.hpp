@@ -91,11 +91,8 @@ struct ContactPoint {
   std::vector<std::string> own = {};  ///< keys of `law` that the contact's own table gives
 };
 
-enum class Base {
-  kFree,
-  kRail,    ///< the first link's origin slides along a line; its angle stays
-  kPinned,  ///< the first link's origin is fixed
-};
+/// kRail: the first link's origin slides along a line, its angle stays; kPinned: it is fixed.
+enum class Base { kFree, kRail, kPinned };
 
 struct Robot {
   double gravity = 9.81;  ///< [m/s^2], >= 0

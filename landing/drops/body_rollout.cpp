@@ -123,6 +123,7 @@ BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const st
   out.value.resize(channels.size());
   if (times.empty()) return out.complete = true, out;
   BodyScene until = scene;
+  until.loads.clear();
   constexpr double kBeyond = 1e-9;  // the last time lies within a step [s]
   until.t_end = times.back() + kBeyond;
   until.validate();

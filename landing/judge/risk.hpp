@@ -27,15 +27,11 @@ struct RiskOptions {
 
 /// In how many drops something happens.
 struct RiskEvent {
-  enum class Kind {
-    kTouch,   ///< of a forbidden point
-    kSpeed,   ///< the motor turns faster than speed_max
-    kTorque,  ///< the motor pulls with more than motor_torque_max
-    kStops,   ///< the joint leaves its stops
-  } kind;
-  int point = -1;    ///< with kTouch
-  int joint = -1;    ///< of a robot of links, but with kTouch
-  double limit = 0;  ///< with kSpeed [rad/s] and kTorque [Nm]
+  /// Of a forbidden point; beyond speed_max; beyond motor_torque_max; out of the joint's stops; a load beyond its
+  /// rating.
+  enum class Kind { kTouch, kSpeed, kTorque, kStops, kLoad } kind;
+  int point = -1, joint = -1;  ///< of a touch, of kLoad the load; of a robot of links its joint
+  double limit = 0;            ///< with kSpeed [rad/s], kTorque [Nm] and kLoad
   long drops = 0;
 };
 

@@ -24,9 +24,9 @@ struct BodyBatchOptions {
 };
 
 /// Runs a source until every lane is without work, or the source is over. The robots differ in numbers alone: another
-/// tree than the first one's, Hunt and Crossley's law, limits of joints, a spring that softens, friction of a drive
-/// that asks for fine steps, and robots beyond the largest kernel are followed by the scalar path. The cases must be
-/// valid. `set` must be one that the machine has.
+/// tree than the first one's, Hunt and Crossley's law, limits of joints, loads, a spring that softens, friction of a
+/// drive that asks for fine steps, and robots beyond the largest kernel are followed by the scalar path. The cases must
+/// be valid. `set` must be one that the machine has.
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options,
                     InstructionSet set = widest_instruction_set());
 

@@ -4,6 +4,7 @@
 
 #include "landing/body/body_course.hpp"
 #include "landing/body/body_rest.hpp"
+#include "landing/body/load.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/lanes/body_batch_entry.hpp"
 #include "landing/lanes/body_lane_mode.hpp"
@@ -50,13 +51,14 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       System::for_each(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
       this->begin(i, 0, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
       asked_[i] = 0, impact_[i] = impact_energy(course.system), per_square_.set(i, impact_[i]);
-      abandon_square_.set(i, c.abandon_above * c.abandon_above);
+      const double abandon = c.abandon_above * own_rating(*c.scene);
+      abandon_square_.set(i, abandon * abandon);
       follow(i);
       return;
     }
   }
   static bool suits(const BodyScene& scene) {
-    if (!scene.touches() || !scene.limits.joints.empty() || !fits(scene.robot, kSize)) return false;
+    if (observed(scene) || !scene.touches() || !scene.limits.joints.empty() || !fits(scene.robot, kSize)) return false;
     for (const ContactPoint& c : scene.robot.contacts)
       if (c.law.hunt_crossley) return false;
     for (const Joint& j : scene.robot.joints)

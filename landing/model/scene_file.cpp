@@ -28,6 +28,8 @@ std::array<double, 2> rising(const TomlSection& section, const std::string& key,
 /// [motion], [release], [joint], [uncertainty], [verdict], [scatter] and [detection]: what this scene has besides the
 /// paper's.
 void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
+  if (const auto loads = file.sections("load"); !loads.empty())
+    throw InputError(loads[0].where(), "[[load]] is of robots of links: a robot with [[robot.link]] is needed");
   if (auto motion = file.optional("motion")) scene.freedom = read_freedom(*motion);
   if (auto joint = file.optional("joint"))
     if (const auto stops = joint->optional_angle_pair("phi")) scene.joint = rising(*joint, "phi_deg", *stops);

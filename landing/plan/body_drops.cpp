@@ -8,6 +8,7 @@
 #include "common/checks.hpp"
 #include "common/eigen.hpp"
 #include "landing/body/floor_constants.hpp"
+#include "landing/body/load.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/scatter/drop_model.hpp"
 #include "landing/scatter/moved.hpp"
@@ -174,8 +175,13 @@ PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, 
   body_batch_peaks(cases, landings, {.accuracy = accuracy, .over = over}, threads);
   for (std::size_t k = 0; k < landings.size(); ++k) {
     const BodyLanding& l = landings[k];
-    if (!no_landing(l.end) && l.end != End::kStopped) out.peaks[k] = l.peak;
     out.broken += bool(l.broken);
+    if (no_landing(l.end) || l.end == End::kStopped) continue;
+    const BodyScene& scene = drops[k].scene;
+    out.peaks[k] = worth(scene, l);
+    out.exceeded.resize(scene.loads.size());
+    for (std::size_t i = 0; i < scene.loads.size(); ++i)
+      out.exceeded[i] += loads_of(scene, l)[i].value > scene.loads[i].rating;
   }
   return out;
 }

@@ -80,10 +80,12 @@ Scatter scatter_for(const std::optional<Scatter>& asked, const BodyScene& scene)
 /// the eight corners in which all joints miss alike. For one joint the fifteen of the paper's robot.
 std::vector<BodyDrop> execution_drops(const BodyScene& scene);
 
-/// Peaks of one motion over drops [m/s^2]; infinite where a landing could not be followed or `over` cut it off.
+/// What one motion is worth over drops, see `worth`; infinite where a landing could not be followed or `over` cut it
+/// off.
 struct PeaksOver {
   std::vector<double> peaks;
-  long broken = 0;  ///< drops in which a limit of the scene was broken
+  long broken = 0;                  ///< drops in which a limit of the scene was broken
+  std::vector<long> exceeded = {};  ///< of each load, drops in which it passes its rating
 };
 PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
                      const std::function<bool()>* over = nullptr);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/parallel.hpp"
+#include "landing/body/load.hpp"
 #include "landing/derivatives/body_gradient.hpp"
 #include "landing/search/nlopt_solver.hpp"
 #include "landing/search/population.hpp"
@@ -28,7 +29,7 @@ void Valuation::done(const BodyLanding& l) {
   ++played_, ++drop_;
   if (no_landing(l.end) || (l.broken && ++broken_ > goal_->may_break())) return settle(kNoMotion);
   if (counts) {
-    peaks_[drop_ - 1] = l.peak;
+    peaks_[drop_ - 1] = worth(goal_->drops[drop_ - 1].scene, l);
     const bool asks = bound_ < kNoMotion || drop_ == goal_->counted;
     std::vector<double> copy;
     if (asks) copy = peaks_;
@@ -110,15 +111,16 @@ void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coo
     parallel_for(int(goal.counted), threads, [&](int drop_index) {
       const auto k = std::size_t(drop_index);
       const BodyDrop& drop = goal.drops[k];
+      const double rating = own_rating(drop.scene);
       const BodyGradients g =
           gradients(drop.scene, drop.played(motion), parameters, {.accuracy = kSearchAccuracy}, each);
       for (std::size_t i = 0; i < g.peaks.size(); ++i) {
         if (!g.peaks[i].d.allFinite()) continue;
         const std::size_t row = k * std::size_t(each) + i;
-        a[row] = g.peaks[i].value;
+        a[row] = g.peaks[i].value / rating;
         for (int j = 0; j < n; ++j) {
           const Variable& v = space.variables()[std::size_t(j)];
-          slopes[row * std::size_t(n) + std::size_t(j)] = g.peaks[i].d[j] * (v.upper - v.lower);
+          slopes[row * std::size_t(n) + std::size_t(j)] = g.peaks[i].d[j] * (v.upper - v.lower) / rating;
         }
       }
     });

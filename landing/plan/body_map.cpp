@@ -85,6 +85,8 @@ Coordinates held_slice(const BodySpace& space, const BodyScene& scene) {
 }
 
 BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
+  if (!scene.loads.empty())
+    throw InputError("map: the scene has [[load]], and a map is of the peak acceleration: leave the tables out");
   scene.validate();
   const BodySpace space(scene);
   const auto motion = [&](const PeakMap& map, const PeakMap::Place& at) {

@@ -9,6 +9,7 @@
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
 #include "common/stopwatch.hpp"
+#include "landing/body/load.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/plan/body_goal.hpp"
 #include "landing/plan/body_space.hpp"
@@ -30,6 +31,8 @@ void BodyPlanOptions::validate() const {
   if (evaluations) check_count("evaluations", *evaluations, 1, 1'000'000'000);
   if (goal == Goal::kRobust) throw InputError("goal: kPeak or kTolerant is needed: a measure makes it robust");
   if (measure) measure->validate();
+  if (share && !(measure && *share > 0 && *share <= 1))
+    throw InputError(fmt::format("share: {}: above 0 to 1, beside a measure of drops that scatter, is needed", *share));
   if (scatter) scatter->validate();
   check_not_negative("inflate", inflate);
   check_count("samples", samples, 1, 4096), check_count("judging", judging, 1, 4096);
@@ -138,12 +141,12 @@ class BodySearch {
     final_ = judge_ = own_drop(scene_);
     const bool tolerant = options_.goal == Goal::kTolerant;
     if (!options_.measure && tolerant) final_ = judge_ = execution_box(scene_, true);
-    if (!options_.measure && !tolerant && scene_.limits.any()) judge_ = execution_box(scene_, false);
+    if (!options_.measure && !tolerant && scene_.limited()) judge_ = execution_box(scene_, false);
     if (!options_.measure) return;
     const BodyDropModel model(scene_, scatter_for(options_.scatter, scene_),
                               {.inflate = options_.inflate, .inexact = tolerant});
     if (!model.scatters()) return;
-    long searched = options_.samples, judging = options_.judging;
+    long searched = options_.samples, judging = judging_drops();
     if (options_.deadline) {
       constexpr double kSearched = 0.5, kMotions = 150, kJudging = 0.2;  // parts of the deadline; motions in the first
       const double before = watch_.seconds();
@@ -157,14 +160,28 @@ class BodySearch {
       judging = fit(judging, kJudging / (double(kJudged + 1) * each));
     }
     const auto over = [&](std::vector<BodyDrop> drops) {
-      return BodyGoal{.measure = *options_.measure, .drops = std::move(drops), .share = options_.measure->share()};
+      return BodyGoal{.measure = *options_.measure,
+                      .drops = std::move(drops),
+                      .share = options_.share.value_or(options_.measure->share())};
     };
     final_ = over(model.even(searched, options_.seed));
     judge_ = over(model.even(judging, judging_seed(options_.seed)));
+    if (options_.share) judge_.share = judged_share(*options_.share, judge_.drops.size());
+  }
+  /// So many that a share that is asked for can be told from a smaller one.
+  long judging_drops() const {
+    constexpr double kBroken = 10;  // drops that may break a limit
+    if (!options_.share) return options_.judging;
+    const double needed = kBroken / std::max(1 - *options_.share, kBroken / 4096);
+    return std::max(options_.judging, long(std::bit_ceil(std::uint64_t(std::ceil(needed - 1e-6)))));
+  }
+  /// Of the judging drops: a standard error more than is promised, for the best of many was chosen by them.
+  static double judged_share(double share, std::size_t drops) {
+    return std::min(1.0, share + std::sqrt(share * (1 - share) / double(drops)));
   }
   void judge_held() {
     if (no_landing(out_.held.end)) return;
-    out_.held_value = out_.held.peak;
+    out_.held_value = worth(scene_, out_.held);
     if (!judge_.single()) {
       const double begin = watch_.seconds();
       const Judged held = judged(out_.hold);
@@ -269,7 +286,7 @@ class BodySearch {
   /// Where the largest peak counts and nothing limits it, by its gradients; a place that they do not better is refined
   /// by a narrow distribution.
   void refine(const Candidate& best) {
-    if (final_.worst() && !scene_.limits.any() && best.u != refined_) {
+    if (final_.worst() && !scene_.limited() && !observed(scene_) && best.u != refined_) {
       refined_ = best.u;
       descend_by_gradient(final_, space_, best.u, best.value, options_.threads, [&](const Coordinates& u) {
         Candidate p{u};
@@ -332,13 +349,13 @@ class BodySearch {
       double value = by.value;
       if (!by.keeps_limits || (out_.found && !(value < out_.value))) continue;
       const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
-      if (judge_.single()) value = l.peak;
+      if (judge_.single()) value = worth(scene_, l);
       if (no_landing(l.end) || (out_.found && !(value < out_.value))) continue;
       out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true, out_.edges = space_.edges(p.u);
     }
     if (!out_.found)
       out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
-                     : scene_.limits.any()            ? "no motion was found that keeps the limits" + held_breaks()
+                     : scene_.limited()               ? "no motion was found that keeps the limits" + held_breaks()
                                                       : "no motion could be followed to the floor";
     else if (options_.monitor.stopped())
       out_.message = "interrupted: the best so far";
@@ -349,8 +366,9 @@ class BodySearch {
     const BrokenLimit& b = out_.held.broken;
     if (!b) return "";
     const bool contact = b.kind == BrokenLimit::Kind::kForbidden;
-    const std::string& name =
-        contact ? scene_.robot.contacts[std::size_t(b.index)].name : scene_.robot.joints[std::size_t(b.index)].name;
+    const std::string& name = b.kind == BrokenLimit::Kind::kLoad ? scene_.loads[std::size_t(b.index)].name
+                              : contact                          ? scene_.robot.contacts[std::size_t(b.index)].name
+                                                                 : scene_.robot.joints[std::size_t(b.index)].name;
     return fmt::format("; holding breaks them after {:.3g} s: {}, {}", b.t, name, words(b.kind));
   }
 
@@ -384,6 +402,7 @@ BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
   const PeaksOver planned = peaks_over(drops, out.motion, kSearchAccuracy, options.threads),
                   held = peaks_over(drops, out.hold, kSearchAccuracy, options.threads);
   under.planned = distribution(planned.peaks), under.held = distribution(held.peaks), under.broken = planned.broken;
+  under.exceeded = planned.exceeded;
   under.measured = estimated(options.measure.value_or(Measure{}), planned.peaks);
   under.from_floor = std::count_if(drops.begin(), drops.end(), [](auto& d) { return d.from_floor; });
   out.under = under;

@@ -19,12 +19,12 @@ struct BodyPlanOptions {
   Goal goal = Goal::kPeak;          ///< kTolerant: the worst of execution_drops; kRobust is told by `measure`
   std::optional<Measure> measure;   ///< of the peaks over drops that scatter; with kTolerant each is played inexactly
   std::optional<Scatter> scatter;   ///< see scatter_for
+  std::optional<double> share;      ///< with a measure: of the drops, that keep the limits; absent: Measure::share
   double inflate = 1;               ///< see BodyDropModel::Options
   long samples = 64;                ///< drops that are searched on, 1 to 4096; fewer by a short deadline
   long judging = 256;               ///< others, that the best few are judged on; the same range
   long fresh = 2048;                ///< others again, that the answer is told on, 0 to 1e6; with a deadline none
-  std::optional<long> evaluations;  ///< motions that are tried in all, with a measure landings, >= 1; absent:
-                                    ///< default_evaluations, with a deadline no limit
+  std::optional<long> evaluations;  ///< motions, with a measure landings; absent: default_evaluations, or all in time
   std::optional<double> deadline;   ///< when the answer stands, from the call on [s], > 0
   double accuracy = 1e-9;           ///< at which the best are judged, see SimulateOptions
   std::uint64_t seed = 1;
@@ -33,7 +33,6 @@ struct BodyPlanOptions {
   double rate = 0;                 ///< rows of the answer's trajectory a second [Hz]; 0: none
   Monitor monitor;
   void validate() const;  ///< throws InputError
-
   /// Of a scene: half as many again for each variable more than the quintics have.
   long default_evaluations(const BodyScene& scene) const;
 };
@@ -49,9 +48,9 @@ struct BodyUnderScatter {
   Scatter scatter;
   bool assumed = false;  ///< nobody said what the scatter is
   Distribution planned, held;
-  Estimated measured;   ///< BodyPlanOptions::measure of the plan; without one the mean
-  long from_floor = 0;  ///< drops that would begin below the floor
-  long broken = 0;      ///< drops in which the plan breaks a limit of the scene
+  Estimated measured;               ///< BodyPlanOptions::measure of the plan; without one the mean
+  long from_floor = 0, broken = 0;  ///< drops that would begin below the floor; in which the plan breaks a limit
+  std::vector<long> exceeded;       ///< of BodyScene::loads, the plan's drops beyond the rating
 };
 
 struct BodyPlan {
@@ -72,13 +71,11 @@ struct BodyPlan {
   std::vector<BodyProgress> progress;  ///< in the search's own accuracy
 };
 
-/// The motion with the smallest goal that keeps BodyScene::limits: in every landing of the execution box, with a
-/// measure in Measure::share of the drops. The held posture comes first, and where it keeps them the answer is never
-/// worse. Scouts from anywhere, then covariance adaptation (landing/search) by turns from the best places and from
-/// anywhere; the best few are judged at a tight accuracy. The search for a tolerant peak begins with the peak, that
-/// under scatter with the mean of a few drops; a motion is left as soon as it cannot be better. The same for a seed and
-/// a number of evaluations whatever the number of threads; with a deadline the clock decides. Throws InputError as
-/// `simulate`. Tests: test/legs/plans.cpp, scatter.cpp.
+/// The motion with the smallest goal that keeps BodyScene::limits and the loads that are limits: in every landing of
+/// the execution box, with a measure in `share` of the drops. The held posture comes first, and where it keeps them the
+/// answer is never worse. The search for a tolerant peak begins with the peak, that under scatter with the mean of a
+/// few drops. The same for a seed and a number of evaluations whatever the number of threads; with a deadline the clock
+/// decides. Throws InputError as `simulate`. Tests: test/legs/plans.cpp, scatter.cpp, loads.cpp.
 [[nodiscard]] BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options = {});
 
 }  // namespace ukemi::landing

@@ -6,6 +6,7 @@
 
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
+#include "landing/body/load.hpp"
 #include "landing/judge/census.hpp"
 
 namespace ukemi::landing {
@@ -24,6 +25,8 @@ std::vector<RiskEvent> events_of(const BodyScene& scene) {
   const Robot& robot = scene.robot;
   const BodyLimits& limits = scene.limits;
   std::vector<RiskEvent> out;
+  for (std::size_t i = 0; i < scene.loads.size(); ++i)
+    out.push_back({.kind = Kind::kLoad, .point = int(i), .limit = scene.loads[i].rating});
   for (std::size_t i = 0; i < limits.forbidden.size(); ++i)
     if (limits.forbidden[i]) out.push_back({.kind = Kind::kTouch, .point = int(i)});
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
@@ -36,6 +39,7 @@ std::vector<RiskEvent> events_of(const BodyScene& scene) {
   return out;
 }
 bool passed(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
+  if (e.kind == Kind::kLoad) return loads_of(scene, l)[std::size_t(e.point)].value > e.limit;
   if (e.kind == Kind::kTouch)
     return std::any_of(l.touches.begin(), l.touches.end(), [&](const Touch& t) { return t.point == e.point; });
   const JointDemands& d = l.demands[std::size_t(e.joint)];
@@ -60,13 +64,16 @@ class Course {
   Course(const BodyRiskOptions& options, long planned) : options_(options), planned_(planned) {}
   bool stopped() const { return options_.monitor.stopped(); }
   void tell(long landings) { options_.monitor.progress(played_ += landings, planned_); }
+  /// Of the acceleration that counts: the model's drops have no loads.
   std::vector<double> peaks(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
     return peaks_over(drops, motion, kAccuracy, options_.threads, &over_).peaks;
   }
-  std::vector<BodyLanding> landings(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
+  std::vector<BodyLanding> landings(std::span<BodyDrop> drops, const BodyMotion& motion,
+                                    const std::vector<Load>& loads) const {
     std::vector<BodyLanding> out(drops.size());
     parallel_for(int(drops.size()), options_.threads, [&](int k) {
-      const BodyDrop& d = drops[std::size_t(k)];
+      BodyDrop& d = drops[std::size_t(k)];
+      d.scene.loads = loads;
       if (!over_()) out[std::size_t(k)] = simulate(d.scene, d.played(motion), {.accuracy = kBalanced, .over = &over_});
     });
     return out;
@@ -78,16 +85,16 @@ class Course {
   long planned_, played_ = 0;
 };
 
-void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyMotion& motion, long samples,
-                const BodyRiskOptions& options, Course& course) {
+void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scene, const BodyMotion& motion,
+                long samples, const BodyRiskOptions& options, Course& course) {
   const BodyMotion hold = held_posture(model.scene());
   PeakCensus census;
   for (long first = 0; first < samples; first += kChunk) {
-    const std::vector<BodyDrop> drops = model.even(std::min(kChunk, samples - first), options.seed, first);
-    const auto of_held =
-        std::span(drops).first(std::size_t(std::clamp(PeakRisk::kHeldDrops - first, 0L, long(drops.size()))));
+    std::vector<BodyDrop> drops = model.even(std::min(kChunk, samples - first), options.seed, first);
+    const auto of_held = std::span<const BodyDrop>(drops).first(
+        std::size_t(std::clamp(PeakRisk::kHeldDrops - first, 0L, long(drops.size()))));
     const std::vector<double> held_peaks = course.peaks(of_held, hold);
-    const std::vector<BodyLanding> landings = course.landings(drops, motion);
+    const std::vector<BodyLanding> landings = course.landings(drops, motion, scene.loads);
     if (course.stopped()) break;
     for (const double x : held_peaks) census.held(x);
     for (const BodyDrop& d : drops) out.from_floor += d.from_floor;
@@ -97,7 +104,7 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyMotion& mot
                               [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
       const PeakContact c = peak_contact(l);
       census.contact(c.number, c.point);
-      for (RiskEvent& e : out.events) e.drops += passed(e, model.scene(), l);
+      for (RiskEvent& e : out.events) e.drops += passed(e, scene, l);
     }
     course.tell(long(drops.size() + of_held.size()));
   }
@@ -112,11 +119,13 @@ BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyR
   out.scatter = scatter_for(options.scatter, scene);
   out.assumed = !options.scatter && !scene.scatter;
   out.events = events_of(scene);
-  const BodyDropModel model(scene, out.scatter, options.drops);
+  BodyScene bare = scene;
+  bare.loads.clear();
+  const BodyDropModel model(bare, out.scatter, options.drops);
   const long samples = model.scatters() ? options.samples : 1;
   const IndexPlan plan(model.sampler(), samples);
   Course course(options, samples + std::min(samples, PeakRisk::kHeldDrops) + plan.landings());
-  play_drops(out, model, motion, samples, options, course);
+  play_drops(out, model, scene, motion, samples, options, course);
   out.why_none = plan.why_none(course.stopped());
   if (out.why_none != PeakRisk::WhyNone::kThere) return out;
   plan.work_out(out, kChunk, options.seed, options.threads,

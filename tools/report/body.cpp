@@ -177,6 +177,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   for (auto& [name, content] : exported(exports, c.scene, c.motion, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
   tell(table.turned(), report, run);
+  if (!c.scene.loads.empty()) summary["loads"] = tell_loads(c.scene, l, "", &report, run);
   report.distrust(run.warnings());
   std::vector<BodyFall> falls = {{motion_words(robot, c.motion), &l}};
   if (held) falls.push_back({"held", &*held});

@@ -38,6 +38,12 @@ std::string motion_words(const landing::Robot& robot, const landing::BodyMotion&
 /// What each joint and its drive stood, beside their ratings; warns where the robot could not follow.
 Json joints_json(const landing::BodyScene& scene, const landing::BodyMotion& motion,
                  const landing::BodyLanding& landing, Run& run);
+/// What is planned for: "tolerant peak", "largest value / rating, peak".
+std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanOptions& options);
+/// What each load of the scene came to, for a summary; told to the terminal and a report where there is one, which
+/// warns of limits that do not hold. `whose`: "", ", held".
+Json tell_loads(const landing::BodyScene& scene, const landing::BodyLanding& landing, const std::string& whose,
+                Report* report, Run& run);
 /// Links, joints and contacts as tables.
 void robot_tables(const landing::BodyScene& scene, Report& report);
 

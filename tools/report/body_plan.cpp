@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/uncertainty.hpp"
+#include "landing/body/load.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
@@ -31,12 +32,16 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
        {"", "hold/peak_acceleration", held_words(robot, plan.hold) + " [m/s^2]", peak_words,
         [](auto& p) { return p.held.peak; }},
        {"", "hold/peak", [](auto& p) { return p.held.peak; }},
-       {"", "reduction", "reduction", percent_words, [](auto& p) { return 1 - p.landing.peak / p.held.peak; }},
+       {"", "reduction", "reduction", percent_words,
+        [of_value = rated(scene)](auto& p) {
+          return 1 - (of_value ? p.value / p.held_value : p.landing.peak / p.held.peak);
+        }},
        {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(p.landing.peaks, contact_name(robot)); }},
        {"", "evaluations", landings ? "landings" : "motions evaluated", {}, &BodyPlan::evaluations}});
   if (goal != "peak") {
-    out.push_back({"", "value", goal + " [m/s^2]", peak_words, [](auto& p) { return p.value; }});
-    out.push_back({"", "hold/value", "the same, held [m/s^2]", peak_words, [](auto& p) { return p.held_value; }});
+    const std::string unit = rated(scene) ? "" : " [m/s^2]";
+    out.push_back({"", "value", goal + unit, peak_words, [](auto& p) { return p.value; }});
+    out.push_back({"", "hold/value", "the same, held" + unit, peak_words, [](auto& p) { return p.held_value; }});
   }
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven())
@@ -72,9 +77,25 @@ Json scatter_json(const BodyUnderScatter& u) {
           {"broken", u.broken}};
 }
 
+/// In how many fresh drops each load is beyond its rating, and whether a share that was asked for is kept.
+Json tell_exceeded(const BodyScene& scene, const BodyUnderScatter& u, const std::optional<double>& share, Run& run) {
+  Json out = Json::object();
+  const auto part = [&](long drops) { return double(drops) / double(u.planned.samples); };
+  for (std::size_t i = 0; i < u.exceeded.size(); ++i) {
+    const Load& l = scene.loads[i];
+    out[l.name] = {{"drops", u.exceeded[i]}, {"share", part(u.exceeded[i])}};
+    run.say(fmt::format("{}: beyond {:.4g} {} in {} of fresh drops", l.name, l.rating, unit(l.kind),
+                        percent_words(part(u.exceeded[i]))));
+  }
+  if (share)
+    run.say(
+        fmt::format("limits hold in {:.2f} % of fresh drops; asked {:g} %", 100 * (1 - part(u.broken)), 100 * *share));
+  return out;
+}
+
 /// The plan and the held posture over fresh drops, and whether what was promised is kept there.
-void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, Report& report,
-                  Run& run) {
+void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
+                  Report& report, Run& run) {
   const BodyUnderScatter& u = *p.under;
   const std::string drops = text_of(u.scatter) + (u.assumed ? "; assumed" : "");
   run.say(fmt::format("under scatter ({}; {} fresh drops): {}; {}: {}", drops, u.planned.samples,
@@ -90,34 +111,42 @@ void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::
     run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
                          u.planned.samples));
   if (u.planned.cvar90.value > u.held.cvar90.value)
-    run.warn(
-        fmt::format("in the worst tenth of scattered drops the motion's peak is {} m/s^2, {} {}: doing nothing is "
-                    "safer{}",
-                    short_peak_words(u.planned.cvar90.value), held, short_peak_words(u.held.cvar90.value),
-                    options.measure ? "" : "; --robust cvar plans for that"));
+    run.warn(fmt::format("in the worst tenth of scattered drops the motion's {}, {} {}: doing nothing is safer{}",
+                         (rated ? "value / rating is " : "peak is ") + short_peak_words(u.planned.cvar90.value) +
+                             (rated ? "" : " m/s^2"),
+                         held, short_peak_words(u.held.cvar90.value),
+                         options.measure ? "" : "; --robust cvar plans for that"));
   report.heading("Under scatter");
   report.paragraph(fmt::format("Drops: {}. The same {} for both; they are others than those that were searched on.",
                                drops, u.planned.samples));
-  report.table(Table(named_quantities(), {{"planned", u.planned}, {held, u.held}}));
+  Quantities<NamedDistribution> quantities = named_quantities();
+  if (rated) quantities[0].words = "value / rating";
+  report.table(Table(quantities, {{"planned", u.planned}, {held, u.held}}));
 }
 
 }  // namespace
+
+std::string goal_words(const BodyScene& scene, const BodyPlanOptions& options) {
+  return (rated(scene) ? "largest value / rating, " : "") + goal_words(options.goal, options.measure);
+}
 
 int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
            Run& run) {
   const Robot& robot = scene.robot;
   Json of_motion = Table::of(motion_quantities(robot, motion), motion).object();
-  const RiskTexts texts{.scene = scene.name,
-                        .source = scene.source,
-                        .motion = motion_words(robot, motion),
-                        .drops = drops_words(risk.scatter, risk.assumed, "drives", robot.fitted(),
-                                             options.drops.inflate, options.drops.inexact),
-                        .held = held_words(robot, held_posture(scene)),
-                        .scatter = risk.scatter,
-                        .assumed = risk.assumed,
-                        .of_motion = of_motion,
-                        .point = contact_name(robot),
-                        .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; }};
+  RiskTexts texts{.scene = scene.name,
+                  .source = scene.source,
+                  .motion = motion_words(robot, motion),
+                  .drops = drops_words(risk.scatter, risk.assumed, "drives", robot.fitted(), options.drops.inflate,
+                                       options.drops.inexact),
+                  .held = held_words(robot, held_posture(scene)),
+                  .scatter = risk.scatter,
+                  .assumed = risk.assumed,
+                  .of_motion = of_motion,
+                  .point = contact_name(robot),
+                  .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; },
+                  .load = {}};
+  if (!scene.loads.empty()) texts.load = [&scene](int i) { return scene.loads[std::size_t(i)]; };
   return report(
       risk, texts, [] { return std::string(); }, run);
 }
@@ -126,7 +155,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
            const Exports& exports, Run& run) {
   constexpr double kShort = 2;  // gnuplot takes some 0.1 s: a short deadline is for the search [s]
   const Robot& robot = scene.robot;
-  const std::string goal = goal_words(options.goal, options.measure);
+  const std::string goal = goal_words(scene, options), goal_unit = rated(scene) ? "1" : "m/s²";
   if (!plan.message.empty()) run.warn(plan.message);
   if (plan.found && !plan.held_keeps_limits) run.warn("holding breaks the limits: it is no answer");
   warn_of_edges(plan.variables, plan.edges, run);
@@ -148,16 +177,23 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     run.add("progress.csv", progress_csv(run, plan));
     Report report("Best landing: " + scene.name);
     report.table(table.turned());
+    if (!scene.loads.empty()) {
+      summary["loads"] = tell_loads(scene, plan.landing, "", &report, run);
+      summary["hold"]["loads"] = tell_loads(scene, plan.held, "", nullptr, run);
+    }
     if (plan.under) {
       summary["scatter"] = scatter_json(*plan.under);
-      tell_scatter(plan, options, held_words(robot, plan.hold), report, run);
+      tell_scatter(plan, options, held_words(robot, plan.hold), rated(scene), report, run);
+      if (!scene.loads.empty() || options.share)
+        summary["scatter"]["loads"] = tell_exceeded(scene, *plan.under, options.share, run);
     }
     report.distrust(run.warnings());
     const bool drawn = !options.deadline || *options.deadline >= kShort;
     if (drawn) {
       show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
       report.heading("The search");
-      report.plot("search", "motions evaluated", goal + " [m/s²]", {descent(plan)}, Axes::kLogarithmic);
+      report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, goal_unit), {descent(plan)},
+                  Axes::kLogarithmic);
     } else {
       report.paragraph(
           "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
@@ -172,6 +208,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
   summary["seed"] = options.seed;
   if (options.measure)
     summary["robust"] = {{"measure", options.measure->name()}, {"promised", plan.value}, {"samples", options.samples}};
+  if (options.share) summary["robust"]["share"] = *options.share;
   return run.finish(summary, plan.found ? kDone : kNumbers);
 }
 

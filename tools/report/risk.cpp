@@ -47,6 +47,11 @@ Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
       return {"speed_max" + key, fmt::format("{} turns faster than {:.4g} rad/s", motor, e.limit), e.drops, of};
     case Kind::kTorque:
       return {"motor_torque_max" + key, fmt::format("{} pulls with more than {:.4g} Nm", motor, e.limit), e.drops, of};
+    case Kind::kLoad: {
+      const Load load = t.load(e.point);
+      return {"load_" + load.name, fmt::format("the load {} is beyond {:.4g} {}", load.name, e.limit, unit(load.kind)),
+              e.drops, of};
+    }
     case Kind::kStops:
       return {"joint" + key, fmt::format("the joint {}leaves its stops", joint.empty() ? "" : joint + " "), e.drops,
               of};
@@ -214,7 +219,8 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   std::vector<Share> touches, passings;
   for (const RiskEvent& e : r.events)
     (e.kind == RiskEvent::Kind::kTouch ? touches : passings).push_back(share_of(e, t, r.peaks.samples));
-  const Table touched(share_quantities("forbidden"), touches), passed(share_quantities("rating or stop"), passings),
+  const Table touched(share_quantities("forbidden"), touches),
+      passed(share_quantities(t.load ? "rating, stop or load" : "rating or stop"), passings),
       contacts(peak_contact_quantities(t.point, r.peaks.samples), r.contacts),
       indices(index_quantities(), r.uncertainties);
   const auto keyed = [](const Table& x) { return x.keyed().is_null() ? Json::object() : x.keyed(); };

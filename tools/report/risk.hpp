@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "landing/body/load.hpp"
 #include "landing/judge/risk.hpp"
 #include "tools/report/landing.hpp"
 
@@ -29,7 +30,8 @@ struct RiskTexts {
   bool assumed = false;
   Json of_motion;
   PointName point = point_name;
-  std::function<std::string(int)> joint = {};  ///< names of a robot of links
+  std::function<std::string(int)> joint = {};   ///< names of a robot of links
+  std::function<landing::Load(int)> load = {};  ///< of one
 };
 /// The sentence of the drops: standard deviations, and whose constants scatter how.
 std::string drops_words(const landing::Scatter& scatter, bool assumed, const std::string& whose, bool uncertain,

@@ -1,5 +1,6 @@
 #include "tools/study/body_comparison.hpp"
 
+#include "common/error.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/scatter/sampler.hpp"
 
@@ -53,6 +54,8 @@ bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions&
 }  // namespace
 
 BodyComparison compare(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options) {
+  if (!scenes[0].loads.empty())
+    throw InputError("compare: the scene has [[load]], and it compares peak accelerations: leave the tables out");
   BodyComparison out{.scenes = scenes, .constants = drive_differences(scenes)};
   BodyPlanOptions search = options.search;
   search.measure.reset(), search.scatter.reset(), search.fresh = 0;

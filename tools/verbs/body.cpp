@@ -234,6 +234,10 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   options.goal = a.goal, options.evaluations = a.evaluations;
   if (a.robust) options.measure = Measure::parse("--robust", *a.robust);
   if (a.samples) options.samples = *a.samples;
+  if (a.share && !a.robust) throw InputError("--share: of drops that scatter: --robust is needed");
+  if (a.share && !(*a.share > 0 && *a.share <= 1))
+    throw InputError(fmt::format("--share: {}: above 0 to 1 is needed", *a.share));
+  options.share = a.share;
   options.scatter = scatter_of(a.scatter), options.inflate = inflate_of(a.scatter, scene, run);
   options.seed = common.seed, options.threads = common.threads;
   options.deadline = a.deadline;
@@ -248,9 +252,8 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
                                 ? fmt::format("{:g} s", *a.deadline)
                                 : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations(scene)),
                                               options.measure ? "landings" : "motions");
-  run.info(fmt::format("optimising the {} of {} over {} variables: {}, seed {}",
-                       goal_words(options.goal, options.measure), scene.name, BodySpace(scene).dimension(), limit,
-                       options.seed));
+  run.info(fmt::format("optimising the {} of {} over {} variables: {}, seed {}", goal_words(scene, options), scene.name,
+                       BodySpace(scene).dimension(), limit, options.seed));
   const BodyPlan best = plan(scene, options);
   options.deadline = a.deadline;
   return report(scene, best, options, rate, a.exports, run);

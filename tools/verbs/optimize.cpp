@@ -85,6 +85,7 @@ double writing_time(const Answer& a, double rate, const Exports& exports, const 
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   if (is_body(a.scene)) return optimize_body(a, common);
+  if (a.share) throw InputError("--share: of robots of links; of the paper's robot --penalty says what a drop counts");
   const std::string file = only_actuator(a.actuators);
   const Clock clock;
   Run run("optimize", common);
@@ -152,6 +153,9 @@ void add_optimize(CLI::App& app, Action& chosen) {
   add_scatter(*verb, args->scatter);
   verb->add_option("--samples", args->samples,
                    "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
+  verb->add_option("--share", args->share,
+                   "with --robust, of a robot of links: the share of drops that keep every limit [mean 0.5; worst 1; "
+                   "else its level]");
   verb->add_option("--penalty", args->penalty,
                    "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");

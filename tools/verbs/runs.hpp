@@ -54,6 +54,7 @@ struct OptimizeArguments {
   std::optional<std::string> robust;  ///< a measure
   ScatterArguments scatter;
   std::optional<long> samples;
+  std::optional<double> share;  ///< of the drops, that keep the limits
   double penalty = landing::RobustOptions().penalty;
   Exports exports;
 };

@@ -1,0 +1,176 @@
+#include "landing/body/load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "common/checks.hpp"
+#include "common/csv.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+using Kind = Load::Kind;
+enum class Of { kLink, kJoint, kContact };
+struct Named {
+  const char *name, *unit;
+  Of of;
+};
+constexpr std::array<Named, 9> kKinds = {{{"acceleration", "m/s^2", Of::kLink},
+                                          {"torque", "Nm", Of::kJoint},
+                                          {"deflection", "rad", Of::kJoint},
+                                          {"motor_speed", "rad/s", Of::kJoint},
+                                          {"motor_torque", "Nm", Of::kJoint},
+                                          {"angle", "rad", Of::kJoint},
+                                          {"force", "N", Of::kContact},
+                                          {"impulse", "N s", Of::kContact},
+                                          {"touch", "1", Of::kContact}}};
+const Named& named(Kind kind) { return kKinds[std::size_t(kind)]; }
+
+/// Why a joint has no such load; empty: it has.
+std::string fault(Kind kind, const Joint& j) {
+  if (j.kind == DriveKind::kLocked) return "the joint is locked: it bears what is not computed";
+  if (kind == Kind::kDeflection && j.kind != DriveKind::kElastic) return "a joint with an elastic drive is needed";
+  if ((kind == Kind::kMotorSpeed || kind == Kind::kMotorTorque) && !j.driven())
+    return "a joint that is driven is needed";
+  return "";
+}
+
+template <class Items>
+int index_of(TomlSection& s, const char* key, const Items& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  const std::string text = s.text(key);
+  const auto at = std::find(names.begin(), names.end(), text);
+  if (at == names.end()) s.fail(key, names.empty() ? "the robot has none" : one_of(text, names));
+  return int(at - names.begin());
+}
+
+void read_place(TomlSection& s, const BodyScene& scene, Load& out) {
+  const Robot& robot = scene.robot;
+  const Of of = named(out.kind).of;
+  for (const auto& [key, where] :
+       {std::pair("link", Of::kLink), {"at", Of::kLink}, {"joint", Of::kJoint}, {"contact", Of::kContact}})
+    if (of != where && s.has(key)) s.fail(key, fmt::format("a load of the kind {} has none", name(out.kind)));
+  if (of == Of::kContact) {
+    out.index = index_of(s, "contact", robot.contacts);
+  } else if (of == Of::kLink) {
+    out.index = index_of(s, "link", robot.links);
+    if (const auto at = s.optional_numbers("at", 2, Range::any()))
+      out.at = {(*at)[0], (*at)[1]};
+    else
+      out.at = robot.links[std::size_t(out.index)].com;
+  } else {
+    out.index = index_of(s, "joint", robot.joints);
+    if (const std::string why = fault(out.kind, robot.joints[std::size_t(out.index)]); !why.empty())
+      s.fail("joint", why);
+  }
+  if (out.kind != Kind::kAngle) {
+    if (s.has("phi_deg")) s.fail("phi_deg", "of a load of the kind angle alone");
+    return;
+  }
+  const auto phi = s.optional_angle_pair("phi");
+  const BodyLimits::Joint stops =
+      scene.limits.joints.empty() ? BodyLimits::Joint{} : scene.limits.joints[std::size_t(out.index)];
+  if (!phi && !stops.stops()) s.fail("phi_deg", "[low, high] is needed where the joint has no stops in [joint]");
+  out.phi = phi.value_or(stops.phi);
+  if (!(out.phi[0] < out.phi[1])) s.fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
+}
+
+}  // namespace
+
+const char* name(Kind kind) { return named(kind).name; }
+const char* unit(Kind kind) { return named(kind).unit; }
+
+std::string place_of(const Load& l, const Robot& robot) {
+  const auto k = std::size_t(l.index);
+  switch (named(l.kind).of) {
+    case Of::kLink:
+      return fmt::format("{} [{:.4g}, {:.4g}]", robot.links[k].name, l.at.along, l.at.across);
+    case Of::kJoint:
+      return robot.joints[k].name;
+    case Of::kContact:
+      return robot.contacts[k].name;
+  }
+  return "";
+}
+
+std::vector<Load> read_loads(TomlFile& file, const BodyScene& scene) {
+  std::vector<Load> out;
+  std::vector<std::string> kinds;
+  for (const Named& k : kKinds) kinds.push_back(k.name);
+  for (TomlSection& s : file.sections("load")) {
+    Load l;
+    l.name = s.text("name");
+    if (l.name.empty()) s.fail("name", "a name is needed");
+    for (const Load& other : out)
+      if (other.name == l.name) s.fail("name", quoted(l.name) + ": the name is given twice");
+    const std::string kind = s.text("kind");
+    const auto at = std::find(kinds.begin(), kinds.end(), kind);
+    if (at == kinds.end()) s.fail("kind", one_of(kind, kinds));
+    l.kind = Kind(at - kinds.begin());
+    read_place(s, scene, l);
+    const bool touch = l.kind == Kind::kTouch;
+    l.limit = s.optional_flag("limit").value_or(touch);
+    if (touch && !l.limit) s.fail("limit", "a touch is no amount that a plan makes small: true is needed");
+    const Range range = l.limit ? Range::non_negative() : Range::positive();
+    l.rating = touch ? s.optional_number("rating", range).value_or(0) : s.number("rating", range);
+    out.push_back(l);
+  }
+  return out;
+}
+
+void check(const Load& l, const Robot& robot) {
+  const std::string what = "load " + quoted(l.name) + ": ";
+  const Of of = named(l.kind).of;
+  const std::size_t most = of == Of::kLink    ? robot.links.size()
+                           : of == Of::kJoint ? robot.joints.size()
+                                              : robot.contacts.size();
+  if (l.index < 0 || std::size_t(l.index) >= most) throw InputError(what + "it acts on nothing that the robot has");
+  if (of == Of::kJoint)
+    if (const std::string why = fault(l.kind, robot.joints[std::size_t(l.index)]); !why.empty())
+      throw InputError(what + why);
+  if (l.limit)
+    check_not_negative("load.rating", l.rating);
+  else
+    check_positive("load.rating", l.rating);
+  if (l.kind == Kind::kAngle && !(l.phi[0] < l.phi[1])) throw InputError(what + "the range is empty");
+}
+
+bool observed(const BodyScene& scene) {
+  return std::any_of(scene.loads.begin(), scene.loads.end(),
+                     [&](const Load& l) { return l.limit || !own(l, scene.robot); });
+}
+bool rated(const BodyScene& scene) {
+  return std::any_of(scene.loads.begin(), scene.loads.end(), [](const Load& l) { return !l.limit; });
+}
+double own_rating(const BodyScene& scene) {
+  if (!rated(scene)) return 1;
+  double out = std::numeric_limits<double>::infinity();
+  for (const Load& l : scene.loads)
+    if (!l.limit && own(l, scene.robot)) out = std::min(out, l.rating);
+  return out;
+}
+std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landing) {
+  if (!landing.loads.empty()) return landing.loads;
+  return std::vector<LoadPeak>(scene.loads.size(), {landing.peak, landing.t_peak});
+}
+int binding(const BodyScene& scene, const BodyLanding& landing) {
+  const std::vector<LoadPeak> peaks = loads_of(scene, landing);
+  int out = -1;
+  double most = -1;
+  for (std::size_t i = 0; i < scene.loads.size(); ++i)
+    if (const Load& l = scene.loads[i]; !l.limit && peaks[i].value / l.rating > most)
+      most = peaks[i].value / l.rating, out = int(i);
+  return out;
+}
+double worth(const BodyScene& scene, const BodyLanding& landing) {
+  const int i = binding(scene, landing);
+  return i < 0 ? landing.peak : loads_of(scene, landing)[std::size_t(i)].value / scene.loads[std::size_t(i)].rating;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,97 @@
+// Loads of a robot of links as a user meets them: what is refused, told, planned, and kept.
+#include <catch2/catch.hpp>
+
+#include "test/cli/refused.hpp"
+
+using namespace cli;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string
+    kAcceleration =
+        "[[load]]\nname = \"slider\"\nkind = \"acceleration\"\nlink = \"slider\"\nat = [0, 0]\nrating = 1\n",
+    kKnee = "[[load]]\nname = \"knee\"\nkind = \"torque\"\njoint = \"knee\"\nrating = 12\n",
+    kFoot = "[[load]]\nname = \"foot\"\nkind = \"force\"\ncontact = \"foot\"\nrating = 150\n",
+    kNoTouch = "[[load]]\nname = \"hull\"\nkind = \"touch\"\ncontact = \"slider\"\n";
+
+/// hopper.toml with tables behind it, as scene.toml.
+void write_scene(const Folder& f, const std::string& tables) {
+  const std::string scene = read(dataset("scenes/hopper.toml"));
+  f.write("scene.toml",
+          replaced(scene, "\"../robots/hopper.toml", "\"" + dataset("robots/hopper.toml")) + "\n" + tables);
+}
+
+}  // namespace
+
+TEST_CASE("a load that cannot be is refused where it stands") {
+  const Folder f;
+  const auto refused = [&](const std::string& tables, const std::vector<std::string>& texts) {
+    write_scene(f, tables);
+    check_refused(f, Arguments{"simulate", "scene.toml"} + kOut, texts);
+  };
+  refused("[load]\nname = \"x\"\n", {"scene.toml:", "tables [[load]] are needed"});
+  refused(replaced(kKnee, "\"torque\"", "\"torqe\""), {"scene.toml:", "torqe", "torque"});
+  refused(replaced(kKnee, "joint = \"knee\"", "joint = \"nee\""), {"scene.toml:", "nee", "knee"});
+  refused(replaced(kKnee, "rating = 12", "rating = 0"), {"rating", "0: must be above 0"});
+  refused(replaced(kKnee, "rating = 12\n", ""), {"rating", "missing"});
+  refused(replaced(kKnee, "\"torque\"", "\"deflection\""), {"joint", "an elastic drive is needed"});
+  refused(replaced(kKnee, "\"torque\"", "\"angle\""), {"phi_deg", "[low, high] is needed"});
+  refused(replaced(kKnee, "joint", "contact = \"foot\"\njoint"), {"contact", "a load of the kind torque has none"});
+  refused(kKnee + kKnee, {"name", "given twice"});
+  refused(kNoTouch + "limit = false\n", {"limit", "true is needed"});
+  refused(kKnee + "unit = \"Nm\"\n", {"unknown key", "unit"});
+  write_scene(f, kKnee);
+  check_refused(f, Arguments{"map", "scene.toml", "--vary", "duration"} + kOut, {"[[load]]", "leave the tables out"});
+  check_refused(f, Arguments{"optimize", "scene.toml", "--share", "0.9"} + kOut, {"--share", "--robust is needed"});
+  check_refused(f, Arguments{"optimize", "scene.toml", "--robust", "mean", "--share", "2"} + kOut, {"--share: 2"});
+  f.write("paper.toml", read(kPaper) + "\n" + kKnee);
+  check_refused(f, Arguments{"simulate", "paper.toml", "--actuator", kTable2} + kOut,
+                {"paper.toml:", "[[load]] is of robots of links"});
+}
+
+TEST_CASE("simulate tells every load, its time and which binds; without [[load]] nothing is told") {
+  const Folder f;
+  write_scene(f, kAcceleration + kKnee + kFoot + kNoTouch);
+  const Result r = done(f, {"simulate", "scene.toml", "-o", "out"});
+  CHECK_THAT(r.out, Contains("value / rating") && Contains("binds") && Contains("limit, holds"));
+  const Json s = summary(f);
+  REQUIRE(s["loads"].size() == 4);
+  CHECK(s["loads"][0]["value"] == s["peak_acceleration"]);
+  CHECK(s["loads"][0]["time"] == s["peak_time"]);
+  CHECK(s["loads"][0]["binds"] == true);
+  CHECK(s["loads"][1]["of"] == "knee");
+  CHECK(s["loads"][1]["value"].get<double>() > 0);
+  CHECK(s["loads"][2]["ratio"].get<double>() == Approx(s["loads"][2]["value"].get<double>() / 150));
+  CHECK(s["loads"][2]["ratio"].get<double>() > 1);
+  CHECK(s["loads"][3]["value"] == 0);
+  CHECK_THAT(read(f.at("out/report.html")), Contains("Loads"));
+  done(f, {"simulate", dataset("scenes/hopper.toml"), "-o", "plain"});
+  CHECK_FALSE(summary(f, "plain").contains("loads"));
+  CHECK(summary(f, "plain")["peak_acceleration"] == s["peak_acceleration"]);
+}
+
+TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadline and under scatter too") {
+  const Folder f;
+  write_scene(f, replaced(kAcceleration, "rating = 1", "rating = 40") + kFoot + kNoTouch);
+  const Result r =
+      done(f, {"optimize", "scene.toml", "--evaluations", "300", "--seed", "3", "-o", "out", "--no-report"});
+  CHECK_THAT(r.err + r.out, Contains("largest value / rating"));
+  const Json s = summary(f);
+  REQUIRE(s["loads"].size() == 3);
+  CHECK(s["value"].get<double>() ==
+        Approx(std::max(s["loads"][0]["ratio"].get<double>(), s["loads"][1]["ratio"].get<double>())));
+  CHECK(s["value"].get<double>() < s["hold"]["value"].get<double>());
+  CHECK(s["loads"][2]["value"] == 0);
+  CHECK(s["hold"]["loads"].size() == 3);
+  done(f, {"optimize", "scene.toml", "--deadline", "0.5", "-o", "quick"});
+  CHECK(summary(f, "quick")["value"].get<double>() < s["hold"]["value"].get<double>());
+  const Result robust =
+      done(f, {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter", "height=0.02", "--samples",
+               "16", "--evaluations", "2000", "-o", "robust", "--no-report"});
+  CHECK_THAT(robust.out, Contains("limits hold in") && Contains("foot: beyond"));
+  CHECK(summary(f, "robust")["robust"]["share"] == 0.9);
+  CHECK(summary(f, "robust")["scatter"]["loads"].contains("hull"));
+  done(f, {"risk", "scene.toml", "--motion", "out/motion.toml", "--samples", "128", "-o", "risk", "--no-report"});
+  CHECK(summary(f, "risk")["ratings"].contains("load_foot"));
+}
