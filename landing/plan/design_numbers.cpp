@@ -103,6 +103,9 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
       return std::find(p.own.begin(), p.own.end(), text) == p.own.end();
     }));
   }
+  for (std::size_t i = 0; i < scene.loads.size(); ++i)
+    out.push_back(
+        number("load." + scene.loads[i].name + ".rating", [i](BodyScene& s) -> double& { return s.loads[i].rating; }));
   out.push_back(number("robot.gravity", [](BodyScene& s) -> double& { return s.robot.gravity; }));
   out.push_back(number(
       "floor.slope_deg", [](BodyScene& s) -> double& { return s.slope; }, kDegree));

@@ -121,9 +121,10 @@ class Trader {
       const BodyDropModel model(scenes_[k], scatter_for(o.scatter, scenes_[k]),
                                 {.inflate = o.inflate, .inexact = tolerant});
       if (model.scatters())
-        goal = {
-            .measure = *o.measure, .drops = model.even(o.judging, judging_seed(o.seed)), .share = o.measure->share()};
-    } else if (tolerant || scenes_[k].limits.any()) {
+        goal = {.measure = *o.measure,
+                .drops = model.even(o.judging, judging_seed(o.seed)),
+                .share = o.share.value_or(o.measure->share())};
+    } else if (tolerant || scenes_[k].limited()) {
       goal = execution_box(scenes_[k], tolerant);
     }
     for (BodyDrop& d : goal.drops) d.scene.limits.broken = BodyLimits::Broken::kTold;

@@ -41,7 +41,7 @@ python3 "$source_dir/test/install/answers.py" answers "$source_dir/README.md"
 for peak in 42 98; do grep -q "foot $peak m/s" leg.svg; grep -q "foot $peak m/s" "$source_dir/tools/docs/leg.svg"; done
 for peak in 466 188; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s" "$source_dir/tools/docs/landing.svg"; done
 
-verbs="identify predict design simulate optimize map ratings risk robot atlas compare calibrate demo"
+verbs="identify predict design simulate optimize map ratings risk robot trade atlas compare calibrate demo"
 for v in $verbs; do ukemi "$v" --help; done > help.txt
 for b in integrators identify optimizers stability scenes; do ukemi bench $b --help; done >> help.txt
 options() { grep -o -e '--[a-z][a-z-]*' "$1" | sort -u; }

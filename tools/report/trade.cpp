@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "landing/body/load.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/scatter.hpp"
@@ -17,16 +18,17 @@ namespace {
 Json worth(double value) { return value < kNoMotion ? Json(value) : Json(); }
 
 Quantities<TradePoint> trade_quantities(const BodyScene& scene, const Trade& trade, const std::string& goal) {
+  const std::string unit = rated(scene) ? "" : " [m/s^2]";
   Quantities<TradePoint> out;
   for (std::size_t a = 0; a < trade.axes.size(); ++a)
     out.push_back({trade.axes[a].name, trade.axes[a].name, trade.axes[a].name, "{:.4g}",
                    [a](const TradePoint& p) { return Json(p.at[a]); }});
-  out.push_back({"held", "held", "held [m/s^2]", "{:.1f}", [](auto& p) { return worth(p.held); }});
+  out.push_back({"held", "held", "held" + unit, "{:.4g}", [](auto& p) { return worth(p.held); }});
   out.push_back(
-      {"unchanged", "unchanged", "the middle's motion [m/s^2]", "{:.1f}", [](auto& p) { return worth(p.unchanged); }});
-  out.push_back({"planned", "planned", goal + ", planned [m/s^2]", "{:.1f}",
+      {"unchanged", "unchanged", "the middle's motion" + unit, "{:.4g}", [](auto& p) { return worth(p.unchanged); }});
+  out.push_back({"planned", "planned", goal + ", planned" + unit, "{:.4g}",
                  [](auto& p) { return p.found ? worth(p.planned) : Json(); }});
-  out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.1f}",
+  out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.4g}",
                  [](auto& p) { return p.found ? Json(p.peak) : Json(); }});
   const auto found = std::find_if(trade.points.begin(), trade.points.end(), [](auto& p) { return p.found; });
   if (found != trade.points.end())
@@ -45,7 +47,7 @@ void draw(const Trade& trade, const std::string& goal, Report& page) {
   };
   const auto planned = [](const TradePoint& p) { return p.found ? p.planned : kNoMotion; };
   if (trade.axes.size() == 1) {
-    page.plot("trade", trade.axes[0].name, goal + " [m/s²]",
+    page.plot("trade", trade.axes[0].name, goal,
               {curve("planned for each", planned), curve("the middle's motion", [](auto& p) { return p.unchanged; }),
                curve("held", [](auto& p) { return p.held; })});
     return;
@@ -56,7 +58,7 @@ void draw(const Trade& trade, const std::string& goal, Report& page) {
       const double v = planned(trade.points[x * map.y.size() + y]);
       map.values.push_back(v < kNoMotion ? v : std::numeric_limits<double>::quiet_NaN());
     }
-  page.heading("Planned for each design: " + goal + " [m/s²]");
+  page.heading("Planned for each design: " + goal);
   page.heatmap(map);
 }
 
@@ -71,7 +73,7 @@ std::string design_words(const Trade& trade, const TradePoint& p) {
 }  // namespace
 
 int report(const BodyScene& scene, const Trade& trade, const BodyPlanOptions& search, Run& run) {
-  const std::string goal = goal_words(search.goal, search.measure);
+  const std::string goal = goal_words(scene, search);
   const TradePoint* best = nullptr;
   long missing = 0, edges = 0;
   for (const TradePoint& p : trade.points) {
@@ -94,11 +96,12 @@ int report(const BodyScene& scene, const Trade& trade, const BodyPlanOptions& se
   Json summary = {{"goal", goal}, {"plans", trade.plans}};
   summary["points"] = tell(table, page, run, "trade.csv", "Values as in the files; m/s^2, deg, s.");
   if (best) {
-    run.say(fmt::format("lowest: {:.1f} m/s^2 at {}", best->planned, design_words(trade, *best)));
+    run.say(
+        fmt::format("lowest: {:.4g}{} at {}", best->planned, rated(scene) ? "" : " m/s^2", design_words(trade, *best)));
     summary["best"] = {{"planned", best->planned}, {"at", best->at}};
   }
   summary["middle"] = trade.points[trade.middle].at;
-  draw(trade, goal, page);
+  draw(trade, goal + (rated(scene) ? "" : " [m/s²]"), page);
   page.distrust(run.warnings());
   page.write(run);
   return run.finish(summary, missing == long(trade.points.size()) ? kNumbers : kDone);
