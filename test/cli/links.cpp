@@ -67,6 +67,14 @@ TEST_CASE("a deadline is kept for a robot of links too") {
   CHECK(s["time_s"].get<double>() < 2);  // whatever else the machine does
 }
 
+TEST_CASE("a deadline that leaves no time says nothing of what it does not know") {
+  const Folder f;
+  for (const Arguments& scene : {Arguments{kPaper, "--actuator", kTable2}, Arguments{kHopper}}) {
+    const Result r = run(Arguments{"optimize"} + scene + Arguments{"--deadline", "0.001", "-o", "out"}, f.at(""));
+    CHECK_THAT(r.out, !Contains("nan"));
+  }
+}
+
 TEST_CASE("robot shows a robot before anything falls, and says what looks wrong") {
   const Folder f;
   const Result r = done(f, {"robot", kFoot, "-o", "out"});

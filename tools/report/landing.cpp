@@ -17,7 +17,9 @@ std::string peak_to(int digits, double peak) {
 }  // namespace
 std::string peak_words(double peak) { return peak_to(6, peak); }
 std::string short_peak_words(double peak) { return peak_to(4, peak); }
-std::string percent_words(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
+std::string percent_words(double fraction) {
+  return std::isfinite(fraction) ? fmt::format("{:.1f} %", 100 * fraction) : "";
+}
 
 Display display(const Variable& v, const std::string& middle) {
   if (v.unit == "rad") return {kDegrees, v.name + middle + "_deg", v.words + " [deg]"};
