@@ -125,22 +125,23 @@ class LoadObserver {
       return x.index < s.body.contacts ? contact_force(s, x.index, s.pose(y), y).norm() : 0;
     const SeaState<double> q = s.joint_state(x.index, y);
     const auto& drive = s.drive[x.index];
+    // A step may end a rounding beyond the limit of a torque.
+    const auto motor = [&] { return std::min(motor_demand(s, x.index, t, q).second, drive.sea.tau_max); };
     switch (x.load->kind) {
       case Kind::kDeflection:
         return q.phi_m - q.phi;
       case Kind::kMotorSpeed:
         return motor_demand(s, x.index, t, q).first;
       case Kind::kMotorTorque:
-        return motor_demand(s, x.index, t, q).second;
+        return drive.kind == DriveKind::kGeared ? motor() : motor_demand(s, x.index, t, q).second;
       case Kind::kAngle:
         return q.phi - 0.5 * (x.load->phi[0] + x.load->phi[1]);
       default:
         break;
     }
-    if (drive.kind == DriveKind::kGeared) return motor_demand(s, x.index, t, q).second;
+    if (drive.kind == DriveKind::kGeared) return motor();
     if (drive.kind == DriveKind::kPassive) return drive.stiffness * (q.phi - drive.rest) + drive.damping * q.dphi;
-    return limited_torque<System::kSea>(drive.sea, spring_torque<System::kSea>(drive.sea, q),
-                                        s.joint[x.index].saturation);
+    return std::min(std::abs(spring_torque<System::kSea>(drive.sea, q)), drive.sea.tau_max);
   }
   /// What PeakTracker asks a system for, of one load.
   template <class Integrator>

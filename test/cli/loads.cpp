@@ -50,7 +50,7 @@ TEST_CASE("a load that cannot be is refused where it stands") {
                 {"paper.toml:", "[[load]] is of robots of links"});
 }
 
-TEST_CASE("simulate tells every load, its time and which binds; without [[load]] nothing is told") {
+TEST_CASE("simulate tells every load, its time and which binds, and nothing without [[load]] is told") {
   const Folder f;
   write_scene(f, kAcceleration + kKnee + kFoot + kNoTouch);
   const Result r = done(f, {"simulate", "scene.toml", "-o", "out"});

@@ -161,9 +161,16 @@ TEST_CASE("legs: a motor's torque as a load is Eq. 3 of the trajectory, and rest
   CHECK(l.loads[0].value == Approx(torque).epsilon(1e-6));
   const BodyLanding on = simulate(scene, held, {.accuracy = 1e-11, .rest = SimulateOptions::Rest::kIgnore});
   for (std::size_t i = 0; i < 2; ++i) CHECK(l.loads[i].value == Approx(on.loads[i].value).epsilon(1e-6));
+  BodyScene hopper = shipped("hopper");  // a motor that is at its limit does not pass a rating that is the same
+  hopper.loads = {load(Kind::kTorque, 1, 12), load(Kind::kMotorTorque, 1, 12)};
+  for (Load& x : hopper.loads) x.limit = true;
+  const BodyLanding limited = simulate(hopper, held_posture(hopper));
+  CHECK(limited.loads[0].value == 12);
+  CHECK(limited.loads[1].value == 12);
+  CHECK_FALSE(limited.broken);
 }
 
-TEST_CASE("legs: the acceleration that counts, rated 1, is no other plan; another rating scales its value alone") {
+TEST_CASE("legs: the acceleration that counts, rated 1, is no other plan, and another rating scales its value alone") {
   const BodyScene plain = shipped("hopper");
   BodyScene scene = plain;
   scene.loads = {load(Kind::kAcceleration, plain.robot.peak_link)};
