@@ -59,9 +59,12 @@ class BlockCost final : public ceres::CostFunction {
         held_(held),
         globals_(int(problem.globals.size())),
         locals_(int(problem.locals.size())) {
-    scale_.resize(globals_ + locals_);
-    for (int i = 0; i < globals_; ++i) scale_[i] = problem.globals[std::size_t(i)].scale;
-    for (int i = 0; i < locals_; ++i) scale_[globals_ + i] = problem.locals[std::size_t(i)].scale;
+    const int p = globals_ + locals_;
+    scale_.resize(p), lower_.resize(p), upper_.resize(p);
+    for (int i = 0; i < p; ++i) {
+      const Parameter& own = i < globals_ ? problem.globals[std::size_t(i)] : problem.locals[std::size_t(i - globals_)];
+      scale_[i] = own.scale, lower_[i] = own.lower, upper_[i] = own.upper;
+    }
     set_num_residuals(globals_ + locals_ + 1);
     mutable_parameter_block_sizes()->push_back(globals_);
     if (locals_ > 0) mutable_parameter_block_sizes()->push_back(locals_);
@@ -133,12 +136,13 @@ class BlockCost final : public ceres::CostFunction {
     const Eigen::VectorXd* r = rows(at, none);
     return r ? std::optional(r->squaredNorm()) : std::nullopt;
   }
-  /// The parameters in their own units, globals, then locals.
+  /// The parameters in their own units, globals, then locals; within their bounds, which a scale and back may miss by
+  /// a rounding.
   Eigen::VectorXd point(double const* const* x) const {
     Eigen::VectorXd out(globals_ + locals_);
     out.head(globals_) = Eigen::Map<const Eigen::VectorXd>(x[0], globals_);
     if (locals_ > 0) out.tail(locals_) = Eigen::Map<const Eigen::VectorXd>(x[1], locals_);
-    return out.cwiseProduct(scale_);
+    return out.cwiseProduct(scale_).cwiseMax(lower_).cwiseMin(upper_);
   }
   /// The block's residuals and, unless it is empty, the Jacobian; null where it cannot be evaluated.
   const Eigen::VectorXd* rows(const Eigen::VectorXd& at, Eigen::MatrixXd& jacobian) const {
@@ -155,7 +159,7 @@ class BlockCost final : public ceres::CostFunction {
   const LeastSquaresOptions& options_;
   const std::vector<bool>& held_;
   int globals_, locals_;
-  Eigen::VectorXd scale_;
+  Eigen::VectorXd scale_, lower_, upper_;
   mutable std::array<Known, 2> known_;  ///< the last first
 };
 

@@ -32,7 +32,7 @@ TEST_CASE("legs: every number of a design is found by its name, and set in its f
   }
 }
 
-TEST_CASE("legs: a pad, a rating and a slope as numbers of a design; what there is not is refused") {
+TEST_CASE("legs: a pad, a rating and a slope as numbers of a design, and what there is not is refused") {
   BodyScene scene = legs::shipped("foot");
   set_design_number(scene, "robot.contact.heel.pad.thickness", 0);
   CHECK_FALSE(scene.robot.contacts[3].pad);

@@ -111,3 +111,19 @@ TEST_CASE("many starts: one that cannot be evaluated is passed over, where none 
   CHECK(starts.minima().empty());
   CHECK(starts.starts() == 3);
 }
+
+TEST_CASE("least squares: no residual sees a value beyond its bounds, whatever the scale rounds to") {
+  for (const double scale : {1.3, 0.7, 3.0, 1e-3, 41.0}) {
+    double least = 2;
+    LeastSquaresProblem p;
+    p.globals = {{"x", "1", 1.0, 1.0, 4.0, scale}};
+    p.blocks = {{1, [&](const double* x, const double*, double* r, double* jacobian) {
+                   least = std::min(least, *x);
+                   r[0] = *x;  // pulls it against the lower bound
+                   if (jacobian) jacobian[0] = 1;
+                   return true;
+                 }}};
+    CHECK(solve(p, {}).globals[0] == 1.0);
+    CHECK(least == 1.0);
+  }
+}
