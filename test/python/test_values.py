@@ -36,7 +36,8 @@ def examples(scene, actuator, hopper):
         calibration, calibration.drops[0], risk, risk.peaks, risk.peaks.mean, survey, survey.basins[0], ratings,
         ratings.plans[0], comparison, comparison.constants[0], comparison.motions[0], comparison.plans[0], design,
         design.hits[0], atlas, ukemi.Planner(scene, actuator).plan(0.4), ukemi.simulate(hopper),
-        ukemi.optimize(hopper, evaluations=20), ukemi.risk(hopper, {}, samples=20), entry_of(atlas, scene, actuator))}
+        ukemi.optimize(hopper, evaluations=20), ukemi.risk(hopper, {}, samples=20), entry_of(atlas, scene, actuator),
+        ukemi.trade(hopper, {"drop.height": [0.2, 0.3]}, evaluations=20))}
 
 
 def entry_of(atlas, scene, actuator):

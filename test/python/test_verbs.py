@@ -117,6 +117,18 @@ def test_map_and_ratings(scene, actuator, tmp_path):
             ukemi.ratings(scene, actuator, speeds)
 
 
+def test_trade(hopper, tmp_path):
+    name = "drive.knee.k_p"
+    bought = ukemi.trade(hopper, {name: [20, 60, 100]}, evaluations=500)
+    same(bought, tmp_path, "trade", ukemi.dataset("scenes/hopper.toml"), "--vary", name + "=20:100:3", "--evaluations",
+         500)
+    assert [p["at"][name] for p in bought.points] == [20, 60, 100] and bought.middle == 1
+    assert all(p["planned"] < p["held"] for p in bought.points) and "knee" in bought.points[0]["motions"]
+    for wrong in ({}, {"drive.knee.k_q": [1, 2]}, {name: [2, 1]}, {name: [-1, 1]}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.trade(hopper, wrong)
+
+
 def test_atlas_and_its_reader(scene, actuator, tmp_path):
     grid = dict(height=(0.3, 0.5, 2), forward_speed=(0, 1, 2), pitch=(0, math.radians(20), 2))
     atlas = ukemi.atlas(scene, actuator, **grid, evaluations=300)

@@ -154,6 +154,7 @@ void bind_calibrate(py::module_& m);  ///< drops, the floor
 void bind_compare(py::module_& m);    ///< two sets of constants
 void bind_body(py::module_& m);       ///< robots of links: one landing
 void bind_body_plan(py::module_& m);  ///< their plans, their risk
+void bind_trade(py::module_& m);      ///< what their designs buy
 void bind_report(py::module_& m);     ///< write_report
 
 }  // namespace ukemi::python

@@ -1,0 +1,99 @@
+// What numbers of a design buy, for Python.
+#include "landing/plan/trade.hpp"
+
+#include <fmt/format.h>
+
+#include "landing/plan/design_numbers.hpp"
+#include "tools/python/body.hpp"
+#include "tools/python/search.hpp"
+#include "tools/report/trade.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+namespace {
+
+struct TradeResult {
+  BodyScene scene;
+  Trade trade;
+  BodyPlanOptions search;
+};
+
+py::object worth(double value) { return value < kNoMotion ? py::cast(value) : py::none(); }
+
+py::list designs_of(const TradeResult& r) {
+  py::list out;
+  for (const TradePoint& p : r.trade.points) {
+    py::dict at, point;
+    for (std::size_t a = 0; a < r.trade.axes.size(); ++a) at[r.trade.axes[a].name.c_str()] = p.at[a];
+    point["at"] = at, point["held"] = worth(p.held), point["unchanged"] = worth(p.unchanged);
+    point["planned"] = p.found ? worth(p.planned) : py::none();
+    point["peak"] = p.found ? py::cast(p.peak) : py::none();
+    point["motions"] = p.found ? py::object(by_joint(r.scene.robot, p.motion)) : py::none();
+    out.append(point);
+  }
+  return out;
+}
+
+std::vector<TradeAxis> axes_of(const BodyScene& scene, const py::dict& vary) {
+  std::vector<TradeAxis> out;
+  for (const auto& [key, values] : vary) {
+    out.push_back({py::cast<std::string>(key), py::cast<std::vector<double>>(values)});
+    for (const double value : out.back().values) {  // refused before anything is searched
+      BodyScene tried = scene;
+      set_design_number(tried, out.back().name, value);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void bind_trade(py::module_& m) {
+  py::class_<TradeResult> c(m, "RobotTrade", "The best landings of a robot of links for values of its design.");
+  c.def_property_readonly("points", designs_of,
+                          "A dict for each design: at (its values by name), held, unchanged (the middle's motion), "
+                          "planned, peak, motions by joint; None where there is nothing.")
+      .def_property_readonly(
+          "middle", [](const TradeResult& r) { return r.trade.middle; }, "Index of the middle design.")
+      .def("__repr__", [](const TradeResult& r) {
+        return fmt::format("<ukemi.RobotTrade: {} designs, {} plans>", r.trade.points.size(), r.trade.plans);
+      });
+  bind_value(c);
+  bind_report(
+      c, "trade", [](const TradeResult& r, tools::Run& run) { return report(r.scene, r.trade, r.search, run); },
+      [](const TradeResult& r) { return r.search.seed; });
+  m.def(
+      "trade",
+      [](const BodyScene& scene, const py::dict& vary, std::uint64_t seed, const std::string& objective,
+         std::optional<long> evaluations, const std::optional<std::string>& robust,
+         const std::optional<std::string>& scatter, double inflate, long samples, int threads,
+         const std::vector<std::string>& forbidden, bool ratings) {
+        TradeOptions options;
+        BodyPlanOptions& search = options.search;
+        search.goal = goal_of(objective), search.evaluations = evaluations;
+        if (robust) search.measure = Measure::parse("robust", *robust);
+        search.scatter = asked_scatter(scatter), search.inflate = inflation(inflate), search.samples = samples;
+        search.seed = seed, search.threads = threads;
+        if (ratings) options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
+        BodyScene limited = scene;
+        forbid(limited, forbidden);
+        const std::vector<TradeAxis> axes = axes_of(limited, vary);
+        return long_call([&](const std::function<bool()>& stop) {
+          options.monitor.stop = stop, search.monitor.stop = stop;
+          TradeResult out{limited, trade(limited, axes, options), search};
+          out.search.monitor = {};
+          return out;
+        });
+      },
+      py::arg("scene"), py::arg("vary"), py::arg("seed") = 1, py::arg("objective") = "peak",
+      py::arg("evaluations") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
+      py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("threads") = 0,
+      py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
+      "What numbers of a robot's design buy: vary is a dict of one or two names, as \"drive.knee.k_sea\", each with "
+      "the "
+      "values that rise, in the units of the files.");
+}
+
+}  // namespace ukemi::python
