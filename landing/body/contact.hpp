@@ -18,8 +18,8 @@
 
 namespace ukemi::landing {
 
-/// Friction sticks up to so much beyond mu F_n [N]: what no landing feels decides where both sides are rounding, as at a
-/// touchdown straight down under Hunt and Crossley, whose F_n starts without a slope.
+/// Friction sticks up to so much beyond mu F_n [N]: what no landing feels decides where both sides are rounding, as at
+/// a touchdown straight down under Hunt and Crossley, whose F_n starts without a slope.
 inline constexpr double kCling = 1e-9;
 
 /// What holds of a point between events.

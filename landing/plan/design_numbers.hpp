@@ -10,8 +10,9 @@
 namespace ukemi::landing {
 
 /// Every name there is for a scene: drive.JOINT.KEY, robot.link.LINK.KEY, robot.contact.CONTACT.KEY and
-/// robot.contact.*.KEY (all contacts that have it), robot.gravity, floor.KEY (all contacts that have no KEY of their own),
-/// drop.KEY, load.NAME.rating. Keys and units are those of the files, as k_sea, speed_max, mass, pad.thickness, friction, pitch_deg.
+/// robot.contact.*.KEY (all contacts that have it), robot.gravity, floor.KEY (all contacts that have no KEY of their
+/// own), drop.KEY, load.NAME.rating. Keys and units are those of the files, as k_sea, speed_max, mass, pad.thickness,
+/// friction, pitch_deg.
 std::vector<std::string> design_names(const BodyScene& scene);
 
 /// What stands there; of several contacts the first's. NaN: nothing, as a rating that is not given or a pad that there

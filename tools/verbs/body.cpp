@@ -28,7 +28,8 @@ using namespace landing;
 namespace {
 
 constexpr const char* kCan =
-    "of a robot of links it is not there yet; what is: simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot";
+    "of a robot of links it is not there yet; what is: simulate, optimize, risk, compare, map, calibrate, atlas, "
+    "trade, robot";
 
 }  // namespace
 
