@@ -72,6 +72,20 @@ Json scatter_json(const BodyUnderScatter& u) {
           {"broken", u.broken}};
 }
 
+FirstScreen first_screen(const BodyPlan& p) {
+  FirstScreen out{.sentence = landing_sentence(p.landing.peak, p.held.peak)};
+  out.checks = {check(p.held_keeps_limits, "holding keeps the limits", "")};
+  if (p.under) {
+    const BodyUnderScatter& u = *p.under;
+    out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
+    out.checks.push_back(under_scatter_check(u.planned.cvar90.value, u.held.cvar90.value));
+  } else {
+    out.checks.push_back({Check::State::kUnknown, "holds under scatter", "not played"});
+  }
+  out.next = "`ukemi risk` with --motion motion.toml plays it over many drops.";
+  return out;
+}
+
 /// The plan and the held posture over fresh drops, and whether what was promised is kept there.
 void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, Report& report,
                   Run& run) {
@@ -147,15 +161,16 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
       run.warn("plotjuggler.csv is not written: the deadline leaves no time for the landing's rows");
     run.add("progress.csv", progress_csv(run, plan));
     Report report("Best landing: " + scene.name);
-    report.table(table.turned());
+    const bool drawn = !options.deadline || *options.deadline >= kShort;
+    if (drawn) show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
     if (plan.under) {
       summary["scatter"] = scatter_json(*plan.under);
       tell_scatter(plan, options, held_words(robot, plan.hold), report, run);
     }
     report.distrust(run.warnings());
-    const bool drawn = !options.deadline || *options.deadline >= kShort;
+    report.answer(first_screen(plan), run.warnings());
+    report.folded("All numbers", table.turned());
     if (drawn) {
-      show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
       report.heading("The search");
       report.plot("search", "motions evaluated", goal + " [m/s²]", {descent(plan)}, Axes::kLogarithmic);
     } else {
