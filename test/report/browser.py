@@ -142,6 +142,23 @@ OVERLAP = """(() => {
 })()"""
 
 
+# What is missing of the answer in the first screen: the sentence, the checklist (each line with a sign and a word).
+FIRST_SCREEN = """(() => {
+  const sentence = document.querySelector('.answer .sentence'), checks = [...document.querySelectorAll('.answer li')];
+  if (!sentence || !sentence.textContent.trim()) return 'no sentence';
+  if (checks.length < 2) return checks.length + ' checks';
+  const out = [];
+  for (const e of [sentence, ...checks]) {
+    const box = e.getBoundingClientRect();
+    if (box.height < 10 || box.top < 0 || box.bottom > innerHeight || box.right > innerWidth)
+      out.push('outside the first screen: ' + e.textContent);
+  }
+  for (const c of checks)
+    if (!/^[✓!✗?] .+: (yes|caution|no|not known)/.test(c.textContent)) out.push('no sign and word: ' + c.textContent);
+  return out.join('; ');
+})()"""
+
+
 def look_at_animation(browser, report, summary):
     """The slider shows the stated time, playing moves the robot, the numbered peaks are those of the summary."""
     browser.value("""window.slide = t => { const s = document.querySelector('#player input[type=range]');
@@ -198,6 +215,7 @@ def look(browser, report, path, summary, pictures):
             where = f'{report}, {width} px, {scheme}'
             check(browser.value(OVERFLOW) == '', where, browser.value(OVERFLOW))
             check(browser.value(OVERLAP) == '', where, browser.value(OVERLAP))
+            check(report == 'robot' or browser.value(FIRST_SCREEN) == '', where, browser.value(FIRST_SCREEN))
             if pictures:
                 browser.picture(f'{pictures}/{report}_{width}_{scheme}.png')
             if width == 1280 and scheme == 'light' and animated:
@@ -229,6 +247,7 @@ def made(program, data, folder):
         'robot': ['robot', data + '/scenes/foot.toml'],
         'optimize': ['optimize', *scene, '--evaluations', '2000'],
         'robust': ['optimize', *scene, '--robust', 'cvar', '--evaluations', '20000'],
+        'predict': ['predict', trials[7], *rig, '--actuator', data + '/actuators/table2.toml'],
         'identify': ['identify', *trials, *rig],
         'compare': ['compare', '--nominal', data + '/actuators/x8-9_nominal.toml', '--identified',
                     data + '/actuators/table2.toml', '--scene', data + '/scenes/paper.toml'],

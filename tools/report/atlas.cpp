@@ -165,6 +165,14 @@ int report(const AtlasResult& r, Run& run) {
   if (safe)
     page.paragraph(fmt::format("The safest motion over all drops has a worst peak of {:.1f} m/s².", h.safest.worst));
   picture(page, atlas);
+  page.answer({fmt::format("{} of {} drops have a planned landing{}", atlas.planned(), r.drops.size(),
+                           safe ? fmt::format("; the safest motion over all of them has a worst peak of {:.4g} m/s².",
+                                              h.safest.worst)
+                                : "."),
+               {check(finished, "finished", finished ? "" : "the same command goes on with it"),
+                check(atlas.none() == 0, "every drop has a motion", fmt::format("{} without", atlas.none()))},
+               "atlas.bin is what a robot looks its motions up in."},
+              run.warnings());
   page.distrust(run.warnings());
   page.write(run);
   return run.finish(summary, atlas.planned() > 0 ? kDone : kNumbers);

@@ -176,12 +176,21 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
                        "if it has one. Units: s, N, m/s^2."));
   for (auto& [name, content] : exported(exports, c.scene, c.motion, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
-  tell(table.turned(), report, run);
+  say(table.turned(), run);
+  report.answer({l.end == End::kFailed ? "The landing could not be followed to its end."
+                                       : landing_sentence(l.peak, held ? held->peak : std::nan("")),
+                 {{!c.sensitivity.checked ? Check::State::kUnknown
+                   : c.wrong()            ? Check::State::kBad
+                                          : Check::State::kGood,
+                   "converged", c.sensitivity.checked ? "" : "not checked"}},
+                 "`ukemi optimize` searches for a softer landing."},
+                run.warnings());
   if (!c.scene.loads.empty()) summary["loads"] = tell_loads(c.scene, l, "", &report, run);
-  report.distrust(run.warnings());
   std::vector<BodyFall> falls = {{motion_words(robot, c.motion), &l}};
   if (held) falls.push_back({"held", &*held});
   show(c.scene, falls, "trajectory.csv, contacts.csv", report);
+  report.distrust(run.warnings());
+  report.folded("All numbers", table.turned());
   report.heading("Contacts");
   report.table(contacts);
   robot_tables(c.scene, report);

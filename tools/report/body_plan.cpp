@@ -93,6 +93,29 @@ Json tell_exceeded(const BodyScene& scene, const BodyUnderScatter& u, const std:
   return out;
 }
 
+FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p) {
+  FirstScreen out{.sentence =
+                      rated(scene)
+                          ? fmt::format("The largest load is {:.2g} of its rating, where holding still has {:.2g}.",
+                                        p.value, p.held_value)
+                          : landing_sentence(p.landing.peak, p.held.peak)};
+  if (scene.limited())
+    out.checks.push_back(
+        check(!p.landing.broken, "keeps its limits", p.held_keeps_limits ? "" : "holding breaks them"));
+  const bool inside = std::all_of(p.edges.begin(), p.edges.end(), [](auto e) { return e == 0; });
+  out.checks.push_back({inside ? Check::State::kGood : Check::State::kCaution, "inside the search range",
+                        inside ? "" : "on an edge: beyond it may be better"});
+  if (p.under) {
+    const BodyUnderScatter& u = *p.under;
+    out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
+    out.checks.push_back(under_scatter_check(u.planned.cvar90.value, u.held.cvar90.value));
+  } else {
+    out.checks.push_back({Check::State::kUnknown, "holds under scatter", "not played"});
+  }
+  out.next = "`ukemi risk` with --motion motion.toml plays it over many drops.";
+  return out;
+}
+
 /// The plan and the held posture over fresh drops, and whether what was promised is kept there.
 void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
                   Report& report, Run& run) {
@@ -176,7 +199,8 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
       run.warn("plotjuggler.csv is not written: the deadline leaves no time for the landing's rows");
     run.add("progress.csv", progress_csv(run, plan));
     Report report("Best landing: " + scene.name);
-    report.table(table.turned());
+    const bool drawn = !options.deadline || *options.deadline >= kShort;
+    if (drawn) show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
     if (!scene.loads.empty()) {
       summary["loads"] = tell_loads(scene, plan.landing, "", &report, run);
       summary["hold"]["loads"] = tell_loads(scene, plan.held, "", nullptr, run);
@@ -188,9 +212,9 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
         summary["scatter"]["loads"] = tell_exceeded(scene, *plan.under, options.share, run);
     }
     report.distrust(run.warnings());
-    const bool drawn = !options.deadline || *options.deadline >= kShort;
+    report.answer(first_screen(scene, plan), run.warnings());
+    report.folded("All numbers", table.turned());
     if (drawn) {
-      show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
       report.heading("The search");
       report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, goal_unit), {descent(plan)},
                   Axes::kLogarithmic);

@@ -186,6 +186,12 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   }
   for (const auto& [name, text] : files) run.add(name, text);
   run.add("fit.csv", samples_csv(run, fitted));
+  FirstScreen first = first_screen(c, fmt::format("{} drops", c.drops.size()));
+  first.checks.push_back(check(!c.tests.model_rejected(), "the floor explains the drops", ""));
+  first.checks.push_back(
+      {Check::State::kUnknown, "held-out drop", validation ? "played: see Validation" : "none: --validate names one"});
+  first.next = "`ukemi optimize` with scene.toml plans on this floor.";
+  report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
 }

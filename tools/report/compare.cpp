@@ -146,6 +146,14 @@ void tell_motions(const ToldComparison& c, Json& summary, Report& report, Run& r
   (void)tell(peaks, report, run);
   const std::string lesson = lesson_of(c);
   run.say(lesson), report.paragraph(lesson);
+  const double own = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
+  report.answer({lesson,
+                 {check(nominal <= 1.05 * promised, "the nominal plan keeps its promise",
+                        fmt::format("promised {:.4g} m/s², hits with {:.4g}", promised, nominal)),
+                  check(nominal <= 1.05 * own, "the nominal constants are good enough",
+                        fmt::format("{:.2f} times the peak of the own plan", nominal / own))},
+                 "`ukemi optimize` with the identified actuator plans the landing."},
+                run.warnings());
 }
 
 int report(const Comparison& c, Json summary, Run& run) {

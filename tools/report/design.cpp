@@ -141,7 +141,6 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   if (!agrees) run.warn("the simulated experiments scatter otherwise than predicted: see the check");
   const Table bars(error_bar_quantities(k, d), places(k)), hits(hit_quantities(d, o), d.hits);
   Report report("The next hits");
-  report.paragraph(found ? "Done." : d.message);
   report.distrust(run.warnings());
   report.heading("Error bars, 95 %, relative");
   (void)tell(bars, report, run);
@@ -175,6 +174,16 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
     summary["runners_up"] = others.objects();
     if (answer.check) summary["check"] = check_of(report, k, *answer.check, run);
   }
+  FirstScreen first{.sentence = d.message};
+  if (found)
+    first.sentence = fmt::format("{} proposed: the criterion ({}) goes from {:.3g} to {:.3g}.",
+                                 d.hits.size() == 1 ? "One hit is" : fmt::format("{} hits are", d.hits.size()),
+                                 name(o.criterion), d.size_before, d.size_after);
+  first.checks = {check(found, "found", found ? "" : d.message),
+                  answer.check ? check(agrees, "the predicted bars come true", "by simulated experiments")
+                               : Check{Check::State::kUnknown, "the predicted bars come true", "not simulated"}};
+  if (found) first.next = "Play hits.csv on the robot, then `ukemi identify` with the new logs.";
+  report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, found && agrees ? kDone : kNumbers);
 }

@@ -8,12 +8,26 @@ namespace ukemi::tools {
 
 using identify::Estimate;
 
+namespace {
+/// "740 ± 200": the error to two digits, the value to the error's last one.
+std::string with_error(double value, double error) {
+  if (!(error > 0) || !std::isfinite(error)) return fmt::format("{:.6g} ± {:.2g}", value, error);
+  const int digits = 1 - int(std::floor(std::log10(error)));  // after the point; below zero: tens, hundreds ...
+  const double step = std::pow(10.0, -digits);
+  const auto text = [&](double x) {
+    return std::abs(digits) > 6 ? fmt::format("{:.6g}", std::round(x / step) * step)
+                                : fmt::format("{:.{}f}", std::round(x / step) * step, std::max(0, digits));
+  };
+  return text(value) + " ± " + text(error);
+}
+}  // namespace
+
 std::string value_words(const Estimate& e) {
   const std::string note = !e.free ? " (fixed)" : e.at_bound ? " (at bound)" : " (not determined)";
   const bool error = e.std && e.free && !e.at_bound;
-  std::string text = fmt::format("{:.6g}{} {}", e.value, error ? fmt::format(" ± {:.2g}", *e.std) : note, e.unit);
+  std::string text = (error ? with_error(e.value, *e.std) : fmt::format("{:.6g}", e.value) + note) + " " + e.unit;
   if (e.unit == "rad" && std::isfinite(e.value))
-    text += e.std ? fmt::format(" ({:.5g} ± {:.2g} deg)", e.value * kDegrees, *e.std * kDegrees)
+    text += e.std ? " (" + with_error(e.value * kDegrees, *e.std * kDegrees) + " deg)"
                   : fmt::format(" ({:.5g} deg)", e.value * kDegrees);
   return text;
 }
@@ -82,6 +96,15 @@ void add_correlations(Report& report, const std::vector<std::string>& names, con
 
 }  // namespace
 
+FirstScreen first_screen(const identify::Estimates& fit, const std::string& from) {
+  long trusted = 0;
+  for (const Estimate& e : fit.parameters) trusted += e.verdict == identify::Identifiability::kTrusted;
+  return {fmt::format("{} of {} constants are trusted, from {}.", trusted, fit.parameters.size(), from),
+          {check(fit.converged, "converged", fit.converged ? "" : fit.message),
+           check(fit.trusted(), "trusted", fmt::format("{} of {} constants", trusted, fit.parameters.size()))},
+          ""};
+}
+
 void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantities, Report& report, Json& summary,
            Run& run) {
   std::vector<Estimate> all = fit.parameters;
@@ -95,7 +118,6 @@ void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantitie
   summary["fitted"] = fit.fitted;
   summary["correlation"] = matrix_json(fit.correlation);
   summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
-  report.paragraph(fit.converged ? "Done." : "Not converged: " + fit.message);
   report.distrust(run.warnings());
   report.heading("Constants");
   (void)tell(Table(quantities, all), report, run);

@@ -19,6 +19,8 @@ Quantities<identify::Estimate> constant_quantities();
 std::string value_words(const identify::Estimate& estimate);
 /// "nuisance" of summary.json: a list for a term that each trial has.
 Json nuisance_json(const std::vector<identify::Estimate>& nuisance);
+/// How many constants are trusted, `from` "8 trials", and the checks that every fit has.
+FirstScreen first_screen(const identify::Estimates& fit, const std::string& from);
 /// Begins the report, the summary and the lines on the terminal.
 void begin(const identify::Estimates& fit, const Quantities<identify::Estimate>& quantities, Report& report,
            Json& summary, Run& run);

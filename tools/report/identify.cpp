@@ -280,6 +280,16 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
     run.add("actuator.toml", to_toml(actuator, fit.half_width));
   }
   run.add("fit.csv", fit_csv(run, q.trials, fit));
+  FirstScreen first = first_screen(fit, fmt::format("{} trials", q.trials.size()));
+  first.sentence += fmt::format(" The angles are met within {:.2g} rad (rms).", fit.rms);
+  if (found.trust)
+    first.checks.push_back(check(!found.trust->tests.model_rejected(), "the model explains the trials", ""));
+  const std::string unrated = fitted_actuator(q, fit).unknown_ratings();
+  first.checks.push_back(
+      {unrated.empty() ? Check::State::kGood : Check::State::kUnknown, "the motor's ratings", unrated});
+  first.checks.push_back({Check::State::kUnknown, "held-out trial", "not played here"});
+  first.next = "`ukemi predict` with actuator.toml and a trial that was held out tests these constants.";
+  report.answer(first, run.warnings());
   report.write(run);
   const bool doubted = doubt == Doubt::kFail && !fit.trusted();
   return run.finish(summary, fit.converged && !doubted ? kDone : kNumbers);

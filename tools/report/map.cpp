@@ -121,6 +121,12 @@ int report(const MappedPeaks& s, const ToldMap& told, Run& run, const Json& more
   report.heading("Basins");
   report.paragraph(told.basins_words);
   report.table(told.basins);
+  report.answer({fmt::format("The best of {} landings: {}. {} basins.", points, told.best, told.lines.size()),
+                 {check(s.missing == 0, "every landing was played",
+                        fmt::format("{} of {}", points - std::size_t(s.missing), points)),
+                  check(s.lost == 0, "the drive keeps the joint", fmt::format("lost in {} landings", s.lost))},
+                 "`ukemi optimize` searches between the points of the grid."},
+                run.warnings());
   report.distrust(run.warnings());
   report.write(run);
   return run.finish(summary, kDone);

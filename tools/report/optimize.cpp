@@ -250,8 +250,7 @@ void show_slices(const Answer& a, Report& report) {
 
 Report page_of(const Answer& a, const Run& run) {
   Report report("Best landing: " + a.scene.name);
-  report.table(Table::of(answer_quantities(a), a).turned());
-  report.distrust(run.warnings());
+  report.answer(first_screen(a), run.warnings());
   std::optional<double> limit;
   if (a.limit && !a.best.motion.reposition) limit = a.limit->jump;
   show({a.scene,
@@ -262,6 +261,8 @@ Report page_of(const Answer& a, const Run& run) {
         "",
         figures_of(a)},
        report);
+  report.distrust(run.warnings());
+  report.folded("All numbers", Table::of(answer_quantities(a), a).turned());
   if (figures_of(a) == Falls::Figures::kDraw) show_scatter(a, report);
   const bool page = run.options().report == CommonOptions::Report::kWrite;
   if (page && figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) show_slices(a, report);

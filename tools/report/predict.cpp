@@ -74,6 +74,21 @@ int report(const IdentifyQuestion& q, const identify::Prediction& prediction, Do
   for (const std::string& w : fit.warnings) run.warn(w);
   if (!fit.converged) run.warn(fit.message);
   Report report("Prediction");
+  std::string sentence = verdict_text(judgement) + ".";
+  sentence.front() = 'T';
+  const Verdict verdict = judgement.verdict();
+  report.answer({sentence,
+                 {check(fit.converged, "converged", fit.converged ? "" : fit.message),
+                  {verdict == Verdict::kHolds         ? Check::State::kGood
+                   : verdict == Verdict::kHoldsWithin ? Check::State::kCaution
+                   : verdict == Verdict::kDoesNotHold ? Check::State::kBad
+                                                      : Check::State::kUnknown,
+                   "held-out trials are met", words(judgement.factor)},
+                  {judgement.by_noise_alone ? Check::State::kUnknown : Check::State::kGood,
+                   "the constants' errors are known", ""}},
+                 verdict == Verdict::kHolds ? "`ukemi optimize` plans a landing with this actuator."
+                                            : "`ukemi identify --diagnose` looks for what the model lacks."},
+                run.warnings());
   begin(fit, estimate_quantities(), report, summary, run);
   run.say(assumptions(q));
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, q.trials.size()));

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -64,6 +65,17 @@ int report(const Scene& scene, const std::vector<RatedPlan>& plans, Run& run) {
   std::vector<Series> series = curves(plans, "peak", &RatedPlan::lowest);
   for (Series& s : curves(plans, "tolerant peak", &RatedPlan::tolerant)) series.push_back(std::move(s));
   page.plot("ratings", "motor speed [rad/s]", "peak of |ddr_0| [m/s^2]", series);
+  FirstScreen first{.sentence = "No motor of these keeps its ratings."};
+  const auto lowest = std::min_element(plans.begin(), plans.end(), [](const RatedPlan& a, const RatedPlan& b) {
+    return a.tolerant.found && (!b.tolerant.found || a.tolerant.value < b.tolerant.value);
+  });
+  if (lowest != plans.end() && lowest->tolerant.found)
+    first.sentence = fmt::format("The softest of {} motors lands with at most {:.4g} m/s²: {:.4g} rad/s.", plans.size(),
+                                 lowest->tolerant.value, lowest->speed);
+  first.checks = {check(missing == 0, "every motor has a motion",
+                        fmt::format("{} of {}", long(plans.size()) - missing, plans.size()))};
+  first.next = "`ukemi optimize` with the chosen ratings in the actuator's file plans the landing.";
+  page.answer(first, run.warnings());
   page.distrust(run.warnings());
   page.write(run);
   return run.finish(summary, missing == long(plans.size()) ? kNumbers : kDone);

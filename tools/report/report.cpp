@@ -59,8 +59,14 @@ std::string& Report::body() {
   in_figures_ = false;
   return html_;
 }
+void Report::answer(const FirstScreen& screen, const std::vector<std::string>& warnings) {
+  answer_ = html(screen, warnings.size());
+}
 void Report::heading(const std::string& text) { body() += "<h2>" + escaped(text) + "</h2>\n"; }
 void Report::paragraph(const std::string& text) { body() += "<p>" + escaped(text) + "</p>\n"; }
+void Report::link(const std::string& file, const std::string& name, const std::string& text) {
+  body() += "<p><a href=\"" + escaped(file) + "\">" + escaped(name) + "</a> " + escaped(text) + "</p>\n";
+}
 void Report::list(const std::vector<std::string>& items) {
   if (items.empty()) return;
   body() += "<ul>";
@@ -85,6 +91,11 @@ void Report::table(const std::vector<std::string>& header, const std::vector<std
   }
   html_ += "</table></div>\n";
   if (shown < rows.size()) paragraph(fmt::format("{} more rows: summary.json.", rows.size() - shown));
+}
+void Report::folded(const std::string& title, const Table& t) {
+  body() += "<details><summary>" + escaped(title) + "</summary>\n";
+  table(t);
+  html_ += "</details>\n";
 }
 void Report::matrix(const std::vector<std::string>& names, const std::vector<std::vector<double>>& rows) {
   body() += "<div class=\"table\"><table class=\"colours\"><thead><tr><th></th>";
@@ -149,7 +160,7 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
   if (provenance.size() > kMostRows)
     list += fmt::format("<li>{} more: summary.json</li>", provenance.size() - kMostRows);
   std::map<std::string, std::string> out;
-  std::string text = html_ + (in_figures_ ? kEnd : "");
+  std::string text = answer_ + html_ + (in_figures_ ? kEnd : "");
   for (std::size_t i = 0; i < figures_.size(); ++i) {
     const std::string mark = placeholder(i);
     text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[i]));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/report/first_screen.hpp"
 #include "tools/report/page/figure.hpp"
 #include "tools/report/table.hpp"
 
@@ -26,11 +27,18 @@ struct Heatmap {
 class Report {
  public:
   explicit Report(const std::string& title);
+  /// The first screen, wherever it is called: it stands above all else; `warnings` are those that `distrust` shows
+  /// further down.
+  void answer(const FirstScreen& screen, const std::vector<std::string>& warnings);
   void heading(const std::string& text);
   void paragraph(const std::string& text);
+  /// A line that begins with a link to a file beside the page.
+  void link(const std::string& file, const std::string& name, const std::string& text);
   void list(const std::vector<std::string>& items);
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
   void table(const Table& table) { this->table(table.headings(), table.shown()); }
+  /// A table that is folded under a title until the reader opens it.
+  void folded(const std::string& title, const Table& table);
   /// Numbers from -1 to 1 as colours, written in them; NaN is left empty.
   void matrix(const std::vector<std::string>& names, const std::vector<std::vector<double>>& rows);
   /// What a reader should know before the numbers are believed, a sentence each, under a heading of its own.
@@ -56,7 +64,7 @@ class Report {
  private:
   std::string& body();  ///< to add something that is no figure
 
-  std::string title_, html_;
+  std::string title_, answer_, html_;
   std::vector<Figure> figures_;
   bool in_figures_ = false;
 };

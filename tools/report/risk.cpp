@@ -197,6 +197,18 @@ void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
                          t.held, r.peaks.cvar90.value, r.held.cvar90.value));
 }
 
+FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
+  FirstScreen out{.sentence = held_comparison(r) + fmt::format(" The median drop: {:.4g}.", r.peaks.median.value)};
+  out.checks = {under_scatter_check(r.peaks.cvar90.value, r.held.cvar90.value),
+                check(r.failed == 0, "every drop was followed",
+                      fmt::format("{} of {}", r.peaks.samples, r.peaks.samples + r.failed)),
+                check(r.lost == 0, "the drive keeps the joint", fmt::format("lost in {} drops", r.lost)),
+                {t.assumed ? Check::State::kCaution : Check::State::kGood, "the scatter is given",
+                 t.assumed ? "it is assumed: --scatter says it" : ""}};
+  out.next = "`ukemi optimize --robust cvar` plans for the worst tenth.";
+  return out;
+}
+
 }  // namespace
 
 std::string drops_words(const Scatter& scatter, bool assumed, const std::string& whose, bool uncertain, double inflate,
@@ -259,6 +271,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
          "with others; low, high: 95 % intervals.");
   for (const Table* x : {&contacts, &touched, &passed})
     if (!x->shown().empty()) tell(*x, page, run);
+  page.answer(first_screen(r, t), run.warnings());
   page.distrust(run.warnings());
   run.add("histogram.csv", Table(bin_quantities(), r.histogram).csv(run, "Drops by their peak [m/s^2]."));
   if (const std::string rows = worst(); !rows.empty()) run.add("risk.csv", rows);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "landing/judge/checked.hpp"
 #include "landing/judge/under_scatter.hpp"
@@ -45,6 +46,25 @@ std::string motion_name(const Motion& m) {
   return fmt::format("from {:.4g} to {:.4g} deg in {:.4g} s", m.phi_i * kDegrees, m.phi_f * kDegrees, m.duration);
 }
 
+/// Whether the peak is that of the motion and not of the integrator.
+Check exact(const CheckedLanding& c) {
+  if (!c.sensitivity.checked) return {Check::State::kUnknown, "converged", "not checked"};
+  const Check::State state = c.wrong()                 ? Check::State::kBad
+                             : c.sensitivity.sensitive ? Check::State::kCaution
+                                                       : Check::State::kGood;
+  return {state, "converged",
+          fmt::format("relative error of the peak {:.1g}{}", c.sensitivity.error_estimate,
+                      c.sensitivity.sensitive ? "; a slightly different drop lands otherwise" : "")};
+}
+
+FirstScreen first_screen(const CheckedLanding& c, const std::optional<Landing>& held) {
+  const bool followed = c.landing.end != End::kFailed;
+  return {followed ? landing_sentence(c.landing.peak, held ? held->peak : std::nan(""))
+                   : "The landing could not be followed to its end.",
+          {exact(c), within_ratings(c.ratings), check(!c.landing.joint_lost, "the drive keeps the joint", "")},
+          "`ukemi optimize` searches for a softer landing."};
+}
+
 void warn(const CheckedLanding& c, Run& run) {
   const Landing& l = c.landing;
   warn_of(c.instability, c.ratings.tau_max, run);
@@ -78,11 +98,13 @@ int report(const CheckedLanding& c, const Actuator& actuator, const std::optiona
   const double start = l.contacts.first() + c.scene.detection_delay;
   for (auto& [name, content] : exported(exports, c.motion, start, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
-  tell(table.turned(), report, run);
-  report.distrust(run.warnings());
+  say(table.turned(), run);
+  report.answer(first_screen(c, held), run.warnings());
   std::vector<Fall> falls = {{motion_name(c.motion), &l}};
   if (held) falls.push_back({motion_name(kHeld), &*held});
   show({c.scene, actuator, falls, {}, "trajectory.csv, contacts.csv"}, report);
+  report.distrust(run.warnings());
+  report.folded("All numbers", table.turned());
   report.heading("Contacts");
   report.table(contacts);
   constants_table(report, c.scene, actuator);

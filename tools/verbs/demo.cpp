@@ -80,12 +80,36 @@ struct DemoArguments {
 void name_reports(const DemoArguments& a, const std::string& folder, const CommonOptions& common, Run& run) {
   if (common.report == CommonOptions::Report::kSkip) return;
   run.say(""), run.say("Reports to open:");
-  for (const char* part : {"identify", "optimize", "compare"}) {
-    const std::string file = folder + "/" + part + "/report.html";
+  for (const char* part : {"", "/identify", "/optimize", "/compare"}) {
+    const std::string file = folder + part + "/report.html";
     run.say("  " + file);
     if (a.reports == DemoArguments::Reports::kOpen && !open_for_reader(file))
       run.warn("--open: " + file + " cannot be opened: no xdg-open is installed");
   }
+}
+
+/// One page that tells the chain as a story, with a link to each part's report.
+void tell_story(const Comparison& c, const Table& best, const Table& published, Run& run) {
+  const Optimum& own = c.motions[1].best;
+  Report page("From trials to a soft landing");
+  const bool nearer = own.found && c.motions[1].landings[1] && c.motions[0].landings[1];
+  FirstScreen first{.sentence = "Eight impact trials give the actuator's constants, and these a landing."};
+  if (nearer)
+    first.sentence += fmt::format(" It hits with {:.4g} m/s²; planned with the data sheet's constants, {:.4g}.",
+                                  c.motions[1].landings[1]->peak, c.motions[0].landings[1]->peak);
+  first.checks = {check(own.found, "a landing was found", ""), check(c.complete, "the comparison is complete", "")};
+  first.next = "Open the three reports below in their order.";
+  page.answer(first, run.warnings());
+  page.heading("The chain");
+  page.link("identify/report.html", "1. Identify", "what the actuator is: its constants from eight impact trials.");
+  page.link("optimize/report.html", "2. Optimize", "how to land with it: a motion for drops that scatter.");
+  page.link("compare/report.html", "3. Compare", "what it was good for: the same with the data sheet's constants.");
+  page.heading("How the best motion moves with the constants");
+  page.table(best);
+  page.heading("Beside the paper");
+  page.table(published);
+  page.distrust(run.warnings());
+  page.write(run);
 }
 
 int run_demo(const DemoArguments& a, const CommonOptions& common) {
@@ -142,6 +166,7 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
   say(best, run);
   run.say(""), run.say("== beside the paper");
   say(published, run);
+  tell_story(comparison, best, published, run);
   name_reports(a, folder, common, run);
   return run.finish({{"identified", best.object(0)},
                      {"table2", best.object(1)},

@@ -1,0 +1,115 @@
+#include "tools/report/first_screen.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/degrees.hpp"
+#include "landing/judge/answer.hpp"
+#include "tools/report/landing.hpp"
+#include "tools/report/page/page.hpp"
+
+namespace ukemi::tools {
+
+using State = Check::State;
+
+namespace {
+
+/// A state's class in style.css, its symbol and its word.
+struct Sign {
+  const char *css, *symbol, *word;
+};
+Sign sign_of(State s) {
+  switch (s) {
+    case State::kGood:
+      return {"good", "✓", "yes"};
+    case State::kCaution:
+      return {"caution", "!", "caution"};
+    case State::kBad:
+      return {"bad", "✗", "no"};
+    case State::kUnknown:
+      break;
+  }
+  return {"unknown", "?", "not known"};
+}
+
+std::string item(const Check& c) {
+  const Sign s = sign_of(c.state);
+  return fmt::format("<li class=\"{}\"><b><span class=\"sign\">{}</span> {}: {}</b>{}</li>", s.css, s.symbol,
+                     escaped(c.what), s.word, c.words.empty() ? "" : " — " + escaped(c.words));
+}
+
+/// What inexact playing costs, as `warn` judges it.
+Check inexactly(const landing::Answer& a) {
+  constexpr const char* kWhat = "holds when played inexactly";
+  const double worst = a.best.tolerant.value;
+  if (!a.tolerant_known) return {State::kUnknown, kWhat, "not played"};
+  const State state = worst <= 1.05 * a.peak() ? State::kGood : worst < a.held_peak() ? State::kCaution : State::kBad;
+  return {state, kWhat,
+          fmt::format("up to {} m/s² within {:g} deg, {:g} ms", short_peak_words(worst),
+                      a.scene.execution.phi * kDegrees, a.scene.execution.duration * 1e3)};
+}
+
+}  // namespace
+
+Check check(bool right, const std::string& what, const std::string& words) {
+  return {right ? State::kGood : State::kBad, what, words};
+}
+
+Check within_ratings(const std::optional<landing::Ratings>& ratings) {
+  constexpr const char* kWhat = "within ratings";
+  if (!ratings) return {State::kUnknown, kWhat, "the landing was not played"};
+  const landing::Ratings& r = *ratings;
+  const double speed = std::max(r.reference_rate, r.demands.motor_speed);
+  const auto of = [](const std::optional<double>& rated, const char* unit) {
+    return rated ? fmt::format(" of {:.3g} {}", *rated, unit) : fmt::format(" {}, rating unknown", unit);
+  };
+  const std::string words = fmt::format("speed {:.3g}{}; torque {:.3g}{}", speed, of(r.speed_max, "rad/s"),
+                                        r.demands.motor_torque, of(r.motor_torque_max, "Nm"));
+  const State state = r.too_fast() || r.too_strong()      ? State::kBad
+                      : r.speed_max && r.motor_torque_max ? State::kGood
+                                                          : State::kUnknown;
+  return {state, kWhat, words};
+}
+
+Check under_scatter_check(double planned, double held) {
+  constexpr const char* kWhat = "holds under scatter";
+  if (!std::isfinite(held)) return {State::kUnknown, kWhat, "holding still could not be followed"};
+  return check(planned <= held, kWhat,
+               fmt::format("worst tenth of drops {:.4g} m/s², holding still {:.4g}", planned, held));
+}
+
+std::string landing_sentence(double peak, double held) {
+  if (!std::isfinite(held)) return fmt::format("Lands with {:.4g} m/s².", peak);
+  const double less = 100 * (1 - peak / held);
+  return fmt::format("Lands with {:.4g} m/s² where holding still takes {:.4g}: {:.0f} % {}.", peak, held,
+                     std::abs(less), less < 0 ? "harder" : "softer");
+}
+
+FirstScreen first_screen(const landing::Answer& a) {
+  FirstScreen out{.sentence = landing_sentence(a.peak(), a.held_peak())};
+  out.checks = {check(a.best.verified, "verified", "judged at a tight accuracy after the search"),
+                within_ratings(a.ratings), inexactly(a)};
+  if (a.under_scatter) {
+    const landing::UnderScatter& u = *a.under_scatter;
+    out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
+    out.checks.push_back(under_scatter_check(u.planned.cvar90.value, u.held.cvar90.value));
+  } else {
+    out.checks.push_back({State::kUnknown, "holds under scatter", "not played"});
+  }
+  out.next = "`ukemi risk` with --motion motion.toml plays it over many drops.";
+  return out;
+}
+
+std::string html(const FirstScreen& f, std::size_t warnings) {
+  std::string out = "<section class=\"answer\"><p class=\"sentence\">" + escaped(f.sentence) + "</p>\n<ul>";
+  for (const Check& c : f.checks) out += item(c);
+  out += item({warnings == 0 ? State::kGood : State::kCaution, "no warnings",
+               warnings == 0 ? "" : fmt::format("{} under “What to distrust”", warnings)});
+  out += "</ul>\n";
+  if (!f.next.empty()) out += "<p class=\"next\"><b>Next:</b> " + escaped(f.next) + "</p>\n";
+  return out + "</section>\n";
+}
+
+}  // namespace ukemi::tools

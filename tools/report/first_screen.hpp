@@ -1,0 +1,44 @@
+// What stands first on a report: the answer as one sentence with its number, a checklist, and what to do next.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ukemi::landing {
+struct Answer;
+struct Ratings;
+}  // namespace ukemi::landing
+
+namespace ukemi::tools {
+
+/// One line of the checklist. Each state has a symbol and a word beside its colour, so that it can be read in grey.
+struct Check {
+  enum class State { kGood, kCaution, kBad, kUnknown };
+  State state;
+  std::string what;   ///< "within ratings"
+  std::string words;  ///< what was found, with its number
+};
+
+struct FirstScreen {
+  std::string sentence;
+  std::vector<Check> checks;
+  std::string next;  ///< what to do next; empty: nothing
+};
+
+/// Good or bad.
+Check check(bool right, const std::string& what, const std::string& words);
+/// The motor's speed and torque against their ratings; one that is not known is said to be so.
+Check within_ratings(const std::optional<landing::Ratings>& ratings);
+/// The worst tenth of drops against that of holding still [m/s^2].
+Check under_scatter_check(double planned, double held);
+/// "Lands with 195 m/s² where holding still takes 466: 58 % softer."; `held` is NaN where it is not known.
+std::string landing_sentence(double peak, double held);
+
+/// Of a plan of the two-link robot.
+FirstScreen first_screen(const landing::Answer& answer);
+
+/// As HTML; `warnings` is how many sentences stand under "What to distrust".
+std::string html(const FirstScreen& screen, std::size_t warnings);
+
+}  // namespace ukemi::tools
