@@ -65,7 +65,7 @@ TEST_CASE("report: without gnuplot it says so in one line, and the rest stands")
   CHECK(r.code == 0);
   const std::string page = read(f.at("out/report.html"));
   CHECK_THAT(page, Contains("figures are left out: gnuplot is not installed") && Contains("id=\"landings\"") &&
-                       Contains("What to distrust"));
+                       Contains("All numbers"));
   CHECK(page.find("<svg") == std::string::npos);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 #include "common/degrees.hpp"
 #include "landing/judge/answer.hpp"
@@ -108,7 +109,9 @@ std::string html(const FirstScreen& f, std::size_t warnings) {
   out += item({warnings == 0 ? State::kGood : State::kCaution, "no warnings",
                warnings == 0 ? "" : fmt::format("{} under “What to distrust”", warnings)});
   out += "</ul>\n";
-  if (!f.next.empty()) out += "<p class=\"next\"><b>Next:</b> " + escaped(f.next) + "</p>\n";
+  if (!f.next.empty())
+    out += "<p class=\"next\"><b>Next:</b> " +
+           std::regex_replace(escaped(f.next), std::regex("`([^`]*)`"), "<code>$1</code>") + "</p>\n";
   return out + "</section>\n";
 }
 
