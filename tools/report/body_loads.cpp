@@ -17,7 +17,7 @@ struct LoadRow {
   bool binds;
 };
 
-const Quantities<LoadRow> kQuantities = {
+const Quantities<LoadRow> kLoadQuantities = {
     {"", "load", "load", "{}", [](auto& r) { return r.load.name; }},
     {"", "kind", "kind", "{}", [](auto& r) { return name(r.load.kind); }},
     {"", "of", "of", "{}", [](auto& r) { return place_of(r.load, *r.robot); }},
@@ -49,7 +49,7 @@ Json tell_loads(const BodyScene& scene, const BodyLanding& landing, const std::s
       run.warn(fmt::format("the load {} is beyond its limit: {:.4g} {}, rated {:.4g}", scene.loads[i].name,
                            peaks[i].value, unit(scene.loads[i].kind), scene.loads[i].rating));
   }
-  const Table table(kQuantities, rows);
+  const Table table(kLoadQuantities, rows);
   if (report) {
     run.say("loads" + whose + ":");
     say(table, run);
