@@ -159,18 +159,27 @@ std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landin
   if (!landing.loads.empty()) return landing.loads;
   return std::vector<LoadPeak>(scene.loads.size(), {landing.peak, landing.t_peak});
 }
-int binding(const BodyScene& scene, const BodyLanding& landing) {
-  const std::vector<LoadPeak> peaks = loads_of(scene, landing);
-  int out = -1;
-  double most = -1;
+
+namespace {
+/// The load that gives the worth, and value / rating of it; -1: none does.
+std::pair<int, double> largest_load(const BodyScene& scene, const std::vector<LoadPeak>& loads) {
+  std::pair<int, double> out{-1, -1};
   for (std::size_t i = 0; i < scene.loads.size(); ++i)
-    if (const Load& l = scene.loads[i]; !l.limit && peaks[i].value / l.rating > most)
-      most = peaks[i].value / l.rating, out = int(i);
+    if (const Load& l = scene.loads[i]; !l.limit && loads[i].value / l.rating > out.second)
+      out = {int(i), loads[i].value / l.rating};
   return out;
 }
+}  // namespace
+
+int binding(const BodyScene& scene, const BodyLanding& landing) {
+  return largest_load(scene, loads_of(scene, landing)).first;
+}
+double worth(const BodyScene& scene, double peak, const std::vector<LoadPeak>& loads) {
+  const auto [load, ratio] = largest_load(scene, loads);
+  return load < 0 ? peak : ratio;
+}
 double worth(const BodyScene& scene, const BodyLanding& landing) {
-  const int i = binding(scene, landing);
-  return i < 0 ? landing.peak : loads_of(scene, landing)[std::size_t(i)].value / scene.loads[std::size_t(i)].rating;
+  return worth(scene, landing.peak, loads_of(scene, landing));
 }
 
 }  // namespace ukemi::landing

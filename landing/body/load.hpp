@@ -30,6 +30,8 @@ bool observed(const BodyScene& scene);
 double own_rating(const BodyScene& scene);
 /// What a plan makes small: the largest value / rating over the loads without `limit`; without any the peak [m/s^2].
 double worth(const BodyScene& scene, const BodyLanding& landing);
+/// The same of a run's peak and of all its loads.
+double worth(const BodyScene& scene, double peak, const std::vector<LoadPeak>& loads);
 /// Whether that is a part of the ratings, and no acceleration.
 bool rated(const BodyScene& scene);
 /// The load that gives the worth; -1: without any.

@@ -178,10 +178,10 @@ PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, 
     out.broken += bool(l.broken);
     if (no_landing(l.end) || l.end == End::kStopped) continue;
     const BodyScene& scene = drops[k].scene;
-    out.peaks[k] = worth(scene, l);
-    out.exceeded.resize(scene.loads.size());
-    for (std::size_t i = 0; i < scene.loads.size(); ++i)
-      out.exceeded[i] += loads_of(scene, l)[i].value > scene.loads[i].rating;
+    const std::vector<LoadPeak> loads = loads_of(scene, l);
+    out.peaks[k] = worth(scene, l.peak, loads);
+    out.exceeded.resize(loads.size());
+    for (std::size_t i = 0; i < loads.size(); ++i) out.exceeded[i] += loads[i].value > scene.loads[i].rating;
   }
   return out;
 }

@@ -142,6 +142,12 @@ OVERLAP = """(() => {
 })()"""
 
 
+# The animation and its controls are seen at once.
+STAGE = """(() => {
+  const height = document.getElementById('player').getBoundingClientRect().height, stages = document.querySelectorAll('.stage').length;
+  const rows = innerWidth < 700 ? stages : 1;
+  return height > innerHeight * (rows > 1 ? 1.3 : .85) ? 'the animation is ' + height + ' px high' : '';
+})()"""
 # What is missing of the answer in the first screen: the sentence, the checklist (each line with a sign and a word).
 FIRST_SCREEN = """(() => {
   const sentence = document.querySelector('.answer .sentence'), checks = [...document.querySelectorAll('.answer li')];
@@ -190,6 +196,109 @@ def look_at_animation(browser, report, summary):
         check(f"contact {peak['contact']}: {peak['acceleration']:.1f} m/s²" in said, report, f"peak {peak['n']}: {said}")
 
 
+# The figure's panel in the window, and what a reader sees of it.
+PANEL = """(name => {
+  const figure = document.getElementById('figure-' + name), svg = figure.querySelector('svg'), panel = JSON.parse(figure.dataset.panels)[0];
+  svg.scrollIntoView({block: 'center'});
+  const m = svg.getScreenCTM(), zoomed = svg.querySelector('.zoomed');
+  const ticks = zoomed.style.display === 'none' ? [] : [...zoomed.querySelectorAll('text[text-anchor=middle]')]
+    .map(t => Number(t.textContent)).filter(t => !isNaN(t));
+  return {left: m.a * panel.left + m.e, right: m.a * panel.right + m.e, top: m.d * panel.top + m.f, bottom: m.d * panel.bottom + m.f,
+          x: panel.x, ticks, read: figure.querySelector('.look output').textContent, scroll: scrollY};
+})"""
+
+
+class Reader:
+    """What a reader does to a figure: real events of a mouse and keys, at parts of a panel's width."""
+
+    def __init__(self, browser, figure):
+        self.browser, self.figure = browser, figure
+
+    def sees(self, figure=None):
+        return self.browser.value(f"{PANEL}('{figure or self.figure}')")
+
+    def mouse(self, kind, part, height=.5, **more):
+        p = self.sees()
+        self.browser.ask('Input.dispatchMouseEvent', type=kind, x=p['left'] + part * (p['right'] - p['left']),
+                         y=p['top'] + height * (p['bottom'] - p['top']), **more)
+
+    def click(self, part, count=1):
+        for i in range(count):
+            for kind in ('mousePressed', 'mouseReleased'):
+                self.mouse(kind, part, button='left', clickCount=i + 1)
+
+    def drag(self, begin, end, **more):
+        self.mouse('mousePressed', begin, button='left', clickCount=1, **more)
+        for part in (begin + (end - begin) / 2, end):
+            self.mouse('mouseMoved', part, button='left', buttons=1, **more)
+        self.mouse('mouseReleased', end, button='left', **more)
+
+    def wheel(self, part, delta):
+        self.mouse('mouseWheel', part, deltaX=0, deltaY=delta)
+
+    def key(self, key, **more):
+        text = {'text': key} if len(key) == 1 else {}
+        for kind in ('keyDown', 'keyUp'):
+            self.browser.ask('Input.dispatchKeyEvent', type=kind, key=key, **more, **(text if kind == 'keyDown' else {}))
+        self.browser.value('new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))')
+
+
+def look_at_curves(browser, report, summary):
+    """Wheel, drag and keys zoom all figures over time together; the pointer reads them; a click moves the animation."""
+    r = Reader(browser, 'acceleration')
+    low, high = r.sees()['x']
+    at = lambda part: low + part * (high - low)
+    browser.value('document.activeElement.blur()')
+    r.wheel(.5, -120)
+    check(not r.sees()['ticks'], report, 'the wheel zooms a figure that nobody chose')
+    r.click(.25)
+    shown = float(browser.value("document.querySelector('#player output').textContent").split()[0])
+    check(abs(shown - at(.25)) < .005 * (high - low), report, f'a click at {at(.25):.4f} s shows {shown} s')
+    before = r.sees()['scroll']
+    for _ in range(6):
+        r.wheel(.25, -120)
+    time.sleep(.3)
+    ticks = r.sees()['ticks']
+    check(len(ticks) > 1 and ticks[0] < at(.25) < ticks[-1] and ticks[-1] - ticks[0] < .35 * (high - low), report, f'the wheel shows {ticks}')
+    check(r.sees()['scroll'] == before, report, 'the wheel scrolls the page under a figure that is chosen')
+    check(r.sees('joint')['ticks'] != [], report, 'the figures are not zoomed together')
+    wide = r.sees()['ticks']
+    r.key('+')
+    narrow = r.sees()['ticks']
+    check(narrow[-1] - narrow[0] < .8 * (wide[-1] - wide[0]), report, f'+ zooms from {wide} to {narrow}')
+    r.key('ArrowRight', modifiers=8)
+    check(r.sees()['ticks'][-1] > narrow[-1], report, 'Shift and an arrow do not pan')
+    r.key('0')
+    check(not r.sees()['ticks'] and not r.sees('joint')['ticks'], report, '0 does not show the whole')
+    r.drag(.2, .4)
+    ticks = r.sees()['ticks']
+    check(len(ticks) > 1 and at(.2) - 1e-3 <= ticks[0] and ticks[-1] <= at(.4) + 1e-3 and
+          ticks[-1] - ticks[0] > .5 * (at(.4) - at(.2)), report, f'a drag from {at(.2)} to {at(.4)} s shows {ticks}')
+    r.drag(.7, .3, modifiers=8)
+    check(r.sees()['ticks'][-1] > ticks[-1], report, 'Shift and a drag do not pan')
+    r.click(.5, count=2)
+    check(not r.sees()['ticks'], report, 'a double click does not show the whole')
+    peaks = summary.get('peaks')
+    if isinstance(peaks, list) and peaks:
+        highest = max(peaks, key=lambda p: p['acceleration'])
+        part = (highest['t'] - low) / (high - low)
+        r.drag(part - .02, part + .02)
+        r.mouse('mouseMoved', .5)
+        values = [float(n) for n in r.sees()['read'].replace(';', ' ').split() if n.replace('.', '', 1).isdigit()]
+        check(any(abs(v - highest['acceleration']) < .03 * highest['acceleration'] for v in values[1:]), report,
+              f"at the peak of {highest['acceleration']:.1f} the pointer reads {r.sees()['read']}")
+        cursor = "document.querySelector('#figure-acceleration .cursor').style.display"
+        browser.value(f"slide({highest['t']})")
+        check(browser.value(cursor) == '', report, 'the time of the animation is not in the zoomed figure')
+        browser.value(f'slide({high})')
+        check(browser.value(cursor) == 'none', report, 'a time that is not shown has a cursor')
+        read = r.sees()['read']
+        r.key('ArrowRight')
+        check(r.sees()['read'] != read, report, 'an arrow does not move the reading')
+    browser.value("document.querySelector('#figure-acceleration .look button:last-child').click()")
+    check(not r.sees()['ticks'], report, 'the button "whole" does nothing')
+
+
 def look_at_map(browser, report):
     """The pointer on a heat map reads off the value that the map holds there."""
     said = browser.value("""(() => {
@@ -215,11 +324,13 @@ def look(browser, report, path, summary, pictures):
             where = f'{report}, {width} px, {scheme}'
             check(browser.value(OVERFLOW) == '', where, browser.value(OVERFLOW))
             check(browser.value(OVERLAP) == '', where, browser.value(OVERLAP))
+            check(not animated or browser.value(STAGE) == '', where, animated and browser.value(STAGE))
             check(report == 'robot' or browser.value(FIRST_SCREEN) == '', where, browser.value(FIRST_SCREEN))
             if pictures:
                 browser.picture(f'{pictures}/{report}_{width}_{scheme}.png')
             if width == 1280 and scheme == 'light' and animated:
                 look_at_animation(browser, report, summary)
+                look_at_curves(browser, report, summary)
             if width == 1280 and scheme == 'light' and 'class="map"' in open(path, encoding='utf-8').read():
                 look_at_map(browser, report)
             for fault in errors_and_requests(browser):
@@ -244,6 +355,7 @@ def made(program, data, folder):
     runs = {
         'simulate': ['simulate', *scene, '--hold', '-30'],
         'links': ['simulate', data + '/scenes/foot.toml'],
+        'hopper': ['simulate', data + '/scenes/hopper.toml'],
         'robot': ['robot', data + '/scenes/foot.toml'],
         'optimize': ['optimize', *scene, '--evaluations', '2000'],
         'robust': ['optimize', *scene, '--robust', 'cvar', '--evaluations', '20000'],

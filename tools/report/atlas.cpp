@@ -115,16 +115,16 @@ void picture(Report& page, const Atlas& atlas) {
   const std::string what = goal_of(atlas.header);
   if (moving.size() == 1) {
     page.heading(fmt::format("The {} of each drop", what));
-    page.plot("goal", kAxisWords[moving[0]].label, what + " [m/s²]", {along(atlas, moving[0])});
+    page.plot("goal", kAxisWords[moving[0]].label, what + " [m/s^2]", {along(atlas, moving[0])});
   } else if (moving.size() == 2) {
-    page.heading(fmt::format("The {} of each drop [m/s²]", what));
+    page.heading(fmt::format("The {} of each drop [m/s^2]", what));
     page.heatmap(over(atlas, {}, moving[1], moving[0]));
   } else if (moving.size() == 3) {
     const AtlasAxis& heights = axes[0];
     const std::size_t n = std::min<std::size_t>(kPictures, heights.count);
     for (std::size_t p = 0; p < n; ++p) {
       const std::size_t i = p * (heights.count - 1) / (n - 1);
-      page.heading(fmt::format("Dropped from {:.3g} m: {} [m/s²]", heights.at(i), what));
+      page.heading(fmt::format("Dropped from {:.3g} m: {} [m/s^2]", heights.at(i), what));
       page.heatmap(over(atlas, {i, 0, 0}, 2, 1));
     }
   }
@@ -163,10 +163,10 @@ int report(const AtlasResult& r, Run& run) {
   Report page("Atlas of landings: " + r.scene);
   page.paragraph(said + ". White: no motion, or not planned here.");
   if (safe)
-    page.paragraph(fmt::format("The safest motion over all drops has a worst peak of {:.1f} m/s².", h.safest.worst));
+    page.paragraph(fmt::format("The safest motion over all drops has a worst peak of {:.1f} m/s^2.", h.safest.worst));
   picture(page, atlas);
   page.answer({fmt::format("{} of {} drops have a planned landing{}", atlas.planned(), r.drops.size(),
-                           safe ? fmt::format("; the safest motion over all of them has a worst peak of {:.4g} m/s².",
+                           safe ? fmt::format("; the safest motion over all of them has a worst peak of {:.4g} m/s^2.",
                                               h.safest.worst)
                                 : "."),
                {check(finished, "finished", finished ? "" : "the same command goes on with it"),

@@ -179,10 +179,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   say(table.turned(), run);
   report.answer({l.end == End::kFailed ? "The landing could not be followed to its end."
                                        : landing_sentence(l.peak, held ? held->peak : std::nan("")),
-                 {{!c.sensitivity.checked ? Check::State::kUnknown
-                   : c.wrong()            ? Check::State::kBad
-                                          : Check::State::kGood,
-                   "converged", c.sensitivity.checked ? "" : "not checked"}},
+                 {converged(c.sensitivity, c.wrong())},
                  "`ukemi optimize` searches for a softer landing."},
                 run.warnings());
   if (!c.scene.loads.empty()) summary["loads"] = tell_loads(c.scene, l, "", &report, run);

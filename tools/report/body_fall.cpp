@@ -131,9 +131,9 @@ Panel postures_of(const BodyScene& scene, const BodyFall& f) {
     const double x = step * double(n);
     add_links(out, scene.robot, s, x - s.x[0]);
     out.marks.push_back({x, 1.15 * length, circled(n + 1)});
-    out.marks.push_back(
-        {x, -0.45 * length,
-         fmt::format("{} {:.0f} m/s²", scene.robot.contacts[std::size_t(peaks[n].point)].name, peaks[n].acceleration)});
+    out.marks.push_back({x, -0.45 * length,
+                         fmt::format("{} {:.0f} m/s^2", scene.robot.contacts[std::size_t(peaks[n].point)].name,
+                                     peaks[n].acceleration)});
     out.marks.push_back({x, -0.25 * length, fmt::format("{:.3f} s", peaks[n].t)});
   }
   out.x_range = {-step / 2, step * (double(std::clamp<std::size_t>(peaks.size(), 3, kMost)) - 0.5)};
@@ -155,7 +155,7 @@ Figure acceleration(const std::vector<BodyFall>& falls) {
     series.push_back(curve(
         f.name, *f.landing, [](auto& s) { return s.acc; },
         series.empty() ? Series::Look::kLine : Series::Look::kDashed));
-  Figure out = over_time("acceleration", "|a| [m/s²]", series);
+  Figure out = over_time("acceleration", "|a| [m/s^2]", series);
   for (std::size_t i = 0; i < falls.size(); ++i) add_marks(out.panels[0], falls[i].landing->peaks, int(i));
   out.width = Figure::Width::kWhole, out.panel_height = 320;
   out.caption = "Acceleration of the point that counts, its norm; the numbers are those of the postures.";

@@ -39,7 +39,7 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
        {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(p.landing.peaks, contact_name(robot)); }},
        {"", "evaluations", landings ? "landings" : "motions evaluated", {}, &BodyPlan::evaluations}});
   if (goal != "peak") {
-    const std::string unit = rated(scene) ? "" : " [m/s^2]";
+    const std::string unit = fmt::format(" [{}]", worth_unit(rated(scene)));
     out.push_back({"", "value", goal + unit, peak_words, [](auto& p) { return p.value; }});
     out.push_back({"", "hold/value", "the same, held" + unit, peak_words, [](auto& p) { return p.held_value; }});
   }
@@ -108,7 +108,7 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p) {
   if (p.under) {
     const BodyUnderScatter& u = *p.under;
     out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
-    out.checks.push_back(under_scatter_check(u.planned.cvar90.value, u.held.cvar90.value));
+    out.checks.push_back(under_scatter_check(u.planned.cvar90.value, u.held.cvar90.value, rated(scene)));
   } else {
     out.checks.push_back({Check::State::kUnknown, "holds under scatter", "not played"});
   }
@@ -142,9 +142,7 @@ void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::
   report.heading("Under scatter");
   report.paragraph(fmt::format("Drops: {}. The same {} for both; they are others than those that were searched on.",
                                drops, u.planned.samples));
-  Quantities<NamedDistribution> quantities = named_quantities();
-  if (rated) quantities[0].words = "value / rating";
-  report.table(Table(quantities, {{"planned", u.planned}, {held, u.held}}));
+  report.table(Table(named_quantities(distributed_words("|a|", rated)), {{"planned", u.planned}, {held, u.held}}));
 }
 
 }  // namespace
@@ -166,6 +164,8 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
                   .scatter = risk.scatter,
                   .assumed = risk.assumed,
                   .of_motion = of_motion,
+                  .acceleration = "|a|",
+                  .rated = rated(scene),
                   .point = contact_name(robot),
                   .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; },
                   .load = {}};
@@ -178,7 +178,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
            const Exports& exports, Run& run) {
   constexpr double kShort = 2;  // gnuplot takes some 0.1 s: a short deadline is for the search [s]
   const Robot& robot = scene.robot;
-  const std::string goal = goal_words(scene, options), goal_unit = rated(scene) ? "1" : "m/s²";
+  const std::string goal = goal_words(scene, options);
   if (!plan.message.empty()) run.warn(plan.message);
   if (plan.found && !plan.held_keeps_limits) run.warn("holding breaks the limits: it is no answer");
   warn_of_edges(plan.variables, plan.edges, run);
@@ -216,8 +216,8 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     report.folded("All numbers", table.turned());
     if (drawn) {
       report.heading("The search");
-      report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, goal_unit), {descent(plan)},
-                  Axes::kLogarithmic);
+      report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, worth_unit(rated(scene))),
+                  {descent(plan)}, Axes::kLogarithmic);
     } else {
       report.paragraph(
           "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "

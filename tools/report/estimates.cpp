@@ -8,20 +8,6 @@ namespace ukemi::tools {
 
 using identify::Estimate;
 
-namespace {
-/// "740 ± 200": the error to two digits, the value to the error's last one.
-std::string with_error(double value, double error) {
-  if (!(error > 0) || !std::isfinite(error)) return fmt::format("{:.6g} ± {:.2g}", value, error);
-  const int digits = 1 - int(std::floor(std::log10(error)));  // after the point; below zero: tens, hundreds ...
-  const double step = std::pow(10.0, -digits);
-  const auto text = [&](double x) {
-    return std::abs(digits) > 6 ? fmt::format("{:.6g}", std::round(x / step) * step)
-                                : fmt::format("{:.{}f}", std::round(x / step) * step, std::max(0, digits));
-  };
-  return text(value) + " ± " + text(error);
-}
-}  // namespace
-
 std::string value_words(const Estimate& e) {
   const std::string note = !e.free ? " (fixed)" : e.at_bound ? " (at bound)" : " (not determined)";
   const bool error = e.std && e.free && !e.at_bound;
@@ -100,7 +86,7 @@ FirstScreen first_screen(const identify::Estimates& fit, const std::string& from
   long trusted = 0;
   for (const Estimate& e : fit.parameters) trusted += e.verdict == identify::Identifiability::kTrusted;
   return {fmt::format("{} of {} constants are trusted, from {}.", trusted, fit.parameters.size(), from),
-          {check(fit.converged, "converged", fit.converged ? "" : fit.message),
+          {converged(fit.converged, fit.message),
            check(fit.trusted(), "trusted", fmt::format("{} of {} constants", trusted, fit.parameters.size()))},
           ""};
 }

@@ -93,7 +93,7 @@ Panel postures_of(const Fall& f, double length) {
     out.marks.push_back({x, 2.0 * length, circled(n + 1)});
     out.marks.push_back(
         {x, -0.8 * length,
-         fmt::format("{} {:.0f} m/s²", kPointNames[std::size_t(peaks[n].point)], peaks[n].acceleration)});
+         fmt::format("{} {:.0f} m/s^2", kPointNames[std::size_t(peaks[n].point)], peaks[n].acceleration)});
     out.marks.push_back({x, -0.4 * length, fmt::format("{:.3f} s", peaks[n].t)});
   }
   out.x_range = {-step / 2, step * (double(std::clamp<std::size_t>(peaks.size(), 3, kMost)) - 0.5)};
@@ -106,7 +106,7 @@ Figure acceleration(const Falls& f) {
   std::vector<Series> series;
   for (const Fall& fall : f.falls) series.push_back(curve(fall.name, fall.landing->trajectory, &Sample::acc));
   if (series.size() > 1) series[1].look = Series::Look::kDashed;
-  Figure out = over_time("acceleration", "|ddr_0| [m/s²]", series);
+  Figure out = over_time("acceleration", "|ddr_0| [m/s^2]", series);
   for (std::size_t i = 0; i < f.falls.size(); ++i) add_marks(out.panels[0], f.falls[i].landing->peaks, int(i));
   if (f.limit) out.panels[0].levels.push_back({*f.limit, fmt::format("no motion is below {:.1f}", *f.limit)});
   out.width = Figure::Width::kWhole, out.panel_height = 320;
@@ -116,7 +116,7 @@ Figure acceleration(const Falls& f) {
 
 Figure components(const Fall& f) {
   Figure out =
-      over_time("components", "ddr_0 [m/s²]",
+      over_time("components", "ddr_0 [m/s^2]",
                 {curve("x", f.landing->trajectory, &Sample::ddx0), curve("y", f.landing->trajectory, &Sample::ddy0),
                  curve("norm", f.landing->trajectory, &Sample::acc)});
   out.panels[0].series[2].look = Series::Look::kDashed;

@@ -38,7 +38,7 @@ Sign sign_of(State s) {
 std::string item(const Check& c) {
   const Sign s = sign_of(c.state);
   return fmt::format("<li class=\"{}\"><b><span class=\"sign\">{}</span> {}: {}</b>{}</li>", s.css, s.symbol,
-                     escaped(c.what), s.word, c.words.empty() ? "" : " — " + escaped(c.words));
+                     prose(c.what), s.word, c.words.empty() ? "" : " — " + prose(c.words));
 }
 
 /// What inexact playing costs, as `warn` judges it.
@@ -46,9 +46,9 @@ Check inexactly(const landing::Answer& a) {
   constexpr const char* kWhat = "holds when played inexactly";
   const double worst = a.best.tolerant.value;
   if (!a.tolerant_known) return {State::kUnknown, kWhat, "not played"};
-  const State state = worst <= 1.05 * a.peak() ? State::kGood : worst < a.held_peak() ? State::kCaution : State::kBad;
+  const State state = worst <= kWorse * a.peak() ? State::kGood : worst < a.held_peak() ? State::kCaution : State::kBad;
   return {state, kWhat,
-          fmt::format("up to {} m/s² within {:g} deg, {:g} ms", short_peak_words(worst),
+          fmt::format("up to {} m/s^2 within {:g} deg, {:g} ms", short_peak_words(worst),
                       a.scene.execution.phi * kDegrees, a.scene.execution.duration * 1e3)};
 }
 
@@ -74,17 +74,34 @@ Check within_ratings(const std::optional<landing::Ratings>& ratings) {
   return {state, kWhat, words};
 }
 
-Check under_scatter_check(double planned, double held) {
+Check converged(bool converged, const std::string& message) {
+  return check(converged, "converged", converged ? "" : message);
+}
+Check converged(const landing::Sensitivity& s, bool wrong) {
+  constexpr const char* kWhat = "converged";
+  if (!s.checked) return {State::kUnknown, kWhat, "not checked"};
+  return {wrong         ? State::kBad
+          : s.sensitive ? State::kCaution
+                        : State::kGood,
+          kWhat,
+          fmt::format("relative error of the peak {:.1g}{}", s.error_estimate,
+                      s.sensitive ? "; a slightly different drop lands otherwise" : "")};
+}
+
+const char* worth_unit(bool rated) { return rated ? "of the rating" : "m/s^2"; }
+std::string worth_words(double value, bool rated) { return fmt::format("{:.4g} {}", value, worth_unit(rated)); }
+
+Check under_scatter_check(double planned, double held, bool rated) {
   constexpr const char* kWhat = "holds under scatter";
   if (!std::isfinite(held)) return {State::kUnknown, kWhat, "holding still could not be followed"};
   return check(planned <= held, kWhat,
-               fmt::format("worst tenth of drops {:.4g} m/s², holding still {:.4g}", planned, held));
+               fmt::format("worst tenth of drops {}, holding still {:.4g}", worth_words(planned, rated), held));
 }
 
 std::string landing_sentence(double peak, double held) {
-  if (!std::isfinite(held)) return fmt::format("Lands with {:.4g} m/s².", peak);
+  if (!std::isfinite(held)) return fmt::format("Lands with {:.4g} m/s^2.", peak);
   const double less = 100 * (1 - peak / held);
-  return fmt::format("Lands with {:.4g} m/s² where holding still takes {:.4g}: {:.0f} % {}.", peak, held,
+  return fmt::format("Lands with {:.4g} m/s^2 where holding still takes {:.4g}: {:.0f} % {}.", peak, held,
                      std::abs(less), less < 0 ? "harder" : "softer");
 }
 
@@ -104,14 +121,14 @@ FirstScreen first_screen(const landing::Answer& a) {
 }
 
 std::string html(const FirstScreen& f, std::size_t warnings) {
-  std::string out = "<section class=\"answer\"><p class=\"sentence\">" + escaped(f.sentence) + "</p>\n<ul>";
+  std::string out = "<section class=\"answer\"><p class=\"sentence\">" + prose(f.sentence) + "</p>\n<ul>";
   for (const Check& c : f.checks) out += item(c);
   out += item({warnings == 0 ? State::kGood : State::kCaution, "no warnings",
                warnings == 0 ? "" : fmt::format("{} under “What to distrust”", warnings)});
   out += "</ul>\n";
   if (!f.next.empty())
     out += "<p class=\"next\"><b>Next:</b> " +
-           std::regex_replace(escaped(f.next), std::regex("`([^`]*)`"), "<code>$1</code>") + "</p>\n";
+           std::regex_replace(prose(f.next), std::regex("`([^`]*)`"), "<code>$1</code>") + "</p>\n";
   return out + "</section>\n";
 }
 

@@ -8,6 +8,7 @@
 namespace ukemi::landing {
 struct Answer;
 struct Ratings;
+struct Sensitivity;
 }  // namespace ukemi::landing
 
 namespace ukemi::tools {
@@ -26,13 +27,23 @@ struct FirstScreen {
   std::string next;  ///< what to do next; empty: nothing
 };
 
+/// A peak above this part of the one that was planned or promised is a worse one: warnings and checks say so.
+inline constexpr double kWorse = 1.05;
+
 /// Good or bad.
 Check check(bool right, const std::string& what, const std::string& words);
 /// The motor's speed and torque against their ratings; one that is not known is said to be so.
 Check within_ratings(const std::optional<landing::Ratings>& ratings);
-/// The worst tenth of drops against that of holding still [m/s^2].
-Check under_scatter_check(double planned, double held);
-/// "Lands with 195 m/s² where holding still takes 466: 58 % softer."; `held` is NaN where it is not known.
+/// Whether a fit ended at a minimum; `message`: why not.
+Check converged(bool converged, const std::string& message);
+/// Whether a peak is that of the motion and not of the integrator; `wrong`: see CheckedLanding.
+Check converged(const landing::Sensitivity& sensitivity, bool wrong);
+/// What a plan makes small: an acceleration [m/s^2] or, where loads are `rated`, the largest as a part of its rating.
+std::string worth_words(double value, bool rated);
+const char* worth_unit(bool rated);
+/// The worst tenth of drops against that of holding still.
+Check under_scatter_check(double planned, double held, bool rated = false);
+/// "Lands with 195 m/s^2 where holding still takes 466: 58 % softer."; `held` is NaN where it is not known.
 std::string landing_sentence(double peak, double held);
 
 /// Of a plan of the two-link robot.

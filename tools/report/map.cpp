@@ -81,10 +81,10 @@ void show(const PeakMap& map, Report& report) {
     const Heatmap line = projection(map, over[0], over[0]);
     Series peaks{"", line.x, {}};
     for (std::size_t i = 0; i < line.x.size(); ++i) peaks.y.push_back(map.grid[i].peak);
-    report.plot("map", line.x_label, "peak [m/s²]", {peaks});
+    report.plot("map", line.x_label, "peak [m/s^2]", {peaks});
     return;
   }
-  report.heading("Smallest peak over the other variables [m/s²]");
+  report.heading("Smallest peak over the other variables [m/s^2]");
   for (std::size_t x = 0; x < over.size(); ++x)
     for (std::size_t y = x + 1; y < over.size(); ++y) report.heatmap(projection(map, over[x], over[y]));
 }
@@ -150,7 +150,7 @@ int report(const Survey& s, Run& run) {
     told.lines.push_back(fmt::format("{}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion),
                                      b.basin.peak, b.evidence.tolerant.value));
   if (!s.basins.empty())
-    told.best = fmt::format("{:.4f} m/s² at {}", s.basins[0].basin.peak, motion_words(s.basins[0].basin.play.motion));
+    told.best = fmt::format("{:.4f} m/s^2 at {}", s.basins[0].basin.peak, motion_words(s.basins[0].basin.play.motion));
   return report(s, told, run);
 }
 

@@ -45,7 +45,7 @@ int report(const BodySurvey& s, Run& run) {
     told.lines.push_back(fmt::format("{}; peak {:.2f}; tolerant peak {} m/s^2", motion_words(robot, b.motion), b.peak,
                                      short_peak_words(b.tolerant)));
   if (!s.basins.empty())
-    told.best = fmt::format("{:.4f} m/s² at {}", s.basins[0].peak, motion_words(robot, s.basins[0].motion));
+    told.best = fmt::format("{:.4f} m/s^2 at {}", s.basins[0].peak, motion_words(robot, s.basins[0].motion));
   if (!s.minima.empty())
     run.say(
         fmt::format("lowest of the grid: {:.2f} m/s^2, {}", s.minima[0].peak, motion_words(robot, s.minima[0].motion)));

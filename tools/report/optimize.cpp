@@ -133,7 +133,7 @@ void warn_of_deviations(const Answer& a, Run& run) {
   std::string lost;
   for (const Quantity<Evidence>& q : deviation_quantities()) {
     const double peak = q.value(*a.evidence).get<double>();
-    if (peak > 1.05 * a.peak() && !(peak - a.peak() < 0.5 * (a.held_peak() - a.peak())))
+    if (peak > kWorse * a.peak() && !(peak - a.peak() < 0.5 * (a.held_peak() - a.peak())))
       lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", short_peak_words(peak), q.words);
   }
   if (!lost.empty())
@@ -159,7 +159,7 @@ void warn(const Answer& a, Run& run) {
     run.warn(fmt::format(
         "inside the execution tolerance a peak of {:.5g} was found, above the tolerant peak {:.5g} of its 15 points",
         t.sampled, t.value));
-  if (a.tolerant_known && t.value > 1.05 * a.peak())
+  if (a.tolerant_known && t.value > kWorse * a.peak())
     run.warn(
         fmt::format("the motion stands on a cliff: played within {:g} deg and {:g} ms its peak may reach {:.4g} m/s^2",
                     box.phi * kDegrees, box.duration * 1e3, t.value));
@@ -240,7 +240,7 @@ void show_slices(const Answer& a, Report& report) {
   const Along duration{"duration [s]", {&Motion::duration, range.duration[0], range.duration[1]}, box.duration, 1};
   report.heading("Among its neighbours");
   report.paragraph(
-      "The peak of the planned drop [m/s²] over two numbers of the motion, the others as they are. The cross is the "
+      "The peak of the planned drop [m/s^2] over two numbers of the motion, the others as they are. The cross is the "
       "answer, the box about it how inexactly a robot may play it.");
   report.heatmap(slice(a, whole("phi_I [deg]", &Motion::phi_i), whole("phi_F [deg]", &Motion::phi_f)));
   report.heatmap(slice(a, whole("phi_F [deg]", &Motion::phi_f), duration));

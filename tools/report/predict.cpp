@@ -78,7 +78,7 @@ int report(const IdentifyQuestion& q, const identify::Prediction& prediction, Do
   sentence.front() = 'T';
   const Verdict verdict = judgement.verdict();
   report.answer({sentence,
-                 {check(fit.converged, "converged", fit.converged ? "" : fit.message),
+                 {converged(fit.converged, fit.message),
                   {verdict == Verdict::kHolds         ? Check::State::kGood
                    : verdict == Verdict::kHoldsWithin ? Check::State::kCaution
                    : verdict == Verdict::kDoesNotHold ? Check::State::kBad

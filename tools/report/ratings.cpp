@@ -26,10 +26,9 @@ Quantities<RatedPlan> rating_quantities(const std::vector<RatedPlan>& plans) {
        [](auto& p) { return peak_of(p.tolerant); }}};
   const auto found = std::find_if(plans.begin(), plans.end(), [](auto& p) { return p.tolerant.found; });
   if (found != plans.end())
-    for (const Quantity<Motion>& q : motion_quantities(found->tolerant.motion))
-      out.push_back(
-          {q.csv, q.json.empty() ? "" : "motion/" + q.json, q.words, q.format,
-           [value = q.value](const RatedPlan& p) { return p.tolerant.found ? value(p.tolerant.motion) : Json(); }});
+    append(
+        out, "motion/", motion_quantities(found->tolerant.motion), [](const RatedPlan& p) { return p.tolerant.motion; },
+        [](const RatedPlan& p) { return p.tolerant.found; });
   return out;
 }
 
@@ -70,8 +69,8 @@ int report(const Scene& scene, const std::vector<RatedPlan>& plans, Run& run) {
     return a.tolerant.found && (!b.tolerant.found || a.tolerant.value < b.tolerant.value);
   });
   if (lowest != plans.end() && lowest->tolerant.found)
-    first.sentence = fmt::format("The softest of {} motors lands with at most {:.4g} m/s²: {:.4g} rad/s.", plans.size(),
-                                 lowest->tolerant.value, lowest->speed);
+    first.sentence = fmt::format("The softest of {} motors lands with at most {:.4g} m/s^2: {:.4g} rad/s.",
+                                 plans.size(), lowest->tolerant.value, lowest->speed);
   first.checks = {check(missing == 0, "every motor has a motion",
                         fmt::format("{} of {}", long(plans.size()) - missing, plans.size()))};
   first.next = "`ukemi optimize` with the chosen ratings in the actuator's file plans the landing.";

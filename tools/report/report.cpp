@@ -22,20 +22,51 @@ constexpr std::size_t kMostRows = 300;
 
 constexpr const char* kEnd = "</div>\n";
 
-/// Places of the panels for the cursor that follows the animation.
-std::string places_json(const Drawing& d) {
+/// Whether a reader may zoom into it: curves and points over axes of numbers.
+bool zoomable(const Panel& p) {
+  return p.scale == Panel::Scale::kFree && p.rows.empty() &&
+         std::none_of(p.series.begin(), p.series.end(),
+                      [](auto& s) { return s.look == Series::Look::kBars || s.look == Series::Look::kIntervals; });
+}
+
+Json panel_json(const Panel& p, const Place& at) {
+  Json out = {{"left", at.left},
+              {"right", at.right},
+              {"top", at.top},
+              {"bottom", at.bottom},
+              {"x", at.x},
+              {"y", at.y},
+              {"log", p.axes == Axes::kLogarithmic},
+              {"title", p.title},
+              {"x_label", printed(p.x_label)},
+              {"y_label", printed(p.y_label)},
+              {"names", Json::array()},
+              {"marks", Json::array()},
+              {"levels", Json::array()}};
+  for (const Series& s : p.series) out["names"].push_back(s.name);
+  for (const Mark& m : p.marks) out["marks"].push_back({m.x, m.y, m.text});
+  for (const Level& l : p.levels) out["levels"].push_back({l.y, l.name});
+  return out;
+}
+
+/// The panels that are drawn, in their order, for curves.js; null: not to be zoomed. Empty: none is.
+std::string panels_json(const Figure& f, const Drawing& d) {
   Json out = Json::array();
-  for (const Place& p : d.places)
-    out.push_back(
-        {{"left", p.left}, {"right", p.right}, {"top", p.top}, {"bottom", p.bottom}, {"x0", p.x[0]}, {"x1", p.x[1]}});
-  return out.dump();
+  bool any = false;
+  for (std::size_t i = 0; i < f.panels.size(); ++i) {
+    if (f.panels[i].series.empty()) continue;
+    any |= zoomable(f.panels[i]);
+    out.push_back(zoomable(f.panels[i]) ? panel_json(f.panels[i], d.places[i]) : Json());
+  }
+  return any ? out.dump(-1, ' ', false, Json::error_handler_t::replace) : "";
 }
 
 /// The class and the data of a figure's element.
 std::string opening(const Figure& f, const Drawing& d) {
   std::string out = "<figure id=\"figure-" + escaped(f.name) + "\"";
   if (f.width == Figure::Width::kWhole) out += " class=\"whole\"";
-  if (f.cursor == Figure::Cursor::kTime) out += " data-places=\"" + escaped(places_json(d)) + "\"";
+  if (f.cursor == Figure::Cursor::kTime) out += " data-time";
+  if (const std::string panels = panels_json(f, d); !panels.empty()) out += " data-panels=\"" + escaped(panels) + "\"";
   return out + ">";
 }
 
@@ -46,7 +77,7 @@ std::string element(const Figure& f, const Drawing& d) {
     if (f.panels.size() == 1) described = p.y_label + " against " + p.x_label + ". " + f.caption;
   svg.replace(0, 4, "<svg role=\"img\" aria-label=\"" + escaped(described) + "\"");
   std::string out = opening(f, d) + "<div class=\"drawing\">" + svg + "</div>";
-  if (!f.caption.empty()) out += "<figcaption>" + escaped(f.caption) + "</figcaption>";
+  if (!f.caption.empty()) out += "<figcaption>" + prose(f.caption) + "</figcaption>";
   return out + "</figure>\n";
 }
 
@@ -62,15 +93,15 @@ std::string& Report::body() {
 void Report::answer(const FirstScreen& screen, const std::vector<std::string>& warnings) {
   answer_ = html(screen, warnings.size());
 }
-void Report::heading(const std::string& text) { body() += "<h2>" + escaped(text) + "</h2>\n"; }
-void Report::paragraph(const std::string& text) { body() += "<p>" + escaped(text) + "</p>\n"; }
+void Report::heading(const std::string& text) { body() += "<h2>" + prose(text) + "</h2>\n"; }
+void Report::paragraph(const std::string& text) { body() += "<p>" + prose(text) + "</p>\n"; }
 void Report::link(const std::string& file, const std::string& name, const std::string& text) {
-  body() += "<p><a href=\"" + escaped(file) + "\">" + escaped(name) + "</a> " + escaped(text) + "</p>\n";
+  body() += "<p><a href=\"" + escaped(file) + "\">" + escaped(name) + "</a> " + prose(text) + "</p>\n";
 }
 void Report::list(const std::vector<std::string>& items) {
   if (items.empty()) return;
   body() += "<ul>";
-  for (const std::string& i : items) html_ += "<li>" + escaped(i) + "</li>";
+  for (const std::string& i : items) html_ += "<li>" + prose(i) + "</li>";
   html_ += "</ul>\n";
 }
 void Report::distrust(const std::vector<std::string>& sentences) {
@@ -81,19 +112,19 @@ void Report::distrust(const std::vector<std::string>& sentences) {
 }
 void Report::table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
   body() += "<div class=\"table\"><table><thead><tr>";
-  for (const std::string& h : header) html_ += "<th scope=\"col\">" + escaped(h) + "</th>";
+  for (const std::string& h : header) html_ += "<th scope=\"col\">" + prose(h) + "</th>";
   html_ += "</tr></thead>\n";
   const std::size_t shown = std::min(rows.size(), kMostRows);
   for (std::size_t i = 0; i < shown; ++i) {
     html_ += "<tr>";
-    for (const std::string& cell : rows[i]) html_ += "<td>" + escaped(cell) + "</td>";
+    for (const std::string& cell : rows[i]) html_ += "<td>" + prose(cell) + "</td>";
     html_ += "</tr>\n";
   }
   html_ += "</table></div>\n";
   if (shown < rows.size()) paragraph(fmt::format("{} more rows: summary.json.", rows.size() - shown));
 }
 void Report::folded(const std::string& title, const Table& t) {
-  body() += "<details><summary>" + escaped(title) + "</summary>\n";
+  body() += "<details><summary>" + prose(title) + "</summary>\n";
   table(t);
   html_ += "</details>\n";
 }
@@ -225,7 +256,7 @@ class HeatmapPicture {
                         height, colour(double(step) / kSteps));
   }
   void say(double x, double y, const char* anchor, const std::string& s) {
-    svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, escaped(s));
+    svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, prose(s));
   }
   void cells() {
     const std::size_t nx = map_.x.size();
@@ -281,7 +312,7 @@ class HeatmapPicture {
         out += (out.size() > 1 ? "," : "") + (std::isfinite(x) ? fmt::format("{:.5g}", x) : "null");
       return out + "]";
     };
-    const Json labels = {map_.x_label, map_.y_label};
+    const Json labels = {printed(map_.x_label), printed(map_.y_label)};
     svg_ +=
         fmt::format("<metadata>{{\"inside\":[{},{},{},{}],\"labels\":{},\"x\":{},\"y\":{},\"values\":{}}}</metadata>",
                     kLeft, kTop, kInner, kTall, escaped(labels.dump(-1, ' ', false, Json::error_handler_t::replace)),

@@ -165,11 +165,11 @@ std::string index_words(const PeakRisk& r) {
                      percent_words(u.index.first.value), percent_words(u.index.total.value));
 }
 
-std::string held_comparison(const PeakRisk& r) {
+std::string held_comparison(const PeakRisk& r, bool rated) {
   const double own = r.peaks.cvar90.value, held = r.held.cvar90.value;
   if (!std::isfinite(held)) return "The held reference could not be followed.";
-  return fmt::format("The worst tenth of the drops: {:.4g} m/s^2 on average, {:.1f} % {} holding's {:.4g}.", own,
-                     100 * std::abs(1 - own / held), own > held ? "above" : "below", held);
+  return fmt::format("The worst tenth of the drops: {} on average, {:.1f} % {} holding's {:.4g}.",
+                     worth_words(own, rated), 100 * std::abs(1 - own / held), own > held ? "above" : "below", held);
 }
 
 void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
@@ -193,13 +193,14 @@ void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
     run.warn(fmt::format("{} of the {} landings of the indices could not be followed: their base points are left out",
                          r.index_failed, r.index_landings));
   if (r.peaks.cvar90.value > r.held.cvar90.value)
-    run.warn(fmt::format("the worst tenth of the drops is worse than that of the reference {}: {:.4g} and {:.4g} m/s^2",
-                         t.held, r.peaks.cvar90.value, r.held.cvar90.value));
+    run.warn(fmt::format("the worst tenth of the drops is worse than that of the reference {}: {:.4g} and {}", t.held,
+                         r.peaks.cvar90.value, worth_words(r.held.cvar90.value, t.rated)));
 }
 
 FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
-  FirstScreen out{.sentence = held_comparison(r) + fmt::format(" The median drop: {:.4g}.", r.peaks.median.value)};
-  out.checks = {under_scatter_check(r.peaks.cvar90.value, r.held.cvar90.value),
+  FirstScreen out{.sentence =
+                      held_comparison(r, t.rated) + fmt::format(" The median drop: {:.4g}.", r.peaks.median.value)};
+  out.checks = {under_scatter_check(r.peaks.cvar90.value, r.held.cvar90.value, t.rated),
                 check(r.failed == 0, "every drop was followed",
                       fmt::format("{} of {}", r.peaks.samples, r.peaks.samples + r.failed)),
                 check(r.lost == 0, "the drive keeps the joint", fmt::format("lost in {} drops", r.lost)),
@@ -227,7 +228,8 @@ std::string drops_words(const Scatter& scatter, bool assumed, const std::string&
 int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::string()>& worst, Run& run) {
   warn(r, t, run);
   const std::vector<NamedDistribution> both = {{"motion", r.peaks}, {t.held, r.held}};
-  const Table peaks(named_quantities(), both);
+  const std::string what = distributed_words(t.acceleration, t.rated);
+  const Table peaks(named_quantities(what), both);
   std::vector<Share> touches, passings;
   for (const RiskEvent& e : r.events)
     (e.kind == RiskEvent::Kind::kTouch ? touches : passings).push_back(share_of(e, t, r.peaks.samples));
@@ -260,8 +262,9 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   page.paragraph(t.motion + ".");
   page.paragraph(t.drops);
   tell(peaks, page, run);
-  for (const std::string& sentence : {held_comparison(r), index_words(r)}) run.say(sentence), page.paragraph(sentence);
-  Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, t.held, r.held.samples);
+  for (const std::string& sentence : {held_comparison(r, t.rated), index_words(r)})
+    run.say(sentence), page.paragraph(sentence);
+  Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, t.held, r.held.samples, what);
   peak_figure.caption += " (histogram.csv)";
   page.figure(peak_figure);
   if (!r.uncertainties.empty()) page.figure(sobol_figure(r));

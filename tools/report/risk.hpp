@@ -29,6 +29,8 @@ struct RiskTexts {
   std::optional<landing::Scatter> scatter;
   bool assumed = false;
   Json of_motion;
+  std::string acceleration = "|ddr_0|";  ///< of the point that counts
+  bool rated = false;                    ///< the peaks are largest loads, as parts of their ratings
   PointName point = point_name;
   std::function<std::string(int)> joint = {};   ///< names of a robot of links
   std::function<landing::Load(int)> load = {};  ///< of one

@@ -21,7 +21,7 @@ Quantities<Distribution> distribution_quantities() {
     out.push_back({"", key + "_std", [value](auto& d) { return number((d.*value).standard_error); }});
     out.push_back({"", "", words, "{}", [value](const Distribution& d) {
                      const auto [x, error] = d.*value;
-                     return fmt::format("{:.4g}", x) + (std::isnan(error) ? "" : fmt::format(" ± {:.1g}", error));
+                     return std::isnan(error) ? fmt::format("{:.4g}", x) : with_error(x, error);
                    }});
   };
   measure("mean", "mean", &Distribution::mean);
@@ -34,8 +34,12 @@ Quantities<Distribution> distribution_quantities() {
   return out;
 }
 
-Quantities<NamedDistribution> named_quantities() {
-  Quantities<NamedDistribution> out = {{"", "", "peak |ddr_0| [m/s^2]", "{}", &NamedDistribution::name}};
+std::string distributed_words(const std::string& acceleration, bool rated) {
+  return fmt::format("{} [{}]", rated ? "largest load" : "peak " + acceleration, worth_unit(rated));
+}
+
+Quantities<NamedDistribution> named_quantities(const std::string& what) {
+  Quantities<NamedDistribution> out = {{"", "", what, "{}", &NamedDistribution::name}};
   append(out, "", distribution_quantities(), &NamedDistribution::of);
   return out;
 }
@@ -78,11 +82,11 @@ Series outline(const std::string& name, const std::vector<PeakBin>& bins, long P
 Json distribution_json(const Distribution& d) { return Table::of(distribution_quantities(), d).object(); }
 
 Figure histogram_figure(const std::vector<PeakBin>& bins, const std::string& name, const Distribution& of,
-                        const std::string& beside, long beside_samples) {
+                        const std::string& beside, long beside_samples, const std::string& what) {
   Figure out;
   out.name = "histogram";
   Panel p;
-  p.x_label = "peak of |ddr_0| [m/s²]", p.y_label = "% of the drops";
+  p.x_label = what, p.y_label = "% of the drops";
   p.series = {outline(name, bins, &PeakBin::drops, of.samples),
               outline(beside, bins, &PeakBin::beside, beside_samples)};
   p.series[1].look = Series::Look::kDashed;
@@ -114,7 +118,7 @@ void show_scatter(const Answer& a, Report& report) {
                       {fmt::format("best posture to hold, {:.1f} deg", u.posture_phi * kDegrees), u.posture}}));
   Figure figure = histogram_figure(u.histogram, robust, u.planned, nominal, u.nominal->samples);
   figure.caption += u.broken == 0 ? "."
-                                  : fmt::format(". In {} drops the motion breaks a limit: they stand at {:g} m/s².",
+                                  : fmt::format(". In {} drops the motion breaks a limit: they stand at {:g} m/s^2.",
                                                 u.broken, a.options.robust.penalty);
   report.figure(figure);
 }

@@ -12,12 +12,15 @@ namespace ukemi::tools {
 /// Of the peaks of one motion over many drops [m/s^2].
 Quantities<landing::Distribution> distribution_quantities();
 
+/// "peak |a| [m/s^2]", "largest load [of the rating]".
+std::string distributed_words(const std::string& acceleration, bool rated);
+
 struct NamedDistribution {
   std::string name;
   landing::Distribution of;
 };
-/// The same with the motion's name in front.
-Quantities<NamedDistribution> named_quantities();
+/// The same with the motion's name in front, under what is distributed.
+Quantities<NamedDistribution> named_quantities(const std::string& what = "peak |ddr_0| [m/s^2]");
 
 /// What is minimised: "peak", "tolerant peak", "mean peak under scatter".
 std::string goal_words(landing::Goal goal, const std::optional<landing::Measure>& measure);
@@ -29,10 +32,11 @@ std::string distribution_words(const landing::Distribution& d);
 /// The scatter as its option has it, and whether it is assumed.
 std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool assumed);
 
-/// Peaks of a motion over many drops and of what stands beside it (of so many drops), with the quantiles of the
-/// motion's.
+/// `what`: is distributed. Peaks of a motion over many drops and of what stands beside it (of so many drops), with the
+/// quantiles of the motion's.
 Figure histogram_figure(const std::vector<landing::PeakBin>& bins, const std::string& name,
-                        const landing::Distribution& of, const std::string& beside, long beside_samples);
+                        const landing::Distribution& of, const std::string& beside, long beside_samples,
+                        const std::string& what = "peak |ddr_0| [m/s^2]");
 
 /// What all measures make of the peaks.
 Json distribution_json(const landing::Distribution& d);

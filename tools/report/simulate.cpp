@@ -46,22 +46,12 @@ std::string motion_name(const Motion& m) {
   return fmt::format("from {:.4g} to {:.4g} deg in {:.4g} s", m.phi_i * kDegrees, m.phi_f * kDegrees, m.duration);
 }
 
-/// Whether the peak is that of the motion and not of the integrator.
-Check exact(const CheckedLanding& c) {
-  if (!c.sensitivity.checked) return {Check::State::kUnknown, "converged", "not checked"};
-  const Check::State state = c.wrong()                 ? Check::State::kBad
-                             : c.sensitivity.sensitive ? Check::State::kCaution
-                                                       : Check::State::kGood;
-  return {state, "converged",
-          fmt::format("relative error of the peak {:.1g}{}", c.sensitivity.error_estimate,
-                      c.sensitivity.sensitive ? "; a slightly different drop lands otherwise" : "")};
-}
-
 FirstScreen first_screen(const CheckedLanding& c, const std::optional<Landing>& held) {
   const bool followed = c.landing.end != End::kFailed;
   return {followed ? landing_sentence(c.landing.peak, held ? held->peak : std::nan(""))
                    : "The landing could not be followed to its end.",
-          {exact(c), within_ratings(c.ratings), check(!c.landing.joint_lost, "the drive keeps the joint", "")},
+          {converged(c.sensitivity, c.wrong()), within_ratings(c.ratings),
+           check(!c.landing.joint_lost, "the drive keeps the joint", "")},
           "`ukemi optimize` searches for a softer landing."};
 }
 

@@ -17,6 +17,17 @@ std::string Format::operator()(const Json& v) const {
   return fmt::format(format, v.get<std::string>());
 }
 
+std::string with_error(double value, double error) {
+  if (!(error > 0) || !std::isfinite(error)) return fmt::format("{:.6g} ± {:.2g}", value, error);
+  const int digits = 1 - int(std::floor(std::log10(error)));  // after the point; below zero: tens, hundreds ...
+  const double step = std::pow(10.0, -digits);
+  const auto text = [&](double x) {
+    return std::abs(digits) > 6 ? fmt::format("{:.6g}", std::round(x / step) * step)
+                                : fmt::format("{:.{}f}", std::round(x / step) * step, std::max(0, digits));
+  };
+  return text(value) + " ± " + text(error);
+}
+
 Json Table::object(std::size_t row) const {
   Json out = Json::object();
   for (std::size_t i = 0; i < names_.size(); ++i)

@@ -24,6 +24,9 @@ class Format {
   std::string (*words_)(double) = nullptr;
 };
 
+/// "740 ± 200": the error to two digits, the value to the error's last one.
+std::string with_error(double value, double error);
+
 /// What a quantity is called. An empty name: it is not written there.
 struct Names {
   std::string csv;    ///< column
@@ -52,6 +55,16 @@ void append(Quantities<T>& to, const std::string& path, const Quantities<U>& qua
   for (const Quantity<U>& q : quantities)
     to.push_back({q.csv, q.json.empty() ? "" : path + q.json, q.words, q.format,
                   [value = q.value, part](const T& whole) { return value(std::invoke(part, whole)); }});
+}
+/// Of a part that some wholes lack: not known there.
+template <class T, class U, class Part, class Has>
+void append(Quantities<T>& to, const std::string& path, const Quantities<U>& quantities, Part part, Has has) {
+  const std::size_t before = to.size();
+  append(to, path, quantities, part);
+  for (std::size_t i = before; i < to.size(); ++i)
+    to[i].value = [value = to[i].value, has](const T& whole) {
+      return std::invoke(has, whole) ? value(whole) : Json();
+    };
 }
 
 /// Rows of such quantities; a result by itself is one row.

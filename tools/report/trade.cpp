@@ -18,7 +18,7 @@ namespace {
 Json worth(double value) { return value < kNoMotion ? Json(value) : Json(); }
 
 Quantities<TradePoint> trade_quantities(const BodyScene& scene, const Trade& trade, const std::string& goal) {
-  const std::string unit = rated(scene) ? "" : " [m/s^2]";
+  const std::string unit = fmt::format(" [{}]", worth_unit(rated(scene)));
   Quantities<TradePoint> out;
   for (std::size_t a = 0; a < trade.axes.size(); ++a)
     out.push_back({trade.axes[a].name, trade.axes[a].name, trade.axes[a].name, "{:.4g}",
@@ -96,12 +96,11 @@ int report(const BodyScene& scene, const Trade& trade, const BodyPlanOptions& se
   Json summary = {{"goal", goal}, {"plans", trade.plans}};
   summary["points"] = tell(table, page, run, "trade.csv", "Values as in the files; m/s^2, deg, s.");
   if (best) {
-    run.say(
-        fmt::format("lowest: {:.4g}{} at {}", best->planned, rated(scene) ? "" : " m/s^2", design_words(trade, *best)));
+    run.say(fmt::format("lowest: {} at {}", worth_words(best->planned, rated(scene)), design_words(trade, *best)));
     summary["best"] = {{"planned", best->planned}, {"at", best->at}};
   }
   summary["middle"] = trade.points[trade.middle].at;
-  draw(trade, goal + (rated(scene) ? "" : " [m/s²]"), page);
+  draw(trade, fmt::format("{} [{}]", goal, worth_unit(rated(scene))), page);
   page.distrust(run.warnings());
   page.write(run);
   return run.finish(summary, missing == long(trade.points.size()) ? kNumbers : kDone);

@@ -95,7 +95,7 @@ void tell_story(const Comparison& c, const Table& best, const Table& published, 
   const bool nearer = own.found && c.motions[1].landings[1] && c.motions[0].landings[1];
   FirstScreen first{.sentence = "Eight impact trials give the actuator's constants, and these a landing."};
   if (nearer)
-    first.sentence += fmt::format(" It hits with {:.4g} m/s²; planned with the data sheet's constants, {:.4g}.",
+    first.sentence += fmt::format(" It hits with {:.4g} m/s^2; planned with the data sheet's constants, {:.4g}.",
                                   c.motions[1].landings[1]->peak, c.motions[0].landings[1]->peak);
   first.checks = {check(own.found, "a landing was found", ""), check(c.complete, "the comparison is complete", "")};
   first.next = "Open the three reports below in their order.";

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <regex>
 #include <stdexcept>
 
 #include "common/text.hpp"
@@ -26,6 +29,8 @@ struct Range {
   }
   bool any() const { return low <= high; }
 };
+
+std::string words_of(const std::string& text) { return gnuplot_text(printed(text)); }
 
 double characters(const std::string& text) {
   return double(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
@@ -91,7 +96,12 @@ Place place_of(const Figure& f, std::size_t i) {
   double left = 62;
   for (const std::string& name : p.rows) left = std::max(left, characters(name) * kCharacter + 14);
   if (p.scale == Panel::Scale::kBare) left = 6;
-  Place out{x + left, x + width - 14, y + 8, y + f.panel_height - (p.x_label.empty() ? 24 : 44), shown_range(p, true)};
+  Place out{x + left,
+            x + width - 14,
+            y + 8,
+            y + f.panel_height - (p.x_label.empty() ? 24 : 44),
+            shown_range(p, true),
+            shown_range(p, false)};
   if (!p.title.empty()) out.top += kLine;
   out.top += kLine * key_of(p, out.right - out.left).rows;
   return out;
@@ -153,19 +163,18 @@ struct Box {
 /// How a panel's numbers become pixels of its canvas, from the top left.
 struct Pixels {
   Place at;
-  std::array<double, 2> y;
   Axes axes;
   static double part(double v, const std::array<double, 2>& range, Axes axes) {
     return axes == Axes::kLinear ? (v - range[0]) / (range[1] - range[0])
                                  : std::log(v / range[0]) / std::log(range[1] / range[0]);
   }
   double px(double v) const { return at.left + part(v, at.x, axes) * (at.right - at.left); }
-  double py(double v) const { return at.bottom - part(v, y, axes) * (at.bottom - at.top); }
+  double py(double v) const { return at.bottom - part(v, at.y, axes) * (at.bottom - at.top); }
 };
 
 std::string label_at(const std::string& text, double x, double y, const Canvas& c, const std::string& how) {
-  return fmt::format("set label {} at screen {:.5f},{:.5f} {} front\n", gnuplot_text(text), x / c.width,
-                     1 - y / c.height, how);
+  return fmt::format("set label {} at screen {:.5f},{:.5f} {} front\n", words_of(text), x / c.width, 1 - y / c.height,
+                     how);
 }
 
 /// Beside its own place the nearest that is free and within the panel.
@@ -185,7 +194,7 @@ std::string labels_of(const Panel& p, const Pixels& to, const Canvas& c) {
   std::string out;
   std::vector<Box> taken;
   for (const Level& l : p.levels) {
-    if (!(l.y >= to.y[0] && l.y <= to.y[1])) continue;
+    if (!(l.y >= to.at.y[0] && l.y <= to.at.y[1])) continue;
     out += fmt::format(
         "set arrow from graph 0,first {0:.7g} to graph 1,first {0:.7g} nohead lw 1.2 dt (3,3) lc rgb 'black'\n", l.y);
     const double wide = characters(l.name) * kCharacter, above = to.py(l.y) - 10,
@@ -197,7 +206,7 @@ std::string labels_of(const Panel& p, const Pixels& to, const Canvas& c) {
   for (const Mark& m : p.marks) {
     if (!bare && !(m.x >= to.at.x[0] && m.x <= to.at.x[1])) continue;
     if (bare) {
-      out += fmt::format("set label {} at {:.7g},{:.7g} center front\n", gnuplot_text(m.text), m.x, m.y);
+      out += fmt::format("set label {} at {:.7g},{:.7g} center front\n", words_of(m.text), m.x, m.y);
       continue;
     }
     const Box box = free_place({to.px(m.x), to.py(m.y) - 11, characters(m.text) * kCharacter + 8, 17}, taken, to.at);
@@ -225,11 +234,11 @@ std::string axes_of(const Panel& p, const Pixels& to) {
   std::string out = "set border 3 lw 0.8\nset grid lt 1 lw 0.5 lc rgb '#c8c8c8'\nset xtics nomirror scale 0.5 " +
                     step(to.at.x, to.at.right - to.at.left, 62) + "\n";
   if (p.rows.empty())
-    out += "set ytics nomirror scale 0.5 " + step(to.y, to.at.bottom - to.at.top, 24) + "\n";
+    out += "set ytics nomirror scale 0.5 " + step(to.at.y, to.at.bottom - to.at.top, 24) + "\n";
   else {
     out += "set ytics nomirror scale 0 (";
     for (std::size_t i = 0; i < p.rows.size(); ++i)
-      out += fmt::format("{}{} {}", i ? ", " : "", gnuplot_text(p.rows[i]), p.rows.size() - i);
+      out += fmt::format("{}{} {}", i ? ", " : "", words_of(p.rows[i]), p.rows.size() - i);
     out += ")\n";
   }
   return (log ? "set logscale xy\n" : "unset logscale\n") + out;
@@ -250,13 +259,13 @@ std::string names_of(const Panel& p, const Place& at, const Canvas& c, double le
 
 /// `left`: where the panel begins, its axis included.
 std::string script_of(const Panel& p, const Place& at, const Canvas& c, const std::string& name, double left) {
-  const Pixels to{at, shown_range(p, false), p.axes};
+  const Pixels to{at, p.axes};
   std::string out = "unset label\nunset arrow\nset format xy '%g'\n" + axes_of(p, to);
   out += fmt::format(
       "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset tmargin at screen {:.5f}\nset bmargin at screen "
       "{:.5f}\nset xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]\n",
-      at.left / c.width, at.right / c.width, 1 - at.top / c.height, 1 - at.bottom / c.height, at.x[0], at.x[1], to.y[0],
-      to.y[1]);
+      at.left / c.width, at.right / c.width, 1 - at.top / c.height, 1 - at.bottom / c.height, at.x[0], at.x[1], at.y[0],
+      at.y[1]);
   out += p.scale == Panel::Scale::kFree ? "set size noratio\n" : "set size ratio -1\n";
   out += names_of(p, at, c, left) + labels_of(p, to, c);
   std::string plots;
@@ -267,7 +276,7 @@ std::string script_of(const Panel& p, const Place& at, const Canvas& c, const st
     const std::string data = fmt::format("{}_{}", name, i);
     out += block(s, p.axes, data);
     plots += fmt::format("{}${} {} title {}", i ? ", " : "", data, with(s, colour),
-                         s.name.empty() ? "''" : gnuplot_text(s.name));
+                         s.name.empty() ? "''" : words_of(s.name));
   }
   return out + (plots.empty() ? "" : "plot " + plots + "\n");
 }
@@ -298,6 +307,21 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
     text.replace(at, from.size(), to);
 }
 
+/// gnuplot calls the third curve of the second panel gnuplot_plot_3b; here it becomes data-curve="1,2".
+void name_curves(std::string& svg) {
+  const std::string begin = " id=\"gnuplot_", curve = "plot_";
+  for (std::size_t at = 0; (at = svg.find(begin, at)) != std::string::npos;) {
+    const std::size_t end = svg.find('"', at + begin.size());
+    const std::string name = svg.substr(at + begin.size(), end - at - begin.size());
+    std::string id;
+    if (name.starts_with(curve)) {
+      const int number = std::atoi(name.c_str() + curve.size());
+      id = fmt::format(" data-curve=\"{},{}\"", name.back() - 'a', number - 1);
+    }
+    svg.replace(at, end + 1 - at, id);
+  }
+}
+
 /// gnuplot's drawing for a page: its text and axes take the page's colour, and it names nothing that another figure of
 /// the page names too.
 std::string for_page(std::string svg) {
@@ -314,14 +338,23 @@ std::string for_page(std::string svg) {
     for (std::size_t at = 0; (at = svg.find(begin, at)) != std::string::npos;)
       svg.erase(at, svg.find(end, at) + end.size() - at);
   }
-  for (std::size_t at = 0; (at = svg.find(" id=\"gnuplot_", at)) != std::string::npos;)
-    svg.erase(at, svg.find('"', at + 5) + 1 - at);
+  name_curves(svg);
   replace_all(svg, "\t", " ");
-  replace_all(svg, "\n\n", "\n");
+  svg = std::regex_replace(svg, std::regex("<g [^>]*>\\s*</g>\\s*"), "");  // colours of what is not drawn
   return svg;
 }
 
 }  // namespace
+
+std::string printed(std::string text) {
+  const std::string square = "²";
+  for (std::size_t at = 1; (at = text.find("^2", at)) != std::string::npos;)
+    if (std::isalpha(static_cast<unsigned char>(text[at - 1])))
+      text.replace(at, 2, square), at += square.size();
+    else
+      at += 2;
+  return text;
+}
 
 bool Figure::empty() const {
   return panels.empty() || std::none_of(panels.begin(), panels.end(), [](const Panel& p) {

@@ -71,10 +71,10 @@ struct Figure {
   bool empty() const;
 };
 
-/// Where a panel stands in its drawing [px], and the range of x that its width shows.
+/// Where a panel stands in its drawing [px], and the ranges that its width and its height show.
 struct Place {
   double left, right, top, bottom;
-  std::array<double, 2> x;
+  std::array<double, 2> x, y;
 };
 struct Drawing {
   std::string svg;                           ///< for a page: follows its colours
@@ -86,6 +86,9 @@ struct Drawing {
 /// gnuplot is not there or fails, and `why` says it.
 std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<std::string>& formats,
                           std::string& why);
+
+/// Units as they are printed: m/s² where a terminal and files have m/s^2.
+std::string printed(std::string text);
 
 /// A figure of one panel.
 Figure lines(const std::string& name, const std::string& x_label, const std::string& y_label,

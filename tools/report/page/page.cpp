@@ -5,6 +5,7 @@
 
 #include "common/text.hpp"
 #include "tools/report/page/assets.hpp"
+#include "tools/report/page/figure.hpp"
 
 namespace ukemi::tools {
 
@@ -15,6 +16,8 @@ std::string escaped(const std::string& text) {
   for (const char c : shown(text)) out += marks.contains(c) ? marks.at(c) : std::string(1, c);
   return out;
 }
+
+std::string prose(const std::string& text) { return escaped(printed(text)); }
 
 std::string json_block(const std::string& id, const std::string& json) {
   std::string safe;

@@ -1,5 +1,5 @@
 'use strict';
-// The animation of landings, and the cursors of the figures that follow it. Nothing here is needed to read the page.
+// The animation of landings, which the figures over time follow, and what a heat map holds. Nothing here is needed to read the page.
 (() => {
   const SVG = 'http://www.w3.org/2000/svg';
   const make = (name, attributes, parent) => {
@@ -139,9 +139,7 @@
   class Player {
     constructor(data, parent) {
       this.end = Math.max(...data.landings.map(l => l.t[l.t.length - 1]));
-      this.cursors = [...document.querySelectorAll('figure[data-places] svg')].flatMap(svg =>
-        JSON.parse(svg.closest('figure').dataset.places).map(p =>
-          ({place: p, line: make('line', {class: 'cursor', y1: p.top, y2: p.bottom}, svg)})));
+      curves.onTime(t => { this.pause(); this.show(t); });
       const stages = element('div', parent);
       stages.className = 'stages';
       const box = bounds(data.landings), most = Math.max(1e-9, ...data.landings.flatMap(l => l.force.flatMap(f => f[1])));
@@ -180,12 +178,7 @@
       this.slider.value = this.t;
       this.said.textContent = this.t.toFixed(4) + ' s';
       this.stages.forEach(s => s.show(this.t));
-      for (const {place: p, line} of this.cursors) {
-        const x = p.left + (this.t - p.x0) / (p.x1 - p.x0) * (p.right - p.left), inside = this.t >= p.x0 && this.t <= p.x1;
-        line.setAttribute('x1', x);
-        line.setAttribute('x2', x);
-        line.style.display = inside ? '' : 'none';
-      }
+      curves.time(this.t);
     }
     play() {
       if (this.t >= this.end) this.show(0);
