@@ -38,8 +38,8 @@ Json panel_json(const Panel& p, const Place& at) {
               {"y", at.y},
               {"log", p.axes == Axes::kLogarithmic},
               {"title", p.title},
-              {"x_label", printed(p.x_label)},
-              {"y_label", printed(p.y_label)},
+              {"x_label", p.x_label},
+              {"y_label", p.y_label},
               {"names", Json::array()},
               {"marks", Json::array()},
               {"levels", Json::array()}};
@@ -58,7 +58,7 @@ std::string panels_json(const Figure& f, const Drawing& d) {
     any |= zoomable(f.panels[i]);
     out.push_back(zoomable(f.panels[i]) ? panel_json(f.panels[i], d.places[i]) : Json());
   }
-  return any ? out.dump(-1, ' ', false, Json::error_handler_t::replace) : "";
+  return any ? printed(out.dump(-1, ' ', false, Json::error_handler_t::replace)) : "";
 }
 
 /// The class and the data of a figure's element.

@@ -20,7 +20,7 @@ struct NamedDistribution {
   landing::Distribution of;
 };
 /// The same with the motion's name in front, under what is distributed.
-Quantities<NamedDistribution> named_quantities(const std::string& what = "peak |ddr_0| [m/s^2]");
+Quantities<NamedDistribution> named_quantities(const std::string& what = distributed_words("|ddr_0|", false));
 
 /// What is minimised: "peak", "tolerant peak", "mean peak under scatter".
 std::string goal_words(landing::Goal goal, const std::optional<landing::Measure>& measure);
@@ -36,7 +36,7 @@ std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool a
 /// quantiles of the motion's.
 Figure histogram_figure(const std::vector<landing::PeakBin>& bins, const std::string& name,
                         const landing::Distribution& of, const std::string& beside, long beside_samples,
-                        const std::string& what = "peak |ddr_0| [m/s^2]");
+                        const std::string& what = distributed_words("|ddr_0|", false));
 
 /// What all measures make of the peaks.
 Json distribution_json(const landing::Distribution& d);

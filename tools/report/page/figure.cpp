@@ -13,6 +13,7 @@
 #include "common/text.hpp"
 #include "common/toml.hpp"
 #include "tools/report/page/gnuplot.hpp"
+#include "tools/report/page/page.hpp"
 
 namespace ukemi::tools {
 
@@ -345,16 +346,6 @@ std::string for_page(std::string svg) {
 }
 
 }  // namespace
-
-std::string printed(std::string text) {
-  const std::string square = "²";
-  for (std::size_t at = 1; (at = text.find("^2", at)) != std::string::npos;)
-    if (std::isalpha(static_cast<unsigned char>(text[at - 1])))
-      text.replace(at, 2, square), at += square.size();
-    else
-      at += 2;
-  return text;
-}
 
 bool Figure::empty() const {
   return panels.empty() || std::none_of(panels.begin(), panels.end(), [](const Panel& p) {

@@ -87,9 +87,6 @@ struct Drawing {
 std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<std::string>& formats,
                           std::string& why);
 
-/// Units as they are printed: m/s² where a terminal and files have m/s^2.
-std::string printed(std::string text);
-
 /// A figure of one panel.
 Figure lines(const std::string& name, const std::string& x_label, const std::string& y_label,
              std::vector<Series> series, Axes axes = Axes::kLinear);

@@ -1,11 +1,11 @@
 #include "tools/report/page/page.hpp"
 
 #include <array>
+#include <cctype>
 #include <map>
 
 #include "common/text.hpp"
 #include "tools/report/page/assets.hpp"
-#include "tools/report/page/figure.hpp"
 
 namespace ukemi::tools {
 
@@ -15,6 +15,16 @@ std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : shown(text)) out += marks.contains(c) ? marks.at(c) : std::string(1, c);
   return out;
+}
+
+std::string printed(std::string text) {
+  const std::string square = "²";
+  for (std::size_t at = 1; (at = text.find("^2", at)) != std::string::npos;)
+    if (std::isalpha(static_cast<unsigned char>(text[at - 1])))
+      text.replace(at, 2, square), at += square.size();
+    else
+      at += 2;
+  return text;
 }
 
 std::string prose(const std::string& text) { return escaped(printed(text)); }

@@ -8,7 +8,9 @@ namespace ukemi::tools {
 
 /// A text as HTML shows it, in an attribute too; what is not printable as `shown` has it.
 std::string escaped(const std::string& text);
-/// The same of a sentence, a heading or a cell, with units as they are printed: m/s², where a terminal has m/s^2.
+/// Units as they are printed: m/s² where a terminal and files have m/s^2.
+std::string printed(std::string text);
+/// A sentence, a heading or a cell: escaped, with units as they are printed.
 std::string prose(const std::string& text);
 /// JSON as a page carries it in a <script>, which no text in it can end.
 std::string json_block(const std::string& id, const std::string& json);

@@ -1,13 +1,6 @@
 'use strict';
 // The animation of landings, which the figures over time follow, and what a heat map holds. Nothing here is needed to read the page.
 (() => {
-  const SVG = 'http://www.w3.org/2000/svg';
-  const make = (name, attributes, parent) => {
-    const node = document.createElementNS(SVG, name);
-    for (const key in attributes) node.setAttribute(key, attributes[key]);
-    if (parent) parent.appendChild(node);
-    return node;
-  };
   const element = (name, parent, text) => {
     const node = parent.appendChild(document.createElement(name));
     if (text !== undefined) node.textContent = text;
