@@ -81,7 +81,8 @@ class Trader {
     if (point.found()) search.starts.push_back(point.motion);
     for (const std::size_t i : from) search.starts.push_back(out_.points[i].motion);
     const BodyPlan best = plan(scenes_[k], search);
-    options_.monitor.progress(++out_.plans, std::max(long(2 * out_.points.size() - 1), out_.plans));
+    ++out_.plans;
+    options_.monitor.progress(out_.plans, std::max(long(2 * out_.points.size() - 1), out_.plans));
     if (best.held_value > 0 && best.held_keeps_limits) point.held = best.held_value;
     if (best.found && best.value < point.planned) take(k, best.motion, best.value, best.edges);
   }
