@@ -8,6 +8,7 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "landing/body/floor_constants.hpp"
+#include "landing/body/load.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/plan/body_goal.hpp"
 
@@ -190,7 +191,7 @@ void BodyAtlas::validate(const AtlasGrid& grid) const {
   constexpr std::array<const char*, AtlasGrid::kAxes> kWhy = {"the base keeps this robot from falling",
                                                               "the base of this robot has no forward speed",
                                                               "a robot on a rail keeps the pitch of its scene"};
-  scene_.validate();
+  scene_.validate(), refuse_loads(scene_, "atlas");
   const Drop& d = scene_.drop;
   const std::array<double, AtlasGrid::kAxes> own = {d.height, d.forward_speed, d.pitch};
   const auto has = axes_of(scene_.robot);

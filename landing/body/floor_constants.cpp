@@ -27,7 +27,7 @@ std::vector<double*> floor_constants(BodyScene& scene, const std::string& name) 
   const std::string key = dot == std::string::npos ? name : name.substr(dot + 1);
   for (ContactPoint& c : scene.robot.contacts) {
     const bool meant = dot == std::string::npos ? std::find(c.own.begin(), c.own.end(), key) == c.own.end()
-                                                : c.name == name.substr(0, dot);
+                                                : name[0] == '*' || c.name == name.substr(0, dot);
     if (double* const x = meant ? contact_constant(c, key) : nullptr) out.push_back(x);
   }
   return out;

@@ -43,8 +43,8 @@ double* contact_constant(ContactPoint& contact, const std::string& key);
 
 /// KEY: of every contact without a KEY of its own; CONTACT.KEY: of one; pitch. KEY is one of kContactKeys.
 std::vector<std::string> floor_constant_names(const Robot& robot);
-/// The numbers that a name stands for, which live in the scene; none for a name that there is not, or pads that there
-/// are not.
+/// The numbers that a name, or *.KEY (of every contact), stands for, which live in the scene; none for a name that
+/// there is not, or pads that there are not.
 std::vector<double*> floor_constants(BodyScene& scene, const std::string& name);
 
 }  // namespace ukemi::landing

@@ -124,6 +124,12 @@ std::vector<Load> read_loads(TomlFile& file, const BodyScene& scene) {
   return out;
 }
 
+void refuse_loads(const BodyScene& scene, const char* verb) {
+  if (!scene.loads.empty())
+    throw InputError(fmt::format(
+        "{}: the scene has [[load]], and it is of the peak acceleration alone: leave the tables out", verb));
+}
+
 void check(const Load& l, const Robot& robot) {
   const std::string what = "load " + quoted(l.name) + ": ";
   const Of of = named(l.kind).of;

@@ -16,6 +16,8 @@ std::string place_of(const Load& load, const Robot& robot);
 
 /// [[load]] of a scene whose robot and stops are read. Throws InputError with file:line:column.
 std::vector<Load> read_loads(TomlFile& file, const BodyScene& scene);
+/// Throws InputError where a scene has loads: `verb` looks at the peak acceleration alone.
+void refuse_loads(const BodyScene& scene, const char* verb);
 /// Throws InputError for a number outside its range, and for an index of nothing.
 void check(const Load& load, const Robot& robot);
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <utility>
 
 #include "common/parallel.hpp"
 #include "landing/body/load.hpp"
 #include "landing/derivatives/body_gradient.hpp"
+#include "landing/scatter/sampler.hpp"
 #include "landing/search/nlopt_solver.hpp"
 #include "landing/search/population.hpp"
 
@@ -94,6 +96,38 @@ BodyGoal execution_box(const BodyScene& scene, bool counts) {
   BodyGoal out{{Measure::Kind::kWorst}, execution_drops(strict(scene))};
   if (!counts) out.counted = 1;
   return out;
+}
+
+BodyGoals plan_goals(const BodyScene& scene, const BodyPlanOptions& options, long searched, long judging) {
+  const BodyGoal own = own_drop(scene);
+  const bool tolerant = options.goal == Goal::kTolerant;
+  if (!options.measure && tolerant) return {execution_box(scene, true), execution_box(scene, true)};
+  if (!options.measure) return {own, scene.limited() ? execution_box(scene, false) : own};
+  const BodyDropModel model(scene, scatter_for(options.scatter, scene),
+                            {.inflate = options.inflate, .inexact = tolerant});
+  if (!model.scatters()) return {own, own};
+  const double share = options.share.value_or(options.measure->share());
+  BodyGoals out{
+      {.measure = *options.measure, .drops = model.even(searched, options.seed), .share = share},
+      {.measure = *options.measure, .drops = model.even(judging, judging_seed(options.seed)), .share = share}};
+  // A standard error more than is promised, for the best of many was chosen by them.
+  if (options.share) out.judge.share = std::min(1.0, share + std::sqrt(share * (1 - share) / double(judging)));
+  return out;
+}
+
+long judging_drops(const BodyPlanOptions& options) {
+  constexpr double kBroken = 10, kMost = 4096;  // drops that may break a limit; that are played
+  if (!options.share) return options.judging;
+  const double needed = kBroken / std::max(1 - *options.share, kBroken / kMost);
+  return std::max(options.judging, long(std::bit_ceil(std::uint64_t(std::ceil(needed - 1e-6)))));
+}
+
+Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOptions& options) {
+  std::vector<BodyDrop> drops = judge.drops;
+  for (BodyDrop& d : drops) d.scene.limits.broken = BodyLimits::Broken::kTold;
+  PeaksOver over = peaks_over(drops, motion, options.measure ? kSearchAccuracy : options.accuracy, options.threads);
+  const double v = judge.measure.of(std::span(over.peaks).first(judge.counted));
+  return {std::isfinite(v) ? v : kNoMotion, over.broken <= judge.may_break()};
 }
 
 void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coordinates& start, double value,

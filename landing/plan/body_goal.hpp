@@ -8,6 +8,7 @@
 
 #include "landing/lanes/body_batch.hpp"
 #include "landing/plan/body_drops.hpp"
+#include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_space.hpp"
 
 namespace ukemi::landing {
@@ -58,6 +59,22 @@ void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int
 BodyGoal own_drop(const BodyScene& scene);
 /// The execution box: the goal (`counts`), or what keeps the limits.
 BodyGoal execution_box(const BodyScene& scene, bool counts);
+
+/// What a plan is searched by, and what its best few are judged by.
+struct BodyGoals {
+  BodyGoal search, judge;
+};
+/// Those of a scene; where its drops scatter under a measure, so many to search and to judge on.
+BodyGoals plan_goals(const BodyScene& scene, const BodyPlanOptions& options, long searched, long judging);
+/// Drops that judge, without a deadline: so many that a share that is asked for can be told from a smaller one.
+long judging_drops(const BodyPlanOptions& options);
+
+/// What a motion is worth by the drops that judge, each played to its end.
+struct Judged {
+  double value;       ///< kNoMotion where one of them cannot be followed
+  bool keeps_limits;  ///< in as many of them as are asked for
+};
+Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOptions& options);
 
 /// Follows the exact gradients of a goal in which the largest peak counts down from a place: the paper's SQP on
 /// min s subject to a_k(u) <= s, a_k the largest local maxima of the goal's landings. `play` plays each point that is

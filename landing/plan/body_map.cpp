@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/csv.hpp"
+#include "landing/body/load.hpp"
 #include "landing/judge/peak_grid.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/search/cma.hpp"
@@ -85,8 +86,7 @@ Coordinates held_slice(const BodySpace& space, const BodyScene& scene) {
 }
 
 BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
-  if (!scene.loads.empty())
-    throw InputError("map: the scene has [[load]], and a map is of the peak acceleration: leave the tables out");
+  refuse_loads(scene, "map");
   scene.validate();
   const BodySpace space(scene);
   const auto motion = [&](const PeakMap& map, const PeakMap::Place& at) {

@@ -138,53 +138,28 @@ class BodySearch {
   }
   /// What is searched for, and what the best few are judged by: over drops as many as the deadline has time for.
   void set_goals() {
-    final_ = judge_ = own_drop(scene_);
-    const bool tolerant = options_.goal == Goal::kTolerant;
-    if (!options_.measure && tolerant) final_ = judge_ = execution_box(scene_, true);
-    if (!options_.measure && !tolerant && scene_.limited()) judge_ = execution_box(scene_, false);
-    if (!options_.measure) return;
-    const BodyDropModel model(scene_, scatter_for(options_.scatter, scene_),
-                              {.inflate = options_.inflate, .inexact = tolerant});
-    if (!model.scatters()) return;
-    long searched = options_.samples, judging = judging_drops();
-    if (options_.deadline) {
+    long searched = options_.samples, judging = judging_drops(options_);
+    if (options_.measure && options_.deadline) {
       constexpr double kSearched = 0.5, kMotions = 150, kJudging = 0.2;  // parts of the deadline; motions in the first
       const double before = watch_.seconds();
       (void)peak_acceleration(scene_, out_.hold, {.accuracy = kSearchAccuracy});
       const double each = (watch_.seconds() - before) / thread_count(options_.threads) / *options_.deadline;
-      const auto fit = [&](long most, double landings) {
-        const auto fewest = std::min(8L, most);
-        return long(std::bit_floor(std::uint64_t(std::clamp(landings, double(fewest), double(most)))));
+      const auto fit = [](long most, double landings) {
+        const double fewest = double(std::min(8L, most));
+        return long(std::bit_floor(std::uint64_t(std::clamp(landings, fewest, double(most)))));
       };
       searched = fit(searched, kSearched / (kMotions * each));
       judging = fit(judging, kJudging / (double(kJudged + 1) * each));
     }
-    const auto over = [&](std::vector<BodyDrop> drops) {
-      return BodyGoal{.measure = *options_.measure,
-                      .drops = std::move(drops),
-                      .share = options_.share.value_or(options_.measure->share())};
-    };
-    final_ = over(model.even(searched, options_.seed));
-    judge_ = over(model.even(judging, judging_seed(options_.seed)));
-    if (options_.share) judge_.share = judged_share(*options_.share, judge_.drops.size());
-  }
-  /// So many that a share that is asked for can be told from a smaller one.
-  long judging_drops() const {
-    constexpr double kBroken = 10;  // drops that may break a limit
-    if (!options_.share) return options_.judging;
-    const double needed = kBroken / std::max(1 - *options_.share, kBroken / 4096);
-    return std::max(options_.judging, long(std::bit_ceil(std::uint64_t(std::ceil(needed - 1e-6)))));
-  }
-  /// Of the judging drops: a standard error more than is promised, for the best of many was chosen by them.
-  static double judged_share(double share, std::size_t drops) {
-    return std::min(1.0, share + std::sqrt(share * (1 - share) / double(drops)));
+    BodyGoals goals = plan_goals(scene_, options_, searched, judging);
+    final_ = std::move(goals.search), judge_ = std::move(goals.judge);
   }
   void judge_held() {
     if (no_landing(out_.held.end)) return;
     out_.held_value = worth(scene_, out_.held);
     if (!judge_.single()) {
       const double begin = watch_.seconds();
-      const Judged held = judged(out_.hold);
+      const Judged held = judged(judge_, out_.hold, options_);
       out_.held_value = held.value, out_.held_keeps_limits = held.keeps_limits;
       spent_ += options_.measure ? long(judge_.drops.size()) : 0;
       if (options_.deadline) reserve_ += double(kJudged) * (watch_.seconds() - begin);
@@ -324,19 +299,6 @@ class BodySearch {
       if (p.value < kNoMotion) basins_.add(p);
   }
 
-  struct Judged {
-    double value;  ///< on the drops that judge; kNoMotion where one of them cannot be followed
-    bool keeps_limits;
-  };
-  Judged judged(const BodyMotion& motion) const {
-    std::vector<BodyDrop> drops = judge_.drops;
-    for (BodyDrop& d : drops) d.scene.limits.broken = BodyLimits::Broken::kTold;
-    PeaksOver over =
-        peaks_over(drops, motion, options_.measure ? kSearchAccuracy : options_.accuracy, options_.threads);
-    const double v = judge_.measure.of(std::span(over.peaks).first(judge_.counted));
-    return {std::isfinite(v) ? v : kNoMotion, over.broken <= judge_.may_break()};
-  }
-
   /// The best few at a tight accuracy: many a best stands on a cliff. Those of a measure on other drops.
   void judge() {
     std::size_t n = 0;
@@ -345,7 +307,7 @@ class BodySearch {
       if (options_.measure && n++ >= kJudged) break;
       if (options_.deadline && out_.value < out_.held_value && watch_.seconds() > *options_.deadline) break;
       const BodyMotion motion = space_.motion(p.u);
-      const Judged by = judge_.single() ? Judged{0, true} : judged(motion);
+      const Judged by = judge_.single() ? Judged{0, true} : judged(judge_, motion, options_);
       double value = by.value;
       if (!by.keeps_limits || (out_.found && !(value < out_.value))) continue;
       const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
@@ -365,10 +327,10 @@ class BodySearch {
   std::string held_breaks() const {
     const BrokenLimit& b = out_.held.broken;
     if (!b) return "";
-    const bool contact = b.kind == BrokenLimit::Kind::kForbidden;
-    const std::string& name = b.kind == BrokenLimit::Kind::kLoad ? scene_.loads[std::size_t(b.index)].name
-                              : contact                          ? scene_.robot.contacts[std::size_t(b.index)].name
-                                                                 : scene_.robot.joints[std::size_t(b.index)].name;
+    const auto i = std::size_t(b.index);
+    const std::string& name = b.kind == BrokenLimit::Kind::kLoad        ? scene_.loads[i].name
+                              : b.kind == BrokenLimit::Kind::kForbidden ? scene_.robot.contacts[i].name
+                                                                        : scene_.robot.joints[i].name;
     return fmt::format("; holding breaks them after {:.3g} s: {}, {}", b.t, name, words(b.kind));
   }
 

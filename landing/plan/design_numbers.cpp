@@ -67,23 +67,21 @@ void add_link(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i)
 
 /// "pad.thickness" of the files is pad_thickness of the table.
 std::string in_files(const std::string& key) { return key.rfind("pad_", 0) == 0 ? "pad." + key.substr(4) : key; }
-/// A constant of some contacts.
-DesignNumber contact_number(const std::string& to, const std::string& key,
-                            const std::function<bool(const ContactPoint&)>& meant) {
+/// Constants of contacts, by the name that floor_constants knows; `to` in front of the key of files.
+DesignNumber contact_number(const std::string& to, const std::string& key, const std::string& name) {
+  const bool thickness = key == "pad_thickness";
   return {to + in_files(key),
           [=](const BodyScene& s) {
-            for (const ContactPoint& c : s.robot.contacts)
-              if (const double* x = meant(c) ? contact_constant(const_cast<ContactPoint&>(c), key) : nullptr) return *x;
-            return key == "pad_thickness" ? 0 : kNothing;
+            const std::vector<double*> all = floor_constants(const_cast<BodyScene&>(s), name);
+            return all.empty() ? thickness ? 0 : kNothing : *all.front();
           },
           [=](BodyScene& s, double value) {
-            bool any = false;
+            const std::vector<double*> all = floor_constants(s, name);
+            if (all.empty())
+              throw InputError(to + in_files(key) + ": there is no pad: its stiffness and damping are needed");
+            for (double* const x : all) *x = value;
             for (ContactPoint& c : s.robot.contacts)
-              if (double* const x = meant(c) ? contact_constant(c, key) : nullptr) {
-                any = true, *x = value;
-                if (key == "pad_thickness" && value == 0) c.pad.reset();
-              }
-            if (!any) throw InputError(to + in_files(key) + ": there is no pad: its stiffness and damping are needed");
+              if (thickness && c.pad && c.pad->thickness == 0) c.pad.reset();
           }};
 }
 
@@ -92,16 +90,11 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
   const Robot& robot = scene.robot;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) add_drive(out, robot, i);
   for (std::size_t i = 0; i < robot.links.size(); ++i) add_link(out, robot, i);
-  for (const char* const key : kContactKeys) {
-    const std::string text = key;
+  for (const std::string key : kContactKeys) {
     for (const ContactPoint& c : robot.contacts)
-      out.push_back(contact_number("robot.contact." + c.name + ".", text,
-                                   [name = c.name](const ContactPoint& p) { return p.name == name; }));
-    out.push_back(contact_number("robot.contact.*.", text, [](const ContactPoint&) { return true; }));
-    if (text.rfind("pad_", 0) == 0) continue;
-    out.push_back(contact_number("floor.", text, [text](const ContactPoint& p) {
-      return std::find(p.own.begin(), p.own.end(), text) == p.own.end();
-    }));
+      out.push_back(contact_number("robot.contact." + c.name + ".", key, c.name + "." + key));
+    out.push_back(contact_number("robot.contact.*.", key, "*." + key));
+    if (key.rfind("pad_", 0) != 0) out.push_back(contact_number("floor.", key, key));
   }
   for (std::size_t i = 0; i < scene.loads.size(); ++i)
     out.push_back(

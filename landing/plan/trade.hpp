@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,31 +15,31 @@ struct TradeAxis {
   std::vector<double> values;  ///< at least two, rising, in the unit of its key
 };
 
-/// A design, and what it is worth by the goal of the plans [m/s^2]. kNoMotion: some landing could not be followed,
-/// or the limits are not kept.
+/// A design, and what it is worth by the goal of the plans [m/s^2]. At least kNoMotion: some landing could not be
+/// followed, the limits are not kept, or the trade was stopped before.
 struct TradePoint {
-  std::vector<double> at;  ///< a value of each axis
-  double held = 0;         ///< of the held posture
-  double unchanged = 0;    ///< of the motion that is planned for the middle design
-  double planned = 0;      ///< of `motion`
-  double peak = 0;         ///< of `motion`, in the scene's own drop
-  BodyMotion motion;       ///< the best that was found for this design; holding where nothing was better
-  Edges edges{};           ///< of the ranges that it lies on
-  bool found = false;
-  bool neighbours = false;  ///< the motion comes from that of a neighbour
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  std::vector<double> at;    ///< a value of each axis
+  double held = kNone;       ///< of the held posture
+  double unchanged = kNone;  ///< of the motion that is planned for the middle design
+  double planned = kNone;    ///< of `motion`
+  double peak = kNone;       ///< of `motion`, in the scene's own drop
+  BodyMotion motion;         ///< the best that was found for this design; holding where nothing was better
+  Edges edges{};             ///< of the ranges that it lies on
+  bool found() const { return !motion.empty(); }
 };
 
 struct TradeOptions {
-  BodyPlanOptions search;  ///< of each plan; without a deadline. `starts`, `rate` and `fresh` have no meaning
+  /// Of each plan; without a deadline. `starts`, `rate`, `fresh` and `monitor` have no meaning.
+  BodyPlanOptions search;
   std::function<void(BodyScene&)> prepare;  ///< last, of each design's scene, as respect_ratings
-  Monitor monitor;                          ///< plans done, of how many at least
+  Monitor monitor;                          ///< plans done, of how many at least; stopped: what is planned so far
 };
 
 struct Trade {
   std::vector<TradeAxis> axes;
-  std::vector<TradePoint> points;   ///< the last axis changes first
-  std::size_t middle = 0;           ///< index of the middle design
-  std::vector<Variable> variables;  ///< of the motions
+  std::vector<TradePoint> points;  ///< the last axis changes first
+  std::size_t middle = 0;          ///< index of the middle design
   long plans = 0;
 };
 

@@ -42,7 +42,14 @@ TEST_CASE("a load that cannot be is refused where it stands") {
   refused(kNoTouch + "limit = false\n", {"limit", "true is needed"});
   refused(kKnee + "unit = \"Nm\"\n", {"unknown key", "unit"});
   write_scene(f, kKnee);
-  check_refused(f, Arguments{"map", "scene.toml", "--vary", "duration"} + kOut, {"[[load]]", "leave the tables out"});
+  const std::vector<std::string> kLeaveOut = {"[[load]]", "leave the tables out"};
+  check_refused(f, Arguments{"map", "scene.toml", "--vary", "duration"} + kOut, kLeaveOut);
+  check_refused(
+      f,
+      Arguments{"compare", "--nominal", "hip=" + kTable2, "--identified", "hip=" + kTable2, "--scene", "scene.toml"} +
+          kOut,
+      kLeaveOut);
+  check_refused(f, Arguments{"atlas", "scene.toml", "--height", "0.2:0.3:2"} + kOut, kLeaveOut);
   check_refused(f, Arguments{"optimize", "scene.toml", "--share", "0.9"} + kOut, {"--share", "--robust is needed"});
   check_refused(f, Arguments{"optimize", "scene.toml", "--robust", "mean", "--share", "2"} + kOut, {"--share: 2"});
   f.write("paper.toml", read(kPaper) + "\n" + kKnee);

@@ -62,7 +62,7 @@ TEST_CASE("legs: no plan of a trade is worse than holding, the middle's motion o
     CHECK(t.points[2].unchanged == t.points[2].planned);
     for (std::size_t k = 0; k < t.points.size(); ++k) {
       const TradePoint& p = t.points[k];
-      REQUIRE(p.found);
+      REQUIRE(p.found());
       CHECK(p.planned < p.held);
       CHECK(p.planned <= p.unchanged * (1 + 1e-6));
       BodyScene s = scene;
@@ -86,9 +86,29 @@ TEST_CASE("legs: a trade of two numbers, under scatter and within ratings") {
   const Trade t = trade(scene, {{"drop.height", {0.2, 0.3}}, {"drive.knee.speed_max", {5, 20}}}, options);
   REQUIRE(t.points.size() == 4);
   CHECK(t.points[1].at == std::vector<double>{0.2, 20});
-  for (const TradePoint& p : t.points) CHECK(p.found);
+  for (const TradePoint& p : t.points) CHECK(p.found());
   CHECK(t.points[1].planned <= t.points[3].planned);  // from lower
   CHECK(t.points[1].planned <= t.points[0].planned);  // a faster motor is no loss
   CHECK_THROWS_WITH(trade(scene, {{"drop.height", {0.3, 0.2}}}, options), Contains("that rise"));
   CHECK_THROWS_WITH(trade(scene, {}, options), Contains("one or two"));
+}
+
+TEST_CASE("legs: a trade that is stopped tells nothing of designs that were not planned") {
+  const BodyScene scene = legs::shipped("hopper");
+  bool planned = false;
+  TradeOptions options;
+  options.search.evaluations = 200;
+  options.monitor = {[&](long done, long) { planned = done > 0; }, [&] { return planned; }};
+  const Trade t = trade(scene, {{"drive.knee.k_p", {25, 50, 100}}}, options);
+  CHECK(t.plans == 1);
+  for (std::size_t k = 0; k < t.points.size(); ++k) {
+    const TradePoint& p = t.points[k];
+    CHECK(p.found() == (k == t.middle));
+    for (const double value : {p.held, p.planned, p.peak}) CHECK((value < kNoMotion) == (k == t.middle));
+  }
+  planned = true;  // before anything is planned
+  for (const TradePoint& p : trade(scene, {{"drive.knee.k_p", {25, 50}}}, options).points) {
+    CHECK_FALSE(p.found());
+    CHECK_FALSE(std::min({p.held, p.unchanged, p.planned, p.peak}) < kNoMotion);
+  }
 }

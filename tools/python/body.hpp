@@ -15,6 +15,14 @@ landing::BodyMotion motions_of(const landing::BodyScene& scene, const JointMotio
 /// Those of the driven joints, in the robot's order.
 py::dict by_joint(const landing::Robot& robot, const landing::BodyMotion& motion);
 
+/// The scene with limits beside its stops.
+landing::BodyScene limited(landing::BodyScene scene, const std::vector<std::string>& forbidden, bool ratings);
+/// What optimize and trade have in common; checked for the scene.
+landing::BodyPlanOptions plan_options(const landing::BodyScene& scene, std::uint64_t seed, const std::string& objective,
+                                      std::optional<long> evaluations, const std::optional<std::string>& robust,
+                                      const std::optional<std::string>& scatter, double inflate, long samples,
+                                      int threads);
+
 /// A landing with the rate of its trajectory [Hz].
 struct BodyPlayed {
   landing::CheckedBody checked;

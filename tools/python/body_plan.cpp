@@ -80,16 +80,30 @@ void bind_body_optimum(py::module_& m) {
       [](const BodyOptimum& o) { return o.options.seed; });
 }
 
-/// The scene with limits beside its stops.
+}  // namespace
+
 BodyScene limited(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
   forbid(scene, forbidden);
   if (ratings) (void)respect_ratings(scene);
   return scene;
 }
+BodyPlanOptions plan_options(const BodyScene& scene, std::uint64_t seed, const std::string& objective,
+                             std::optional<long> evaluations, const std::optional<std::string>& robust,
+                             const std::optional<std::string>& scatter, double inflate, long samples, int threads) {
+  BodyPlanOptions out;
+  out.goal = goal_of(objective), out.evaluations = evaluations;
+  if (robust) out.measure = Measure::parse("robust", *robust);
+  out.scatter = asked_scatter(scatter), out.inflate = inflation(inflate), out.samples = samples;
+  out.seed = seed, out.threads = threads;
+  out.validate();
+  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // refuses what this base has not
+  return out;
+}
+
+namespace {
 
 BodyOptimum planned(const BodyScene& scene, BodyPlanOptions options) {
   options.validate();
-  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses what this base has not
   return long_call([&](const std::function<bool()>& stop) {
     options.monitor.stop = stop;
     BodyOptimum out{scene, plan(scene, options), options};
@@ -105,11 +119,9 @@ void bind_body_optimize(py::module_& m) {
          std::optional<double> deadline, const std::optional<std::string>& robust,
          const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads,
          const std::vector<std::string>& forbidden, bool ratings) {
-        BodyPlanOptions options;
-        options.goal = goal_of(objective), options.evaluations = evaluations, options.deadline = deadline;
-        if (robust) options.measure = Measure::parse("robust", *robust);
-        options.scatter = asked_scatter(scatter), options.inflate = inflation(inflate), options.samples = samples;
-        options.seed = seed, options.threads = threads, options.rate = checked_rate(rate);
+        BodyPlanOptions options =
+            plan_options(scene, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
+        options.deadline = deadline, options.rate = checked_rate(rate);
         return planned(limited(scene, forbidden, ratings), options);
       },
       py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),

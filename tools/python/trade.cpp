@@ -28,9 +28,9 @@ py::list designs_of(const TradeResult& r) {
     py::dict at, point;
     for (std::size_t a = 0; a < r.trade.axes.size(); ++a) at[r.trade.axes[a].name.c_str()] = p.at[a];
     point["at"] = at, point["held"] = worth(p.held), point["unchanged"] = worth(p.unchanged);
-    point["planned"] = p.found ? worth(p.planned) : py::none();
-    point["peak"] = p.found ? py::cast(p.peak) : py::none();
-    point["motions"] = p.found ? py::object(by_joint(r.scene.robot, p.motion)) : py::none();
+    point["planned"] = worth(p.planned);
+    point["peak"] = worth(p.peak);
+    point["motions"] = p.found() ? py::object(by_joint(r.scene.robot, p.motion)) : py::none();
     out.append(point);
   }
   return out;
@@ -70,21 +70,14 @@ void bind_trade(py::module_& m) {
          std::optional<long> evaluations, const std::optional<std::string>& robust,
          const std::optional<std::string>& scatter, double inflate, long samples, int threads,
          const std::vector<std::string>& forbidden, bool ratings) {
-        TradeOptions options;
-        BodyPlanOptions& search = options.search;
-        search.goal = goal_of(objective), search.evaluations = evaluations;
-        if (robust) search.measure = Measure::parse("robust", *robust);
-        search.scatter = asked_scatter(scatter), search.inflate = inflation(inflate), search.samples = samples;
-        search.seed = seed, search.threads = threads;
+        const BodyScene kept = limited(scene, forbidden, false);
+        TradeOptions options{
+            .search = plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads)};
         if (ratings) options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
-        BodyScene limited = scene;
-        forbid(limited, forbidden);
-        const std::vector<TradeAxis> axes = axes_of(limited, vary);
+        const std::vector<TradeAxis> axes = axes_of(kept, vary);
         return long_call([&](const std::function<bool()>& stop) {
-          options.monitor.stop = stop, search.monitor.stop = stop;
-          TradeResult out{limited, trade(limited, axes, options), search};
-          out.search.monitor = {};
-          return out;
+          options.monitor.stop = stop;
+          return TradeResult{kept, trade(kept, axes, options), options.search};
         });
       },
       py::arg("scene"), py::arg("vary"), py::arg("seed") = 1, py::arg("objective") = "peak",

@@ -26,15 +26,13 @@ Quantities<TradePoint> trade_quantities(const BodyScene& scene, const Trade& tra
   out.push_back({"held", "held", "held" + unit, "{:.4g}", [](auto& p) { return worth(p.held); }});
   out.push_back(
       {"unchanged", "unchanged", "the middle's motion" + unit, "{:.4g}", [](auto& p) { return worth(p.unchanged); }});
-  out.push_back({"planned", "planned", goal + ", planned" + unit, "{:.4g}",
-                 [](auto& p) { return p.found ? worth(p.planned) : Json(); }});
-  out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.4g}",
-                 [](auto& p) { return p.found ? Json(p.peak) : Json(); }});
-  const auto found = std::find_if(trade.points.begin(), trade.points.end(), [](auto& p) { return p.found; });
+  out.push_back({"planned", "planned", goal + ", planned" + unit, "{:.4g}", [](auto& p) { return worth(p.planned); }});
+  out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.4g}", [](auto& p) { return worth(p.peak); }});
+  const auto found = std::find_if(trade.points.begin(), trade.points.end(), [](auto& p) { return p.found(); });
   if (found != trade.points.end())
     for (const Quantity<BodyMotion>& q : motion_quantities(scene.robot, found->motion))
       out.push_back({q.csv, q.json.empty() ? "" : "motion/" + q.json, q.words, q.format,
-                     [value = q.value](const TradePoint& p) { return p.found ? value(p.motion) : Json(); }});
+                     [value = q.value](const TradePoint& p) { return p.found() ? value(p.motion) : Json(); }});
   return out;
 }
 
@@ -45,7 +43,7 @@ void draw(const Trade& trade, const std::string& goal, Report& page) {
       if (const double v = of(p); v < kNoMotion) s.x.push_back(p.at[0]), s.y.push_back(v);
     return s;
   };
-  const auto planned = [](const TradePoint& p) { return p.found ? p.planned : kNoMotion; };
+  const auto planned = [](const TradePoint& p) { return p.planned; };
   if (trade.axes.size() == 1) {
     page.plot("trade", trade.axes[0].name, goal,
               {curve("planned for each", planned), curve("the middle's motion", [](auto& p) { return p.unchanged; }),
@@ -77,9 +75,9 @@ int report(const BodyScene& scene, const Trade& trade, const BodyPlanOptions& se
   const TradePoint* best = nullptr;
   long missing = 0, edges = 0;
   for (const TradePoint& p : trade.points) {
-    missing += !p.found;
+    missing += !p.found();
     edges += std::any_of(p.edges.begin(), p.edges.end(), [](auto e) { return e != 0; });
-    if (p.found && (!best || p.planned < best->planned)) best = &p;
+    if (p.found() && (!best || p.planned < best->planned)) best = &p;
   }
   if (missing > 0)
     run.warn(fmt::format("{} of {} designs: no motion was found{}", missing, trade.points.size(),

@@ -1,6 +1,7 @@
 #include "tools/study/body_comparison.hpp"
 
 #include "common/error.hpp"
+#include "landing/body/load.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/scatter/sampler.hpp"
 
@@ -54,8 +55,7 @@ bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions&
 }  // namespace
 
 BodyComparison compare(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options) {
-  if (!scenes[0].loads.empty())
-    throw InputError("compare: the scene has [[load]], and it compares peak accelerations: leave the tables out");
+  refuse_loads(scenes[0], "compare");
   BodyComparison out{.scenes = scenes, .constants = drive_differences(scenes)};
   BodyPlanOptions search = options.search;
   search.measure.reset(), search.scatter.reset(), search.fresh = 0;

@@ -307,8 +307,7 @@ void add_atlas(CLI::App& app, Action& chosen) {
   verb->add_option("--speed", args->speed, "LO:HI:N, forward speeds [m/s]; not of a robot on a rail");
   verb->add_option("--pitch-deg", args->pitch,
                    "LO:HI:N, pitches of the thigh, of a robot of links of its first link [deg]; not on a rail");
-  add_choice<Goal>(*verb, "--objective", args->goal, {{"peak", Goal::kPeak}, {"tolerant", Goal::kTolerant}},
-                   "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
+  add_objective(*verb, args->goal);
   verb->add_option("--evaluations", args->evaluations,
                    "motions tried for each drop [3000; tolerant 1000]; with --robust landings [12000]; of a robot of "
                    "links in proportion to the variables of its motions, of which the paper's has 3");

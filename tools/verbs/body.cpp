@@ -218,36 +218,48 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   return report(checked, beside ? held_beside(checked, rate) : std::nullopt, a.exports, run);
 }
 
-int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
-  const Stopwatch watch(Stopwatch::Time::kWall);
-  Run run("optimize", common);
+BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
   refuse(!a.scatter.drops.empty(), "--drops");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a.scene, a.actuators, run);
-  check_exports(a.exports, scene.robot);
   apply_freedom(a.freedom, scene);
   forbid(scene, a.forbid, "--forbid");
-  if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
-  const double rate = rate_of(a.rate);
-  constexpr double kShort = 2, kWriting = 0.02;  // [s]
-  BodyPlanOptions options;
-  options.goal = a.goal, options.evaluations = a.evaluations;
-  if (a.robust) options.measure = Measure::parse("--robust", *a.robust);
-  if (a.samples) options.samples = *a.samples;
+  return scene;
+}
+
+BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& common, const BodyScene& scene,
+                             Run& run) {
+  BodyPlanOptions out;
+  out.goal = a.goal, out.evaluations = a.evaluations;
+  if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
+  if (a.samples) out.samples = *a.samples;
   if (a.share && !a.robust) throw InputError("--share: of drops that scatter: --robust is needed");
   if (a.share && !(*a.share > 0 && *a.share <= 1))
     throw InputError(fmt::format("--share: {}: above 0 to 1 is needed", *a.share));
-  options.share = a.share;
-  options.scatter = scatter_of(a.scatter), options.inflate = inflate_of(a.scatter, scene, run);
-  options.seed = common.seed, options.threads = common.threads;
+  out.share = a.share;
+  out.scatter = scatter_of(a.scatter), out.inflate = inflate_of(a.scatter, scene, run);
+  out.seed = common.seed, out.threads = common.threads;
+  out.validate();
+  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // refuses numbers that this base does not have
+  return out;
+}
+
+int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
+  const Stopwatch watch(Stopwatch::Time::kWall);
+  Run run("optimize", common);
+  BodyScene scene = scene_to_plan(a, run);
+  check_exports(a.exports, scene.robot);
+  if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
+  const double rate = rate_of(a.rate);
+  constexpr double kShort = 2, kWriting = 0.02;  // [s]
+  BodyPlanOptions options = plan_options(a, common, scene, run);
   options.deadline = a.deadline;
   options.validate();
   const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
                      a.exports.has(Exports::Format::kPlotJuggler);
   options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
-  if (options.scatter) (void)BodyDropModel(scene, *options.scatter);  // refuses numbers that this base does not have
   options.monitor = run.monitor(options.measure ? "optimize, landings" : "optimize, motions");
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)

@@ -7,6 +7,7 @@
 
 #include "landing/judge/map.hpp"
 #include "landing/plan/body_drops.hpp"
+#include "landing/plan/body_plan.hpp"
 #include "tools/verbs/runs.hpp"
 
 namespace ukemi::tools {
@@ -24,6 +25,12 @@ landing::BodyScene body_of(const std::string& path, const std::vector<std::strin
 void refuse(bool given, const char* option);
 /// Likewise a release of the joint, which a robot of links does not have; else what else a plan may have.
 void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene);
+/// What optimize and trade plan: the scene with its drives, what a motion may be, what must not touch. Throws
+/// InputError for options that robots of links do not have.
+landing::BodyScene scene_to_plan(const OptimizeArguments& arguments, Run& run);
+/// How: goal, effort and scatter, seed and threads; without deadline, rate and monitor.
+landing::BodyPlanOptions plan_options(const OptimizeArguments& arguments, const CommonOptions& common,
+                                      const landing::BodyScene& scene, Run& run);
 /// Their --scatter; their --inflate, checked.
 std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);
 double inflate_of(const ScatterArguments& arguments, const landing::BodyScene& scene, Run& run);

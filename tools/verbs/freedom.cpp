@@ -15,6 +15,11 @@ namespace ukemi::tools {
 
 using namespace landing;
 
+void add_objective(CLI::App& verb, Goal& goal) {
+  add_choice<Goal>(verb, "--objective", goal, {{"peak", Goal::kPeak}, {"tolerant", Goal::kTolerant}},
+                   "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
+}
+
 void add_freedom(CLI::App& verb, FreedomArguments& a) {
   verb.add_option("--bumps", a.bumps, "shape terms of the motion, 0 to 4 [0, or the scene's]");
   verb.add_option("--landing-gains", a.gains, "LO:HI: factors of K_p and K_d from the touchdown on, searched too");

@@ -1,5 +1,5 @@
-// Options that several verbs share: what motions of a scene may have besides the paper's three numbers, and how the
-// joint hangs at release. They stand for [motion] and [release] of the scene.
+// Options that several verbs share: the objective; what motions of a scene may have besides the paper's three numbers,
+// and how the joint hangs at release, which stand for [motion] and [release] of the scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "landing/model/scene.hpp"
+#include "landing/search/goal.hpp"
 #include "tools/program/output.hpp"
 
 namespace ukemi::tools {
@@ -16,6 +17,8 @@ struct FreedomArguments {
   std::optional<std::string> gains;                       ///< LO:HI
   std::optional<double> release_phi, release_rate, from;  ///< deg, deg/s, s
 };
+/// --objective peak or tolerant.
+void add_objective(CLI::App& verb, landing::Goal& goal);
 void add_freedom(CLI::App& verb, FreedomArguments& arguments);
 /// What they say of bumps and gains, instead of what a scene says. Throws InputError.
 void apply(const FreedomArguments& arguments, landing::Freedom& freedom);

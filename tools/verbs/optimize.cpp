@@ -122,12 +122,7 @@ void add_optimize(CLI::App& app, Action& chosen) {
   for (const std::string& n : solver_names()) names += n + ", ";
   verb->add_option("--solver", args->solver,
                    names + "or compare: all of them, side by side, each with its part of a --deadline [auto]");
-  verb->add_option_function<std::string>(
-      "--objective",
-      [args](const std::string& s) {
-        args->goal = choice<Goal>("--objective", s, {{"peak", Goal::kPeak}, {"tolerant", Goal::kTolerant}});
-      },
-      "peak, or tolerant: the worst peak within the scene's [execution] tolerance [peak]");
+  add_objective(*verb, args->goal);
   verb->add_option("--evaluations", args->evaluations,
                    "how many motions are tried in all, with --robust landings [40000; tolerant 10000, of a robot of "
                    "links 5000; with n > 3 "
