@@ -234,8 +234,9 @@ TEST_CASE("search: a planner in the air answers as the search does, time after t
     now.drop.height = height - 0.5 * g * gone * gone, now.drop.vertical_speed = -g * gone;
     now.release = Release{phi, 0, deadline};
     CHECK(plan.value == Approx(peak_acceleration(now, sea, plan.motion, {.accuracy = 1e-10}).peak).epsilon(1e-7));
-    // What was found before is tried again, its end where it was, though its move begins later now.
-    if (last) {
+    // What was found before is tried again, its end where it was, though its move begins later now: a move that would
+    // have ended before that is no motion any more.
+    if (last && last->motion.reposition->to - gone > deadline) {
       Motion kept = last->motion;
       kept.reposition->from = deadline, kept.reposition->to -= gone;
       CHECK(plan.value <= peak_acceleration(now, sea, kept, {.accuracy = 1e-10}).peak * 1.001);
