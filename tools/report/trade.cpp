@@ -30,9 +30,7 @@ Quantities<TradePoint> trade_quantities(const BodyScene& scene, const Trade& tra
   out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.4g}", [](auto& p) { return worth(p.peak); }});
   const auto found = std::find_if(trade.points.begin(), trade.points.end(), [](auto& p) { return p.found(); });
   if (found != trade.points.end())
-    for (const Quantity<BodyMotion>& q : motion_quantities(scene.robot, found->motion))
-      out.push_back({q.csv, q.json.empty() ? "" : "motion/" + q.json, q.words, q.format,
-                     [value = q.value](const TradePoint& p) { return p.found() ? value(p.motion) : Json(); }});
+    append(out, "motion/", motion_quantities(scene.robot, found->motion), &TradePoint::motion, &TradePoint::found);
   return out;
 }
 

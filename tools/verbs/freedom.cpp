@@ -9,6 +9,7 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/command.hpp"
 #include "tools/program/output.hpp"
 
 namespace ukemi::tools {
