@@ -61,6 +61,7 @@ class TableOf {
     t.role = Term::Role::kConstant;
     t.lower = k.lower, t.upper = k.upper, t.judged_size = k.judged;
     t.moves = {t.name};
+    if (t.name.rfind("robot.link.", 0) == 0) t.alias = t.name.substr(6);
     const double given = number_of(robot_, t.name);
     t.size = std::isfinite(given) && given != 0 && k.lower >= 0 ? std::abs(given) : k.size;
     t.smallest_part = k.lower == 0 && std::string(k.key) == "i_motor" ? 1e-6 : 0;
@@ -157,7 +158,5 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
   out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table.out));
   return out;
 }
-
-std::string robot_term_name(const std::string& given) { return given.rfind("link.", 0) == 0 ? "robot." + given : given; }
 
 }  // namespace ukemi::tools

@@ -51,8 +51,6 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing
 /// start.JOINT.spring, added to what the log says. Chosen: no constant, every start. A centre of mass stays within its
 /// link, an inertia below that of all its mass at the link's ends.
 identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vector<RobotTrial>& trials);
-/// A term's name of what a user may call it.
-std::string robot_term_name(const std::string& given);
 
 struct RobotFitOptions : CalibrationOptions {
   RobotFitOptions() { restarts = 0; }
