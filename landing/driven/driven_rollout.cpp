@@ -42,16 +42,15 @@ class DrivenRun {
     }
     row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
     take(row_ > 0 ? row_ - 1 : 0);
-    choose_step();
   }
-  /// To `until`, in steps that end at the commands' edges.
+  /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
   bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
+    const long n = long(std::ceil((until - t_) / options.step - 1e-9));
     while (true) {
       const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay
                                                     : std::numeric_limits<double>::infinity();
       const double to = std::min(until, edge);
       if (const double length = to - t_; length > 0) {
-        const long n = long(std::ceil(length / std::min(options.step, stable_) - 1e-9));
         if ((out.steps += n) > options.most) return false;
         for (long k = 0; k < n; ++k) step(length / double(n));
         t_ = to;
@@ -68,6 +67,36 @@ class DrivenRun {
       to[kAngle].push_back(s.phi), to[kRate].push_back(s.dphi);
       to[kTorque].push_back(of(i).report_gain * asked(i, s));
     }
+  }
+  /// See stable_step.
+  double stable() const {
+    double fastest = 1;  // [1/s]
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const JointConstants<double>& d = system_.drive[i];
+      State still = State::Zero(), dy;
+      for (int j = 0; j < system_.body.bodies; ++j) still[System::kTheta + j] = y_[System::kTheta + j];
+      std::array<double, 2> acc{};
+      for (const double torque : {0.0, 1.0}) {
+        system_.derivative_under(still, dy, [&](int k, double*) { return k == i ? torque : 0.0; });
+        const JointPlace& at = system_.body.joint[i];
+        acc[torque > 0] = dy[System::kOmega + at.child] - (at.parent < 0 ? 0 : dy[System::kOmega + at.parent]);
+      }
+      double inverse = acc[1] - acc[0], dry = d.sea.friction, viscous = d.sea.viscous + d.damping;
+      double stiff = d.stiffness + d.parallel_stiffness;
+      if (d.kind == DriveKind::kElastic) {
+        inverse += 1 / d.sea.i_motor, dry += d.sea.output_friction, viscous += d.sea.output_viscous + d.sea.c_sea;
+        stiff += d.sea.k_sea;
+      }
+      const auto& told = commands_.joint[std::size_t(system_.body.joint[i].joint)];
+      const auto most = [&](Told what, double otherwise) {
+        return told[what].empty() ? otherwise : *std::max_element(told[what].begin(), told[what].end());
+      };
+      viscous += of(i).torque_gain * most(kKd, d.sea.k_d), stiff += of(i).torque_gain * most(kKp, d.sea.k_p);
+      const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
+      fastest = std::max({fastest, inverse * damping, std::sqrt(inverse * stiff)});
+    }
+    constexpr double kPart = 2, kLongest = 1e-3;  // of the decay: the method holds up to 2.78; [s]
+    return std::min(kPart / fastest, kLongest);
   }
 
  private:
@@ -117,45 +146,22 @@ class DrivenRun {
                 d = derivative(y_ + h * c);
     y_ += h / 6 * (a + 2 * b + 2 * c + d);
   }
-  /// Steps over which the fastest joint decays or turns by a radian: from the acceleration that a torque on it alone
-  /// gives, its damping, that of dry friction near rest, and its stiffness.
-  void choose_step() {
-    double fastest = 1;  // [1/s]
-    for (int i = 0; i < system_.body.joints; ++i) {
-      const JointConstants<double>& d = system_.drive[i];
-      State still = State::Zero(), dy;
-      for (int j = 0; j < system_.body.bodies; ++j) still[System::kTheta + j] = y_[System::kTheta + j];
-      std::array<double, 2> acc{};
-      for (const double torque : {0.0, 1.0}) {
-        system_.derivative_under(still, dy, [&](int k, double*) { return k == i ? torque : 0.0; });
-        const JointPlace& at = system_.body.joint[i];
-        acc[torque > 0] = dy[System::kOmega + at.child] - (at.parent < 0 ? 0 : dy[System::kOmega + at.parent]);
-      }
-      double inverse = acc[1] - acc[0], dry = d.sea.friction, viscous = d.sea.viscous + d.damping;
-      double stiff = d.stiffness + d.parallel_stiffness;
-      if (d.kind == DriveKind::kElastic) {
-        inverse += 1 / d.sea.i_motor, dry += d.sea.output_friction, viscous += d.sea.output_viscous + d.sea.c_sea;
-        stiff += d.sea.k_sea;
-      }
-      const auto& told = commands_.joint[std::size_t(system_.body.joint[i].joint)];
-      const auto most = [&](Told what, double otherwise) {
-        return told[what].empty() ? otherwise : *std::max_element(told[what].begin(), told[what].end());
-      };
-      viscous += of(i).torque_gain * most(kKd, d.sea.k_d), stiff += of(i).torque_gain * most(kKp, d.sea.k_p);
-      const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
-      fastest = std::max({fastest, inverse * damping, std::sqrt(inverse * stiff)});
-    }
-    stable_ = 1 / fastest;
-  }
-
   System system_;
   const CommandPath& path_;
   const Commands& commands_;
   std::vector<Now> now_;
   State y_;
-  double t_ = 0, stable_ = 1;
+  double t_ = 0;
   std::size_t row_ = 0;  ///< whose command is the next
 };
+
+template <Capacity kSize>
+double stable(const Robot& robot, const CommandPath& path, const Commands& commands,
+              const std::vector<JointStart>& start) {
+  DrivenRun<kSize> run(robot, path, commands);
+  run.start(start, commands.t.front());
+  return run.stable();
+}
 
 template <Capacity kSize>
 DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& commands,
@@ -175,13 +181,21 @@ DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& 
 
 }  // namespace
 
+double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
+                   const std::vector<JointStart>& start) {
+  return fits(robot, kSmall) ? stable<kSmall>(robot, path, commands, start)
+                             : stable<kAny>(robot, path, commands, start);
+}
+
 DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
                           const std::vector<JointStart>& start, const std::vector<double>& times,
                           const DrivenOptions& options) {
   check_driven(robot);
   if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
-  return fits(robot, kSmall) ? roll<kSmall>(robot, path, commands, start, times, options)
-                             : roll<kAny>(robot, path, commands, start, times, options);
+  DrivenOptions with = options;
+  if (with.step <= 0) with.step = stable_step(robot, path, commands, start);
+  return fits(robot, kSmall) ? roll<kSmall>(robot, path, commands, start, times, with)
+                             : roll<kAny>(robot, path, commands, start, times, with);
 }
 
 }  // namespace ukemi::landing

@@ -1,7 +1,7 @@
 // A robot that is driven by a log's commands: angles, rates and reported torques of its joints, at given times.
 //
-// Fixed steps of the classical Runge-Kutta method, each within one command and between two of the times, so that what
-// comes out depends smoothly on every number of the robot: differences are derivatives. Dry friction is that of a
+// Fixed steps of the classical Runge-Kutta method, as many to each command between two of the times, so that what comes
+// out depends smoothly on every number of the robot: differences are derivatives. Dry friction is that of a
 // landing, smooth below kFrictionSpeed. Ours. Tests: test/legs/driven.cpp.
 #pragma once
 
@@ -11,9 +11,15 @@
 namespace ukemi::landing {
 
 struct DrivenOptions {
-  double step = 1e-3;     ///< longest [s]; shorter where a drive or its friction is stiff, see stable_step
+  double step = 0;        ///< longest [s], > 0; 0: that of stable_step
   long most = 2'000'000;  ///< steps of one run
 };
+
+/// A step over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
+/// that a torque on each joint alone gives, its damping, that of dry friction near rest, and its stiffness [s]. Runs
+/// whose difference is a derivative need one step.
+[[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
+                                 const std::vector<JointStart>& start);
 
 struct DrivenRollout {
   /// Of Robot::joints, then by Sensed: one a time.

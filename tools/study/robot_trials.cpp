@@ -51,11 +51,11 @@ JointStart start_of(const DropLog& log, std::size_t joint) {
 }
 
 /// Whether matter can have these numbers: no inertia beyond that of all the mass at both ends of a link.
-bool is_possible(const Robot& robot, const std::vector<double>& extents) {
+bool is_possible(const Robot& robot) {
   constexpr double kShort = 0.02;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const Link& l = robot.links[i];
-    const double most = std::max(extents[i], std::hypot(l.com.along, l.com.across));
+    const double most = std::max(extent(robot, int(i)), std::hypot(l.com.along, l.com.across));
     if (most > kShort && l.inertia_com > l.mass * most * most) return false;
   }
   return true;
@@ -121,43 +121,57 @@ double RobotTrials::value(const DropTerm& constant) const {
   return *command_number(path, robot_.scene.robot, name.substr(kCommand.size()));
 }
 
-FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const std::vector<double>& times,
-                                 const SimulateOptions&) const {
-  FollowedDrop out;
-  DrivenRobot robot = robot_;
-  std::vector<JointStart> start = start_[m];
+std::optional<RobotTrials::Posed> RobotTrials::pose(std::size_t m, const Settings& settings) const {
+  Posed out{robot_, start_[m]};
   for (const auto& [term, value] : settings)
     for (const std::string& name : term->moves)
       if (begins(name, kStart))
-        number_in(start, robot.scene.robot, name) += value;
+        number_in(out.start, robot_.scene.robot, name) += value;
       else if (begins(name, kCommand))
-        *command_number(robot.path, robot.scene.robot, name.substr(kCommand.size())) = value;
+        *command_number(out.robot.path, robot_.scene.robot, name.substr(kCommand.size())) = value;
       else
-        setters_.at(name)(robot.scene, value);
+        setters_.at(name)(out.robot.scene, value);
   try {
-    robot.scene.robot.validate();
+    out.robot.scene.robot.validate();
   } catch (const InputError&) {
-    return out;
+    return std::nullopt;
   }
-  std::vector<double> extents;
-  for (std::size_t i = 0; i < robot.scene.robot.links.size(); ++i)
-    extents.push_back(extent(robot.scene.robot, int(i)));
-  if (!is_possible(robot.scene.robot, extents)) return out;
+  if (!is_possible(out.robot.scene.robot)) return std::nullopt;
+  return out;
+}
+
+FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const std::vector<double>& times,
+                               double step) const {
+  FollowedDrop out;
+  const std::optional<Posed> posed = pose(m, settings);
+  if (!posed) return out;
   std::vector<double> clock = times;
   for (double& t : clock) t += trials_[m].origin;
+  DrivenOptions options = options_.roll;
+  if (step > 0) options.step = step;
   DrivenRollout rolled =
-      roll_driven(robot.scene.robot, robot.path, *trials_[m].commands, start, clock, options_.roll);
+      roll_driven(posed->robot.scene.robot, posed->robot.path, *trials_[m].commands, posed->start, clock, options);
   out.complete = rolled.complete, out.steps = rolled.steps;
   for (auto& joint : rolled.joint)
     for (auto& values : joint) out.value.push_back(std::move(values));
   return out;
 }
 
+FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const std::vector<double>& times,
+                                 const SimulateOptions&) const {
+  return roll(m, settings, times, 0);
+}
+
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
-                                const SimulateOptions& options, FollowedDrop& followed) const {
+                                const SimulateOptions&, FollowedDrop& followed) const {
   followed.slope.assign(channels_.size(), {});
   for (std::size_t o = 0; o < channels_.size(); ++o)
     if (!followed.value[o].empty()) followed.slope[o].resize(long(times.size()), long(settings.size()));
+  const std::optional<Posed> here = pose(m, settings);
+  if (!here) return false;
+  const double step = options_.roll.step > 0 ? options_.roll.step
+                                             : stable_step(here->robot.scene.robot, here->robot.path,
+                                                           *trials_[m].commands, here->start);
   std::atomic<long> steps{0};
   std::atomic<bool> done{true};
   parallel_for(int(settings.size()), options_.threads, [&](int c) {
@@ -167,7 +181,7 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
       if (!(own.value + h >= own.term->lower && own.value + h <= own.term->upper)) continue;
       Settings beside = settings;
       beside[std::size_t(c)].value += h;
-      const FollowedDrop there = follow(m, beside, times, options);
+      const FollowedDrop there = roll(m, beside, times, step);
       steps += there.steps;
       if (!there.complete) continue;
       for (std::size_t o = 0; o < channels_.size(); ++o)

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,14 @@ class RobotTrials : public DropSimulator {
   double peak(std::size_t, const Settings&, double, const landing::SimulateOptions&) const override;
 
  private:
+  /// What terms at their values make of a trial; none where no matter has such numbers.
+  struct Posed {
+    DrivenRobot robot;
+    std::vector<landing::JointStart> start;
+  };
+  std::optional<Posed> pose(std::size_t m, const Settings& settings) const;
+  FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times, double step) const;
+
   const DrivenRobot& robot_;
   const std::vector<RobotTrial>& trials_;
   const RobotFitOptions& options_;

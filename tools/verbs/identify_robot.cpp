@@ -8,7 +8,7 @@
 #include "tools/report/calibrate.hpp"
 #include "tools/report/robot_text.hpp"
 #include "tools/verbs/calibrate.hpp"
-#include "tools/verbs/verbs.hpp"
+#include "tools/verbs/runs.hpp"
 
 namespace ukemi::tools {
 
