@@ -8,6 +8,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/uncertainty_file.hpp"
+#include "landing/body/command_path.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/load.hpp"
 #include "landing/body/robot_file.hpp"
@@ -117,10 +118,12 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
     out.robot_file = (std::filesystem::path(path).parent_path() / *name).string();
     TomlFile other(out.robot_file);
     read_robot_tables(other, &file, law, drives, out);
+    (void)read_command_path(other, out.robot);
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
   }
+  (void)read_command_path(file, out.robot);
   out.search.resize(out.robot.joints.size());
   if (auto drop = alone ? file.optional("drop") : file.require("drop")) read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);

@@ -191,18 +191,28 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   T torque(int i, const Time& t, const State& y, T* motor = nullptr) const {
     const JointConstants<T>& d = drive[i];
     const SeaState<T> s = joint_state(i, y);
+    return joint_torque(i, s, motor, [&] {
+      if (d.kind == DriveKind::kGeared) return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+      return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
+                        : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
+    });
+  }
+  /// The same of a motor whose torque is asked() [Nm].
+  template <class Asked>
+  T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked) const {
+    const JointConstants<T>& d = drive[i];
     T out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
     if (d.kind == DriveKind::kElastic) {
       const T tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
       if (d.extended) {
         out += output_torque<kSea>(d.sea, s.dphi, tau);
-        if (motor) *motor = motor_acceleration<kSea>(d.sea, s, reference(i, t), tau);
+        if (motor) *motor = motor_acceleration<kSea>(d.sea, s.dphi_m, asked(), tau);
       } else {
         out += tau;
-        if (motor) *motor = motor_acceleration<kPlainSea>(d.sea, s, reference(i, t), tau);
+        if (motor) *motor = motor_acceleration<kPlainSea>(d.sea, s.dphi_m, asked(), tau);
       }
     } else if (d.kind == DriveKind::kGeared) {
-      const T tau = limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+      const T tau = asked();
       out += tau;
       if (d.extended) out -= friction_torque<kSea>(d.sea, s.dphi, tau);
     } else {
@@ -242,6 +252,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
 
   template <class Time>
   void derivative(const Time& t, const State& y, State& dy) const {
+    derivative_under(y, dy, [&](int i, T* motor) { return torque(i, t, y, motor); });
+  }
+  /// Where joint i turns its child with torque_of(i, motor).
+  template <class Torque>
+  void derivative_under(const State& y, State& dy, Torque&& torque_of) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power = T(-rail_viscous * y[kVx] * y[kVx]);  // on the links
@@ -259,7 +274,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
     for (int i = 0; i < body.joints; ++i) {
       T motor(0);
-      const T tau = torque(i, t, y, &motor);
+      const T tau = torque_of(i, &motor);
       if constexpr (kAccounts) power += tau * joint_state(i, y).dphi;
       load.turn[body.joint[i].child] += tau;
       if (body.joint[i].parent >= 0) load.turn[body.joint[i].parent] -= tau;

@@ -126,6 +126,10 @@ std::vector<std::string> design_names(const BodyScene& scene) {
   return out;
 }
 
+std::function<void(BodyScene&, double)> design_setter(const BodyScene& scene, const std::string& name) {
+  return found(scene, name).set;
+}
+
 double design_number(const BodyScene& scene, const std::string& name) { return found(scene, name).get(scene); }
 
 void set_design_number(BodyScene& scene, const std::string& name, double value) {

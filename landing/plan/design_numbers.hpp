@@ -2,6 +2,7 @@
 // Ours.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,10 @@ namespace ukemi::landing {
 /// own), drop.KEY, load.NAME.rating. Keys and units are those of the files, as k_sea, speed_max, mass, pad.thickness,
 /// friction, pitch_deg.
 std::vector<std::string> design_names(const BodyScene& scene);
+
+/// Sets a number of scenes like this one without a look at its range; throws InputError as design_number. For what sets
+/// many, time and again, and then asks BodyScene::validate.
+std::function<void(BodyScene&, double)> design_setter(const BodyScene& scene, const std::string& name);
 
 /// What stands there; of several contacts the first's. NaN: nothing, as a rating that is not given or a pad that there
 /// is not. Throws InputError for a name that is not in design_names.

@@ -26,7 +26,7 @@ std::string command_line;
 std::vector<std::string> figure_names(const std::string& verb) {
   static const std::vector<std::string> kFall = {"postures", "acceleration", "components", "joint",
                                                  "torque",   "speed",        "energy"},
-                                        kFit = {"constants", "trials", "autocorrelation", "residuals"};
+                                        kFit = {"constants", "trials", "autocorrelation", "residuals", "trial_#"};
   static const std::map<std::string, std::vector<std::string>> kMore = {
       {"identify",
        {"ladder", "weakest", "profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
@@ -52,7 +52,7 @@ std::vector<std::string> figure_names(const std::string& verb) {
 /// Every file that a verb may write besides summary.json and report.html; '#' stands for a number.
 std::vector<std::string> result_names(const std::string& verb) {
   static const std::map<std::string, std::vector<std::string>> kNames = {
-      {"identify", {"actuator.toml", "fit.csv", "profile.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
+      {"identify", {"actuator.toml", "robot.toml", "fit.csv", "profile.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
       {"predict", {"fit.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
       {"simulate", {"trajectory.csv", "contacts.csv", "motion_ros2.yaml", "reposition_ros2.yaml", "plotjuggler.csv"}},
       {"optimize",

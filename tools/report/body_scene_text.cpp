@@ -96,12 +96,15 @@ std::string from_folder(const fs::path& path, const std::string& folder) {
   return fs::relative(fs::absolute(path), fs::absolute(folder)).generic_string();
 }
 
-/// Paths of drives, which count from the file's folder, from another one.
+}  // namespace
+
 void move_drives(const Robot& robot, const std::string& path, const std::string& folder, TomlEdit& file) {
   for (const Joint& j : robot.joints)
     if (const std::string drive = file.text_at({"drive", j.name}, "file"); !drive.empty())
       file.set({"drive", j.name}, "file", from_folder(fs::path(path).parent_path() / drive, folder));
 }
+
+namespace {
 
 /// Tables of drives that were given beside the files'.
 std::string drive_tables(const BodyScene& scene, const std::vector<GivenDrive>& drives, const TomlEdit& file,

@@ -5,9 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "common/toml_edit.hpp"
 #include "landing/body/body_scene.hpp"
 
 namespace ukemi::tools {
+
+/// Paths of drives, which count from the file's folder, from another one.
+void move_drives(const landing::Robot& robot, const std::string& path, const std::string& folder, TomlEdit& file);
 
 /// The files scene.toml and, where contacts that stand in the robot's own file change, robot.toml, for `folder`. `path`
 /// is the scene's file; `scene` was read from it, and has other contact laws, pads, pitch, uncertainty or verdicts.

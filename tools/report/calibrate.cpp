@@ -40,10 +40,13 @@ std::vector<std::size_t> measured(const FloorFit& c) {
 }
 
 Quantities<DropResult> drop_quantities(const FloorFit& c) {
-  Quantities<DropResult> out = {{"", "file", "drop", {}, &DropResult::file}, {"", "simulated", &DropResult::simulated}};
+  Quantities<DropResult> out = {{"", "file", c.words.one, {}, &DropResult::file},
+                                {"", "simulated", &DropResult::simulated}};
   for (const std::size_t o : measured(c))
     out.push_back({"", "rms/" + c.channels[o].name, fmt::format("{} rms [{}]", c.channels[o].name, c.channels[o].unit),
                    "{:.3g}", [o](auto& d) { return d.rms[o]; }});
+  const auto& drops = c.drops;
+  if (std::all_of(drops.begin(), drops.end(), [](auto& d) { return std::isnan(d.peak_between); })) return out;
   out.push_back({"", "peak_measured", "peak measured [m/s^2]", "{:.4g}", &DropResult::peak_measured});
   out.push_back({"", "peak_simulated", "simulated at the samples [m/s^2]", "{:.4g}", &DropResult::peak_simulated});
   out.push_back({"", "peak_between_samples", "and between them [m/s^2]", "{:.4g}", &DropResult::peak_between});
@@ -53,9 +56,10 @@ Quantities<DropResult> drop_quantities(const FloorFit& c) {
 std::string samples_csv(const Run& run, const ToldFit& c) {
   CsvWriter csv = run.csv();
   csv.comment(
-      "residual = simulated - measured; drop counts from 1; t as in the log; used 0: left out, an acceleration "
-      "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.");
-  csv.header({"drop", "t", "output", "measured", "simulated", "residual", "used"});
+      fmt::format("residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration "
+                  "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.",
+                  c.result.words.one));
+  csv.header({c.result.words.one, "t", "output", "measured", "simulated", "residual", "used"});
   for (std::size_t m = 0; m < c.logs.size(); ++m)
     for (std::size_t o = 0; o < c.result.channels.size(); ++o) {
       const DropResult& result = c.result.drops[m];
@@ -105,9 +109,9 @@ Figure drop_figure(const DropLog& log, const FloorFit& fit, const char* set, std
   }
   out.columns = int(std::min<std::size_t>(4, out.panels.size()));
   out.caption = fmt::format(
-      "Drop {}, {}: measured (points) and simulated (line); grey: where the simulation touches down and lifts off. All "
+      "{} {}, {}: measured (points) and simulated (line); grey: where the simulation touches down and lifts off. All "
       "samples: fit.csv.",
-      number, log.file);
+      fit.words.one, number, log.file);
   return out;
 }
 
@@ -119,10 +123,10 @@ std::vector<std::string> findings(const FloorFit& c) {
     const std::string& term = missed->term;
     const bool held = std::any_of(c.parameters.begin(), c.parameters.end(), [&](auto& e) { return e.name == term; });
     out.push_back(fmt::format(
-        "the drops ask for {}{} (score test, p {}): of what was not fitted it explains most of the residuals, their "
+        "the {} ask for {}{} (score test, p {}): of what was not fitted it explains most of the residuals, their "
         "rms "
         "would fall from {:.4g} to {:.4g} standard deviations: try {}",
-        held ? "another value of " : "", term, probability_words(missed->p), std::sqrt(tests.score->variance),
+        c.words.many, held ? "another value of " : "", term, probability_words(missed->p), std::sqrt(tests.score->variance),
         tests.rms_with(*missed), held ? "--free with it" : "--nuisance " + term));
   }
   if (tests.whiteness.rejected)
@@ -130,14 +134,14 @@ std::vector<std::string> findings(const FloorFit& c) {
                               probability_words(tests.whiteness.p), tests.whiteness.correlation));
   for (std::size_t m = 0; m < tests.chow.size(); ++m)
     if (tests.disagrees(m))
-      out.push_back(fmt::format("{} disagrees with the other drops (Chow's test, p {}): it asks for a floor of its own",
-                                c.drops[m].file, probability_words(tests.chow[m])));
+      out.push_back(fmt::format("{} disagrees with the other {} (Chow's test, p {}): it asks for a {} of its own",
+                                c.drops[m].file, c.words.many, probability_words(tests.chow[m]), c.words.model));
   if (tests.model_rejected())
     out.push_back(fmt::format(
-        "the floor does not explain these drops: no constant is trusted, and the errors are widened to what "
-        "the residuals say (tests at {:g} % together); the true ones may be larger still. Every plan on "
-        "this scene rests on it",
-        100 * identify::kTestLevel));
+        "the {} does not explain these {}: no constant is trusted, and the errors are widened to what "
+        "the residuals say (tests at {:g} % together); the true ones may be larger still. Every plan "
+        "rests on it",
+        c.words.model, c.words.many, 100 * identify::kTestLevel));
   return out;
 }
 
@@ -146,7 +150,7 @@ void tell_drops(const ToldFit& c, const char* set, Report& report, Json& summary
   const Table outputs(output_quantities(c.result), measured(c.result));
   summary["outputs"] = outputs.keyed();
   (void)tell(outputs, report, run);
-  summary["drops"] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
+  summary[c.result.words.many] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
   constexpr std::size_t kMost = 12;
   for (std::size_t m = 0; m < std::min(kMost, c.logs.size()); ++m)
     report.figure(drop_figure(*c.logs[m], c.result, set, m));
@@ -160,8 +164,9 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   for (const std::string& w : c.warnings) run.warn(w);
   for (const std::string& finding : findings(c)) run.warn(finding);
   if (!c.converged && !interrupted())
-    run.warn("not converged: " + c.message + "; try another start in the scene, --prior, or fewer --free constants");
-  Report report("Calibration");
+    run.warn("not converged: " + c.message + "; try another start in the file, --prior, or fewer --free constants");
+  const FitWords& words = c.words;
+  Report report(words.title);
   Json summary;
   bool converged = c.converged;
   if (validation) {
@@ -171,14 +176,14 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   begin(c, constant_quantities(), report, summary, run);
   summary["trusted"] = c.trusted();
   summary["steps"] = c.steps;
-  report.heading("Does the floor explain the drops?");
+  report.heading(fmt::format("Does the {} explain the {}?", words.model, words.many));
   tell_tests(c.tests, "standard deviations", report, summary["diagnostics"]);
   if (laws) laws(report, summary);
-  report.heading("Fitted drops");
-  tell_drops(fitted, "drop", report, summary, run);
+  report.heading(fmt::format("Fitted {}", words.many));
+  tell_drops(fitted, words.one, report, summary, run);
   if (validation) {
     run.say("not fitted:");
-    report.heading("Validation: drops that were not fitted");
+    report.heading(fmt::format("Validation: {} that were not fitted", words.many));
     Json& j = summary["validation"];
     j["nuisance"] = nuisance_json(validation->result.nuisance);
     tell_drops(*validation, "validation", report, j, run);
@@ -186,14 +191,34 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   }
   for (const auto& [name, text] : files) run.add(name, text);
   run.add("fit.csv", samples_csv(run, fitted));
-  FirstScreen first = first_screen(c, fmt::format("{} drops", c.drops.size()));
-  first.checks.push_back(check(!c.tests.model_rejected(), "the floor explains the drops", ""));
+  FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), words.many));
   first.checks.push_back(
-      {Check::State::kUnknown, "held-out drop", validation ? "played: see Validation" : "none: --validate names one"});
-  first.next = "`ukemi optimize` with scene.toml plans on this floor.";
+      check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", words.model, words.many), ""));
+  first.checks.push_back(
+      {Check::State::kUnknown, std::string("held-out ") + words.one, validation ? "played: see Validation" : "none: --validate names one"});
+  first.next = words.next;
   report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
+}
+
+int report_prediction(const ToldFit& played, Run& run) {
+  const FloorFit& c = played.result;
+  for (const std::string& w : c.warnings) run.warn(w);
+  if (!c.converged) run.warn("not followed: " + c.message);
+  Report report("Prediction");
+  Json summary;
+  summary["nuisance"] = nuisance_json(c.nuisance);
+  summary["converged"] = c.converged;
+  report.heading(fmt::format("The {}, for given constants", c.words.many));
+  tell_drops(played, c.words.one, report, summary, run);
+  run.add("fit.csv", samples_csv(run, played));
+  FirstScreen first;
+  first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), c.words.many);
+  first.checks.push_back(check(c.converged, "followed to the end", c.converged ? "" : c.message));
+  report.answer(first, run.warnings());
+  report.write(run);
+  return run.finish(summary, c.converged ? kDone : kNumbers);
 }
 
 int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run) {

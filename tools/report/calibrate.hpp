@@ -23,6 +23,9 @@ std::string scene_comments(const Run& run, const FloorFit& fit);
 int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doubt doubt,
            const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run);
 
+/// Logs played with given constants.
+int report_prediction(const ToldFit& played, Run& run);
+
 /// `path`: the scene's file. `validation`: of drops that were not fitted.
 int report(const std::string& path, const BodyCalibratedDrops& fitted,
            const std::optional<BodyCalibratedDrops>& validation, Doubt doubt, Run& run);

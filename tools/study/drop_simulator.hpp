@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 #include "landing/drops/drop_log.hpp"
@@ -27,9 +28,25 @@ struct FollowedDrop {
   long steps = 0;             ///< integrated, taken or rejected
 };
 
+/// How a fit of them is told.
+struct FitWords {
+  const char *one = "drop", *many = "drops", *model = "floor";
+  const char* title = "Calibration";
+  const char* next = "`ukemi optimize` with scene.toml plans on this floor.";
+  const char* unlike = "are the drop's height, speed and pitch right, is t = 0 the release?";  ///< no start is near
+};
+
 class DropSimulator {
  public:
   virtual ~DropSimulator() = default;
+
+  virtual FitWords words() const { return {}; }
+  /// From a drop's first touchdown on, how far it is followed, part by part [s]: what comes after a touchdown can be met
+  /// only once the touchdown is. The last is the whole. `test_regression "calibrate*"` chose these, from starts 30 %
+  /// off.
+  virtual std::vector<double> parts() const {
+    return {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3, 0.5, std::numeric_limits<double>::infinity()};
+  }
 
   /// What its logs may hold.
   virtual const std::vector<landing::DropChannel>& channels() const = 0;
@@ -48,7 +65,7 @@ class DropSimulator {
                              const landing::SimulateOptions& options, FollowedDrop& followed) const = 0;
   /// Work that may be spent before a start is given up, as a multiple of that of an exact derivative.
   virtual double patience(std::size_t /*settings*/) const { return 1; }
-  /// Largest acceleration over all times up to one [m/s^2].
+  /// Largest acceleration over all times up to one [m/s^2]; NaN: no acceleration is followed.
   virtual double peak(std::size_t drop, const Settings& settings, double until,
                       const landing::SimulateOptions& options) const = 0;
 };

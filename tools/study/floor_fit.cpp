@@ -22,10 +22,7 @@ using identify::Estimate, identify::LeastSquaresProblem, identify::LeastSquaresS
 
 namespace {
 
-/// From a drop's first touchdown on, how far it is followed, part by part [s]: what comes after a touchdown can be met
-/// only once the touchdown is. `test_regression "calibrate*"` chose them, from starts 30 % off.
 constexpr double kWhole = std::numeric_limits<double>::infinity();
-constexpr std::array<double, 9> kAfter = {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3, 0.5, kWhole};
 constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
 /// Standard deviation, in a constant's size, of the prior that holds it to the start there.
 constexpr double kPartStd = 0.3;
@@ -48,6 +45,7 @@ struct Problem {
   const DropLayout layout;
   const CalibrationOptions& options;
   const std::vector<std::size_t> which;
+  const std::vector<double> horizons;
   std::vector<DropResiduals> models;
   mutable long steps = 0, parts = 0;  ///< integrated, and done, so far
   mutable bool spent = false;         ///< a start was ended because its work was spent
@@ -56,7 +54,7 @@ struct Problem {
       : Problem(s, std::move(l), o, every_drop(s)) {}
   /// The problem of some of the drops.
   Problem(const DropSimulator& s, DropLayout l, const CalibrationOptions& o, std::vector<std::size_t> some)
-      : simulator(s), layout(std::move(l)), options(o), which(std::move(some)) {
+      : simulator(s), layout(std::move(l)), options(o), which(std::move(some)), horizons(s.parts()) {
     for (const std::size_t m : which) models.emplace_back(s, m, layout, o, steps);
   }
   Problem(const Problem&) = delete;
@@ -92,7 +90,7 @@ struct Problem {
   }
   LeastSquaresSolution solve(const LeastSquaresProblem& p, int iterations, long until) const {
     const auto stop = [&, until] {
-      options.monitor.progress(parts, long(kAfter.size()) * (1 + options.restarts) + 1);
+      options.monitor.progress(parts, long(horizons.size()) * (1 + options.restarts) + 1);
       return steps > until || options.monitor.stopped();
     };
     return identify::solve(p, {.max_iterations = iterations, .stop = stop});
@@ -102,7 +100,7 @@ struct Problem {
   LeastSquaresSolution solve_in_parts(Start start, const std::vector<double>& sigma) const {
     LeastSquaresSolution done;
     const long from = steps, until = from + long(work_of_start());
-    for (const double after : kAfter) {
+    for (const double after : horizons) {
       const bool whole = !std::isfinite(after);
       if (!whole && options.parts == CalibrationOptions::Parts::kWhole) continue;
       LeastSquaresSolution s =
@@ -179,14 +177,14 @@ void report(const LeastSquaresSolution& s, const Problem& fitted, const LeastSqu
   using identify::Wording;
   set_estimates(
       s, problem, shared,
-      {.data = "drops", .interval = Wording::Interval::kAbsolute, .correlated = Wording::Correlated::kUnlessTrusted},
+      {.data = fitted.simulator.words().many, .interval = Wording::Interval::kAbsolute, .correlated = Wording::Correlated::kUnlessTrusted},
       out);
   std::stable_sort(out.nuisance.begin(), out.nuisance.end(),
                    [](const Estimate& a, const Estimate& b) { return a.trial < b.trial; });
   for (const Estimate& e : out.nuisance)
     if (e.at_bound)
       out.warnings.push_back(
-          fmt::format("{} of drop {} ended at its bound {}", e.name, e.trial + 1, shortest(e.value)));
+          fmt::format("{} of {} {} ended at its bound {}", e.name, out.words.one, e.trial + 1, shortest(e.value)));
 }
 
 /// The residuals of each output of each drop, without those that are the rollout's own.
@@ -288,7 +286,8 @@ std::optional<Uncertainty> FloorFit::uncertainty(const std::vector<std::string>*
 }
 
 void check_logs(const DropSimulator& drops) {
-  if (drops.drops() == 0) throw InputError("no drops: at least one log is needed");
+  const FitWords words = drops.words();
+  if (drops.drops() == 0) throw InputError(fmt::format("no {}: at least one log is needed", words.many));
   for (std::size_t m = 0; m < drops.drops(); ++m) {
     const DropLog& log = drops.log(m);
     long measured = 0;
@@ -318,18 +317,18 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   check_logs(drops);
   const Problem problem(drops, DropLayout(options.terms), options);
   FloorFit out;
+  out.words = drops.words();
   out.channels = drops.channels();
   out.noise = noise_of(drops);
   LeastSquaresSolution best = search(problem, options, out);
   out.steps = problem.steps;
   if (problem.spent && !believed(best, options))
     out.warnings.push_back(
-        fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: are the "
-                    "drop's height, speed and pitch right, is t = 0 the release?",
-                    double(problem.steps)));
+        fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: {}",
+                    double(problem.steps), out.words.unlike));
   if (!best.usable) {
     out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
-                                            : "no start could be followed through the drops: " + best.message;
+                                            : fmt::format("no start could be followed through the {}: {}", out.words.many, best.message);
     out.parameters = as_given(options, drops);
     for (std::size_t m = 0; m < drops.drops(); ++m) out.drops.push_back(not_simulated(drops.log(m)));
     out.rms = rms_of(out.drops);
@@ -359,6 +358,7 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
 FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& options) {
   check_logs(drops);
   FloorFit out;
+  out.words = drops.words();
   out.channels = drops.channels();
   out.noise = noise_of(drops);
   out.converged = true;
@@ -379,7 +379,7 @@ FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& op
     }
     out.drops.push_back(s.usable || layout.shared.empty() ? problem.replay(s)[0] : not_simulated(drops.log(m)));
     if (!out.drops.back().simulated)
-      out.converged = false, out.message = drops.log(m).file + ": the drop cannot be followed with these constants";
+      out.converged = false, out.message = fmt::format("{}: the {} cannot be followed with these constants", drops.log(m).file, out.words.one);
   }
   out.rms = rms_of(out.drops);
   compare_with_noise(out);

@@ -186,6 +186,25 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   return report(q, found, landing, a.doubt, std::move(inputs.summary), run);
 }
 
+namespace {
+
+/// Of a rig, or of a robot of links.
+int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
+  if (!a.robot.empty()) return identify_robot(a, common, predicts);
+  if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
+  if (predicts == Predicts::kYes && a.actuator.empty()) throw InputError("--actuator is required");
+  if (a.pieces) throw InputError("--pieces: --robot is needed with it");
+  return run_identify(a, common);
+}
+int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
+  return run_of(a, common, Predicts::kNo);
+}
+int run_predict_of(const IdentifyArguments& a, const CommonOptions& common) {
+  return run_of(a, common, Predicts::kYes);
+}
+
+}  // namespace
+
 void add_identify(CLI::App& app, Action& chosen) {
   for (const bool predict : {false, true}) {
     auto args = std::make_shared<IdentifyArguments>();
@@ -195,8 +214,10 @@ void add_identify(CLI::App& app, Action& chosen) {
             "TRIAL", args->trials,
             "trial files: CSV (t [s], phi [rad], force [N] and/or phi_ref [rad]), HEBI .hebilog or its CSV export")
         ->required();
-    verb->add_option("--rig", args->rig, "rig file (TOML)")->required();
-    if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+    verb->add_option("--rig", args->rig, "rig file (TOML)");
+    verb->add_option("--robot", args->robot, "of a robot of links, in place of the rig: robot file (TOML)");
+    verb->add_option("--pieces", args->pieces, "with --robot: cut each log into trials about so long [s] [whole logs]");
+    if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
     add_trial_options(*verb, args->reading);
     verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
     if (predict) {
@@ -241,10 +262,16 @@ void add_identify(CLI::App& app, Action& chosen) {
       add_motion(*verb, args->motion);
     }
     add_export(*verb, args->exports, actuator_exports());
+    std::vector<CLI::Option*> own = verb->get_options();
+    std::erase_if(own, [](auto* option) { return option->get_positional() || option->check_name("--help"); });
     add_action<IdentifyArguments>(*verb, args,
                                   predict ? "ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"
                                           : "ukemi identify trial_*.csv --rig rig.toml -o out",
-                                  chosen, run_identify);
+                                  chosen, predict ? run_predict_of : run_identify_of);
+    verb->parse_complete_callback([args, own] {
+      for (const CLI::Option* option : own)
+        if (option->count() > 0) args->given.push_back(option->get_name());
+    });
   }
 }
 

@@ -21,6 +21,9 @@ namespace ukemi::tools {
 struct IdentifyArguments {
   std::vector<std::string> trials;
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
+  std::string robot;                 ///< of links, in place of the rig
+  std::optional<double> pieces;      ///< of its logs [s]
+  std::vector<std::string> given;    ///< the options that were
   std::string start_angle;           ///< predict: [rad], or "fit"
   std::string free, nuisance, prior, lower, upper, loss = "none";
   identify::FitOptions::Weights weights = identify::FitOptions::Weights::kEqual;
@@ -37,6 +40,9 @@ struct IdentifyArguments {
 };
 /// Fits, or with `actuator` set predicts.
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common);
+enum class Predicts { kNo, kYes };
+/// The same of a robot of links.
+int identify_robot(const IdentifyArguments& arguments, const CommonOptions& common, Predicts predicts);
 
 struct OptimizeArguments {
   std::string scene;

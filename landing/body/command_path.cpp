@@ -1,0 +1,60 @@
+#include "landing/body/command_path.hpp"
+
+#include <fmt/format.h>
+
+namespace ukemi::landing {
+
+namespace {
+
+struct Key {
+  const char* key;
+  double CommandPath::Joint::*at;
+};
+constexpr Key kKeys[] = {{"torque_gain", &CommandPath::Joint::torque_gain},
+                         {"report_gain", &CommandPath::Joint::report_gain},
+                         {"torque_low", &CommandPath::Joint::torque_low},
+                         {"torque_high", &CommandPath::Joint::torque_high}};
+
+}  // namespace
+
+double* command_number(CommandPath& path, const Robot& robot, const std::string& name) {
+  if (name == "delay") return &path.delay;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    for (const Key& k : kKeys)
+      if (robot.joints[i].driven() && name == robot.joints[i].name + "." + k.key) return &(path.joints[i].*k.at);
+  return nullptr;
+}
+
+std::vector<std::string> command_names(const Robot& robot) {
+  std::vector<std::string> out{"delay"};
+  for (const Joint& j : robot.joints)
+    for (const Key& k : kKeys)
+      if (j.driven()) out.push_back(j.name + "." + k.key);
+  return out;
+}
+
+CommandPath read_command_path(TomlFile& file, const Robot& robot) {
+  CommandPath out{.joints = std::vector<CommandPath::Joint>(robot.joints.size())};
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].kind == DriveKind::kGeared)
+      out.joints[i].torque_high = robot.joints[i].sea.tau_max, out.joints[i].torque_low = -robot.joints[i].sea.tau_max;
+  auto s = file.optional("command");
+  if (!s) return out;
+  const Range late{0, kMostCommandDelay, false, fmt::format("from 0 to {:g} s", kMostCommandDelay)},
+      below{-std::numeric_limits<double>::max(), 0, false, "at most 0"};
+  out.delay = s->optional_number("delay", late).value_or(0);
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& joint = robot.joints[i];
+    auto own = s->optional_section(joint.name);
+    if (!own) continue;
+    if (!joint.driven())
+      s->fail(joint.name, std::string("the joint is ") + name(joint.kind) + ": a joint that is driven is needed");
+    for (const Key& k : kKeys) {
+      const bool low = k.at == &CommandPath::Joint::torque_low;
+      if (const auto v = own->optional_number(k.key, low ? below : Range::positive())) out.joints[i].*k.at = *v;
+    }
+  }
+  return out;
+}
+
+}  // namespace ukemi::landing

@@ -1,0 +1,42 @@
+// What a logged command passes through on its way to a joint's motor, and the motor's torque on its way back into the
+// log. Ours.
+//
+//     asked    = clamp(K_p (phi_ref - phi) + K_d (dphi_ref - dphi) + torque_ff, low, high)
+//     motor    = torque_gain asked
+//     reported = report_gain asked
+//
+// A row's command acts `delay` after the row's time, until the next row's does.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/toml.hpp"
+#include "landing/body/robot.hpp"
+
+namespace ukemi::landing {
+
+/// Largest delay of a command [s].
+inline constexpr double kMostCommandDelay = 0.1;
+
+struct CommandPath {
+  struct Joint {
+    double torque_gain = 1;                                        ///< > 0
+    double report_gain = 1;                                        ///< > 0
+    double torque_low = -std::numeric_limits<double>::infinity();  ///< levels of `asked` [Nm], < 0
+    double torque_high = std::numeric_limits<double>::infinity();  ///< > 0
+  };
+  double delay = 0;           ///< [s], from 0 to kMostCommandDelay
+  std::vector<Joint> joints;  ///< of Robot::joints; of those that are not driven without meaning
+};
+
+/// A number of a path by its name, "delay" or "JOINT.KEY"; null: there is none.
+double* command_number(CommandPath& path, const Robot& robot, const std::string& name);
+/// Every such name, of driven joints.
+std::vector<std::string> command_names(const Robot& robot);
+/// [command] delay and [command.JOINT] KEY of a robot's file; what is omitted changes nothing. Levels that are omitted:
+/// +- tau_max of the joint's drive.
+CommandPath read_command_path(TomlFile& file, const Robot& robot);
+
+}  // namespace ukemi::landing

@@ -1,0 +1,201 @@
+#include "landing/driven/driven_rollout.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+#include "landing/body/body_system.hpp"
+
+namespace ukemi::landing {
+
+void check_driven(const Robot& robot) {
+  if (robot.base != Base::kPinned)
+    throw InputError("base: trials need a pinned robot: base = \"pinned\"");
+  if (!robot.joint_of(0))
+    throw InputError("link " + quoted(robot.links[0].name) +
+                     ": trials need the angle of every link: the first link needs a joint of its own, its pin");
+}
+
+namespace {
+
+constexpr double kFarthest = 1e3;  ///< [rad]: beyond it a run is lost
+
+template <Capacity kSize>
+class DrivenRun {
+ public:
+  using System = BodySystem<kSize>;
+  using State = typename System::State;
+
+  DrivenRun(const Robot& robot, const CommandPath& path, const Commands& commands)
+      : system_(robot, 0), path_(path), commands_(commands), now_(std::size_t(system_.body.joints)) {}
+
+  void start(const std::vector<JointStart>& from, double t) {
+    t_ = t, y_ = State::Zero();
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const JointPlace& at = system_.body.joint[i];
+      const JointStart& s = from[std::size_t(at.joint)];
+      const bool ground = at.parent < 0;
+      y_[System::kTheta + at.child] = s.phi - at.offset + (ground ? 0 : y_[System::kTheta + at.parent]);
+      y_[System::kOmega + at.child] = s.dphi + (ground ? 0 : y_[System::kOmega + at.parent]);
+      if (system_.drive[i].kind == DriveKind::kElastic)
+        y_[System::kPhiM + i] = s.phi + s.spring, y_[System::kOmegaM + i] = s.dphi;
+    }
+    row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
+    take(row_ > 0 ? row_ - 1 : 0);
+  }
+  /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
+  bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
+    const long n = long(std::ceil((until - t_) / options.step - 1e-9));
+    while (true) {
+      const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay
+                                                    : std::numeric_limits<double>::infinity();
+      const double to = std::min(until, edge);
+      if (const double length = to - t_; length > 0) {
+        if ((out.steps += n) > options.most) return false;
+        for (long k = 0; k < n; ++k) step(length / double(n));
+        t_ = to;
+      }
+      if (edge >= until) break;
+      take(row_++);
+    }
+    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest * 10;
+  }
+  void sample(DrivenRollout& out) const {
+    for (int i = 0; i < system_.body.joints; ++i) {
+      auto& to = out.joint[std::size_t(system_.body.joint[i].joint)];
+      const SeaState<double> s = system_.joint_state(i, y_);
+      to[kAngle].push_back(s.phi), to[kRate].push_back(s.dphi);
+      to[kTorque].push_back(of(i).report_gain * asked(i, s));
+    }
+  }
+  /// See stable_step.
+  double stable() const {
+    double fastest = 1;  // [1/s]
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const JointConstants<double>& d = system_.drive[i];
+      State still = State::Zero(), dy;
+      for (int j = 0; j < system_.body.bodies; ++j) still[System::kTheta + j] = y_[System::kTheta + j];
+      std::array<double, 2> acc{};
+      for (const double torque : {0.0, 1.0}) {
+        system_.derivative_under(still, dy, [&](int k, double*) { return k == i ? torque : 0.0; });
+        const JointPlace& at = system_.body.joint[i];
+        acc[torque > 0] = dy[System::kOmega + at.child] - (at.parent < 0 ? 0 : dy[System::kOmega + at.parent]);
+      }
+      double inverse = acc[1] - acc[0], dry = d.sea.friction, viscous = d.sea.viscous + d.damping;
+      double stiff = d.stiffness + d.parallel_stiffness;
+      if (d.kind == DriveKind::kElastic) {
+        inverse += 1 / d.sea.i_motor, dry += d.sea.output_friction, viscous += d.sea.output_viscous + d.sea.c_sea;
+        stiff += d.sea.k_sea;
+      }
+      const auto& told = commands_.joint[std::size_t(system_.body.joint[i].joint)];
+      const auto most = [&](Told what, double otherwise) {
+        return told[what].empty() ? otherwise : *std::max_element(told[what].begin(), told[what].end());
+      };
+      viscous += of(i).torque_gain * most(kKd, d.sea.k_d), stiff += of(i).torque_gain * most(kKp, d.sea.k_p);
+      const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
+      fastest = std::max({fastest, inverse * damping, std::sqrt(inverse * stiff)});
+    }
+    constexpr double kPart = 2, kLongest = 1e-3;  // of the decay: the method holds up to 2.78; [s]
+    return std::min(kPart / fastest, kLongest);
+  }
+
+ private:
+  /// A drive under one row's command.
+  struct Now {
+    double k_p = 0, k_d = 0, phi_ref = 0, dphi_ref = 0, ff = 0, on = 1;
+  };
+  const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
+
+  void take(std::size_t row) {
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const auto& told = commands_.joint[std::size_t(system_.body.joint[i].joint)];
+      const auto at = [&](Told what, double otherwise) { return told[what].empty() ? otherwise : told[what][row]; };
+      const auto& sea = system_.drive[i].sea;
+      const bool referred = !told[kPhiRef].empty() || !told[kDphiRef].empty();
+      now_[std::size_t(i)] = {at(kKp, told[kPhiRef].empty() ? 0 : sea.k_p),
+                              at(kKd, referred ? sea.k_d : 0),
+                              at(kPhiRef, 0),
+                              at(kDphiRef, 0),
+                              at(kTorqueFf, 0),
+                              at(kOn, 1)};
+    }
+  }
+  double asked(int i, const SeaState<double>& s) const {
+    const Now& c = now_[std::size_t(i)];
+    const bool motor = system_.drive[i].kind == DriveKind::kElastic &&
+                       system_.drive[i].sea.feedback == Feedback::kMotor;
+    const double phi = motor ? s.phi_m : s.phi, dphi = motor ? s.dphi_m : s.dphi;
+    return c.on * std::clamp(c.k_p * (c.phi_ref - phi) + c.k_d * (c.dphi_ref - dphi) + c.ff, of(i).torque_low,
+                             of(i).torque_high);
+  }
+  State derivative(const State& y) {
+    State dy;
+    system_.derivative_under(y, dy, [&](int i, double* motor) {
+      const SeaState<double> s = system_.joint_state(i, y);
+      if (system_.drive[i].kind == DriveKind::kElastic) {
+        const auto& sea = system_.drive[i].sea;
+        const double spring = spring_torque<System::kSea>(sea, s);
+        system_.joint[i].saturation = spring > sea.tau_max ? 1 : spring < -sea.tau_max ? -1 : 0;
+      }
+      return system_.joint_torque(i, s, motor, [&] { return of(i).torque_gain * asked(i, s); });
+    });
+    return dy;
+  }
+  void step(double h) {
+    const State a = derivative(y_), b = derivative(y_ + 0.5 * h * a), c = derivative(y_ + 0.5 * h * b),
+                d = derivative(y_ + h * c);
+    y_ += h / 6 * (a + 2 * b + 2 * c + d);
+  }
+  System system_;
+  const CommandPath& path_;
+  const Commands& commands_;
+  std::vector<Now> now_;
+  State y_;
+  double t_ = 0;
+  std::size_t row_ = 0;  ///< whose command is the next
+};
+
+template <Capacity kSize>
+double stable(const Robot& robot, const CommandPath& path, const Commands& commands,
+              const std::vector<JointStart>& start) {
+  DrivenRun<kSize> run(robot, path, commands);
+  run.start(start, commands.t.front());
+  return run.stable();
+}
+
+template <Capacity kSize>
+DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& commands,
+                   const std::vector<JointStart>& start, const std::vector<double>& times,
+                   const DrivenOptions& options) {
+  DrivenRollout out;
+  out.joint.resize(robot.joints.size());
+  DrivenRun<kSize> run(robot, path, commands);
+  run.start(start, times.front());
+  for (const double t : times) {
+    if (!run.advance(t, options, out)) return out;
+    run.sample(out);
+  }
+  out.complete = true;
+  return out;
+}
+
+}  // namespace
+
+double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
+                   const std::vector<JointStart>& start) {
+  return fits(robot, kSmall) ? stable<kSmall>(robot, path, commands, start)
+                             : stable<kAny>(robot, path, commands, start);
+}
+
+DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
+                          const std::vector<JointStart>& start, const std::vector<double>& times,
+                          const DrivenOptions& options) {
+  check_driven(robot);
+  if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
+  DrivenOptions with = options;
+  if (with.step <= 0) with.step = stable_step(robot, path, commands, start);
+  return fits(robot, kSmall) ? roll<kSmall>(robot, path, commands, start, times, with)
+                             : roll<kAny>(robot, path, commands, start, times, with);
+}
+
+}  // namespace ukemi::landing

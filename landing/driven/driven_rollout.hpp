@@ -1,0 +1,37 @@
+// A robot that is driven by a log's commands: angles, rates and reported torques of its joints, at given times.
+//
+// Fixed steps of the classical Runge-Kutta method, as many to each command between two of the times, so that what comes
+// out depends smoothly on every number of the robot: differences are derivatives. Dry friction is that of a
+// landing, smooth below kFrictionSpeed. Ours. Tests: test/legs/driven.cpp.
+#pragma once
+
+#include "landing/body/command_path.hpp"
+#include "landing/driven/driven_log.hpp"
+
+namespace ukemi::landing {
+
+struct DrivenOptions {
+  double step = 0;        ///< longest [s], > 0; 0: that of stable_step
+  long most = 2'000'000;  ///< steps of one run
+};
+
+/// A step over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
+/// that a torque on each joint alone gives, its damping, that of dry friction near rest, and its stiffness [s]. Runs
+/// whose difference is a derivative need one step.
+[[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
+                                 const std::vector<JointStart>& start);
+
+struct DrivenRollout {
+  /// Of Robot::joints, then by Sensed: one a time.
+  std::vector<std::array<std::vector<double>, kSensed>> joint;
+  bool complete = false;  ///< every time has its values: no state left the range of numbers or of the joints
+  long steps = 0;
+};
+
+/// From `start`, of Robot::joints, at times.front() to the last of `times` [the clock of `commands`, increasing]. The
+/// torque at a time is that of the command in force before it.
+[[nodiscard]] DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
+                                        const std::vector<JointStart>& start, const std::vector<double>& times,
+                                        const DrivenOptions& options = {});
+
+}  // namespace ukemi::landing

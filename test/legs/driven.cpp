@@ -1,0 +1,263 @@
+// Trials of driven robots: a pendulum of two links by its textbook equations, with an integrator of its own, is logged
+// with noise, and its constants come back within their errors.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/random.hpp"
+#include "test/folder.hpp"
+#include "tools/study/robot_trials.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+using namespace ukemi::tools;
+
+namespace {
+
+constexpr std::uint64_t kSeed = 20261126;
+
+/// Two links that hang from a pin, each driven at its joint: Spong, Hutchinson, Vidyasagar, Robot Modeling and Control,
+/// Eq. 7.87 f., with the relative angles q1 and q2, both 0 hanging; armatures, friction and a drive put to it.
+struct Pendulum {
+  double m1 = 0.8, m2 = 0.5, l1 = 0.3, r1 = 0.17, r2 = 0.12, i1 = 0.011, i2 = 0.006, g = 9.81;  // i about the masses
+  double armature[2] = {0.004, 0.002}, dry[2] = {0.09, 0.05}, viscous[2] = {0.02, 0.015};
+  double gain[2] = {1, 1}, k_p = 6, k_d = 0.2, limit[2] = {1e9, 1e9}, delay = 0;
+
+  using State = std::array<double, 4>;
+
+  State rate(const State& y, const double* asked) const {
+    const double c2 = std::cos(y[1]), s2 = std::sin(y[1]), h = m2 * l1 * r2 * s2;
+    const double d22 = m2 * r2 * r2 + i2, d12 = d22 + m2 * l1 * r2 * c2,
+                 d11 = m1 * r1 * r1 + i1 + m2 * (l1 * l1 + r2 * r2 + 2 * l1 * r2 * c2) + i2;
+    const double gravity2 = m2 * g * r2 * std::sin(y[0] + y[1]), gravity1 = (m1 * r1 + m2 * l1) * g * std::sin(y[0]);
+    double tau[2];
+    for (int j = 0; j < 2; ++j) {
+      const double v = y[std::size_t(2 + j)], smooth = std::sqrt(v * v + 0.005 * 0.005);
+      tau[j] = gain[j] * asked[j] - dry[j] * v / smooth - viscous[j] * v;
+    }
+    const double a = tau[0] + h * (2 * y[2] * y[3] + y[3] * y[3]) - gravity1 - gravity2,
+                 b = tau[1] - h * y[2] * y[2] - gravity2;
+    const double e11 = d11 + armature[0], e22 = d22 + armature[1], det = e11 * e22 - d12 * d12;
+    return {y[2], y[3], (e22 * a - d12 * b) / det, (e11 * b - d12 * a) / det};
+  }
+  double asked(int j, const State& y, const double* ref, const double* ff) const {
+    const double u = k_p * (ref[j] - y[std::size_t(j)]) - k_d * y[std::size_t(2 + j)] + ff[j];
+    return std::clamp(u, -limit[j], limit[j]);
+  }
+  /// By Heun's method in steps of 20 us.
+  void advance(State& y, const double* ref, const double* ff, double seconds) const {
+    const int n = std::max(1, int(std::lround(seconds / 2e-5)));
+    const double step = seconds / n;
+    for (int k = 0; k < n; ++k) {
+      double u[2] = {asked(0, y, ref, ff), asked(1, y, ref, ff)};
+      const State f = rate(y, u);
+      State z = y;
+      for (std::size_t i = 0; i < 4; ++i) z[i] += step * f[i];
+      u[0] = asked(0, z, ref, ff), u[1] = asked(1, z, ref, ff);
+      const State e = rate(z, u);
+      for (std::size_t i = 0; i < 4; ++i) y[i] += step / 2 * (f[i] + e[i]);
+    }
+  }
+};
+
+/// Commands of row k: references that swing with several frequencies, and torques.
+void command(int k, std::uint64_t draw, double* ref, double* ff) {
+  const double t = 0.004 * k, p = double(draw % 17);
+  ref[0] = 0.6 * std::sin(3.1 * t + p) + 0.3 * std::sin(7.7 * t), ref[1] = 0.9 * std::sin(4.3 * t + 2 * p);
+  ff[0] = 0.8 * std::sin(11 * t), ff[1] = 0.5 * std::sin(13 * t + p);
+}
+
+/// A log of the pendulum with noise, as a file.
+std::string log_of(const Pendulum& p, int rows, std::uint64_t draw, double noise) {
+  Random random(kSeed, draw);
+  std::string out = "t,phi_hip,phi_knee,torque_hip,torque_knee,phi_ref_hip,phi_ref_knee,torque_ff_hip,torque_ff_knee\n";
+  Pendulum::State y{0.1, -0.2, 0, 0};
+  double ref[2], ff[2], before_ref[2], before_ff[2];
+  command(0, draw, before_ref, before_ff);
+  for (int k = 0; k < rows; ++k) {
+    command(k, draw, ref, ff);
+    out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", 0.004 * k,
+                       y[0] + noise * random.normal(), y[1] + noise * random.normal(),
+                       p.asked(0, y, before_ref, before_ff) + 0.01 * random.normal(),
+                       p.asked(1, y, before_ref, before_ff) + 0.01 * random.normal(), ref[0], ref[1], ff[0], ff[1]);
+    p.advance(y, before_ref, before_ff, p.delay);
+    p.advance(y, ref, ff, 0.004 - p.delay);
+    for (int j = 0; j < 2; ++j) before_ref[j] = ref[j], before_ff[j] = ff[j];
+  }
+  return out;
+}
+
+/// The pendulum's robot, each fitted number `off` times what it is.
+std::string robot_of(const Pendulum& p, double off) {
+  std::string out = fmt::format(R"([robot]
+gravity = 9.81
+base = "pinned"
+peak = {{ link = "shank", at = [0.25, 0] }}
+[[robot.link]]
+name = "thigh"
+joint = "hip"
+mass = {}
+inertia_com = {}
+com = [{}, 0]
+[[robot.link]]
+name = "shank"
+parent = "thigh"
+at = [{}, 0]
+joint = "knee"
+mass = {}
+inertia_com = {}
+com = [{}, 0]
+)",
+                                p.m1, p.i1 * off, p.r1, p.l1, p.m2 * off, p.i2 * off, p.r2 / off);
+  for (int j = 0; j < 2; ++j) {
+    out += fmt::format("[drive.{}]\nkind = \"geared\"\nk_p = {}\nk_d = {}\ni_motor = {}\nfriction = {}\n",
+                       j == 0 ? "hip" : "knee", p.k_p, p.k_d, p.armature[j], p.dry[j] / off);
+    out += fmt::format("viscous_friction = {}\n", p.viscous[j] * off);
+    if (p.limit[j] < 1e9) out += fmt::format("tau_max = {}\n", p.limit[j]);
+  }
+  return out;
+}
+
+struct Case {
+  test::Folder folder;
+  DrivenRobot robot;
+  std::vector<RobotTrial> trials;
+  RobotFitOptions options;
+
+  Case(const Pendulum& p, double off, int logs, double pieces, const std::vector<std::string>& free, double noise = 2e-4) {
+    robot = read_driven_robot(folder.write("robot.toml", robot_of(p, off)));
+    for (int m = 0; m < logs; ++m)
+      for (auto& t : read_robot_trials(folder.write(fmt::format("log_{}.csv", m), log_of(p, 750, std::uint64_t(m), noise)),
+                                       robot.scene.robot, {.columns = "", .pieces = pieces}))
+        trials.push_back(t);
+    options.terms = robot_terms(robot, trials);
+    options.terms.free = free, options.threads = 2;
+  }
+};
+
+const std::vector<std::string> kFree = {
+    "robot.link.thigh.inertia_com", "robot.link.shank.mass",      "robot.link.shank.inertia_com",
+    "robot.link.shank.com.along",   "drive.hip.friction",         "drive.knee.friction",
+    "drive.hip.viscous_friction",   "drive.knee.viscous_friction"};
+
+double truth(const Pendulum& p, const std::string& name) {
+  const std::map<std::string, double> values = {{kFree[0], p.i1},
+                                                {kFree[1], p.m2},
+                                                {kFree[2], p.i2},
+                                                {kFree[3], p.r2},
+                                                {kFree[4], p.dry[0]},
+                                                {kFree[5], p.dry[1]},
+                                                {kFree[6], p.viscous[0]},
+                                                {kFree[7], p.viscous[1]},
+                                                {"command.hip.torque_gain", p.gain[0]},
+                                                {"command.knee.torque_gain", p.gain[1]},
+                                                {"command.delay", p.delay}};
+  return values.at(name);
+}
+
+void check_within_errors(const Pendulum& p, const RobotFit& fit) {
+  for (const auto& e : fit.parameters) {
+    if (!e.free) continue;
+    INFO(e.name << " " << e.value << ", true " << truth(p, e.name));
+    REQUIRE(e.std);
+    CHECK(std::abs(e.value - truth(p, e.name)) < 4 * *e.std);
+    CHECK(*e.std < 0.05 * std::abs(e.value));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a driven robot moves as the textbook's pendulum does", "[driven]") {
+  Pendulum p;
+  p.delay = 0.0013, p.limit[0] = 1.5, p.limit[1] = 0.7;
+  const Case c(p, 1, 1, 0, kFree, 0);
+  DrivenRobot robot = c.robot;
+  robot.path.delay = p.delay;
+  const RobotTrial& t = c.trials[0];
+  std::vector<JointStart> start{{0.1, 0, 0}, {-0.2, 0, 0}};
+  const DrivenRollout r = roll_driven(robot.scene.robot, robot.path, *t.commands, start, t.log.t);
+  REQUIRE(r.complete);
+  for (std::size_t j = 0; j < 2; ++j) {
+    double worst = 0, limited = 0;
+    for (std::size_t i = 0; i < t.log.t.size(); ++i) {
+      worst = std::max(worst, std::abs(r.joint[j][kAngle][i] - t.log.output[kSensed * j + kAngle][i]));
+      limited += std::abs(r.joint[j][kTorque][i]) == p.limit[j];
+    }
+    CHECK(worst < 2e-5);
+    CHECK(limited > 20);  // rows at the level: it is reached
+    CHECK(limited < 600);
+  }
+}
+
+TEST_CASE("constants of a driven robot come back within their errors", "[driven]") {
+  Pendulum p;
+  SECTION("from whole logs") {
+    const Case c(p, 1.15, 2, 0, kFree);
+    const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
+    REQUIRE(fit.converged);
+    check_within_errors(p, fit);
+    CHECK(fit.trusted());
+    CHECK(fit.robot.scene.robot.links[1].mass == Approx(p.m2).epsilon(0.02));
+    CHECK(fit.rms[kAngle] == Approx(2e-4).epsilon(0.1));
+  }
+  SECTION("from pieces, with a delay, gains and levels of the torque") {
+    p.gain[0] = 1.1, p.gain[1] = 0.92, p.delay = 0.0017, p.limit[0] = 2.5, p.limit[1] = 1.1;
+    std::vector<std::string> free = kFree;
+    free.erase(free.begin() + 1);
+    for (const char* more : {"command.hip.torque_gain", "command.knee.torque_gain", "command.delay"})
+      free.push_back(more);
+    Pendulum known = p;
+    Case c(p, 1, 2, 1, free);
+    CHECK(c.trials.size() == 6);
+    const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
+    REQUIRE(fit.converged);
+    check_within_errors(known, fit);
+  }
+}
+
+TEST_CASE("a term that a driven robot lacks is asked for, and nothing is trusted then", "[driven]") {
+  Pendulum p;
+  p.delay = 0.002;
+  const Case c(p, 1, 2, 0, {kFree[4], kFree[5]});
+  const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
+  CHECK(fit.tests.model_rejected());
+  CHECK_FALSE(fit.trusted());
+  for (const auto& e : fit.parameters) CHECK(e.verdict != identify::Identifiability::kTrusted);
+  REQUIRE(fit.tests.missing());
+  CHECK(fit.tests.missing()->term == "command.delay");
+  CHECK(fit.tests.missing()->size == Approx(p.delay).epsilon(0.2));
+}
+
+TEST_CASE("differences of a driven rollout are its derivatives", "[driven]") {
+  const Pendulum p;
+  const Case c(p, 1, 1, 0, kFree);
+  const auto slopes = [&](double step) {
+    RobotFitOptions o = c.options;
+    o.difference = step;
+    const RobotTrials simulator(c.robot, c.trials, o);
+    Settings settings;
+    for (const char* name : {"command.delay", "robot.link.shank.mass", "drive.knee.friction", "drive.hip.i_motor"})
+      settings.push_back({&o.terms[name], std::string(name) == "command.delay" ? 1e-3 : simulator.value(o.terms[name])});
+    settings.push_back({&o.terms["start.knee.dphi"], 0.05});
+    FollowedDrop d = simulator.follow(0, settings, c.trials[0].log.t, {});
+    REQUIRE(simulator.differentiate(0, settings, c.trials[0].log.t, {}, d));
+    return d.slope[kSensed + kAngle];
+  };
+  const Eigen::MatrixXd used = slopes(c.options.difference), finer = slopes(c.options.difference / 4);
+  for (long k = 0; k < used.cols(); ++k)
+    CHECK((used.col(k) - finer.col(k)).norm() < 1e-4 * finer.col(k).norm());
+}
+
+TEST_CASE("a prediction fits nothing but the starts", "[driven]") {
+  const Pendulum p;
+  const Case c(p, 1, 1, 0, kFree);
+  const RobotFit right = predict_robot(c.robot, c.trials, c.options);
+  REQUIRE(right.converged);
+  CHECK(right.nuisance.size() == 4);
+  CHECK(right.rms[kAngle] == Approx(2e-4).epsilon(0.1));
+  Pendulum heavy = p;
+  heavy.m2 *= 1.05;
+  const Case wrong(heavy, 1, 1, 0, kFree);
+  CHECK(predict_robot(c.robot, wrong.trials, c.options).rms[kAngle] > 1e-3);
+}

@@ -1,0 +1,91 @@
+#include "tools/report/robot_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/csv.hpp"
+#include "common/error.hpp"
+#include "common/toml_edit.hpp"
+#include "tools/report/body_scene_text.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+using Path = TomlEdit::Place;
+
+std::vector<std::string> parts_of(const std::string& name) {
+  std::vector<std::string> out;
+  for (std::size_t begin = 0, end; begin <= name.size(); begin = end + 1) {
+    end = std::min(name.find('.', begin), name.size());
+    out.push_back(name.substr(begin, end - begin));
+  }
+  return out;
+}
+
+/// Links stand in the file in any order.
+std::string index_of_link(const TomlEdit& file, const Robot& robot, const std::string& link) {
+  for (std::size_t k = 0; k < robot.links.size(); ++k)
+    if (file.text_at({"robot", "link", std::to_string(k)}, "name") == link) return std::to_string(k);
+  throw InputError("link " + quoted(link) + ": it stands in the file in a way that cannot be followed");
+}
+
+void set_link(TomlEdit& file, const DrivenRobot& robot, const std::string& link, const std::string& key, double value) {
+  const Path table = {"robot", "link", index_of_link(file, robot.scene.robot, link)};
+  if (key != "com") return file.set(table, key, value);
+  for (const Link& l : robot.scene.robot.links)
+    if (l.name == link)
+      file.set_raw(table, "com", fmt::format("[{}, {}]", shortest(l.com.along), shortest(l.com.across)));
+}
+
+void set_drive(TomlEdit& file, const std::string& joint, const std::string& key, double value) {
+  const Path table = {"drive", joint};
+  if (const std::string other = file.text_at(table, "file"); !other.empty())
+    throw InputError(fmt::format("drive.{}.{}: the drive stands in a file of its own, {}: its constants are needed here",
+                                 joint, key, quoted(other)));
+  if (key.ends_with("_deg")) file.remove(table, key.substr(0, key.size() - 4));
+  file.set(table, key, value);
+}
+
+/// [command] and its tables, which need not be there yet.
+void set_command(TomlEdit& file, const std::vector<std::string>& parts, double value, std::string& behind) {
+  const bool shared = parts.size() == 2;
+  const Path table = shared ? Path{"command"} : Path{"command", parts[1]};
+  const std::string& key = parts.back();
+  const bool there = shared ? file.has({}, "command") : file.has({}, "command") && file.has({"command"}, parts[1]);
+  if (there) return file.set(table, key, value);
+  const std::string head = fmt::format("\n[{}]\n", shared ? "command" : "command." + parts[1]);
+  if (behind.find(head) == std::string::npos) behind += head;
+  behind.insert(behind.find(head) + head.size(), fmt::format("{} = {}\n", key, shortest(value)));
+}
+
+}  // namespace
+
+std::string robot_text(const std::string& path, const DrivenRobot& robot,
+                       const std::vector<std::pair<std::string, double>>& values, const std::string& comments,
+                       const std::string& folder) {
+  const std::string& own = robot.scene.robot_file;
+  TomlEdit file(own.empty() ? path : own);
+  std::string behind;
+  for (const auto& [name, value] : values) {
+    const std::vector<std::string> parts = parts_of(name);
+    if (parts[0] == "command")
+      set_command(file, parts, value, behind);
+    else if (parts[0] == "drive")
+      set_drive(file, parts[1], parts[2], value);
+    else if (parts.size() == 2)
+      file.set({parts[0]}, parts[1], value);
+    else
+      set_link(file, robot, parts[2], parts[3], value);
+  }
+  move_drives(robot.scene.robot, own.empty() ? path : own, folder, file);
+  file.append(behind);
+  CsvWriter head;
+  head.comment(comments);
+  return head.text() + file.text();
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,143 @@
+// Logs of driven robots, read.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/csv.hpp"
+#include "identify/logs/columns.hpp"
+#include "tools/study/robot_trials.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+using identify::ColumnMap, identify::Quantity;
+
+namespace {
+
+constexpr Quantity kSensedQuantity[kSensed] = {Quantity::kAngle, Quantity::kRate, Quantity::kTorque};
+constexpr Quantity kToldQuantity[kTold] = {Quantity::kAngle,   Quantity::kRate,    Quantity::kTorque,
+                                           Quantity::kCommand, Quantity::kCommand, Quantity::kCommand};
+
+std::vector<identify::Column> known_columns(const Robot& robot) {
+  std::vector<identify::Column> out = {{"t", Quantity::kTime}};
+  for (const Joint& j : robot.joints) {
+    if (j.kind == DriveKind::kLocked) continue;
+    for (int q = 0; q < (j.driven() ? kSensed : kTorque); ++q)
+      out.push_back({std::string(kSensedNames[std::size_t(q)]) + "_" + j.name, kSensedQuantity[q]});
+    for (int q = 0; j.driven() && q < kTold; ++q)
+      out.push_back({std::string(kToldNames[std::size_t(q)]) + "_" + j.name, kToldQuantity[q]});
+  }
+  return out;
+}
+
+/// One log's columns in SI units.
+class LogColumns {
+ public:
+  LogColumns(const std::string& path, const ColumnMap& map)
+      : map_(map), table_(read_csv(path, [&](const std::string& name) { return map.wants(name); })) {}
+
+  const CsvTable& table() const { return table_; }
+  /// Empty where the file has none.
+  std::vector<double> get(const std::string& name, int* at = nullptr) const {
+    identify::Source source;
+    const int c = map_.find(table_, name, source);
+    if (at) *at = c;
+    if (c < 0) return {};
+    std::vector<double> out = table_.columns[std::size_t(c)];
+    for (double& x : out) x *= source.scale;
+    return out;
+  }
+  std::vector<double> command(const std::string& name) const {
+    int c = -1;
+    std::vector<double> out = get(name, &c);
+    if (c >= 0) table_.require_full(c);
+    return out;
+  }
+  std::vector<double> angle(const std::string& name, RobotLogOptions::Angles angles) const {
+    int c = -1;
+    std::vector<double> out = get(name, &c);
+    if (c < 0)
+      throw InputError({table_.file, table_.header_line}, fmt::format("no column '{}'", name) + hint(name, table_.header));
+    for (std::size_t i = 0; i < out.size() && angles == RobotLogOptions::Angles::kOneTurn; ++i)
+      if (std::abs(out[i]) > 2 * std::numbers::pi)
+        throw InputError(table_.at(c, i),
+                         fmt::format("column '{}': {} rad: an angle beyond 2 pi; are these degrees? then name the "
+                                     "column {}_deg; where turns are meant, --multi-turn",
+                                     name, shortest(out[i]), name));
+    return out;
+  }
+  std::vector<double> time() const {
+    int c = -1;
+    std::vector<double> out = get("t", &c);
+    if (c < 0) throw InputError({table_.file, table_.header_line}, "no column 't'" + hint("t", table_.header));
+    table_.require_full(c), table_.require_increasing(c, out);
+    return out;
+  }
+
+ private:
+  const ColumnMap& map_;
+  CsvTable table_;
+};
+
+/// The first row of each piece, and behind the last.
+std::vector<std::size_t> cuts(const std::vector<double>& t, double length) {
+  const double whole = t.back() - t.front();
+  const long n = length > 0 ? std::max(1l, std::lround(whole / length)) : 1;
+  std::vector<std::size_t> out{0};
+  for (long k = 1; k < n; ++k)
+    out.push_back(std::size_t(std::lower_bound(t.begin(), t.end(), t.front() + whole * double(k) / double(n)) - t.begin()));
+  out.push_back(t.size());
+  return out;
+}
+
+}  // namespace
+
+std::vector<DropChannel> sensed_channels(const Robot& robot) {
+  std::vector<DropChannel> out;
+  for (const Joint& j : robot.joints)
+    for (std::size_t q = 0; q < kSensed; ++q)
+      out.push_back({std::string(kSensedNames[q]) + "_" + j.name, kSensedUnits[q]});
+  return out;
+}
+
+std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& robot, const RobotLogOptions& options) {
+  const ColumnMap map("--columns", options.columns, known_columns(robot));
+  const LogColumns log(path, map);
+  auto commands = std::make_shared<Commands>();
+  commands->t = log.time();
+  constexpr std::size_t kLeast = 8;
+  if (commands->t.size() < kLeast)
+    throw InputError({path, log.table().line.back()},
+                     fmt::format("{} rows: at least {} are needed", commands->t.size(), kLeast));
+  commands->joint.resize(robot.joints.size());
+  std::vector<std::vector<double>> measured(sensed_channels(robot).size());
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& j = robot.joints[i];
+    if (j.kind == DriveKind::kLocked) continue;
+    measured[kSensed * i + kAngle] = log.angle("phi_" + j.name, options.angles);
+    measured[kSensed * i + kRate] = log.get("dphi_" + j.name);
+    if (!j.driven()) continue;
+    measured[kSensed * i + kTorque] = log.get("torque_" + j.name);
+    for (std::size_t q = 0; q < kTold; ++q)
+      commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
+  }
+  const std::vector<std::size_t> at = cuts(commands->t, options.pieces);
+  std::vector<RobotTrial> out;
+  for (std::size_t p = 0; p + 1 < at.size(); ++p) {
+    const std::size_t from = at[p], to = at[p + 1];
+    if (to < from + kLeast)
+      throw InputError(fmt::format("--pieces: {:g} s: fewer than {} rows of '{}' in one", options.pieces, kLeast, path));
+    RobotTrial trial{.log = {}, .origin = commands->t[from], .commands = commands};
+    trial.log.file = at.size() == 2 ? path : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);
+    for (std::size_t i = from; i < to; ++i) trial.log.t.push_back(commands->t[i] - trial.origin);
+    trial.log.output.assign(measured.size(), {});
+    for (std::size_t o = 0; o < measured.size(); ++o)
+      if (!measured[o].empty()) trial.log.output[o] = {measured[o].begin() + long(from), measured[o].begin() + long(to)};
+    out.push_back(std::move(trial));
+  }
+  return out;
+}
+
+}  // namespace ukemi::tools

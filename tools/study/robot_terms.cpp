@@ -1,0 +1,162 @@
+// The terms of driven robots.
+#include <algorithm>
+#include <cmath>
+
+#include "common/actuator_constants.hpp"
+#include "landing/plan/design_numbers.hpp"
+#include "tools/study/robot_trials.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+using identify::Term;
+
+namespace {
+
+constexpr double kInfinity = Term::kInfinity;
+
+/// What is known of a kind of number; `size`: typical, where its value does not tell.
+struct Kind {
+  const char *key, *unit, *words;
+  double lower, upper, size;
+  double judged = 0;
+};
+constexpr Kind kGeared[] = {
+    {"i_motor", "kg m^2", "inertia of the motor at the joint", 0, kInfinity, 1e-3},
+    {"friction", "Nm", "dry friction of the drive", 0, kInfinity, 0.1},
+    {"viscous_friction", "Nm/(rad/s)", "viscous friction of the drive", 0, kInfinity, 0.01},
+    {"friction_asymmetry", "of friction", "half the difference of the dry friction's two levels", -1, 1, 0.1, 1},
+    {"breakaway", "of friction", "by which dry friction is larger at rest", 0, kInfinity, 0.5},
+    {"stribeck_speed", "rad/s", "at which it has fallen to 1/e of that", 1e-3, kInfinity, 0.1},
+    {"spring_loss", "of the torque", "dry friction that grows with the motor's torque", 0, 1, 0.05}};
+constexpr Kind kGains[] = {{"k_p", "Nm/rad", "proportional gain", 0, kInfinity, 1},
+                           {"k_d", "Nm/(rad/s)", "derivative gain", 0, kInfinity, 0.1}};
+constexpr Kind kElastic[] = {{"k_sea", "Nm/rad", "stiffness of the spring", 0, kInfinity, 10},
+                             {"c_sea", "Nm/(rad/s)", "damping of the spring", 0, kInfinity, 0.1},
+                             {"k_sea_cubic", "Nm/rad^3", "cubic stiffness", -kInfinity, kInfinity, 10},
+                             {"output_friction", "Nm", "dry friction on the output", 0, kInfinity, 0.1},
+                             {"output_viscous", "Nm/(rad/s)", "viscous friction on the output", 0, kInfinity, 0.01}};
+constexpr Kind kPassive[] = {{"stiffness", "Nm/rad", "stiffness of the joint", 0, kInfinity, 1},
+                             {"damping", "Nm/(rad/s)", "damping of the joint", 0, kInfinity, 0.01},
+                             {"rest_deg", "deg", "where its spring rests", -180, 180, 5, 10}};
+constexpr Kind kBesideDrive[] = {
+    {"parallel_stiffness", "Nm/rad", "stiffness of a spring beside the drive", 0, kInfinity, 0.1}};
+constexpr Kind kBesideRest[] = {{"parallel_rest_deg", "deg", "where that spring rests", -180, 180, 5, 10}};
+constexpr Kind kTorques[] = {{"torque_gain", "1", "the motor's torque over what is asked", 1e-3, kInfinity, 1}};
+constexpr Kind kReport[] = {{"report_gain", "1", "the reported torque over what is asked", 1e-3, kInfinity, 1}};
+constexpr Kind kLevels[] = {{"torque_low", "Nm", "least torque that is asked", -kInfinity, 0, 1},
+                            {"torque_high", "Nm", "largest torque that is asked", 0, kInfinity, 1}};
+
+class TableOf {
+ public:
+  explicit TableOf(const DrivenRobot& robot) : robot_(robot) {}
+
+  template <std::size_t N>
+  void add(const std::string& prefix, const Kind (&kinds)[N]) {
+    for (const Kind& k : kinds) add(prefix, k);
+  }
+  void add(const std::string& prefix, const Kind& k) {
+    DropTerm t;
+    t.name = prefix + k.key, t.unit = k.unit, t.words = k.words;
+    t.role = Term::Role::kConstant;
+    t.lower = k.lower, t.upper = k.upper, t.judged_size = k.judged;
+    t.moves = {t.name};
+    if (t.name.rfind("robot.link.", 0) == 0) t.alias = t.name.substr(6);
+    const double given = number_of(robot_, t.name);
+    t.size = std::isfinite(given) && given != 0 && k.lower >= 0 ? std::abs(given) : k.size;
+    t.smallest_part = k.lower == 0 && std::string(k.key) == "i_motor" ? 1e-6 : 0;
+    t.spread = k.lower >= 0 ? 2 : k.size;
+    out.push_back(std::move(t));
+  }
+  void add_link(std::size_t i) {
+    const Robot& robot = robot_.scene.robot;
+    const Link& link = robot.links[i];
+    const std::string to = "robot.link." + link.name + ".";
+    constexpr double kBeside = 0.25;  // a centre of mass may lie so far beside the link, in its lengths: doubts()
+    constexpr double kShort = 0.02, kOfNoLength = 1;
+    const double extent = landing::extent(robot, int(i)), length = extent > kShort ? extent : kOfNoLength;
+    Place low{}, high{};
+    for (const Place& p : places(robot, int(i))) {
+      low = {std::min(low.along, p.along), std::min(low.across, p.across)};
+      high = {std::max(high.along, p.along), std::max(high.across, p.across)};
+    }
+    const double beside = kBeside * length;
+    // Smallest parts keep what must be above 0 so; all the mass at both ends has the largest inertia.
+    add(to, {"mass", "kg", "mass of the link", 0, kInfinity, link.mass});
+    out.back().smallest_part = 1e-3;
+    add(to, {"inertia_com", "kg m^2", "inertia of the link about its centre of mass", 0, kInfinity, link.inertia_com});
+    out.back().smallest_part = 1e-3;
+    add(to, {"com.along", "m", "centre of mass along the link", low.along - beside, high.along + beside, 0.1 * length});
+    add(to, {"com.across", "m", "centre of mass beside the link", low.across - beside, high.across + beside, 0.1 * length,
+             0.1 * length});
+  }
+  void add_start(const Joint& j) {
+    const auto each = [&](const char* key, const char* unit, const char* words, double size) {
+      DropTerm t;
+      t.name = "start." + j.name + "." + key, t.unit = unit, t.words = words;
+      t.scope = identify::Scope::kEach, t.size = size, t.moves = {t.name};
+      out.push_back(std::move(t));
+    };
+    each("phi", "rad", "added to the angle that the log starts with", 0.01);
+    each("dphi", "rad/s", "added to the rate that the log starts with", 0.1);
+    if (j.kind == DriveKind::kElastic) each("spring", "rad", "the motor's angle less the joint's at the start", 0.01);
+  }
+  static double number_of(const DrivenRobot& robot, const std::string& name) {
+    if (name.rfind("command.", 0) != 0) return design_number(robot.scene, name);
+    CommandPath path = robot.path;
+    return *command_number(path, robot.scene.robot, name.substr(8));
+  }
+
+  std::vector<DropTerm> out;
+
+ private:
+  const DrivenRobot& robot_;
+};
+
+/// Whether any trial has it.
+bool told(const std::vector<RobotTrial>& trials, std::size_t joint, Told what) {
+  return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.commands->joint[joint][what].empty(); });
+}
+bool sensed(const std::vector<RobotTrial>& trials, std::size_t joint, Sensed what) {
+  return std::any_of(trials.begin(), trials.end(),
+                     [&](auto& t) { return !t.log.output[kSensed * joint + what].empty(); });
+}
+
+void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const std::vector<RobotTrial>& trials) {
+  const Joint& j = robot.scene.robot.joints[i];
+  const std::string drive = "drive." + j.name + ".", command = "command." + j.name + ".";
+  if (j.kind == DriveKind::kPassive) table.add(drive, kPassive);
+  if (j.driven()) {
+    const bool refers = told(trials, i, kPhiRef);
+    if (refers && !told(trials, i, kKp)) table.add(drive, kGains[0]);
+    if ((refers || told(trials, i, kDphiRef)) && !told(trials, i, kKd)) table.add(drive, kGains[1]);
+    table.add(drive, kGeared), table.add(command, kTorques);
+    if (j.kind == DriveKind::kElastic) table.add(drive, kElastic);
+    if (sensed(trials, i, kTorque)) table.add(command, kReport);
+    if (std::isfinite(robot.path.joints[i].torque_high)) table.add(command, kLevels[1]);
+    if (std::isfinite(robot.path.joints[i].torque_low)) table.add(command, kLevels[0]);
+  }
+  table.add(drive, kBesideDrive);
+  if (j.parallel_stiffness > 0) table.add(drive, kBesideRest);
+}
+
+}  // namespace
+
+identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vector<RobotTrial>& trials) {
+  TableOf table(robot);
+  const Robot& r = robot.scene.robot;
+  for (std::size_t i = 0; i < r.joints.size(); ++i)
+    if (r.joints[i].kind != DriveKind::kLocked) add_joint(table, robot, i, trials);
+  for (std::size_t i = 0; i < r.links.size(); ++i) table.add_link(i);
+  table.add("robot.", {"gravity", "m/s^2", "gravity", 0, kInfinity, 9.81});
+  table.add("command.", {"delay", "s", "from a row to its command's effect", 0, kMostCommandDelay, 1e-3});
+  identify::Terms<DropTerm> out;
+  for (const Joint& j : r.joints)
+    if (j.kind != DriveKind::kLocked) table.add_start(j);
+  for (const DropTerm& t : table.out)
+    if (!t.is_constant()) out.nuisance.push_back(t.name);
+  out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table.out));
+  return out;
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,113 @@
+// Trials of a robot that is driven by a log's commands, as a function of a fit's terms: any number of the robot by its
+// way in the files, what its commands pass through, and how each trial starts. The fit is that of floor_fit.hpp, its
+// derivatives are differences of a rollout with fixed steps (landing/driven).
+//
+// No printing, no files: tools/verbs/identify_robot.cpp is the verb. Tests: test/legs/driven.cpp.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "landing/body/body_scene.hpp"
+#include "landing/driven/driven_rollout.hpp"
+#include "tools/study/floor_fit.hpp"
+
+namespace ukemi::tools {
+
+/// A robot and what its commands pass through.
+struct DrivenRobot {
+  landing::BodyScene scene;
+  landing::CommandPath path;
+};
+/// Of a file of a robot, or of a scene that has one. Throws InputError with file:line:column, and where trials have no
+/// law for it.
+DrivenRobot read_driven_robot(const std::string& path);
+
+/// A trial: what was measured from its first row on, and the commands of the whole log.
+struct RobotTrial {
+  landing::DropLog log;  ///< of sensed_channels; t counts from the first row
+  double origin = 0;     ///< what the log's clock read there [s]
+  std::shared_ptr<const landing::Commands> commands;
+};
+/// phi_JOINT, dphi_JOINT and torque_JOINT of every joint; torque of driven ones alone.
+std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
+
+struct RobotLogOptions {
+  std::string columns;  ///< NAME=COLUMN,..., as of trials of a rig
+  double pieces = 0;    ///< the log is cut into trials about so long [s]; 0: it is not
+  enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;
+};
+/// Reads a log (CSV): t [s], phi_JOINT [rad] of every joint that is not locked; where they are logged dphi_JOINT,
+/// torque_JOINT (reported), and of driven joints the commands phi_ref_JOINT, dphi_ref_JOINT, torque_ff_JOINT, k_p_JOINT,
+/// k_d_JOINT, on_JOINT. A measured cell may be empty, a command's not. Throws InputError with file:line:column.
+std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing::Robot& robot,
+                                          const RobotLogOptions& options);
+
+/// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
+/// robot.gravity, command.delay, command.JOINT.KEY; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
+/// start.JOINT.spring, added to what the log says. Chosen: no constant, every start. A centre of mass stays within its
+/// link, an inertia below that of all its mass at the link's ends.
+identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vector<RobotTrial>& trials);
+
+struct RobotFitOptions : CalibrationOptions {
+  RobotFitOptions() { restarts = 0; }
+  int threads = 0;              ///< of the differences; 0: all cores; without influence on the results
+  landing::DrivenOptions roll;  ///< of the rollout
+  double difference = 1e-6;     ///< step of the differences, of a term's size
+};
+
+/// The robot with terms at their values.
+void set_in(DrivenRobot& robot, const DropTerm& term, double value);
+
+/// What it is made from must outlive it.
+class RobotTrials : public DropSimulator {
+ public:
+  RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options);
+
+  FitWords words() const override;
+  std::vector<double> parts() const override;
+  const std::vector<landing::DropChannel>& channels() const override { return channels_; }
+  std::size_t drops() const override { return trials_.size(); }
+  const landing::DropLog& log(std::size_t m) const override { return trials_[m].log; }
+  double value(const DropTerm& constant) const override;
+  double first_touchdown(std::size_t) const override { return 0; }
+  FollowedDrop follow(std::size_t m, const Settings& settings, const std::vector<double>& times,
+                      const landing::SimulateOptions& options) const override;
+  bool differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
+                     const landing::SimulateOptions& options, FollowedDrop& followed) const override;
+  double patience(std::size_t settings) const override { return 100 * double(1 + settings); }
+  double peak(std::size_t, const Settings&, double, const landing::SimulateOptions&) const override;
+
+ private:
+  /// What terms at their values make of a trial; none where no matter has such numbers.
+  struct Posed {
+    DrivenRobot robot;
+    std::vector<landing::JointStart> start;
+  };
+  std::optional<Posed> pose(std::size_t m, const Settings& settings) const;
+  FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times, double step) const;
+
+  const DrivenRobot& robot_;
+  const std::vector<RobotTrial>& trials_;
+  const RobotFitOptions& options_;
+  std::vector<landing::DropChannel> channels_;
+  std::vector<std::vector<landing::JointStart>> start_;  ///< of each trial, as its log says
+  std::map<std::string, std::function<void(landing::BodyScene&, double)>> setters_;
+};
+
+struct RobotFit : FloorFit {
+  DrivenRobot robot;  ///< the given one with the fitted constants
+};
+/// Fits the constants that the options name; none is trusted where the residuals speak against the robot. Throws
+/// InputError as fit_floor.
+[[nodiscard]] RobotFit fit_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
+                                 const RobotFitOptions& options);
+/// The trials for the robot's constants; only how each starts is fitted.
+[[nodiscard]] RobotFit predict_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
+                                     const RobotFitOptions& options);
+
+}  // namespace ukemi::tools

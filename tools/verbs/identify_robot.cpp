@@ -1,0 +1,92 @@
+// ukemi identify, ukemi predict of a robot of links.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/error.hpp"
+#include "tools/program/arguments.hpp"
+#include "tools/report/calibrate.hpp"
+#include "tools/report/robot_text.hpp"
+#include "tools/verbs/calibrate.hpp"
+#include "tools/verbs/runs.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+std::vector<RobotTrial> read_trials(const IdentifyArguments& a, const DrivenRobot& robot, Run& run) {
+  RobotLogOptions reading{.columns = a.reading.columns, .pieces = a.pieces.value_or(0)};
+  if (a.pieces && !(*a.pieces > 0)) throw InputError(fmt::format("--pieces: {:g} s: above 0 is needed", *a.pieces));
+  if (a.reading.angles != identify::TrialOptions::Angles::kOneTurn)
+    reading.angles = RobotLogOptions::Angles::kMultiTurn;
+  std::vector<RobotTrial> out;
+  for (const std::string& path : a.trials) {
+    run.input(path);
+    for (RobotTrial& t : read_robot_trials(path, robot.scene.robot, reading)) out.push_back(std::move(t));
+  }
+  return out;
+}
+
+/// What the options say of the fit, by the names of its terms. Without --nuisance every start is fitted.
+void set_options(const IdentifyArguments& a, const CommonOptions& common, RobotFitOptions& o) {
+  const std::vector<std::string> starts = o.terms.nuisance;
+  CalibrateArguments given;
+  given.free = a.free, given.lower = a.lower, given.upper = a.upper, given.priors = split(a.prior);
+  if (a.nuisance != "none") given.nuisance = a.nuisance;
+  if (a.nuisance.empty()) given.nuisance = fmt::format("{}", fmt::join(starts, ","));
+  tools::set_options(given, common, o);
+  o.restarts = a.starts, o.threads = common.threads;
+}
+
+std::vector<const DropLog*> logs_of(const std::vector<RobotTrial>& trials) {
+  std::vector<const DropLog*> out;
+  for (const RobotTrial& t : trials) out.push_back(&t.log);
+  return out;
+}
+
+std::vector<std::pair<std::string, double>> fitted_values(const identify::Estimates& fit) {
+  std::vector<std::pair<std::string, double>> out;
+  for (const identify::Estimate& e : fit.parameters)
+    if (e.free) out.emplace_back(e.name, e.value);
+  return out;
+}
+
+int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, RobotFitOptions options, Run& run) {
+  run.info(fmt::format("predicting {} trials", trials.size()));
+  return report_prediction({predict_robot(robot, trials, options), logs_of(trials)}, run);
+}
+
+}  // namespace
+
+int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
+  const bool only = predicts == Predicts::kYes;
+  Run run(only ? "predict" : "identify", common);
+  for (const std::string& option : a.given)
+    if (static const std::vector<std::string> kHave = {"--robot",  "--free",    "--nuisance", "--prior", "--lower",
+                                                       "--upper",  "--columns", "--pieces",   "--starts", "--strict",
+                                                       "--multi-turn", "--start-angle"};
+        std::find(kHave.begin(), kHave.end(), option) == kHave.end())
+      throw InputError(option + ": it has no say with --robot");
+  const DrivenRobot robot = read_driven_robot(a.robot);
+  run.input(a.robot);
+  if (!robot.scene.robot_file.empty()) run.input(robot.scene.robot_file);
+  const std::vector<RobotTrial> trials = read_trials(a, robot, run);
+  RobotFitOptions options;
+  options.terms = robot_terms(robot, trials);
+  if (only) return options.threads = common.threads, predict(robot, trials, options, run);
+  if (a.free.empty()) throw InputError("--free: with --robot the constants that are fitted must be named");
+  set_options(a, common, options);
+  options.monitor = run.monitor("identify: parts");
+  std::vector<std::pair<std::string, double>> given;  // what cannot be written is said before the work
+  for (const std::string& name : options.terms.free) given.emplace_back(name, 1);
+  (void)robot_text(a.robot, robot, given, "", run.folder());
+  run.info(fmt::format("fitting {} trials", trials.size()));
+  const RobotFit fit = fit_robot(robot, trials, options);
+  return report({fit, logs_of(trials)}, std::nullopt, a.doubt,
+                {{"robot.toml", robot_text(a.robot, fit.robot, fitted_values(fit), scene_comments(run, fit), run.folder())}},
+                {}, run);
+}
+
+}  // namespace ukemi::tools
