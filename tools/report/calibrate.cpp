@@ -40,7 +40,7 @@ std::vector<std::size_t> measured(const FloorFit& c) {
 }
 
 Quantities<DropResult> drop_quantities(const FloorFit& c) {
-  Quantities<DropResult> out = {{"", "file", c.words.one, {}, &DropResult::file},
+  Quantities<DropResult> out = {{"", "file", words(c.logs_of).one, {}, &DropResult::file},
                                 {"", "simulated", &DropResult::simulated}};
   for (const std::size_t o : measured(c))
     out.push_back({"", "rms/" + c.channels[o].name, fmt::format("{} rms [{}]", c.channels[o].name, c.channels[o].unit),
@@ -58,8 +58,8 @@ std::string samples_csv(const Run& run, const ToldFit& c) {
   csv.comment(
       fmt::format("residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration "
                   "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.",
-                  c.result.words.one));
-  csv.header({c.result.words.one, "t", "output", "measured", "simulated", "residual", "used"});
+                  words(c.result.logs_of).one));
+  csv.header({words(c.result.logs_of).one, "t", "output", "measured", "simulated", "residual", "used"});
   for (std::size_t m = 0; m < c.logs.size(); ++m)
     for (std::size_t o = 0; o < c.result.channels.size(); ++o) {
       const DropResult& result = c.result.drops[m];
@@ -111,7 +111,7 @@ Figure drop_figure(const DropLog& log, const FloorFit& fit, const char* set, std
   out.caption = fmt::format(
       "{} {}, {}: measured (points) and simulated (line); grey: where the simulation touches down and lifts off. All "
       "samples: fit.csv.",
-      fit.words.one, number, log.file);
+      words(fit.logs_of).one, number, log.file);
   return out;
 }
 
@@ -126,7 +126,7 @@ std::vector<std::string> findings(const FloorFit& c) {
         "the {} ask for {}{} (score test, p {}): of what was not fitted it explains most of the residuals, their "
         "rms "
         "would fall from {:.4g} to {:.4g} standard deviations: try {}",
-        c.words.many, held ? "another value of " : "", term, probability_words(missed->p), std::sqrt(tests.score->variance),
+        words(c.logs_of).many, held ? "another value of " : "", term, probability_words(missed->p), std::sqrt(tests.score->variance),
         tests.rms_with(*missed), held ? "--free with it" : "--nuisance " + term));
   }
   if (tests.whiteness.rejected)
@@ -135,13 +135,13 @@ std::vector<std::string> findings(const FloorFit& c) {
   for (std::size_t m = 0; m < tests.chow.size(); ++m)
     if (tests.disagrees(m))
       out.push_back(fmt::format("{} disagrees with the other {} (Chow's test, p {}): it asks for a {} of its own",
-                                c.drops[m].file, c.words.many, probability_words(tests.chow[m]), c.words.model));
+                                c.drops[m].file, words(c.logs_of).many, probability_words(tests.chow[m]), words(c.logs_of).model));
   if (tests.model_rejected())
     out.push_back(fmt::format(
         "the {} does not explain these {}: no constant is trusted, and the errors are widened to what "
         "the residuals say (tests at {:g} % together); the true ones may be larger still. Every plan "
         "rests on it",
-        c.words.model, c.words.many, 100 * identify::kTestLevel));
+        words(c.logs_of).model, words(c.logs_of).many, 100 * identify::kTestLevel));
   return out;
 }
 
@@ -150,7 +150,7 @@ void tell_drops(const ToldFit& c, const char* set, Report& report, Json& summary
   const Table outputs(output_quantities(c.result), measured(c.result));
   summary["outputs"] = outputs.keyed();
   (void)tell(outputs, report, run);
-  summary[c.result.words.many] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
+  summary[words(c.result.logs_of).many] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
   constexpr std::size_t kMost = 12;
   for (std::size_t m = 0; m < std::min(kMost, c.logs.size()); ++m)
     report.figure(drop_figure(*c.logs[m], c.result, set, m));
@@ -165,8 +165,8 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   for (const std::string& finding : findings(c)) run.warn(finding);
   if (!c.converged && !interrupted())
     run.warn("not converged: " + c.message + "; try another start in the file, --prior, or fewer --free constants");
-  const FitWords& words = c.words;
-  Report report(words.title);
+  const FitWords told = words(c.logs_of);
+  Report report(told.title);
   Json summary;
   bool converged = c.converged;
   if (validation) {
@@ -176,14 +176,14 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   begin(c, constant_quantities(), report, summary, run);
   summary["trusted"] = c.trusted();
   summary["steps"] = c.steps;
-  report.heading(fmt::format("Does the {} explain the {}?", words.model, words.many));
+  report.heading(fmt::format("Does the {} explain the {}?", told.model, told.many));
   tell_tests(c.tests, "standard deviations", report, summary["diagnostics"]);
   if (laws) laws(report, summary);
-  report.heading(fmt::format("Fitted {}", words.many));
-  tell_drops(fitted, words.one, report, summary, run);
+  report.heading(fmt::format("Fitted {}", told.many));
+  tell_drops(fitted, told.one, report, summary, run);
   if (validation) {
     run.say("not fitted:");
-    report.heading(fmt::format("Validation: {} that were not fitted", words.many));
+    report.heading(fmt::format("Validation: {} that were not fitted", told.many));
     Json& j = summary["validation"];
     j["nuisance"] = nuisance_json(validation->result.nuisance);
     tell_drops(*validation, "validation", report, j, run);
@@ -191,12 +191,12 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   }
   for (const auto& [name, text] : files) run.add(name, text);
   run.add("fit.csv", samples_csv(run, fitted));
-  FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), words.many));
+  FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), told.many));
   first.checks.push_back(
-      check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", words.model, words.many), ""));
+      check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", told.model, told.many), ""));
   first.checks.push_back(
-      {Check::State::kUnknown, std::string("held-out ") + words.one, validation ? "played: see Validation" : "none: --validate names one"});
-  first.next = words.next;
+      {Check::State::kUnknown, std::string("held-out ") + told.one, validation ? "played: see Validation" : "none: --validate names one"});
+  first.next = told.next;
   report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
@@ -210,11 +210,11 @@ int report_prediction(const ToldFit& played, Run& run) {
   Json summary;
   summary["nuisance"] = nuisance_json(c.nuisance);
   summary["converged"] = c.converged;
-  report.heading(fmt::format("The {}, for given constants", c.words.many));
-  tell_drops(played, c.words.one, report, summary, run);
+  report.heading(fmt::format("The {}, for given constants", words(c.logs_of).many));
+  tell_drops(played, words(c.logs_of).one, report, summary, run);
   run.add("fit.csv", samples_csv(run, played));
   FirstScreen first;
-  first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), c.words.many);
+  first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), words(c.logs_of).many);
   first.checks.push_back(check(c.converged, "followed to the end", c.converged ? "" : c.message));
   report.answer(first, run.warnings());
   report.write(run);

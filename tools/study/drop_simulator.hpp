@@ -28,19 +28,33 @@ struct FollowedDrop {
   long steps = 0;             ///< integrated, taken or rejected
 };
 
-/// How a fit of them is told.
+/// What the logs are of.
+enum class LogsOf { kDrops, kTrials };
+/// How a fit of them is told; `unlike`: where no start is near.
 struct FitWords {
-  const char *one = "drop", *many = "drops", *model = "floor";
-  const char* title = "Calibration";
-  const char* next = "`ukemi optimize` with scene.toml plans on this floor.";
-  const char* unlike = "are the drop's height, speed and pitch right, is t = 0 the release?";  ///< no start is near
+  const char *one, *many, *model, *title, *next, *unlike;
 };
+constexpr FitWords words(LogsOf logs) {
+  if (logs == LogsOf::kTrials)
+    return {.one = "trial",
+            .many = "trials",
+            .model = "robot",
+            .title = "Identification of a robot",
+            .next = "`ukemi predict LOG --robot robot.toml` says whether it holds on another log.",
+            .unlike = "are the columns' signs and units right, are the robot's constants near?"};
+  return {.one = "drop",
+          .many = "drops",
+          .model = "floor",
+          .title = "Calibration",
+          .next = "`ukemi optimize` with scene.toml plans on this floor.",
+          .unlike = "are the drop's height, speed and pitch right, is t = 0 the release?"};
+}
 
 class DropSimulator {
  public:
   virtual ~DropSimulator() = default;
 
-  virtual FitWords words() const { return {}; }
+  virtual LogsOf logs_of() const { return LogsOf::kDrops; }
   /// From a drop's first touchdown on, how far it is followed, part by part [s]: what comes after a touchdown can be met
   /// only once the touchdown is. The last is the whole. `test_regression "calibrate*"` chose these, from starts 30 %
   /// off.

@@ -177,14 +177,14 @@ void report(const LeastSquaresSolution& s, const Problem& fitted, const LeastSqu
   using identify::Wording;
   set_estimates(
       s, problem, shared,
-      {.data = fitted.simulator.words().many, .interval = Wording::Interval::kAbsolute, .correlated = Wording::Correlated::kUnlessTrusted},
+      {.data = words(fitted.simulator.logs_of()).many, .interval = Wording::Interval::kAbsolute, .correlated = Wording::Correlated::kUnlessTrusted},
       out);
   std::stable_sort(out.nuisance.begin(), out.nuisance.end(),
                    [](const Estimate& a, const Estimate& b) { return a.trial < b.trial; });
   for (const Estimate& e : out.nuisance)
     if (e.at_bound)
       out.warnings.push_back(
-          fmt::format("{} of {} {} ended at its bound {}", e.name, out.words.one, e.trial + 1, shortest(e.value)));
+          fmt::format("{} of {} {} ended at its bound {}", e.name, words(out.logs_of).one, e.trial + 1, shortest(e.value)));
 }
 
 /// The residuals of each output of each drop, without those that are the rollout's own.
@@ -286,8 +286,7 @@ std::optional<Uncertainty> FloorFit::uncertainty(const std::vector<std::string>*
 }
 
 void check_logs(const DropSimulator& drops) {
-  const FitWords words = drops.words();
-  if (drops.drops() == 0) throw InputError(fmt::format("no {}: at least one log is needed", words.many));
+  if (drops.drops() == 0) throw InputError(fmt::format("no {}: at least one log is needed", words(drops.logs_of()).many));
   for (std::size_t m = 0; m < drops.drops(); ++m) {
     const DropLog& log = drops.log(m);
     long measured = 0;
@@ -317,7 +316,7 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   check_logs(drops);
   const Problem problem(drops, DropLayout(options.terms), options);
   FloorFit out;
-  out.words = drops.words();
+  out.logs_of = drops.logs_of();
   out.channels = drops.channels();
   out.noise = noise_of(drops);
   LeastSquaresSolution best = search(problem, options, out);
@@ -325,10 +324,10 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   if (problem.spent && !believed(best, options))
     out.warnings.push_back(
         fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: {}",
-                    double(problem.steps), out.words.unlike));
+                    double(problem.steps), words(out.logs_of).unlike));
   if (!best.usable) {
     out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
-                                            : fmt::format("no start could be followed through the {}: {}", out.words.many, best.message);
+                                            : fmt::format("no start could be followed through the {}: {}", words(out.logs_of).many, best.message);
     out.parameters = as_given(options, drops);
     for (std::size_t m = 0; m < drops.drops(); ++m) out.drops.push_back(not_simulated(drops.log(m)));
     out.rms = rms_of(out.drops);
@@ -358,7 +357,7 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
 FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& options) {
   check_logs(drops);
   FloorFit out;
-  out.words = drops.words();
+  out.logs_of = drops.logs_of();
   out.channels = drops.channels();
   out.noise = noise_of(drops);
   out.converged = true;
@@ -379,7 +378,7 @@ FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& op
     }
     out.drops.push_back(s.usable || layout.shared.empty() ? problem.replay(s)[0] : not_simulated(drops.log(m)));
     if (!out.drops.back().simulated)
-      out.converged = false, out.message = fmt::format("{}: the {} cannot be followed with these constants", drops.log(m).file, out.words.one);
+      out.converged = false, out.message = fmt::format("{}: the {} cannot be followed with these constants", drops.log(m).file, words(out.logs_of).one);
   }
   out.rms = rms_of(out.drops);
   compare_with_noise(out);

@@ -55,7 +55,7 @@ struct DropResult {
 
 /// The constants of a floor, and the nuisance terms drop by drop.
 struct FloorFit : identify::Estimates {
-  FitWords words;
+  LogsOf logs_of = LogsOf::kDrops;
   /// What the residuals say against the floor: see fit_floor. Nothing of validate_floor.
   identify::ResidualTests tests;
   std::vector<landing::DropChannel> channels;

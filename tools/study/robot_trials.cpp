@@ -95,15 +95,6 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
       if (!begins(name, kCommand) && !begins(name, kStart)) setters_[name] = design_setter(robot.scene, name);
 }
 
-FitWords RobotTrials::words() const {
-  return {.one = "trial",
-          .many = "trials",
-          .model = "robot",
-          .title = "Identification of a robot",
-          .next = "`ukemi predict LOG --robot robot.toml` says whether it holds on another log.",
-          .unlike = "are the columns' signs and units right, are the robot's constants near?"};
-}
-
 std::vector<double> RobotTrials::parts() const {
   double longest = 0;
   for (const RobotTrial& t : trials_) longest = std::max(longest, t.log.t.back());

@@ -68,7 +68,7 @@ class RobotTrials : public DropSimulator {
  public:
   RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options);
 
-  FitWords words() const override;
+  LogsOf logs_of() const override { return LogsOf::kTrials; }
   std::vector<double> parts() const override;
   const std::vector<landing::DropChannel>& channels() const override { return channels_; }
   std::size_t drops() const override { return trials_.size(); }
