@@ -139,8 +139,8 @@ void read_geared(TomlSection& s, Joint& joint) {
   sea.i_motor = s.number("i_motor", Range::positive());
   if (const auto v = s.optional_number("tau_max", Range::non_negative())) sea.tau_max = *v;
   for (const ActuatorConstant& c : optional_constants())
-    for (const char* key : {"friction", "friction_asymmetry", "viscous_friction", "breakaway", "stribeck_speed",
-                            "spring_loss"})
+    for (const char* key :
+         {"friction", "friction_asymmetry", "viscous_friction", "breakaway", "stribeck_speed", "spring_loss"})
       if (c.key == std::string(key)) sea.*c.at = s.optional_number(key, c.range).value_or(c.absent);
   joint.speed_max = s.optional_number("speed_max", Range::positive());
   joint.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());

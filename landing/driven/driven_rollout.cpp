@@ -9,8 +9,7 @@
 namespace ukemi::landing {
 
 void check_driven(const Robot& robot) {
-  if (robot.base != Base::kPinned)
-    throw InputError("base: trials need a pinned robot: base = \"pinned\"");
+  if (robot.base != Base::kPinned) throw InputError("base: trials need a pinned robot: base = \"pinned\"");
   if (!robot.joint_of(0))
     throw InputError("link " + quoted(robot.links[0].name) +
                      ": trials need the angle of every link: the first link needs a joint of its own, its pin");
@@ -47,8 +46,8 @@ class DrivenRun {
   bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
     const long n = long(std::ceil((until - t_) / options.step - 1e-9));
     while (true) {
-      const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay
-                                                    : std::numeric_limits<double>::infinity();
+      const double edge =
+          row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : std::numeric_limits<double>::infinity();
       const double to = std::min(until, edge);
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
@@ -122,8 +121,8 @@ class DrivenRun {
   }
   double asked(int i, const SeaState<double>& s) const {
     const Now& c = now_[std::size_t(i)];
-    const bool motor = system_.drive[i].kind == DriveKind::kElastic &&
-                       system_.drive[i].sea.feedback == Feedback::kMotor;
+    const bool motor =
+        system_.drive[i].kind == DriveKind::kElastic && system_.drive[i].sea.feedback == Feedback::kMotor;
     const double phi = motor ? s.phi_m : s.phi, dphi = motor ? s.dphi_m : s.dphi;
     return c.on * std::clamp(c.k_p * (c.phi_ref - phi) + c.k_d * (c.dphi_ref - dphi) + c.ff, of(i).torque_low,
                              of(i).torque_high);

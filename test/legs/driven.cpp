@@ -125,21 +125,23 @@ struct Case {
   std::vector<RobotTrial> trials;
   RobotFitOptions options;
 
-  Case(const Pendulum& p, double off, int logs, double pieces, const std::vector<std::string>& free, double noise = 2e-4) {
+  Case(const Pendulum& p, double off, int logs, double pieces, const std::vector<std::string>& free,
+       double noise = 2e-4) {
     robot = read_driven_robot(folder.write("robot.toml", robot_of(p, off)));
     for (int m = 0; m < logs; ++m)
-      for (auto& t : read_robot_trials(folder.write(fmt::format("log_{}.csv", m), log_of(p, 750, std::uint64_t(m), noise)),
-                                       robot.scene.robot, {.columns = "", .pieces = pieces}))
+      for (auto& t :
+           read_robot_trials(folder.write(fmt::format("log_{}.csv", m), log_of(p, 750, std::uint64_t(m), noise)),
+                             robot.scene.robot, {.columns = "", .pieces = pieces}))
         trials.push_back(t);
     options.terms = robot_terms(robot, trials);
     options.terms.free = free, options.threads = 2;
   }
 };
 
-const std::vector<std::string> kFree = {
-    "robot.link.thigh.inertia_com", "robot.link.shank.mass",      "robot.link.shank.inertia_com",
-    "robot.link.shank.com.along",   "drive.hip.friction",         "drive.knee.friction",
-    "drive.hip.viscous_friction",   "drive.knee.viscous_friction"};
+const std::vector<std::string> kFree = {"robot.link.thigh.inertia_com", "robot.link.shank.mass",
+                                        "robot.link.shank.inertia_com", "robot.link.shank.com.along",
+                                        "drive.hip.friction",           "drive.knee.friction",
+                                        "drive.hip.viscous_friction",   "drive.knee.viscous_friction"};
 
 double truth(const Pendulum& p, const std::string& name) {
   const std::map<std::string, double> values = {{kFree[0], p.i1},
@@ -238,15 +240,15 @@ TEST_CASE("differences of a driven rollout are its derivatives", "[driven]") {
     const RobotTrials simulator(c.robot, c.trials, o);
     Settings settings;
     for (const char* name : {"command.delay", "robot.link.shank.mass", "drive.knee.friction", "drive.hip.i_motor"})
-      settings.push_back({&o.terms[name], std::string(name) == "command.delay" ? 1e-3 : simulator.value(o.terms[name])});
+      settings.push_back(
+          {&o.terms[name], std::string(name) == "command.delay" ? 1e-3 : simulator.value(o.terms[name])});
     settings.push_back({&o.terms["start.knee.dphi"], 0.05});
     FollowedDrop d = simulator.follow(0, settings, c.trials[0].log.t, {});
     REQUIRE(simulator.differentiate(0, settings, c.trials[0].log.t, {}, d));
     return d.slope[kSensed + kAngle];
   };
   const Eigen::MatrixXd used = slopes(c.options.difference), finer = slopes(c.options.difference / 4);
-  for (long k = 0; k < used.cols(); ++k)
-    CHECK((used.col(k) - finer.col(k)).norm() < 1e-4 * finer.col(k).norm());
+  for (long k = 0; k < used.cols(); ++k) CHECK((used.col(k) - finer.col(k)).norm() < 1e-4 * finer.col(k).norm());
 }
 
 TEST_CASE("a prediction fits nothing but the starts", "[driven]") {

@@ -55,10 +55,10 @@ Quantities<DropResult> drop_quantities(const FloorFit& c) {
 
 std::string samples_csv(const Run& run, const ToldFit& c) {
   CsvWriter csv = run.csv();
-  csv.comment(
-      fmt::format("residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration "
-                  "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.",
-                  words(c.result.logs_of).one));
+  csv.comment(fmt::format(
+      "residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration "
+      "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.",
+      words(c.result.logs_of).one));
   csv.header({words(c.result.logs_of).one, "t", "output", "measured", "simulated", "residual", "used"});
   for (std::size_t m = 0; m < c.logs.size(); ++m)
     for (std::size_t o = 0; o < c.result.channels.size(); ++o) {
@@ -126,8 +126,8 @@ std::vector<std::string> findings(const FloorFit& c) {
         "the {} ask for {}{} (score test, p {}): of what was not fitted it explains most of the residuals, their "
         "rms "
         "would fall from {:.4g} to {:.4g} standard deviations: try {}",
-        words(c.logs_of).many, held ? "another value of " : "", term, probability_words(missed->p), std::sqrt(tests.score->variance),
-        tests.rms_with(*missed), held ? "--free with it" : "--nuisance " + term));
+        words(c.logs_of).many, held ? "another value of " : "", term, probability_words(missed->p),
+        std::sqrt(tests.score->variance), tests.rms_with(*missed), held ? "--free with it" : "--nuisance " + term));
   }
   if (tests.whiteness.rejected)
     out.push_back(fmt::format("the residuals are not white (Ljung-Box, p {}; neighbours correlate by {:.2f})",
@@ -135,13 +135,14 @@ std::vector<std::string> findings(const FloorFit& c) {
   for (std::size_t m = 0; m < tests.chow.size(); ++m)
     if (tests.disagrees(m))
       out.push_back(fmt::format("{} disagrees with the other {} (Chow's test, p {}): it asks for a {} of its own",
-                                c.drops[m].file, words(c.logs_of).many, probability_words(tests.chow[m]), words(c.logs_of).model));
+                                c.drops[m].file, words(c.logs_of).many, probability_words(tests.chow[m]),
+                                words(c.logs_of).model));
   if (tests.model_rejected())
-    out.push_back(fmt::format(
-        "the {} does not explain these {}: no constant is trusted, and the errors are widened to what "
-        "the residuals say (tests at {:g} % together); the true ones may be larger still. Every plan "
-        "rests on it",
-        words(c.logs_of).model, words(c.logs_of).many, 100 * identify::kTestLevel));
+    out.push_back(
+        fmt::format("the {} does not explain these {}: no constant is trusted, and the errors are widened to what "
+                    "the residuals say (tests at {:g} % together); the true ones may be larger still. Every plan "
+                    "rests on it",
+                    words(c.logs_of).model, words(c.logs_of).many, 100 * identify::kTestLevel));
   return out;
 }
 
@@ -194,8 +195,8 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), told.many));
   first.checks.push_back(
       check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", told.model, told.many), ""));
-  first.checks.push_back(
-      {Check::State::kUnknown, std::string("held-out ") + told.one, validation ? "played: see Validation" : "none: --validate names one"});
+  first.checks.push_back({Check::State::kUnknown, std::string("held-out ") + told.one,
+                          validation ? "played: see Validation" : "none: --validate names one"});
   first.next = told.next;
   report.answer(first, run.warnings());
   report.write(run);

@@ -44,8 +44,9 @@ void set_link(TomlEdit& file, const DrivenRobot& robot, const std::string& link,
 void set_drive(TomlEdit& file, const std::string& joint, const std::string& key, double value) {
   const Path table = {"drive", joint};
   if (const std::string other = file.text_at(table, "file"); !other.empty())
-    throw InputError(fmt::format("drive.{}.{}: the drive stands in a file of its own, {}: its constants are needed here",
-                                 joint, key, quoted(other)));
+    throw InputError(
+        fmt::format("drive.{}.{}: the drive stands in a file of its own, {}: its constants are needed here", joint, key,
+                    quoted(other)));
   if (key.ends_with("_deg")) file.remove(table, key.substr(0, key.size() - 4));
   file.set(table, key, value);
 }

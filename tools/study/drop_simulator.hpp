@@ -55,9 +55,9 @@ class DropSimulator {
   virtual ~DropSimulator() = default;
 
   virtual LogsOf logs_of() const { return LogsOf::kDrops; }
-  /// From a drop's first touchdown on, how far it is followed, part by part [s]: what comes after a touchdown can be met
-  /// only once the touchdown is. The last is the whole. `test_regression "calibrate*"` chose these, from starts 30 %
-  /// off.
+  /// From a drop's first touchdown on, how far it is followed, part by part [s]: what comes after a touchdown can be
+  /// met only once the touchdown is. The last is the whole. `test_regression "calibrate*"` chose these, from starts 30
+  /// % off.
   virtual std::vector<double> parts() const {
     return {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3, 0.5, std::numeric_limits<double>::infinity()};
   }

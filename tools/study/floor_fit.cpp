@@ -175,16 +175,17 @@ void report(const LeastSquaresSolution& s, const Problem& fitted, const LeastSqu
   const std::vector<const identify::Term*> shared(fitted.layout.shared.begin(), fitted.layout.shared.end());
   out.parameters = as_given(fitted.options, fitted.simulator);
   using identify::Wording;
-  set_estimates(
-      s, problem, shared,
-      {.data = words(fitted.simulator.logs_of()).many, .interval = Wording::Interval::kAbsolute, .correlated = Wording::Correlated::kUnlessTrusted},
-      out);
+  set_estimates(s, problem, shared,
+                {.data = words(fitted.simulator.logs_of()).many,
+                 .interval = Wording::Interval::kAbsolute,
+                 .correlated = Wording::Correlated::kUnlessTrusted},
+                out);
   std::stable_sort(out.nuisance.begin(), out.nuisance.end(),
                    [](const Estimate& a, const Estimate& b) { return a.trial < b.trial; });
   for (const Estimate& e : out.nuisance)
     if (e.at_bound)
-      out.warnings.push_back(
-          fmt::format("{} of {} {} ended at its bound {}", e.name, words(out.logs_of).one, e.trial + 1, shortest(e.value)));
+      out.warnings.push_back(fmt::format("{} of {} {} ended at its bound {}", e.name, words(out.logs_of).one,
+                                         e.trial + 1, shortest(e.value)));
 }
 
 /// The residuals of each output of each drop, without those that are the rollout's own.
@@ -286,7 +287,8 @@ std::optional<Uncertainty> FloorFit::uncertainty(const std::vector<std::string>*
 }
 
 void check_logs(const DropSimulator& drops) {
-  if (drops.drops() == 0) throw InputError(fmt::format("no {}: at least one log is needed", words(drops.logs_of()).many));
+  if (drops.drops() == 0)
+    throw InputError(fmt::format("no {}: at least one log is needed", words(drops.logs_of()).many));
   for (std::size_t m = 0; m < drops.drops(); ++m) {
     const DropLog& log = drops.log(m);
     long measured = 0;
@@ -322,12 +324,12 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   LeastSquaresSolution best = search(problem, options, out);
   out.steps = problem.steps;
   if (problem.spent && !believed(best, options))
-    out.warnings.push_back(
-        fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: {}",
-                    double(problem.steps), words(out.logs_of).unlike));
+    out.warnings.push_back(fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: {}",
+                                       double(problem.steps), words(out.logs_of).unlike));
   if (!best.usable) {
     out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
-                                            : fmt::format("no start could be followed through the {}: {}", words(out.logs_of).many, best.message);
+                                            : fmt::format("no start could be followed through the {}: {}",
+                                                          words(out.logs_of).many, best.message);
     out.parameters = as_given(options, drops);
     for (std::size_t m = 0; m < drops.drops(); ++m) out.drops.push_back(not_simulated(drops.log(m)));
     out.rms = rms_of(out.drops);
@@ -378,7 +380,8 @@ FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& op
     }
     out.drops.push_back(s.usable || layout.shared.empty() ? problem.replay(s)[0] : not_simulated(drops.log(m)));
     if (!out.drops.back().simulated)
-      out.converged = false, out.message = fmt::format("{}: the {} cannot be followed with these constants", drops.log(m).file, words(out.logs_of).one);
+      out.converged = false, out.message = fmt::format("{}: the {} cannot be followed with these constants",
+                                                       drops.log(m).file, words(out.logs_of).one);
   }
   out.rms = rms_of(out.drops);
   compare_with_noise(out);

@@ -59,7 +59,8 @@ class LogColumns {
     int c = -1;
     std::vector<double> out = get(name, &c);
     if (c < 0)
-      throw InputError({table_.file, table_.header_line}, fmt::format("no column '{}'", name) + hint(name, table_.header));
+      throw InputError({table_.file, table_.header_line},
+                       fmt::format("no column '{}'", name) + hint(name, table_.header));
     for (std::size_t i = 0; i < out.size() && angles == RobotLogOptions::Angles::kOneTurn; ++i)
       if (std::abs(out[i]) > 2 * std::numbers::pi)
         throw InputError(table_.at(c, i),
@@ -87,7 +88,8 @@ std::vector<std::size_t> cuts(const std::vector<double>& t, double length) {
   const long n = length > 0 ? std::max(1l, std::lround(whole / length)) : 1;
   std::vector<std::size_t> out{0};
   for (long k = 1; k < n; ++k)
-    out.push_back(std::size_t(std::lower_bound(t.begin(), t.end(), t.front() + whole * double(k) / double(n)) - t.begin()));
+    out.push_back(
+        std::size_t(std::lower_bound(t.begin(), t.end(), t.front() + whole * double(k) / double(n)) - t.begin()));
   out.push_back(t.size());
   return out;
 }
@@ -128,13 +130,16 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   for (std::size_t p = 0; p + 1 < at.size(); ++p) {
     const std::size_t from = at[p], to = at[p + 1];
     if (to < from + kLeast)
-      throw InputError(fmt::format("--pieces: {:g} s: fewer than {} rows of '{}' in one", options.pieces, kLeast, path));
+      throw InputError(
+          fmt::format("--pieces: {:g} s: fewer than {} rows of '{}' in one", options.pieces, kLeast, path));
     RobotTrial trial{.log = {}, .origin = commands->t[from], .commands = commands};
-    trial.log.file = at.size() == 2 ? path : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);
+    trial.log.file =
+        at.size() == 2 ? path : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);
     for (std::size_t i = from; i < to; ++i) trial.log.t.push_back(commands->t[i] - trial.origin);
     trial.log.output.assign(measured.size(), {});
     for (std::size_t o = 0; o < measured.size(); ++o)
-      if (!measured[o].empty()) trial.log.output[o] = {measured[o].begin() + long(from), measured[o].begin() + long(to)};
+      if (!measured[o].empty())
+        trial.log.output[o] = {measured[o].begin() + long(from), measured[o].begin() + long(to)};
     out.push_back(std::move(trial));
   }
   return out;

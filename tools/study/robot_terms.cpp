@@ -87,8 +87,8 @@ class TableOf {
     add(to, {"inertia_com", "kg m^2", "inertia of the link about its centre of mass", 0, kInfinity, link.inertia_com});
     out.back().smallest_part = 1e-3;
     add(to, {"com.along", "m", "centre of mass along the link", low.along - beside, high.along + beside, 0.1 * length});
-    add(to, {"com.across", "m", "centre of mass beside the link", low.across - beside, high.across + beside, 0.1 * length,
-             0.1 * length});
+    add(to, {"com.across", "m", "centre of mass beside the link", low.across - beside, high.across + beside,
+             0.1 * length, 0.1 * length});
   }
   void add_start(const Joint& j) {
     const auto each = [&](const char* key, const char* unit, const char* words, double size) {

@@ -83,7 +83,8 @@ void set_in(DrivenRobot& robot, const DropTerm& term, double value) {
       set_design_number(robot.scene, name, value);
 }
 
-RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options)
+RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
+                         const RobotFitOptions& options)
     : robot_(robot), trials_(trials), options_(options), channels_(sensed_channels(robot.scene.robot)) {
   for (const RobotTrial& t : trials) {
     std::vector<JointStart> start;
@@ -160,14 +161,15 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
     if (!followed.value[o].empty()) followed.slope[o].resize(long(times.size()), long(settings.size()));
   const std::optional<Posed> here = pose(m, settings);
   if (!here) return false;
-  const double step = options_.roll.step > 0 ? options_.roll.step
-                                             : stable_step(here->robot.scene.robot, here->robot.path,
-                                                           *trials_[m].commands, here->start);
+  const double step = options_.roll.step > 0
+                          ? options_.roll.step
+                          : stable_step(here->robot.scene.robot, here->robot.path, *trials_[m].commands, here->start);
   std::atomic<long> steps{0};
   std::atomic<bool> done{true};
   parallel_for(int(settings.size()), options_.threads, [&](int c) {
     const Setting& own = settings[std::size_t(c)];
-    const double size = options_.difference * std::max(own.term->is_constant() ? std::abs(own.value) : 0, own.term->size);
+    const double size =
+        options_.difference * std::max(own.term->is_constant() ? std::abs(own.value) : 0, own.term->size);
     for (const double h : {size, -size}) {
       if (!(own.value + h >= own.term->lower && own.value + h <= own.term->upper)) continue;
       Settings beside = settings;
@@ -208,7 +210,8 @@ RobotFit fit_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& tria
   return out;
 }
 
-RobotFit predict_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options) {
+RobotFit predict_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
+                       const RobotFitOptions& options) {
   return {validate_floor(RobotTrials(robot, trials, options), options), robot};
 }
 

@@ -42,8 +42,9 @@ struct RobotLogOptions {
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;
 };
 /// Reads a log (CSV): t [s], phi_JOINT [rad] of every joint that is not locked; where they are logged dphi_JOINT,
-/// torque_JOINT (reported), and of driven joints the commands phi_ref_JOINT, dphi_ref_JOINT, torque_ff_JOINT, k_p_JOINT,
-/// k_d_JOINT, on_JOINT. A measured cell may be empty, a command's not. Throws InputError with file:line:column.
+/// torque_JOINT (reported), and of driven joints the commands phi_ref_JOINT, dphi_ref_JOINT, torque_ff_JOINT,
+/// k_p_JOINT, k_d_JOINT, on_JOINT. A measured cell may be empty, a command's not. Throws InputError with
+/// file:line:column.
 std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing::Robot& robot,
                                           const RobotLogOptions& options);
 

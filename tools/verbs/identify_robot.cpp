@@ -64,8 +64,8 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   const bool only = predicts == Predicts::kYes;
   Run run(only ? "predict" : "identify", common);
   for (const std::string& option : a.given)
-    if (static const std::vector<std::string> kHave = {"--robot",  "--free",    "--nuisance", "--prior", "--lower",
-                                                       "--upper",  "--columns", "--pieces",   "--starts", "--strict",
+    if (static const std::vector<std::string> kHave = {"--robot", "--free", "--nuisance", "--prior", "--lower",
+                                                       "--upper", "--columns", "--pieces", "--starts", "--strict",
                                                        "--multi-turn", "--start-angle"};
         std::find(kHave.begin(), kHave.end(), option) == kHave.end())
       throw InputError(option + ": it has no say with --robot");
@@ -84,9 +84,10 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   (void)robot_text(a.robot, robot, given, "", run.folder());
   run.info(fmt::format("fitting {} trials", trials.size()));
   const RobotFit fit = fit_robot(robot, trials, options);
-  return report({fit, logs_of(trials)}, std::nullopt, a.doubt,
-                {{"robot.toml", robot_text(a.robot, fit.robot, fitted_values(fit), scene_comments(run, fit), run.folder())}},
-                {}, run);
+  return report(
+      {fit, logs_of(trials)}, std::nullopt, a.doubt,
+      {{"robot.toml", robot_text(a.robot, fit.robot, fitted_values(fit), scene_comments(run, fit), run.folder())}}, {},
+      run);
 }
 
 }  // namespace ukemi::tools
