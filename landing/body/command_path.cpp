@@ -43,6 +43,7 @@ CommandPath read_command_path(TomlFile& file, const Robot& robot) {
   const Range late{0, kMostCommandDelay, false, fmt::format("from 0 to {:g} s", kMostCommandDelay)},
       below{-std::numeric_limits<double>::max(), 0, false, "at most 0"};
   out.delay = s->optional_number("delay", late).value_or(0);
+  out.rows = int(s->optional_count("rows", 0, kMostCommandRows).value_or(0));
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
     auto own = s->optional_section(joint.name);

@@ -5,7 +5,7 @@
 //     motor    = torque_gain asked
 //     reported = report_gain asked
 //
-// A row's command acts `delay` after the row's time, until the next row's does.
+// A row's command acts `delay` after the time of the row that is `rows` behind it, until the next one does.
 #pragma once
 
 #include <limits>
@@ -19,6 +19,7 @@ namespace ukemi::landing {
 
 /// Largest delay of a command [s].
 inline constexpr double kMostCommandDelay = 0.1;
+inline constexpr int kMostCommandRows = 100;
 
 struct CommandPath {
   struct Joint {
@@ -28,6 +29,7 @@ struct CommandPath {
     double torque_high = std::numeric_limits<double>::infinity();  ///< > 0
   };
   double delay = 0;           ///< [s], from 0 to kMostCommandDelay
+  int rows = 0;               ///< a row acts so many rows late, from 0 to kMostCommandRows
   std::vector<Joint> joints;  ///< of Robot::joints; of those that are not driven without meaning
 };
 
@@ -35,7 +37,8 @@ struct CommandPath {
 double* command_number(CommandPath& path, const Robot& robot, const std::string& name);
 /// Every such name, of driven joints.
 std::vector<std::string> command_names(const Robot& robot);
-/// [command] delay and [command.JOINT] KEY of a robot's file; what is omitted changes nothing. Levels that are omitted:
+/// [command] delay, rows and [command.JOINT] KEY of a robot's file; what is omitted changes nothing. Levels that are
+/// omitted:
 /// +- tau_max of the joint's drive.
 CommandPath read_command_path(TomlFile& file, const Robot& robot);
 

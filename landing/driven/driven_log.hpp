@@ -32,7 +32,14 @@ struct JointStart {
   double phi = 0, dphi = 0, spring = 0;  ///< spring: phi_m - phi, the motor's rate is the joint's
 };
 
-/// Throws InputError where the fit of trials has no law for a robot: a free base, a first link without a joint.
+/// Where a trial starts. A base on a rail stands so that the lowest contact is `height` over its surface [m] and
+/// rises with `speed` [m/s].
+struct DrivenStart {
+  std::vector<JointStart> joint;  ///< of Robot::joints
+  double height = 0, speed = 0;
+};
+
+/// Throws InputError where the fit of trials has no law for a robot: a free base, a pinned first link without a joint.
 void check_driven(const Robot& robot);
 
 }  // namespace ukemi::landing

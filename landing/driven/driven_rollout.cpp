@@ -9,8 +9,9 @@
 namespace ukemi::landing {
 
 void check_driven(const Robot& robot) {
-  if (robot.base != Base::kPinned) throw InputError("base: trials need a pinned robot: base = \"pinned\"");
-  if (!robot.joint_of(0))
+  if (robot.base == Base::kFree)
+    throw InputError("base: trials need a robot that is pinned or on a rail: base = \"pinned\" or \"rail\"");
+  if (robot.base == Base::kPinned && !robot.joint_of(0))
     throw InputError("link " + quoted(robot.links[0].name) +
                      ": trials need the angle of every link: the first link needs a joint of its own, its pin");
 }
@@ -26,19 +27,24 @@ class DrivenRun {
   using State = typename System::State;
 
   DrivenRun(const Robot& robot, const CommandPath& path, const Commands& commands)
-      : system_(robot, 0), path_(path), commands_(commands), now_(std::size_t(system_.body.joints)) {}
+      : system_(robot, 0), path_(path), commands_(commands), now_(std::size_t(system_.body.joints)) {
+    if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
+  }
 
-  void start(const std::vector<JointStart>& from, double t) {
+  void start(const DrivenStart& from, double t) {
     t_ = t, y_ = State::Zero();
     for (int i = 0; i < system_.body.joints; ++i) {
       const JointPlace& at = system_.body.joint[i];
-      const JointStart& s = from[std::size_t(at.joint)];
+      const JointStart& s = from.joint[std::size_t(at.joint)];
       const bool ground = at.parent < 0;
       y_[System::kTheta + at.child] = s.phi - at.offset + (ground ? 0 : y_[System::kTheta + at.parent]);
       y_[System::kOmega + at.child] = s.dphi + (ground ? 0 : y_[System::kOmega + at.parent]);
       if (system_.drive[i].kind == DriveKind::kElastic)
         y_[System::kPhiM + i] = s.phi + s.spring, y_[System::kOmegaM + i] = s.dphi;
     }
+    if (system_.body.base == Base::kRail) stand(from);
+    for (int i = 0; i < system_.body.contacts; ++i)
+      if (gap(i) < 0) (void)system_.cross(System::kOfContact * i + System::kSurface, y_);
     row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
     take(row_ > 0 ? row_ - 1 : 0);
   }
@@ -94,11 +100,21 @@ class DrivenRun {
       const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
       fastest = std::max({fastest, inverse * damping, std::sqrt(inverse * stiff)});
     }
-    constexpr double kPart = 2, kLongest = 1e-3;  // of the decay: the method holds up to 2.78; [s]
-    return std::min(kPart / fastest, kLongest);
+    constexpr double kPart = 2, kLongest = 1e-3, kInContact = 2e-4;  // of the decay: the method holds up to 2.78; [s]
+    return std::min(kPart / fastest, system_.body.contacts > 0 ? kInContact : kLongest);
   }
 
  private:
+  double gap(int i) const { return system_.point_at(i, system_.pose(y_)).y - system_.point[i].thickness; }
+  void stand(const DrivenStart& from) {
+    const auto pose = system_.pose(y_);
+    int lowest = -1;
+    for (int i = 0; i < system_.body.contacts; ++i)
+      if (lowest < 0 || gap(i) < gap(lowest)) lowest = i;
+    if (lowest < 0) return void(y_[System::kVx] = from.speed / system_.body.rail[1]);
+    y_[System::kX] = (from.height - gap(lowest)) / system_.body.rail[1];
+    y_[System::kVx] = (from.speed - system_.point_at(lowest, pose).v) / system_.body.rail[1];
+  }
   /// A drive under one row's command.
   struct Now {
     double k_p = 0, k_d = 0, phi_ref = 0, dphi_ref = 0, ff = 0, on = 1;
@@ -106,6 +122,7 @@ class DrivenRun {
   const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
 
   void take(std::size_t row) {
+    row -= std::min(row, std::size_t(path_.rows));
     for (int i = 0; i < system_.body.joints; ++i) {
       const auto& told = commands_.joint[std::size_t(system_.body.joint[i].joint)];
       const auto at = [&](Told what, double otherwise) { return told[what].empty() ? otherwise : told[what][row]; };
@@ -140,10 +157,43 @@ class DrivenRun {
     });
     return dy;
   }
+  /// y after h, from y_ with its derivative there.
+  State after(const State& dy, double h) {
+    const State b = derivative(y_ + 0.5 * h * dy), c = derivative(y_ + 0.5 * h * b), d = derivative(y_ + h * c);
+    return y_ + h / 6 * (dy + 2 * b + 2 * c + d);
+  }
+  using Guards = integrate::Guards<System::kGuards, double>;
+  Guards guards(const State& y) {
+    Guards out;
+    const State dy = derivative(y);
+    const auto pose = system_.pose(y);
+    const auto acc = system_.accelerations_of(dy);
+    for (int i = 0; i < system_.body.contacts; ++i) system_.contact_guards(i, pose, acc, y, dy, out);
+    return out;
+  }
+  /// One step; where a contact's mode ends within it, it goes on from there in the next mode.
   void step(double h) {
-    const State a = derivative(y_), b = derivative(y_ + 0.5 * h * a), c = derivative(y_ + 0.5 * h * b),
-                d = derivative(y_ + h * c);
-    y_ += h / 6 * (a + 2 * b + 2 * c + d);
+    constexpr int kMostParts = 24;  // beyond: contacts chatter, and keep their mode to the step's end
+    for (int part = 0; part < kMostParts && system_.body.contacts > 0; ++part) {
+      const State dy = derivative(y_), end = after(dy, h);
+      const Guards now = guards(y_), then = guards(end);
+      int first = -1;
+      double at = 1;
+      for (int g = 0; g < System::kJointGuards; ++g) {
+        if (then.value[std::size_t(g)] >= 0) continue;
+        const double from = now.value[std::size_t(g)];
+        const double place =
+            from > 0 ? integrate::root(0, from, 1, then.value[std::size_t(g)],
+                                       [&](double x) { return guards(after(dy, x * h)).value[std::size_t(g)]; })
+                     : 0;
+        if (first < 0 || place < at) first = g, at = place;
+      }
+      if (first < 0) return void(y_ = end);
+      y_ = after(dy, at * h), h *= 1 - at;
+      (void)system_.cross(first, y_);
+      if (h <= 0) return;
+    }
+    y_ = after(derivative(y_), h);
   }
   System system_;
   const CommandPath& path_;
@@ -155,17 +205,15 @@ class DrivenRun {
 };
 
 template <Capacity kSize>
-double stable(const Robot& robot, const CommandPath& path, const Commands& commands,
-              const std::vector<JointStart>& start) {
+double stable(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start) {
   DrivenRun<kSize> run(robot, path, commands);
   run.start(start, commands.t.front());
   return run.stable();
 }
 
 template <Capacity kSize>
-DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& commands,
-                   const std::vector<JointStart>& start, const std::vector<double>& times,
-                   const DrivenOptions& options) {
+DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start,
+                   const std::vector<double>& times, const DrivenOptions& options) {
   DrivenRollout out;
   out.joint.resize(robot.joints.size());
   DrivenRun<kSize> run(robot, path, commands);
@@ -180,15 +228,13 @@ DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& 
 
 }  // namespace
 
-double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
-                   const std::vector<JointStart>& start) {
+double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start) {
   return fits(robot, kSmall) ? stable<kSmall>(robot, path, commands, start)
                              : stable<kAny>(robot, path, commands, start);
 }
 
 DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
-                          const std::vector<JointStart>& start, const std::vector<double>& times,
-                          const DrivenOptions& options) {
+                          const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options) {
   check_driven(robot);
   if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
   DrivenOptions with = options;

@@ -1,7 +1,8 @@
 // A robot that is driven by a log's commands: angles, rates and reported torques of its joints, at given times.
 //
 // Fixed steps of the classical Runge-Kutta method, as many to each command between two of the times, so that what comes
-// out depends smoothly on every number of the robot: differences are derivatives. Dry friction is that of a
+// out depends smoothly on every number of the robot: differences are derivatives. A contact's touchdown, lift-off,
+// sticking and sliding are found within their step, which is parted there. Dry friction is that of a
 // landing, smooth below kFrictionSpeed. Ours. Tests: test/legs/driven.cpp.
 #pragma once
 
@@ -16,10 +17,10 @@ struct DrivenOptions {
 };
 
 /// A step over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
-/// that a torque on each joint alone gives, its damping, that of dry friction near rest, and its stiffness [s]. Runs
-/// whose difference is a derivative need one step.
+/// that a torque on each joint alone gives, its damping, that of dry friction near rest, and its stiffness; of a robot
+/// with contacts at most 0.2 ms [s]. Runs whose difference is a derivative need one step.
 [[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
-                                 const std::vector<JointStart>& start);
+                                 const DrivenStart& start);
 
 struct DrivenRollout {
   /// Of Robot::joints, then by Sensed: one a time.
@@ -28,10 +29,10 @@ struct DrivenRollout {
   long steps = 0;
 };
 
-/// From `start`, of Robot::joints, at times.front() to the last of `times` [the clock of `commands`, increasing]. The
+/// From `start`, at times.front() to the last of `times` [the clock of `commands`, increasing]. The
 /// torque at a time is that of the command in force before it.
 [[nodiscard]] DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
-                                        const std::vector<JointStart>& start, const std::vector<double>& times,
+                                        const DrivenStart& start, const std::vector<double>& times,
                                         const DrivenOptions& options = {});
 
 }  // namespace ukemi::landing

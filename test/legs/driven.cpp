@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/random.hpp"
+#include "landing/body/body_run.hpp"
 #include "test/folder.hpp"
 #include "tools/study/robot_trials.hpp"
 
@@ -177,7 +178,7 @@ TEST_CASE("a driven robot moves as the textbook's pendulum does", "[driven]") {
   DrivenRobot robot = c.robot;
   robot.path.delay = p.delay;
   const RobotTrial& t = c.trials[0];
-  std::vector<JointStart> start{{0.1, 0, 0}, {-0.2, 0, 0}};
+  const DrivenStart start{{{0.1, 0, 0}, {-0.2, 0, 0}}};
   const DrivenRollout r = roll_driven(robot.scene.robot, robot.path, *t.commands, start, t.log.t);
   REQUIRE(r.complete);
   for (std::size_t j = 0; j < 2; ++j) {
@@ -262,4 +263,42 @@ TEST_CASE("a prediction fits nothing but the starts", "[driven]") {
   heavy.m2 *= 1.05;
   const Case wrong(heavy, 1, 1, 0, kFree);
   CHECK(predict_robot(c.robot, wrong.trials, c.options).rms[kAngle] > 1e-3);
+}
+
+TEST_CASE("a leg on a rail that follows a log's commands lands as the landing of the same reference does", "[driven]") {
+  // The landing: another integrator (eighth order, steps of its own), events on the dense output.
+  BodyScene scene = read_body_scene(UKEMI_DATASETS "/scenes/hopper.toml");
+  const Robot& robot = scene.robot;
+  const BodyMotion held = held_posture(scene);
+  const BodyLanding landing = simulate(scene, held, {.accuracy = 1e-10}, 500);
+  REQUIRE(landing.touches.size() >= 2);
+  Commands commands;
+  CommandPath path;
+  DrivenStart start;
+  start.height = scene.drop.height;
+  commands.t = {0, 10};
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    commands.joint.emplace_back();
+    commands.joint.back()[kPhiRef] = {held[i].phi_i, held[i].phi_i};
+    commands.joint.back()[kDphiRef] = {0, 0};
+    start.joint.push_back({held[i].phi_i, 0, 0});
+    path.joints.push_back({.torque_low = -robot.joints[i].sea.tau_max, .torque_high = robot.joints[i].sea.tau_max});
+  }
+  std::vector<double> times;
+  std::vector<const BodySample*> rows;
+  for (const BodySample& row : landing.trajectory)
+    if (times.empty() || row.t > times.back() + 1e-4) times.push_back(row.t), rows.push_back(&row);
+  const auto worst = [&](double step) {
+    const DrivenRollout r = roll_driven(robot, path, commands, start, times, {.step = step});
+    REQUIRE(r.complete);
+    double out = 0;
+    for (std::size_t j = 0; j < robot.joints.size(); ++j)
+      for (std::size_t k = 0; k < times.size(); ++k)
+        out = std::max(out, std::abs(r.joint[j][kAngle][k] - rows[k]->phi[j]));
+    return out;
+  };
+  const double coarse = worst(2e-4), fine = worst(5e-5);
+  INFO("coarse " << coarse << ", fine " << fine);
+  CHECK(coarse < 1e-5);
+  CHECK(fine < 1e-7);
 }

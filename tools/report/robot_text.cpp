@@ -26,15 +26,15 @@ std::vector<std::string> parts_of(const std::string& name) {
   return out;
 }
 
-/// Links stand in the file in any order.
-std::string index_of_link(const TomlEdit& file, const Robot& robot, const std::string& link) {
-  for (std::size_t k = 0; k < robot.links.size(); ++k)
-    if (file.text_at({"robot", "link", std::to_string(k)}, "name") == link) return std::to_string(k);
-  throw InputError("link " + quoted(link) + ": it stands in the file in a way that cannot be followed");
+/// Links and contacts stand in the file in any order.
+std::string index_of(const TomlEdit& file, const Robot& robot, const char* kind, const std::string& name) {
+  for (std::size_t k = 0; k < robot.links.size() + robot.contacts.size(); ++k)
+    if (file.text_at({"robot", kind, std::to_string(k)}, "name") == name) return std::to_string(k);
+  throw InputError(std::string(kind) + " " + quoted(name) + ": it stands in the file in a way that cannot be followed");
 }
 
 void set_link(TomlEdit& file, const DrivenRobot& robot, const std::string& link, const std::string& key, double value) {
-  const Path table = {"robot", "link", index_of_link(file, robot.scene.robot, link)};
+  const Path table = {"robot", "link", index_of(file, robot.scene.robot, "link", link)};
   if (key != "com") return file.set(table, key, value);
   for (const Link& l : robot.scene.robot.links)
     if (l.name == link)
@@ -77,6 +77,10 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
       set_command(file, parts, value, behind);
     else if (parts[0] == "drive")
       set_drive(file, parts[1], parts[2], value);
+    else if (parts[1] == "contact")
+      file.set({"robot", "contact", index_of(file, robot.scene.robot, "contact", parts[2])}, parts[3], value);
+    else if (parts[1] == "rail")
+      file.set({"robot", "rail"}, parts[2], value);
     else if (parts.size() == 2)
       file.set({parts[0]}, parts[1], value);
     else

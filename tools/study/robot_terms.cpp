@@ -101,6 +101,29 @@ class TableOf {
     each("dphi", "rad/s", "added to the rate that the log starts with", 0.1);
     if (j.kind == DriveKind::kElastic) each("spring", "rad", "the motor's angle less the joint's at the start", 0.01);
   }
+  void add_contact(const ContactPoint& c) {
+    const std::string to = "robot.contact." + c.name + ".";
+    const bool hunt = c.law.hunt_crossley;
+    add(to, {"stiffness", hunt ? "N/m^p" : "N/m", "stiffness of the contact", 1, kInfinity, 1e4});
+    if (hunt)
+      add(to, {"dissipation", "s/m", "dissipation of the contact", 0, kInfinity, 0.1});
+    else
+      add(to, {"damping_normal", "N/(m/s)", "damping of the contact", 0, kInfinity, 10});
+    add(to, {"damping_tangential", "N/(m/s)", "damping along the floor", 1e-3, kInfinity, 10});
+    if (c.law.stiffness_tangential > 0)
+      add(to, {"stiffness_tangential", "N/m", "stiffness along the floor", 0, kInfinity, 1e4});
+    if (std::isfinite(c.law.friction)) add(to, {"friction", "1", "friction of the contact", 0, kInfinity, 0.5});
+  }
+  void add_base_start() {
+    for (const auto& [key, unit, words, size] :
+         {std::tuple{"height", "m", "of the lowest contact over its surface at the start", 0.01},
+          {"speed", "m/s", "at which it rises there", 0.1}}) {
+      DropTerm t;
+      t.name = std::string("start.") + key, t.unit = unit, t.words = words;
+      t.scope = identify::Scope::kEach, t.size = size, t.moves = {t.name};
+      out.push_back(std::move(t));
+    }
+  }
   static double number_of(const DrivenRobot& robot, const std::string& name) {
     if (name.rfind("command.", 0) != 0) return design_number(robot.scene, name);
     CommandPath path = robot.path;
@@ -148,11 +171,15 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
   for (std::size_t i = 0; i < r.joints.size(); ++i)
     if (r.joints[i].kind != DriveKind::kLocked) add_joint(table, robot, i, trials);
   for (std::size_t i = 0; i < r.links.size(); ++i) table.add_link(i);
+  for (const ContactPoint& c : r.contacts) table.add_contact(c);
+  if (r.base == Base::kRail)
+    table.add("robot.rail.", {"viscous", "N/(m/s)", "viscous friction of the rail", 0, kInfinity, 1});
   table.add("robot.", {"gravity", "m/s^2", "gravity", 0, kInfinity, 9.81});
   table.add("command.", {"delay", "s", "from a row to its command's effect", 0, kMostCommandDelay, 1e-3});
   identify::Terms<DropTerm> out;
   for (const Joint& j : r.joints)
     if (j.kind != DriveKind::kLocked) table.add_start(j);
+  if (r.base == Base::kRail) table.add_base_start();
   for (const DropTerm& t : table.out)
     if (!t.is_constant()) out.nuisance.push_back(t.name);
   out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table.out));

@@ -22,12 +22,13 @@ const std::string kCommand = "command.", kStart = "start.";
 bool begins(const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; }
 
 /// The joint and the key of "start.JOINT.KEY".
-double& number_in(std::vector<JointStart>& start, const Robot& robot, const std::string& name) {
+double& number_in(DrivenStart& start, const Robot& robot, const std::string& name) {
   const std::size_t dot = name.rfind('.');
+  if (dot < kStart.size()) return name == kStart + "height" ? start.height : start.speed;
   const std::string joint = name.substr(kStart.size(), dot - kStart.size()), key = name.substr(dot + 1);
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].name == joint)
-      return key == "phi" ? start[i].phi : key == "dphi" ? start[i].dphi : start[i].spring;
+      return key == "phi" ? start.joint[i].phi : key == "dphi" ? start.joint[i].dphi : start.joint[i].spring;
   throw InputError(name + ": no such start");
 }
 
@@ -87,8 +88,8 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
                          const RobotFitOptions& options)
     : robot_(robot), trials_(trials), options_(options), channels_(sensed_channels(robot.scene.robot)) {
   for (const RobotTrial& t : trials) {
-    std::vector<JointStart> start;
-    for (std::size_t i = 0; i < robot.scene.robot.joints.size(); ++i) start.push_back(start_of(t.log, i));
+    DrivenStart start;
+    for (std::size_t i = 0; i < robot.scene.robot.joints.size(); ++i) start.joint.push_back(start_of(t.log, i));
     start_.push_back(std::move(start));
   }
   for (const DropTerm& t : *options.terms.table)

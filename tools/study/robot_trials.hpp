@@ -50,8 +50,9 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing
 
 /// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
 /// robot.gravity, command.delay, command.JOINT.KEY; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
-/// start.JOINT.spring, added to what the log says. Chosen: no constant, every start. A centre of mass stays within its
-/// link, an inertia below that of all its mass at the link's ends.
+/// start.JOINT.spring, added to what the log says, and of a base on a rail start.height and start.speed (DrivenStart).
+/// Chosen: no constant, every start. A centre of mass stays within its link, an inertia below that of all its mass at
+/// the link's ends.
 identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vector<RobotTrial>& trials);
 
 struct RobotFitOptions : CalibrationOptions {
@@ -87,7 +88,7 @@ class RobotTrials : public DropSimulator {
   /// What terms at their values make of a trial; none where no matter has such numbers.
   struct Posed {
     DrivenRobot robot;
-    std::vector<landing::JointStart> start;
+    landing::DrivenStart start;
   };
   std::optional<Posed> pose(std::size_t m, const Settings& settings) const;
   FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times, double step) const;
@@ -96,7 +97,7 @@ class RobotTrials : public DropSimulator {
   const std::vector<RobotTrial>& trials_;
   const RobotFitOptions& options_;
   std::vector<landing::DropChannel> channels_;
-  std::vector<std::vector<landing::JointStart>> start_;  ///< of each trial, as its log says
+  std::vector<landing::DrivenStart> start_;  ///< of each trial, as its log says
   std::map<std::string, std::function<void(landing::BodyScene&, double)>> setters_;
 };
 
