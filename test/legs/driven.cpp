@@ -8,6 +8,7 @@
 #include "common/random.hpp"
 #include "landing/body/body_run.hpp"
 #include "test/folder.hpp"
+#include "tools/study/drop_residuals.hpp"
 #include "tools/study/robot_trials.hpp"
 
 using namespace ukemi;
@@ -301,4 +302,14 @@ TEST_CASE("a leg on a rail that follows a log's commands lands as the landing of
   INFO("coarse " << coarse << ", fine " << fine);
   CHECK(coarse < 1e-5);
   CHECK(fine < 1e-7);
+}
+
+TEST_CASE("a log of an encoder's steps has at least the noise of its steps", "[driven]") {
+  const Pendulum p;
+  Case c(p, 1, 1, 0, kFree, 0);
+  constexpr double kStep = 0.03;  // coarse: most rows repeat the one before
+  for (double& x : c.trials[0].log.output[kAngle]) x = kStep * std::round(x / kStep);
+  const RobotTrials trials(c.robot, c.trials, c.options);
+  CHECK(noise_of(trials)[kAngle] >= kStep / std::sqrt(12.0) * (1 - 1e-6));
+  CHECK(noise_of(trials)[kSensed + kAngle] < 1e-4);
 }

@@ -173,6 +173,19 @@ bool DropResiduals::left_out(const Rolled& rolled, std::size_t channel, std::siz
   return next != jumps.end() && *next <= t + width;
 }
 
+namespace {
+
+/// What a log's own steps leave open of each of its values: a standard deviation of a step over sqrt(12). A slow encoder
+/// repeats its values, and its differences alone would tell no noise.
+double rounding(const std::vector<double>& x) {
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < x.size(); ++i)
+    if (x[i] != x[i - 1]) step = std::min(step, std::abs(x[i] - x[i - 1]));
+  return std::isfinite(step) ? step / std::sqrt(12.0) : 0;
+}
+
+}  // namespace
+
 std::vector<double> noise_of(const DropSimulator& drops) {
   std::vector<double> out;
   for (std::size_t o = 0; o < drops.channels().size(); ++o) {
@@ -181,7 +194,7 @@ std::vector<double> noise_of(const DropSimulator& drops) {
       std::vector<double> x;
       for (const double v : drops.log(m).output[o])
         if (std::isfinite(v)) x.push_back(v), largest = std::max(largest, std::abs(v));
-      sum += double(x.size()) * std::pow(identify::noise_level(x), 2), n += double(x.size());
+      sum += double(x.size()) * std::pow(std::max(identify::noise_level(x), rounding(x)), 2), n += double(x.size());
     }
     constexpr double kFinest = 1e-9;  // of the output: a log without noise still has a weight
     out.push_back(n > 0 ? std::max({std::sqrt(sum / n), kFinest * largest, 1e-12}) : kNaN);
