@@ -175,8 +175,8 @@ bool DropResiduals::left_out(const Rolled& rolled, std::size_t channel, std::siz
 
 namespace {
 
-/// What a log's own steps leave open of each of its values: a standard deviation of a step over sqrt(12). A slow encoder
-/// repeats its values, and its differences alone would tell no noise.
+/// What a log's own steps leave open of each of its values: a standard deviation of a step over sqrt(12). A slow
+/// encoder repeats its values, and its differences alone would tell no noise.
 double rounding(const std::vector<double>& x) {
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < x.size(); ++i)
