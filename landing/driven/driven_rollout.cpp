@@ -57,7 +57,7 @@ class DrivenRun {
       const double to = std::min(until, edge);
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
-        for (long k = 0; k < n; ++k) step(length / double(n));
+        steps(length / double(n), n);
         t_ = to;
       }
       if (edge >= until) break;
@@ -163,37 +163,48 @@ class DrivenRun {
     return y_ + h / 6 * (dy + 2 * b + 2 * c + d);
   }
   using Guards = integrate::Guards<System::kGuards, double>;
-  Guards guards(const State& y) {
-    Guards out;
-    const State dy = derivative(y);
+  /// The derivative and the guards where a step starts.
+  struct Here {
+    State dy;
+    Guards guard;
+  };
+  Here here(const State& y) {
+    Here out;
+    out.dy = derivative(y);
     const auto pose = system_.pose(y);
-    const auto acc = system_.accelerations_of(dy);
-    for (int i = 0; i < system_.body.contacts; ++i) system_.contact_guards(i, pose, acc, y, dy, out);
+    const auto acc = system_.accelerations_of(out.dy);
+    for (int i = 0; i < system_.body.contacts; ++i) system_.contact_guards(i, pose, acc, y, out.dy, out.guard);
     return out;
   }
-  /// One step; where a contact's mode ends within it, it goes on from there in the next mode.
-  void step(double h) {
+  /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
+  void steps(double h, long n) {
+    if (system_.body.contacts == 0) {
+      for (long k = 0; k < n; ++k) y_ = after(derivative(y_), h);
+      return;
+    }
+    Here from = here(y_);
+    for (long k = 0; k < n; ++k) step(h, from);
+  }
+  void step(double h, Here& from) {
     constexpr int kMostParts = 24;  // beyond: contacts chatter, and keep their mode to the step's end
-    for (int part = 0; part < kMostParts && system_.body.contacts > 0; ++part) {
-      const State dy = derivative(y_), end = after(dy, h);
-      const Guards now = guards(y_), then = guards(end);
+    for (int part = 0;; ++part) {
+      const State end = after(from.dy, h);
+      Here there = here(end);
       int first = -1;
       double at = 1;
-      for (int g = 0; g < System::kJointGuards; ++g) {
-        if (then.value[std::size_t(g)] >= 0) continue;
-        const double from = now.value[std::size_t(g)];
-        const double place =
-            from > 0 ? integrate::root(0, from, 1, then.value[std::size_t(g)],
-                                       [&](double x) { return guards(after(dy, x * h)).value[std::size_t(g)]; })
-                     : 0;
+      for (int g = 0; g < System::kJointGuards && part < kMostParts; ++g) {
+        const auto value = [&](const Here& of) { return of.guard.value[std::size_t(g)]; };
+        if (value(there) >= 0) continue;
+        const auto within = [&](double x) { return value(here(after(from.dy, x * h))); };
+        const double place = value(from) > 0 ? integrate::root(0, value(from), 1, value(there), within) : 0;
         if (first < 0 || place < at) first = g, at = place;
       }
-      if (first < 0) return void(y_ = end);
-      y_ = after(dy, at * h), h *= 1 - at;
+      if (first < 0) return y_ = end, void(from = std::move(there));
+      y_ = after(from.dy, at * h), h *= 1 - at;
       (void)system_.cross(first, y_);
+      from = here(y_);
       if (h <= 0) return;
     }
-    y_ = after(derivative(y_), h);
   }
   System system_;
   const CommandPath& path_;

@@ -313,3 +313,16 @@ TEST_CASE("a log of an encoder's steps has at least the noise of its steps", "[d
   CHECK(noise_of(trials)[kAngle] >= kStep / std::sqrt(12.0) * (1 - 1e-6));
   CHECK(noise_of(trials)[kSensed + kAngle] < 1e-4);
 }
+
+TEST_CASE("a log is cut at given times, and what is outside of them is left out", "[driven]") {
+  const Pendulum p;
+  const Case c(p, 1, 1, 0, kFree, 0);
+  const std::string log = c.folder.write("cut.csv", log_of(p, 750, 0, 0));
+  const auto trials = read_robot_trials(log, c.robot.scene.robot, {.times = {0.4, 1.0, 1.7}});
+  REQUIRE(trials.size() == 2);
+  CHECK(trials[0].origin == Approx(0.4));
+  CHECK(trials[1].origin == Approx(1.0));
+  CHECK(trials[0].log.t.size() == 150);
+  CHECK(trials[1].log.t.size() == 175);
+  CHECK_THROWS_WITH(read_robot_trials(log, c.robot.scene.robot, {.times = {5, 6}}), Catch::Contains("fewer than"));
+}

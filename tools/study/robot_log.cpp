@@ -83,7 +83,12 @@ class LogColumns {
 };
 
 /// The first row of each piece, and behind the last.
-std::vector<std::size_t> cuts(const std::vector<double>& t, double length) {
+std::vector<std::size_t> cuts(const std::vector<double>& t, double length, const std::vector<double>& times) {
+  if (!times.empty()) {
+    std::vector<std::size_t> out;
+    for (const double at : times) out.push_back(std::size_t(std::lower_bound(t.begin(), t.end(), at) - t.begin()));
+    return out;
+  }
   const double whole = t.back() - t.front();
   const long n = length > 0 ? std::max(1l, std::lround(whole / length)) : 1;
   std::vector<std::size_t> out{0};
@@ -125,16 +130,17 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
     for (std::size_t q = 0; q < kTold; ++q)
       commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
   }
-  const std::vector<std::size_t> at = cuts(commands->t, options.pieces);
+  const std::vector<std::size_t> at = cuts(commands->t, options.pieces, options.times);
   std::vector<RobotTrial> out;
   for (std::size_t p = 0; p + 1 < at.size(); ++p) {
     const std::size_t from = at[p], to = at[p + 1];
     if (to < from + kLeast)
-      throw InputError(
-          fmt::format("--pieces: {:g} s: fewer than {} rows of '{}' in one", options.pieces, kLeast, path));
+      throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kLeast, path,
+                                   commands->t[std::min(from, commands->t.size() - 1)]));
     RobotTrial trial{.log = {}, .origin = commands->t[from], .commands = commands};
-    trial.log.file =
-        at.size() == 2 ? path : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);
+    trial.log.file = to - from == commands->t.size()
+                         ? path
+                         : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);
     for (std::size_t i = from; i < to; ++i) trial.log.t.push_back(commands->t[i] - trial.origin);
     trial.log.output.assign(measured.size(), {});
     for (std::size_t o = 0; o < measured.size(); ++o)

@@ -39,6 +39,8 @@ std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
 struct RobotLogOptions {
   std::string columns;  ///< NAME=COLUMN,..., as of trials of a rig
   double pieces = 0;    ///< the log is cut into trials about so long [s]; 0: it is not
+  std::vector<double>
+      times;  ///< or at these, in the log's clock [s], increasing; what is before and behind them is left out
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;
 };
 /// Reads a log (CSV): t [s], phi_JOINT [rad] of every joint that is not locked; where they are logged dphi_JOINT,

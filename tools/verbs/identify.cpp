@@ -193,7 +193,7 @@ int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts pre
   if (!a.robot.empty()) return identify_robot(a, common, predicts);
   if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
   if (predicts == Predicts::kYes && a.actuator.empty()) throw InputError("--actuator is required");
-  if (a.pieces) throw InputError("--pieces: --robot is needed with it");
+  if (!a.pieces.empty()) throw InputError("--pieces: --robot is needed with it");
   return run_identify(a, common);
 }
 int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
@@ -216,7 +216,9 @@ void add_identify(CLI::App& app, Action& chosen) {
         ->required();
     verb->add_option("--rig", args->rig, "rig file (TOML)");
     verb->add_option("--robot", args->robot, "of a robot of links, in place of the rig: robot file (TOML)");
-    verb->add_option("--pieces", args->pieces, "with --robot: cut each log into trials about so long [s] [whole logs]");
+    verb->add_option(
+        "--pieces", args->pieces,
+        "with --robot: cut each log into trials about so long [s], or at the times of FILE[:COLUMN] [whole logs]");
     if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
     add_trial_options(*verb, args->reading);
     verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");

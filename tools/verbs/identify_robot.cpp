@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
+#include "common/csv.hpp"
 #include "common/error.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/calibrate.hpp"
@@ -16,9 +18,28 @@ using namespace landing;
 
 namespace {
 
+/// Seconds, or FILE[:COLUMN].
+void read_pieces(const std::string& text, RobotLogOptions& to, Run& run) {
+  const std::size_t colon = text.rfind(':');
+  const std::string path = text.substr(0, colon), column = colon == std::string::npos ? "t" : text.substr(colon + 1);
+  if (!std::filesystem::exists(path)) {
+    to.pieces = to_number("--pieces", text);
+    if (!(to.pieces > 0)) throw InputError(fmt::format("--pieces: {:g} s: above 0 is needed", to.pieces));
+    return;
+  }
+  run.input(path);
+  const CsvTable table = read_csv(path, [&](const std::string& name) { return name == column; });
+  const int c = table.require(column);
+  table.require_full(c);
+  to.times = table.columns[std::size_t(c)];
+  table.require_increasing(c, to.times);
+  if (to.times.size() < 2)
+    throw InputError(table.at(c, 0), "one time: at least two are needed, a piece is between two");
+}
+
 std::vector<RobotTrial> read_trials(const IdentifyArguments& a, const DrivenRobot& robot, Run& run) {
-  RobotLogOptions reading{.columns = a.reading.columns, .pieces = a.pieces.value_or(0)};
-  if (a.pieces && !(*a.pieces > 0)) throw InputError(fmt::format("--pieces: {:g} s: above 0 is needed", *a.pieces));
+  RobotLogOptions reading{.columns = a.reading.columns};
+  if (!a.pieces.empty()) read_pieces(a.pieces, reading, run);
   if (a.reading.angles != identify::TrialOptions::Angles::kOneTurn)
     reading.angles = RobotLogOptions::Angles::kMultiTurn;
   std::vector<RobotTrial> out;

@@ -22,7 +22,7 @@ struct IdentifyArguments {
   std::vector<std::string> trials;
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
   std::string robot;                 ///< of links, in place of the rig
-  std::optional<double> pieces;      ///< of its logs [s]
+  std::string pieces;                ///< of its logs: [s], or FILE[:COLUMN] of times
   std::vector<std::string> given;    ///< the options that were
   std::string start_angle;           ///< predict: [rad], or "fit"
   std::string free, nuisance, prior, lower, upper, loss = "none";
