@@ -326,3 +326,71 @@ TEST_CASE("a log is cut at given times, and what is outside of them is left out"
   CHECK(trials[1].log.t.size() == 175);
   CHECK_THROWS_WITH(read_robot_trials(log, c.robot.scene.robot, {.times = {5, 6}}), Catch::Contains("fewer than"));
 }
+
+namespace {
+
+/// The k-th robot that the page of measured robots gives.
+std::string robot_of_the_page(int k) {
+  const std::string page = test::read(UKEMI_SOURCE "/tools/docs/measured.md"), open = "```toml\n";
+  std::size_t at = 0;
+  for (; k >= 0; --k) at = page.find(open, at) + open.size();
+  return page.substr(at, page.find("```", at) - at);
+}
+
+}  // namespace
+
+TEST_CASE("measured: a double pendulum hangs at zero, and its torques turn its angles up", "[driven]") {
+  const auto log = test::lab_file("double_pendulum/20230629-143524.csv");
+  if (!log) return;
+  const test::Folder folder;
+  const DrivenRobot robot = read_driven_robot(folder.write("robot.toml", robot_of_the_page(0)));
+  const auto residual = [&](const char* shoulder, const char* elbow) {
+    const auto trials = read_robot_trials(
+        *log, robot.scene.robot,
+        {.columns = fmt::format("t=time,phi_shoulder=pos_meas1,phi_elbow=pos_meas2,torque_ff_shoulder={}tau_con1,"
+                                "torque_ff_elbow={}tau_con2",
+                                shoulder, elbow)});
+    RobotFitOptions options;
+    options.terms = robot_terms(robot, trials), options.threads = 2;
+    const RobotFit fit = predict_robot(robot, trials, options);
+    return std::array{fit.rms[kAngle], fit.rms[kSensed + kAngle]};
+  };
+  const auto right = residual("", ""), turned = residual("", "-1*");
+  CHECK(right[0] == Approx(0.101).epsilon(0.1));
+  CHECK(right[1] == Approx(0.212).epsilon(0.1));
+  for (std::size_t j = 0; j < 2; ++j) CHECK(turned[j] > 2 * right[j]);
+}
+
+TEST_CASE("measured: a leg's push, flight and landing are followed from a first guess", "[driven]") {
+  const auto log = test::lab_file("hopping_leg/run_b.csv");
+  if (!log) return;
+  const test::Folder folder;
+  const DrivenRobot robot = read_driven_robot(folder.write("robot.toml", robot_of_the_page(2)));
+  std::string columns = "t=t";
+  for (const std::string joint : {"hip", "knee"})
+    for (const auto& [ours, theirs] :
+         std::initializer_list<std::pair<const char*, std::string>>{{"phi", "q_" + joint},
+                                                                    {"dphi", "v_" + joint},
+                                                                    {"torque", "tau_" + joint},
+                                                                    {"phi_ref", "qd_" + joint},
+                                                                    {"dphi_ref", "vd_" + joint},
+                                                                    {"torque_ff", "ff_" + joint},
+                                                                    {"k_p", "kp"},
+                                                                    {"k_d", "kd"}})
+      columns += fmt::format(",{}_{}={}", ours, joint, theirs);
+  const auto trials = read_robot_trials(*log, robot.scene.robot, {.columns = columns, .times = {0.76735, 1.44294}});
+  REQUIRE(trials.size() == 1);
+  RobotFitOptions options;
+  options.terms = robot_terms(robot, trials), options.threads = 2;
+  const RobotFit first = predict_robot(robot, trials, options);
+  options.terms.free = {
+      "command.hip.torque_gain",      "command.knee.torque_gain",         "drive.hip.i_motor",
+      "drive.knee.i_motor",           "drive.hip.viscous_friction",       "robot.contact.foot.friction",
+      "robot.contact.stop.stiffness", "robot.contact.stop.damping_normal"};
+  const RobotFit fit = fit_robot(robot, trials, options);
+  INFO(first.rms[kAngle] << " " << first.rms[kSensed + kAngle] << ", fitted " << fit.rms[kAngle] << " "
+                         << fit.rms[kSensed + kAngle]);
+  CHECK(fit.rms[kAngle] < 0.03);
+  CHECK(fit.rms[kSensed + kAngle] < 0.03);
+  CHECK_FALSE(fit.trusted());
+}

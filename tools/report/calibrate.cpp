@@ -206,7 +206,8 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
 int report_prediction(const ToldFit& played, Run& run) {
   const FloorFit& c = played.result;
   for (const std::string& w : c.warnings) run.warn(w);
-  if (!c.converged) run.warn("not followed: " + c.message);
+  const bool followed = std::all_of(c.drops.begin(), c.drops.end(), [](const DropResult& d) { return d.simulated; });
+  if (!c.converged) run.warn((followed ? "a start did not converge: " : "not followed: ") + c.message);
   Report report("Prediction");
   Json summary;
   summary["nuisance"] = nuisance_json(c.nuisance);
