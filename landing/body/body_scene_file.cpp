@@ -122,8 +122,8 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, b
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
+    (void)read_command_path(file, out.robot);
   }
-  (void)read_command_path(file, out.robot);
   out.search.resize(out.robot.joints.size());
   if (auto drop = alone ? file.optional("drop") : file.require("drop")) read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);

@@ -314,6 +314,16 @@ TEST_CASE("a log of an encoder's steps has at least the noise of its steps", "[d
   CHECK(noise_of(trials)[kSensed + kAngle] < 1e-4);
 }
 
+TEST_CASE("what commands pass through stands with the robot, and a scene that names one has no say", "[driven]") {
+  const test::Folder folder;
+  std::string scene = test::read(UKEMI_DATASETS "/scenes/hopper.toml");
+  const std::string from = "../robots/hopper.toml";
+  scene.replace(scene.rfind(from), from.size(), UKEMI_DATASETS "/robots/hopper.toml");
+  CHECK_NOTHROW(read_body_scene(folder.write("scene.toml", scene)));
+  CHECK_THROWS_WITH(read_body_scene(folder.write("scene.toml", scene + "\n[command]\nrows = 1\n")),
+                    Catch::Contains("command"));
+}
+
 TEST_CASE("a log is cut at given times, and what is outside of them is left out", "[driven]") {
   const Pendulum p;
   const Case c(p, 1, 1, 0, kFree, 0);
