@@ -25,14 +25,6 @@ double* command_number(CommandPath& path, const Robot& robot, const std::string&
   return nullptr;
 }
 
-std::vector<std::string> command_names(const Robot& robot) {
-  std::vector<std::string> out{"delay"};
-  for (const Joint& j : robot.joints)
-    for (const Key& k : kKeys)
-      if (j.driven()) out.push_back(j.name + "." + k.key);
-  return out;
-}
-
 CommandPath read_command_path(TomlFile& file, const Robot& robot) {
   CommandPath out{.joints = std::vector<CommandPath::Joint>(robot.joints.size())};
   for (std::size_t i = 0; i < robot.joints.size(); ++i)

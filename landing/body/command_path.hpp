@@ -35,11 +35,8 @@ struct CommandPath {
 
 /// A number of a path by its name, "delay" or "JOINT.KEY"; null: there is none.
 double* command_number(CommandPath& path, const Robot& robot, const std::string& name);
-/// Every such name, of driven joints.
-std::vector<std::string> command_names(const Robot& robot);
-/// [command] delay, rows and [command.JOINT] KEY of a robot's file; what is omitted changes nothing. Levels that are
-/// omitted:
-/// +- tau_max of the joint's drive.
+/// [command] delay, rows and [command.JOINT] KEY of a robot's file. What is omitted changes nothing; of the levels it
+/// is -+ tau_max of the joint's drive.
 CommandPath read_command_path(TomlFile& file, const Robot& robot);
 
 }  // namespace ukemi::landing

@@ -18,7 +18,7 @@ void check_driven(const Robot& robot) {
 
 namespace {
 
-constexpr double kFarthest = 1e3;  ///< [rad]: beyond it a run is lost
+constexpr double kFarthest = 1e4;  ///< of any state in SI units: beyond it a run is lost
 
 template <Capacity kSize>
 class DrivenRun {
@@ -63,7 +63,7 @@ class DrivenRun {
       if (edge >= until) break;
       take(row_++);
     }
-    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest * 10;
+    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
   }
   void sample(DrivenRollout& out) const {
     for (int i = 0; i < system_.body.joints; ++i) {

@@ -1,10 +1,8 @@
 #include "tools/study/body_drops.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
-#include "common/parallel.hpp"
 #include "landing/body/floor_constants.hpp"
 
 namespace ukemi::tools {
@@ -69,34 +67,15 @@ FollowedDrop BodyDrops::follow(std::size_t m, const Settings& settings, const st
 bool BodyDrops::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
                               const SimulateOptions& options, FollowedDrop& followed) const {
   constexpr double kStep = 1e-4;  // of a term's value or size: well above the rollout's own error at 1e-9
-  followed.slope.assign(channels_.size(), {});
-  for (const std::size_t o : asked_[m]) followed.slope[o].resize(long(times.size()), long(settings.size()));
-  std::atomic<long> steps{0};
-  std::atomic<bool> done{true};
-  parallel_for(int(settings.size()), threads_, [&](int c) {
-    const Setting& own = settings[std::size_t(c)];
-    const double size =
-        kStep * (own.term->is_constant() ? std::max(std::abs(own.value), own.term->size) : own.term->size);
-    for (const double h : {size, -size}) {
-      if (!(own.value + h > own.term->lower && own.value + h <= own.term->upper)) continue;
-      Settings beside = settings;
-      beside[std::size_t(c)].value += h;
-      std::vector<double> then = times;
-      if (own.term->shifts_log())
-        for (double& t : then) t = std::max(0.0, t + h);
-      const FollowedDrop there = follow(m, beside, then, options);
-      steps += there.steps;
-      if (!there.complete) continue;
-      for (const std::size_t o : asked_[m])
-        for (std::size_t i = 0; i < times.size(); ++i)
-          followed.slope[o](long(i), c) = (there.value[o][i] - followed.value[o][i]) / h;
-      return;
-    }
-    done = false;
-  });
-  followed.steps += steps;
-  if (!done) followed.slope.clear();
-  return done;
+  return differentiate_by_differences(
+      settings, kStep, threads_,
+      [&](const Settings& beside, const DropTerm& moved, double by) {
+        std::vector<double> then = times;
+        if (moved.shifts_log())
+          for (double& t : then) t = std::max(0.0, t + by);
+        return follow(m, beside, then, options);
+      },
+      followed);
 }
 
 double BodyDrops::peak(std::size_t m, const Settings& settings, double until, const SimulateOptions& options) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -49,6 +50,14 @@ constexpr FitWords words(LogsOf logs) {
           .next = "`ukemi optimize` with scene.toml plans on this floor.",
           .unlike = "are the drop's height, speed and pitch right, is t = 0 the release?"};
 }
+
+/// A drop followed with settings, of which the term `moved` is `by` beside where it was.
+using FollowBeside = std::function<FollowedDrop(const Settings& settings, const DropTerm& moved, double by)>;
+/// Fills the slopes of `followed` by one-sided differences, on threads (0: all cores; without influence on the result);
+/// the step is `part` of a constant's value, or of a term's size where that is larger. A way that leaves the term's
+/// bounds, or that cannot be followed, is taken the other way. False: neither could be, there are no slopes then.
+bool differentiate_by_differences(const Settings& settings, double part, int threads, const FollowBeside& follow,
+                                  FollowedDrop& followed);
 
 class DropSimulator {
  public:

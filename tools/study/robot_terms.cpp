@@ -90,16 +90,22 @@ class TableOf {
     add(to, {"com.across", "m", "centre of mass beside the link", low.across - beside, high.across + beside,
              0.1 * length, 0.1 * length});
   }
+  /// Of each trial's start.
+  void add_start(const std::string& key, const char* unit, const char* words, double size) {
+    DropTerm t;
+    t.name = "start." + key, t.unit = unit, t.words = words;
+    t.scope = identify::Scope::kEach, t.size = size, t.moves = {t.name};
+    out.push_back(std::move(t));
+  }
   void add_start(const Joint& j) {
-    const auto each = [&](const char* key, const char* unit, const char* words, double size) {
-      DropTerm t;
-      t.name = "start." + j.name + "." + key, t.unit = unit, t.words = words;
-      t.scope = identify::Scope::kEach, t.size = size, t.moves = {t.name};
-      out.push_back(std::move(t));
-    };
-    each("phi", "rad", "added to the angle that the log starts with", 0.01);
-    each("dphi", "rad/s", "added to the rate that the log starts with", 0.1);
-    if (j.kind == DriveKind::kElastic) each("spring", "rad", "the motor's angle less the joint's at the start", 0.01);
+    add_start(j.name + ".phi", "rad", "added to the angle that the log starts with", 0.01);
+    add_start(j.name + ".dphi", "rad/s", "added to the rate that the log starts with", 0.1);
+    if (j.kind == DriveKind::kElastic)
+      add_start(j.name + ".spring", "rad", "the motor's angle less the joint's at the start", 0.01);
+  }
+  void add_base_start() {
+    add_start("height", "m", "of the lowest contact over its surface at the start", 0.01);
+    add_start("speed", "m/s", "at which it rises there", 0.1);
   }
   void add_contact(const ContactPoint& c) {
     const std::string to = "robot.contact." + c.name + ".";
@@ -114,22 +120,6 @@ class TableOf {
       add(to, {"stiffness_tangential", "N/m", "stiffness along the floor", 0, kInfinity, 1e4});
     if (std::isfinite(c.law.friction)) add(to, {"friction", "1", "friction of the contact", 0, kInfinity, 0.5});
   }
-  void add_base_start() {
-    for (const auto& [key, unit, words, size] :
-         {std::tuple{"height", "m", "of the lowest contact over its surface at the start", 0.01},
-          {"speed", "m/s", "at which it rises there", 0.1}}) {
-      DropTerm t;
-      t.name = std::string("start.") + key, t.unit = unit, t.words = words;
-      t.scope = identify::Scope::kEach, t.size = size, t.moves = {t.name};
-      out.push_back(std::move(t));
-    }
-  }
-  static double number_of(const DrivenRobot& robot, const std::string& name) {
-    if (name.rfind("command.", 0) != 0) return design_number(robot.scene, name);
-    CommandPath path = robot.path;
-    return *command_number(path, robot.scene.robot, name.substr(8));
-  }
-
   std::vector<DropTerm> out;
 
  private:

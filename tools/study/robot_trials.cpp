@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "common/error.hpp"
-#include "common/parallel.hpp"
 #include "landing/plan/design_numbers.hpp"
 
 namespace ukemi::tools {
@@ -76,6 +74,12 @@ DrivenRobot read_driven_robot(const std::string& path) {
   return out;
 }
 
+double number_of(const DrivenRobot& robot, const std::string& name) {
+  if (!begins(name, kCommand)) return design_number(robot.scene, name);
+  CommandPath path = robot.path;
+  return *command_number(path, robot.scene.robot, name.substr(kCommand.size()));
+}
+
 void set_in(DrivenRobot& robot, const DropTerm& term, double value) {
   for (const std::string& name : term.moves)
     if (begins(name, kCommand))
@@ -107,12 +111,7 @@ std::vector<double> RobotTrials::parts() const {
   return out;
 }
 
-double RobotTrials::value(const DropTerm& constant) const {
-  const std::string& name = constant.moves.front();
-  if (!begins(name, kCommand)) return design_number(robot_.scene, name);
-  CommandPath path = robot_.path;
-  return *command_number(path, robot_.scene.robot, name.substr(kCommand.size()));
-}
+double RobotTrials::value(const DropTerm& constant) const { return number_of(robot_, constant.moves.front()); }
 
 std::optional<RobotTrials::Posed> RobotTrials::pose(std::size_t m, const Settings& settings) const {
   Posed out{robot_, start_[m]};
@@ -157,37 +156,14 @@ FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const 
 
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
                                 const SimulateOptions&, FollowedDrop& followed) const {
-  followed.slope.assign(channels_.size(), {});
-  for (std::size_t o = 0; o < channels_.size(); ++o)
-    if (!followed.value[o].empty()) followed.slope[o].resize(long(times.size()), long(settings.size()));
   const std::optional<Posed> here = pose(m, settings);
   if (!here) return false;
   const double step = options_.roll.step > 0
                           ? options_.roll.step
                           : stable_step(here->robot.scene.robot, here->robot.path, *trials_[m].commands, here->start);
-  std::atomic<long> steps{0};
-  std::atomic<bool> done{true};
-  parallel_for(int(settings.size()), options_.threads, [&](int c) {
-    const Setting& own = settings[std::size_t(c)];
-    const double size =
-        options_.difference * std::max(own.term->is_constant() ? std::abs(own.value) : 0, own.term->size);
-    for (const double h : {size, -size}) {
-      if (!(own.value + h >= own.term->lower && own.value + h <= own.term->upper)) continue;
-      Settings beside = settings;
-      beside[std::size_t(c)].value += h;
-      const FollowedDrop there = roll(m, beside, times, step);
-      steps += there.steps;
-      if (!there.complete) continue;
-      for (std::size_t o = 0; o < channels_.size(); ++o)
-        for (std::size_t i = 0; i < there.value[o].size(); ++i)
-          followed.slope[o](long(i), c) = (there.value[o][i] - followed.value[o][i]) / h;
-      return;
-    }
-    done = false;
-  });
-  followed.steps += steps;
-  if (!done) followed.slope.clear();
-  return done;
+  return differentiate_by_differences(
+      settings, options_.difference, options_.threads,
+      [&](const Settings& beside, const DropTerm&, double) { return roll(m, beside, times, step); }, followed);
 }
 
 double RobotTrials::peak(std::size_t, const Settings&, double, const SimulateOptions&) const {

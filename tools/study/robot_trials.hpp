@@ -64,6 +64,8 @@ struct RobotFitOptions : CalibrationOptions {
   double difference = 1e-6;     ///< step of the differences, of a term's size
 };
 
+/// A number of it by the name of its term.
+double number_of(const DrivenRobot& robot, const std::string& name);
 /// The robot with terms at their values.
 void set_in(DrivenRobot& robot, const DropTerm& term, double value);
 
