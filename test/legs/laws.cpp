@@ -226,6 +226,50 @@ TEST_CASE("legs: a stuck foot rings at the frequency of its spring") {
   CHECK(a + d == Approx(b + at(2 + 3 * quarter)).margin(1e-6));
 }
 
+TEST_CASE("legs: a pad that bottoms out goes as deep as its energy says, one that does not rests on its spring") {
+  const double mass = 2, thick = 0.02, floor = 2e4;
+  for (const double pad : {500.0, 3000.0}) {
+    BodyScene scene = block({.stiffness = floor});
+    scene.robot.contacts[0].pad = Pad{thick, pad, 0};
+    scene.drop.height = 0.3;
+    // Without damping: m g (height + depth) = K_p depth^2 / 2 + K (depth - d)^2 / 2, the depth from the pad's surface.
+    const double a = (pad + floor) / 2, b = -floor * thick - mass * kGravity,
+                 c = floor * thick * thick / 2 - mass * kGravity * scene.drop.height;
+    const double depth = (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
+    REQUIRE(depth > thick);
+    scene.t_end = 0.5;
+    CHECK(land(scene, 1e-11).peak == Approx((pad * depth + floor * (depth - thick)) / mass - kGravity).epsilon(1e-8));
+  }
+  // Stiff enough for the weight, and damped: it comes to rest on the pad alone, d - m g / K_p over the floor.
+  BodyScene scene = block({.stiffness = floor, .damping_normal = 100});
+  scene.robot.contacts[0].pad = Pad{thick, 3000, 60};
+  scene.drop.height = 0.05, scene.t_end = 5;
+  CHECK(land(scene, 1e-11).base[1] == Approx(thick - mass * kGravity / 3000).margin(1e-9));
+}
+
+TEST_CASE("legs: the energy of what falls, slides and bounces only falls") {
+  for (const double slope : {0.0, 15 * kDegree, -15 * kDegree}) {
+    const double stiffness = 2e4;
+    BodyScene scene =
+        block({.stiffness = stiffness, .damping_normal = 40, .damping_tangential = 50, .friction = 0.4}, slope);
+    scene.drop.height = 0.2, scene.drop.forward_speed = 1.5, scene.t_end = 1.5;
+    const BodyLanding l = simulate(scene, held_posture(scene), {.accuracy = 1e-11}, 2000);
+    REQUIRE(l.touches.size() > 2);
+    double before = std::numeric_limits<double>::infinity(), first = 0, last = 0;
+    for (const BodySample& row : l.trajectory) {
+      // The floor's spring holds some while the floor pushes; where it lets go what is left of it is lost.
+      const double over = row.contact_y[0] * std::cos(slope) - row.contact_x[0] * std::sin(slope);
+      const bool pushes = std::hypot(row.force_x[0], row.force_y[0]) > 0;
+      const double energy = row.energy + (pushes && over < 0 ? 0.5 * stiffness * over * over : 0);
+      INFO(slope << ", " << row.t << " s");
+      CHECK(energy <= before + 1e-8);
+      if (!std::isfinite(before)) first = energy;
+      before = last = energy;
+    }
+    CHECK(last < first - 1);  // much of it is gone
+  }
+}
+
 TEST_CASE("legs: landings under Hunt and Crossley's law end, at every accuracy") {
   BodyScene scene = legs::shipped("hopper");  // its slider meets the floor straight down: friction begins at a tie
   for (ContactPoint& c : scene.robot.contacts) c.law.hunt_crossley = true, c.law.dissipation = 0.3;
