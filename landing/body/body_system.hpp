@@ -191,7 +191,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   T torque(int i, const Time& t, const State& y, T* motor = nullptr) const {
     const JointConstants<T>& d = drive[i];
     const SeaState<T> s = joint_state(i, y);
-    return joint_torque(i, s, motor, [&] {
+    return joint_torque(i, s, motor, [&]() UKEMI_INLINE_LAMBDA {
       if (d.kind == DriveKind::kGeared) return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
       return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
                         : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
@@ -199,7 +199,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   }
   /// The same of a motor whose torque is asked() [Nm].
   template <class Asked>
-  T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked) const {
+  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked) const {
     const JointConstants<T>& d = drive[i];
     T out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
     if (d.kind == DriveKind::kElastic) {
@@ -252,11 +252,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
 
   template <class Time>
   void derivative(const Time& t, const State& y, State& dy) const {
-    derivative_under(y, dy, [&](int i, T* motor) { return torque(i, t, y, motor); });
+    derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor); });
   }
   /// Where joint i turns its child with torque_of(i, motor).
   template <class Torque>
-  void derivative_under(const State& y, State& dy, Torque&& torque_of) const {
+  UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power = T(-rail_viscous * y[kVx] * y[kVx]);  // on the links
