@@ -7,11 +7,10 @@
 
 #include "common/error.hpp"
 #include "common/files.hpp"
-#include "tools/bench/bench.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/manual.hpp"
 #include "tools/program/terminal.hpp"
-#include "tools/verbs/verbs.hpp"
+#include "tools/program/verb.hpp"
 
 namespace ukemi::tools {
 
@@ -78,9 +77,9 @@ void add_verbs(CLI::App& app, Action& chosen) {
   app.footer(
       "Exit codes: 0 done; 1 the numbers did not work out, or memory or stdout gave out; 2 bad usage or bad input; 130 "
       "interrupted (Ctrl-C).");
-  for (const auto add : {add_identify, add_simulate, add_optimize, add_calibrate, add_compare, add_design, add_demo,
-                         add_map, add_ratings, add_trade, add_risk, add_atlas, add_robot, add_bench, add_manual})
-    add(app, chosen);
+  for (const Verb& verb : verbs())
+    verb.add(app.add_subcommand(verb.name, verb.purpose)->group(name(verb.group)), chosen);
+  add_manual(app, chosen);
   check_numbers(app);
 }
 

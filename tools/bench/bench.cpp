@@ -4,11 +4,13 @@
 #include <memory>
 
 #include "common/toml.hpp"
+#include "tools/program/verb.hpp"
 
 namespace ukemi::tools {
 
-void add_bench(CLI::App& app, Action& chosen) {
-  CLI::App* bench = app.add_subcommand("bench", "error against run time, and the stability map");
+namespace {
+
+void add_bench(CLI::App* bench, Action& chosen) {
   bench->require_subcommand(1);
   struct Kind {
     const char *name, *what, *example;
@@ -47,5 +49,9 @@ void add_bench(CLI::App& app, Action& chosen) {
     add_action<BenchArguments>(*verb, args, kind.example, chosen, kind.run);
   }
 }
+
+const Verb bench_verb(VerbGroup::kProgram, "bench", "error against run time, and the stability map", add_bench);
+
+}  // namespace
 
 }  // namespace ukemi::tools

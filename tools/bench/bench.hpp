@@ -29,7 +29,6 @@ struct BenchArguments {
   std::string only;                  ///< scenes: one side of one omission, for the instruction count
 };
 
-void add_bench(CLI::App& app, Action& chosen);
 int bench_integrators(const BenchArguments& arguments, const CommonOptions& common);
 int bench_identify(const BenchArguments& arguments, const CommonOptions& common);
 int bench_stability(const BenchArguments& arguments, const CommonOptions& common);

@@ -157,7 +157,7 @@ struct Bench {
 }  // namespace
 
 int bench_identify(const BenchArguments& a, const CommonOptions& common) {
-  Run run("bench identify", common);
+  Run run(Outputs{"bench identify", {"identify.csv"}, {"precision"}}, common);
   const Bench bench(run);
   std::vector<Entry> entries;
   std::vector<Series> plot;

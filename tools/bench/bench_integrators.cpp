@@ -234,7 +234,10 @@ std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
 }  // namespace
 
 int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
-  Run run("bench integrators", common);
+  Run run(Outputs{"bench integrators",
+                  {"integrators.csv"},
+                  {"paper_peak", "paper_state", "stiff_peak", "stiff_state", "rig_peak", "rig_state"}},
+          common);
   std::vector<Bench> benches;
   benches.push_back(landings("paper", 12, [](LandingCase&) { return false; }));
   benches.back().euler = {1e-3, 3e-4, 1e-4, 3e-5}, benches.back().rk4 = {4e-3, 2e-3, 1e-3, 5e-4, 2e-4};

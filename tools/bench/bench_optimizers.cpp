@@ -166,7 +166,10 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
 }  // namespace
 
 int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
-  Run run("bench optimizers", common);
+  Run run(Outputs{"bench optimizers",
+                  {"optimizers.csv", "gaps.csv", "best_known.csv"},
+                  {"peak_time", "peak_motions", "tolerant_time", "tolerant_motions"}},
+          common);
   Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds};
   if (cases.solvers.empty()) {
     cases.solvers = landing::solver_names();

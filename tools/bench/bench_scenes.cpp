@@ -169,7 +169,7 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
     }
     throw InputError("--only: " + quoted(a.only) + ": no such omission");
   }
-  Run run("bench scenes", common);
+  Run run(Outputs{"bench scenes", {"scenes.csv"}, {}}, common);
   std::vector<Saving> savings;
   for (const Omission& o : list) savings.push_back(measure(o, a.repetitions));
   Report report("What a scene does not need");

@@ -118,7 +118,7 @@ Json landings(const BenchArguments& a, Run& run, Report& report) {
 }  // namespace
 
 int bench_stability(const BenchArguments& a, const CommonOptions& common) {
-  Run run("bench stability", common);
+  Run run(Outputs{"bench stability", {"stability.csv", "stability_identify.csv"}, {}}, common);
   Report report("Stability: stiff and extreme cases");
   const Json of_landings = landings(a, run, report), of_fits = stability_of_fits(run, report);
   const int wrong = of_landings["wrong"].get<int>() + of_fits["wrong"].get<int>();

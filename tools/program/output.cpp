@@ -22,60 +22,11 @@ namespace {
 
 std::string command_line;
 
-/// The figures of a verb's report, which --figures writes as files; '#' stands for a number.
-std::vector<std::string> figure_names(const std::string& verb) {
-  static const std::vector<std::string> kFall = {"postures", "acceleration", "components", "joint",
-                                                 "torque",   "speed",        "energy"},
-                                        kFit = {"constants", "trials", "autocorrelation", "residuals", "trial_#"};
-  static const std::map<std::string, std::vector<std::string>> kMore = {
-      {"identify",
-       {"ladder", "weakest", "profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea", "profile_i_motor"}},
-      {"optimize", {"search", "histogram"}},
-      {"compare", {"constants"}},
-      {"map", {"map"}},
-      {"calibrate", {"drop_#", "validation_#"}},
-      {"design", {"force", "angle"}},
-      {"ratings", {"ratings"}},
-      {"trade", {"trade"}},
-      {"risk", {"histogram", "sobol"}},
-      {"robot", {"robot"}},
-      {"bench identify", {"precision"}},
-      {"bench integrators", {"paper_peak", "paper_state", "stiff_peak", "stiff_state", "rig_peak", "rig_state"}},
-      {"bench optimizers", {"peak_time", "peak_motions", "tolerant_time", "tolerant_motions"}}};
-  std::vector<std::string> out;
-  if (const auto more = kMore.find(verb); more != kMore.end()) out = more->second;
-  if (verb == "simulate" || verb == "optimize" || verb == "compare") out.insert(out.end(), kFall.begin(), kFall.end());
-  if (verb == "identify" || verb == "predict") out.insert(out.end(), kFit.begin(), kFit.end());
-  return out;
-}
-
-/// Every file that a verb may write besides summary.json and report.html; '#' stands for a number.
-std::vector<std::string> result_names(const std::string& verb) {
-  static const std::map<std::string, std::vector<std::string>> kNames = {
-      {"identify", {"actuator.toml", "robot.toml", "fit.csv", "profile.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
-      {"predict", {"fit.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}},
-      {"simulate", {"trajectory.csv", "contacts.csv", "motion_ros2.yaml", "reposition_ros2.yaml", "plotjuggler.csv"}},
-      {"optimize",
-       {"motion.toml", "motion.csv", "solvers.csv", "progress.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
-        "plotjuggler.csv"}},
-      {"calibrate", {"scene.toml", "robot.toml", "fit.csv", "validation.csv"}},
-      {"compare", {"parameters.csv", "trajectories.csv"}},
-      {"design", {"hit_#.csv", "hits.csv"}},
-      {"demo", {}},
-      {"atlas", {"atlas.csv", "atlas.bin", "atlas.part", "scene.toml", "actuator.toml", "motion.toml"}},
-      {"map", {"map.csv", "basins.csv"}},
-      {"ratings", {"ratings.csv"}},
-      {"trade", {"trade.csv"}},
-      {"risk", {"histogram.csv", "risk.csv", "sobol.csv"}},
-      {"robot", {"robot.toml"}},
-      {"bench identify", {"identify.csv"}},
-      {"bench integrators", {"integrators.csv"}},
-      {"bench optimizers", {"optimizers.csv", "gaps.csv", "best_known.csv"}},
-      {"bench scenes", {"scenes.csv"}},
-      {"bench stability", {"stability.csv", "stability_identify.csv"}}};
-  std::vector<std::string> names = kNames.at(verb);
+/// Every file that a verb may write besides summary.json; '#' stands for a number.
+std::vector<std::string> result_names(const Outputs& outputs) {
+  std::vector<std::string> names = outputs.files;
   names.push_back("report.html");
-  for (const std::string& figure : figure_names(verb))
+  for (const std::string& figure : outputs.figures)
     for (const char* format : {".svg", ".pdf", ".png"}) names.push_back(figure + format);
   return names;
 }
@@ -97,10 +48,16 @@ void set_command_line(int argc, char** argv) {
 
 void set_command_line(std::string text) { command_line = std::move(text); }
 
-Run::Run(std::string verb, const CommonOptions& options)
-    : verb_(std::move(verb)),
+Outputs Outputs::with(const std::vector<std::string>& more) const {
+  Outputs out = *this;
+  out.figures.insert(out.figures.end(), more.begin(), more.end());
+  return out;
+}
+
+Run::Run(const Outputs& outputs, const CommonOptions& options)
+    : verb_(outputs.verb),
       options_(options),
-      folder_(folder_of(verb_, options), result_names(verb_)),
+      folder_(folder_of(verb_, options), result_names(outputs)),
       watch_([this](const ReadFile& file) { note(file); }),
       started_(std::time(nullptr)),
       start_(std::chrono::steady_clock::now()) {

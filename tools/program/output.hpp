@@ -38,11 +38,21 @@ void set_command_line(int argc, char** argv);
 /// The command line of another front end, as it is given.
 void set_command_line(std::string text);
 
+/// What a verb writes.
+struct Outputs {
+  std::string verb;                       ///< "trade"; "bench scenes"
+  std::vector<std::string> files;         ///< besides summary.json and report.html; '#' stands for a number
+  std::vector<std::string> figures = {};  ///< of its report, which --figures writes as files of their own
+
+  /// With the figures of another picture.
+  Outputs with(const std::vector<std::string>& more) const;
+};
+
 /// One verb's run: collects files, warnings and the summary, and at the end exchanges what an earlier run left for
 /// them. Nothing is written over that this run reads.
 class Run {
  public:
-  Run(std::string verb, const CommonOptions& options);
+  Run(const Outputs& outputs, const CommonOptions& options);
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
@@ -50,7 +60,7 @@ class Run {
   const std::string& folder() const { return folder_.path(); }  ///< of the results
   /// A file that is or will be read: the checksum of what was read goes into the provenance.
   void input(const std::string& path);
-  /// A file of the results, under one of the names that output.cpp lists for the verb.
+  /// A file of the results, under one of the names of the verb's Outputs.
   void add(const std::string& name, std::string content);
   /// For a run whose parts are runs of their own: until it finishes, its folder has no summary.
   void withdraw_summary() const { folder_.withdraw_summary(); }

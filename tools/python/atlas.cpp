@@ -123,7 +123,7 @@ void bind_atlas_class(py::module_& m) {
       });
   bind_value(c);
   bind_report(
-      c, "atlas", [](const AtlasPlan& p, tools::Run& run) { return report(p.result, run); },
+      c, tools::kAtlasOutputs, [](const AtlasPlan& p, tools::Run& run) { return report(p.result, run); },
       [](const AtlasPlan& p) { return p.seed; });
 }
 

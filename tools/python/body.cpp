@@ -94,7 +94,7 @@ void bind_robot_scene(py::module_& m) {
       });
   bind_value(c);
   bind_report(
-      c, "robot", [](const BodyScene& s, tools::Run& run) { return report_robot(s, {}, run); },
+      c, tools::kRobotOutputs, [](const BodyScene& s, tools::Run& run) { return report_robot(s, {}, run); },
       [](const BodyScene&) { return 1; });
 }
 
@@ -214,7 +214,7 @@ void bind_body_landing(py::module_& m) {
   bind_trajectory(c);
   bind_value(c);
   bind_report(
-      c, "simulate",
+      c, tools::kSimulateOutputs,
       [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_beside(p.checked, p.rate), {}, run); },
       [](const BodyPlayed&) { return 1; });
 }

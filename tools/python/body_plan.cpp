@@ -75,7 +75,7 @@ void bind_body_optimum(py::module_& m) {
       });
   bind_value(c);
   bind_report(
-      c, "optimize",
+      c, tools::kOptimizeOutputs,
       [](const BodyOptimum& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, {}, run); },
       [](const BodyOptimum& o) { return o.options.seed; });
 }
@@ -230,7 +230,7 @@ void bind_body_risk(py::module_& m) {
   });
   bind_value(c);
   bind_report(
-      c, "risk",
+      c, tools::kRiskOutputs,
       [](const BodyRiskResult& r, tools::Run& run) { return report(r.scene, r.motion, r.risk, r.options, run); },
       [](const BodyRiskResult& r) { return r.options.seed; });
   m.def(

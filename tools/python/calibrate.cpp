@@ -165,7 +165,7 @@ void bind_calibration(py::module_& m) {
             [](const Calibrated& x) { return to_toml(x.fitted.result.scene, ""); });
   bind_value(c);
   bind_report(
-      c, "calibrate",
+      c, tools::kCalibrateOutputs,
       [](const Calibrated& x, tools::Run& run) { return report(x.fitted, x.validation, tools::Doubt::kReport, run); },
       [](const Calibrated& x) { return x.seed; });
 }

@@ -88,7 +88,8 @@ void bind_comparison(py::module_& m) {
           "Whether every rollout, search and landing worked out.");
   bind_value(c);
   bind_report(
-      c, "compare", [](const ComparisonResult& r, tools::Run& run) { return report(r.comparison, {}, run); },
+      c, tools::kCompareOutputs,
+      [](const ComparisonResult& r, tools::Run& run) { return report(r.comparison, {}, run); },
       [](const ComparisonResult& r) { return r.seed; });
 }
 

@@ -78,7 +78,7 @@ void bind_design_class(py::module_& m) {
       });
   bind_value(c);
   bind_report(
-      c, "design",
+      c, tools::kDesignOutputs,
       [](const DesignResult& r, tools::Run& run) {
         for (const std::string& doubt : design_doubts(r.question)) run.warn(doubt);
         return report(r.question, r.answer, tools::Json::object(), run);

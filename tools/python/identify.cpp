@@ -198,7 +198,8 @@ void bind_identify(py::module_& m) {
   c.def(
       "write_report",
       [](const Identified& i, const Path& folder, const std::vector<std::string>& figures) {
-        return written(i, i.judgement ? "predict" : "identify", folder, figures, i.question.options.seed, tell);
+        return written(i, i.judgement ? tools::kPredictOutputs : tools::kIdentifyOutputs, folder, figures,
+                       i.question.options.seed, tell);
       },
       py::arg("folder"), py::arg("figures") = std::vector<std::string>{},
       report_words("identify` or `predict").c_str());

@@ -121,7 +121,7 @@ void bind_landing_class(py::module_& m) {
   bind_trajectory(c);
   bind_value(c);
   bind_report(
-      c, "simulate",
+      c, tools::kSimulateOutputs,
       [](const Played& p, tools::Run& run) {
         return report(p.checked, p.actuator, held_beside(p.checked, p.actuator.sea, p.rate), {}, run);
       },

@@ -82,7 +82,7 @@ void bind_survey(py::module_& m) {
           "_repr_svg_", [](const SurveyResult& r) { return map_figure(r, 0, 1).svg; }, "What a notebook shows.");
   bind_value(c);
   bind_report(
-      c, "map", [](const SurveyResult& r, tools::Run& run) { return report(r.survey, run); },
+      c, tools::kMapOutputs, [](const SurveyResult& r, tools::Run& run) { return report(r.survey, run); },
       [](const SurveyResult& r) { return r.seed; });
 }
 
@@ -168,7 +168,7 @@ void bind_ratings(py::module_& m) {
   c.def_readonly("plans", &RatingsResult::plans, "Every torque at every speed, speeds first; each a RatedPlan.");
   bind_value(c);
   bind_report(
-      c, "ratings", [](const RatingsResult& r, tools::Run& run) { return report(r.scene, r.plans, run); },
+      c, tools::kRatingsOutputs, [](const RatingsResult& r, tools::Run& run) { return report(r.scene, r.plans, run); },
       [](const RatingsResult& r) { return r.seed; });
   m.def(
       "ratings", &rated, py::arg("scene"), py::arg("actuator"), py::arg("motor_speeds"),

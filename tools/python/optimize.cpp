@@ -146,7 +146,7 @@ void bind_answer(py::module_& m) {
   bind_landings(c);
   bind_value(c);
   bind_report(
-      c, "optimize", [](const Answer& a, tools::Run& run) { return report(a, a.options.rate, {}, run); },
+      c, tools::kOptimizeOutputs, [](const Answer& a, tools::Run& run) { return report(a, a.options.rate, {}, run); },
       [](const Answer& a) { return a.options.search.seed; });
 }
 

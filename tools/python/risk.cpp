@@ -63,7 +63,7 @@ void bind_risk(py::module_& m) {
   });
   bind_value(c);
   bind_report(
-      c, "risk", [](const RiskResult& r, tools::Run& run) { return report(r.study, run); },
+      c, tools::kRiskOutputs, [](const RiskResult& r, tools::Run& run) { return report(r.study, run); },
       [](const RiskResult& r) { return r.seed; });
   m.def(
       "risk",

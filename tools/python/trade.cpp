@@ -62,7 +62,8 @@ void bind_trade(py::module_& m) {
       });
   bind_value(c);
   bind_report(
-      c, "trade", [](const TradeResult& r, tools::Run& run) { return report(r.scene, r.trade, r.search, run); },
+      c, tools::kTradeOutputs,
+      [](const TradeResult& r, tools::Run& run) { return report(r.scene, r.trade, r.search, run); },
       [](const TradeResult& r) { return r.search.seed; });
   m.def(
       "trade",

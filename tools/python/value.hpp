@@ -54,11 +54,11 @@ tools::CommonOptions report_options(const Path& folder, const std::vector<std::s
 
 /// Writes the files of a verb; tell(result, run) is the program's own report. Returns the summary.
 template <class T, class Tell>
-py::dict written(const T& result, const std::string& verb, const Path& folder, const std::vector<std::string>& figures,
-                 std::uint64_t seed, const Tell& tell) {
+py::dict written(const T& result, const tools::Outputs& outputs, const Path& folder,
+                 const std::vector<std::string>& figures, std::uint64_t seed, const Tell& tell) {
   {
     const py::gil_scoped_release release;
-    tools::Run run(verb, report_options(folder, figures, seed));
+    tools::Run run(outputs, report_options(folder, figures, seed));
     (void)tell(result, run);
   }
   return summary_of(folder);
@@ -70,13 +70,13 @@ inline std::string report_words(const std::string& verb) {
 }
 /// write_report(folder, figures): the files of the program's verb for this result, by the same code.
 template <class T, class Tell, class Seed, class... Options>
-void bind_report(py::class_<T, Options...>& c, const std::string& verb, Tell tell, Seed seed) {
+void bind_report(py::class_<T, Options...>& c, const tools::Outputs& outputs, Tell tell, Seed seed) {
   c.def(
       "write_report",
-      [=](const T& result, const Path& folder, const std::vector<std::string>& figures) {
-        return written(result, verb, folder, figures, seed(result), tell);
+      [=, &outputs](const T& result, const Path& folder, const std::vector<std::string>& figures) {
+        return written(result, outputs, folder, figures, seed(result), tell);
       },
-      py::arg("folder"), py::arg("figures") = std::vector<std::string>{}, report_words(verb).c_str());
+      py::arg("folder"), py::arg("figures") = std::vector<std::string>{}, report_words(outputs.verb).c_str());
 }
 
 }  // namespace ukemi::python

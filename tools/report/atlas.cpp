@@ -10,6 +10,9 @@
 
 namespace ukemi::tools {
 
+const Outputs kAtlasOutputs{"atlas",
+                            {"atlas.csv", "atlas.bin", "atlas.part", "scene.toml", "actuator.toml", "motion.toml"}};
+
 using namespace landing;
 
 namespace {

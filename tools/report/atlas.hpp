@@ -9,6 +9,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kAtlasOutputs;
+
 struct AtlasResult {
   std::string scene;                         ///< its name
   std::vector<landing::Variable> variables;  ///< of its motions

@@ -9,6 +9,8 @@
 
 namespace ukemi::tools {
 
+const Outputs kRobotOutputs{"robot", {"robot.toml"}, {"robot"}};
+
 using namespace landing;
 
 namespace {

@@ -16,6 +16,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kRobotOutputs;
+
 /// One of the landings that stand side by side.
 struct BodyFall {
   std::string name;  ///< "held"

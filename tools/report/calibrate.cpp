@@ -13,6 +13,9 @@
 
 namespace ukemi::tools {
 
+const Outputs kCalibrateOutputs{
+    "calibrate", {"scene.toml", "robot.toml", "fit.csv", "validation.csv"}, {"drop_#", "validation_#"}};
+
 using namespace landing;
 
 namespace {

@@ -12,6 +12,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kCalibrateOutputs;
+
 /// A fit, and the logs that it is of.
 struct ToldFit {
   const FloorFit& result;

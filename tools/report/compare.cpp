@@ -11,6 +11,9 @@
 
 namespace ukemi::tools {
 
+const Outputs kCompareOutputs =
+    Outputs{"compare", {"parameters.csv", "trajectories.csv"}, {"constants"}}.with(fall_figures());
+
 using namespace landing;
 
 namespace {

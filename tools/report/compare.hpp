@@ -11,6 +11,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kCompareOutputs;
+
 /// A set's best motion.
 struct ToldMotion {
   std::string set, words;

@@ -10,6 +10,8 @@
 
 namespace ukemi::tools {
 
+const Outputs kDesignOutputs{"design", {"hit_#.csv", "hits.csv"}, {"force", "angle"}};
+
 using namespace identify;
 
 namespace {

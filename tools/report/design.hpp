@@ -6,6 +6,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kDesignOutputs;
+
 /// Adds to a summary that holds what was read, writes the files, returns the exit code.
 int report(const DesignQuestion& question, const DesignAnswer& answer, Json summary, Run& run);
 

@@ -202,4 +202,8 @@ void show(const Falls& given, Report& report) {
   if (!f.data.empty()) report.paragraph("The numbers of these figures: " + f.data + ".");
 }
 
+std::vector<std::string> fall_figures() {
+  return {"postures", "acceleration", "components", "joint", "torque", "speed", "energy"};
+}
+
 }  // namespace ukemi::tools

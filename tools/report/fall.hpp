@@ -47,4 +47,7 @@ const Sample& row_at(const std::vector<Sample>& rows, double t) {
 /// Kinetic and gravitational energy of both links, at a row of a trajectory [J].
 double link_energy(const landing::Scene& scene, const landing::Sample& sample);
 
+/// Names of every figure of a fall.
+std::vector<std::string> fall_figures();
+
 }  // namespace ukemi::tools

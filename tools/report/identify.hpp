@@ -15,6 +15,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kPredictOutputs, kIdentifyOutputs;
+
 struct IdentifyQuestion {
   enum class Verb { kIdentify, kPredict } verb = Verb::kIdentify;
   identify::Rig rig;

@@ -8,6 +8,8 @@
 
 namespace ukemi::tools {
 
+const Outputs kMapOutputs{"map", {"map.csv", "basins.csv"}, {"map"}};
+
 using namespace landing;
 
 namespace {

@@ -9,6 +9,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kMapOutputs;
+
 /// What is told of a map beside its grid.
 struct ToldMap {
   std::string scene, source;  ///< names; source: of the floor's constants

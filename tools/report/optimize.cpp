@@ -17,6 +17,12 @@
 
 namespace ukemi::tools {
 
+const Outputs kOptimizeOutputs = Outputs{
+    "optimize",
+    {"motion.toml", "motion.csv", "solvers.csv", "progress.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
+     "plotjuggler.csv"},
+    {"search", "histogram"}}.with(fall_figures());
+
 using namespace landing;
 
 namespace {

@@ -8,6 +8,9 @@
 
 namespace ukemi::tools {
 
+const Outputs kPredictOutputs =
+    Outputs{"predict", {"fit.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}}.with(fit_figures());
+
 using identify::JudgedTrial, identify::Judgement, identify::Verdict;
 
 namespace {

@@ -10,6 +10,8 @@
 
 namespace ukemi::tools {
 
+const Outputs kRatingsOutputs{"ratings", {"ratings.csv"}, {"ratings"}};
+
 using namespace landing;
 
 namespace {

@@ -157,4 +157,6 @@ Figure constants_figure(const std::vector<identify::Estimate>& estimates) {
   return out;
 }
 
+std::vector<std::string> fit_figures() { return {"constants", "trials", "autocorrelation", "residuals", "trial_#"}; }
+
 }  // namespace ukemi::tools

@@ -18,6 +18,9 @@ std::vector<Figure> residual_figures(const std::vector<identify::Trial>& trials,
 /// out.
 Figure constants_figure(const std::vector<identify::Estimate>& estimates);
 
+/// Names of all these figures.
+std::vector<std::string> fit_figures();
+
 /// The mean product of neighbours `lag` apart over the mean square, of numbers about their mean.
 double autocorrelation(const std::vector<double>& values, std::size_t lag);
 

@@ -23,6 +23,8 @@ struct Survey;
 
 namespace ukemi::tools {
 
+extern const Outputs kRatingsOutputs, kOptimizeOutputs, kSimulateOutputs;
+
 struct CalibratedDrops;
 struct Exports;
 struct RiskStudy;

@@ -14,6 +14,8 @@
 
 namespace ukemi::tools {
 
+const Outputs kRiskOutputs{"risk", {"histogram.csv", "risk.csv", "sobol.csv"}, {"histogram", "sobol"}};
+
 using namespace landing;
 
 namespace {

@@ -11,6 +11,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kRiskOutputs;
+
 struct RiskStudy {
   landing::Scene scene;
   Actuator actuator;

@@ -13,6 +13,11 @@
 
 namespace ukemi::tools {
 
+const Outputs kSimulateOutputs = Outputs{
+    "simulate",
+    {"trajectory.csv", "contacts.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
+     "plotjuggler.csv"}}.with(fall_figures());
+
 using namespace landing;
 
 namespace {

@@ -11,6 +11,8 @@
 
 namespace ukemi::tools {
 
+const Outputs kTradeOutputs{"trade", {"trade.csv"}, {"trade"}};
+
 using namespace landing;
 
 namespace {

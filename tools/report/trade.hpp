@@ -6,6 +6,8 @@
 
 namespace ukemi::tools {
 
+extern const Outputs kTradeOutputs;
+
 /// Returns the exit code.
 int report(const landing::BodyScene& scene, const landing::Trade& trade, const landing::BodyPlanOptions& search,
            Run& run);

@@ -16,13 +16,13 @@
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/interrupt.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/atlas.hpp"
 #include "tools/report/body_scene_text.hpp"
 #include "tools/verbs/atlas_ask.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/scattering.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -178,7 +178,7 @@ AtlasResult result_of(const Subject& s) {
 }
 
 int run_plan(const AtlasArguments& a, const CommonOptions& common) {
-  Run run("atlas", common);
+  Run run(kAtlasOutputs, common);
   const Subject subject = subject_of(a, run);
   const AtlasRobot& robot = *subject.robot;
   AtlasOptions options = options_of(a, common, subject);
@@ -236,7 +236,7 @@ Subject subject_beside(const std::string& folder, const AtlasHeader& header, Run
 }
 
 int run_merge(const AtlasArguments& a, const CommonOptions& common) {
-  Run run("atlas", common);
+  Run run(kAtlasOutputs, common);
   for (const auto& [option, text] : {std::pair{"SCENE", a.scene},
                                      {"--actuator", a.actuators.empty() ? "" : a.actuators[0]},
                                      {"--shard", a.shard},
@@ -277,7 +277,7 @@ double asked_of(const char* option, const std::string& text, double unit, double
 int run_ask(const AtlasArguments& a, const CommonOptions& common) {
   if (!a.merge.empty() || !a.scene.empty() || !a.actuators.empty() || !a.shard.empty() || a.robust || a.evaluations)
     throw InputError("--ask: SCENE, --actuator, --merge, --shard, --robust, --evaluations have no say: the atlas has");
-  Run run("atlas", common);
+  Run run(kAtlasOutputs, common);
   return ask_atlas(
       a.ask, a.goal,
       [&](const Drop& own) {
@@ -293,11 +293,8 @@ int run_atlas(const AtlasArguments& a, const CommonOptions& common) {
   return a.merge.empty() ? run_plan(a, common) : run_merge(a, common);
 }
 
-}  // namespace
-
-void add_atlas(CLI::App& app, Action& chosen) {
+void add_atlas(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<AtlasArguments>();
-  CLI::App* verb = app.add_subcommand("atlas", "the best motion for every drop of a grid: the table a robot carries");
   verb->add_option("SCENE", args->scene, "scene file (TOML); its drop has no say");
   verb->add_option(
           "--actuator", args->actuators,
@@ -327,5 +324,10 @@ void add_atlas(CLI::App& app, Action& chosen) {
                              "--pitch-deg -40:40:17 -o out",
                              chosen, run_atlas);
 }
+
+const Verb atlas_verb(VerbGroup::kLandings, "atlas",
+                      "the best motion for every drop of a grid: the table a robot carries", add_atlas);
+
+}  // namespace
 
 }  // namespace ukemi::tools

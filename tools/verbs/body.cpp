@@ -16,10 +16,10 @@
 #include "landing/plan/checked_body.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/scatter.hpp"
 #include "tools/robots/projection.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -181,7 +181,7 @@ int run_description(const RobotArguments& a, Run& run) {
 }
 
 int run_robot(const RobotArguments& a, const CommonOptions& common) {
-  Run run("robot", common);
+  Run run(kRobotOutputs, common);
   if (is_description(a.file)) return run_description(a, run);
   if (!a.normal.empty() || !a.contacts.empty() || !a.locked.empty() || a.base || a.pin_height)
     throw InputError("--normal, --contacts, --lock, --base, --pin-height: of URDF and MJCF alone; " +
@@ -204,7 +204,7 @@ std::string only_actuator(const std::vector<std::string>& given, const std::stri
 bool is_body(const std::string& scene) { return has_links(scene); }
 
 int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
-  Run run("simulate", common);
+  Run run(kSimulateOutputs, common);
   refuse(!a.drop_from.empty(), "--drop-from");
   const BodyScene scene = body_of(a.scene, a.actuators, run);
   check_exports(a.exports, scene.robot);
@@ -247,7 +247,7 @@ BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& co
 
 int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const Stopwatch watch(Stopwatch::Time::kWall);
-  Run run("optimize", common);
+  Run run(kOptimizeOutputs, common);
   BodyScene scene = scene_to_plan(a, run);
   check_exports(a.exports, scene.robot);
   if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
@@ -273,7 +273,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
 }
 
 int risk_body(const RiskArguments& a, const CommonOptions& common) {
-  Run run("risk", common);
+  Run run(kRiskOutputs, common);
   refuse(!a.scatter.drops.empty(), "--drops");
   BodyScene scene = body_of(a.scene, a.actuators, run);
   forbid(scene, a.forbid, "--forbid");
@@ -288,10 +288,10 @@ int risk_body(const RiskArguments& a, const CommonOptions& common) {
   return report(scene, motion, body_risk(scene, motion, options), options, run);
 }
 
-void add_robot(CLI::App& app, Action& chosen) {
+namespace {
+
+void add_robot(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<RobotArguments>();
-  CLI::App* verb =
-      app.add_subcommand("robot", "a robot of links before anything falls: drawn, its tables, what looks wrong");
   verb->add_option("FILE", args->file, "robot file or scene file (TOML); URDF or MJCF, which becomes robot.toml")
       ->required();
   verb->add_option("--actuator", args->actuators, "JOINT=FILE: the drive of a joint; once for each")
@@ -311,5 +311,10 @@ void add_robot(CLI::App& app, Action& chosen) {
                              "         ukemi robot leg.urdf --normal y --contacts foot,heel -o out",
                              chosen, run_robot);
 }
+
+const Verb robot_verb(VerbGroup::kLandings, "robot",
+                      "a robot of links before anything falls: drawn, its tables, what looks wrong", add_robot);
+
+}  // namespace
 
 }  // namespace ukemi::tools

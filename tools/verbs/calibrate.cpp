@@ -9,13 +9,13 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/results.hpp"
 #include "tools/study/calibration.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/calibrate.hpp"
 #include "tools/verbs/term_help.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -152,7 +152,7 @@ std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const 
 
 int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   if (is_body(a.scene)) return calibrate_body(a, common);
-  Run run("calibrate", common);
+  Run run(kCalibrateOutputs, common);
   const std::string file = only_actuator(a.actuators);
   if (a.law) throw InputError("--law: the paper's robot has one: a robot of links is needed");
   CalibrationOptions options;
@@ -176,11 +176,8 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   return report({drops, c}, validation, a.doubt, run);
 }
 
-}  // namespace
-
-void add_calibrate(CLI::App& app, Action& chosen) {
+void add_calibrate(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<CalibrateArguments>();
-  CLI::App* verb = app.add_subcommand("calibrate", "fit the floor's constants and the pitch to logs of drops");
   const auto repeated = [verb](const std::string& option, std::vector<std::string>& items, const std::string& help) {
     verb->add_option(option, items, help)->expected(1)->take_all();
   };
@@ -222,5 +219,10 @@ void add_calibrate(CLI::App& app, Action& chosen) {
       "--height-of drop_2=0.25 --validate drop_3.csv -o out",
       chosen, run_calibrate);
 }
+
+const Verb calibrate_verb(VerbGroup::kConstants, "calibrate",
+                          "fit the floor's constants and the pitch to logs of drops", add_calibrate);
+
+}  // namespace
 
 }  // namespace ukemi::tools

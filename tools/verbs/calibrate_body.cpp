@@ -47,7 +47,7 @@ void check_base(const CalibrateArguments& a, const Robot& robot) {
 }  // namespace
 
 int calibrate_body(const CalibrateArguments& a, const CommonOptions& common) {
-  Run run("calibrate", common);
+  Run run(kCalibrateOutputs, common);
   const BodyScene scene = body_of(a.scene, a.actuators, run);
   check_base(a, scene.robot);
   BodyCalibrationOptions options;

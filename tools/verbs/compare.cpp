@@ -4,10 +4,10 @@
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/runs.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -15,7 +15,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   if (!a.scene.empty() && is_body(a.scene)) return compare_body(a, common);
   const OfSets<std::string> files = {only_actuator(a.nominal, "--nominal"),
                                      only_actuator(a.identified, "--identified")};
-  Run run("compare", common);
+  Run run(kCompareOutputs, common);
   const OfSets<Actuator> sets = {landing_actuator_of(files[0], run), landing_actuator_of(files[1], run)};
   std::optional<RigTrials> measured;
   std::optional<landing::Scene> scene;
@@ -47,10 +47,10 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   return report(found, std::move(summary), run);
 }
 
-void add_compare(CLI::App& app, Action& chosen) {
+namespace {
+
+void add_compare(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<CompareArguments>();
-  CLI::App* verb =
-      app.add_subcommand("compare", "identified against nominal parameters: constants, residuals, best motions");
   verb->add_option("--nominal", args->nominal,
                    "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that differs")
       ->allow_extra_args(false)
@@ -74,5 +74,10 @@ void add_compare(CLI::App& app, Action& chosen) {
       *verb, args, "ukemi compare --nominal nominal.toml --identified actuator.toml --scene scene.toml -o out", chosen,
       [](auto& a, auto& common) { return run_compare(a, common); });
 }
+
+const Verb compare_verb(VerbGroup::kConstants, "compare",
+                        "identified against nominal parameters: constants, residuals, best motions", add_compare);
+
+}  // namespace
 
 }  // namespace ukemi::tools

@@ -42,7 +42,7 @@ BodyComparisonOptions options_of(const CompareArguments& a, const BodyScene& sce
 }  // namespace
 
 int compare_body(const CompareArguments& a, const CommonOptions& common) {
-  Run run("compare", common);
+  Run run(kCompareOutputs, common);
   if (!a.trials.empty() || !a.rig.empty())
     throw InputError(
         "--trials, --rig: they are of one actuator: leave --scene out; with a robot of links compare plans and plays "

@@ -6,9 +6,9 @@
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/terminal.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/verbs/runs.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -113,7 +113,7 @@ void tell_story(const Comparison& c, const Table& best, const Table& published, 
 }
 
 int run_demo(const DemoArguments& a, const CommonOptions& common) {
-  Run run("demo", common);
+  Run run(Outputs{"demo", {}}, common);
   const std::string folder = run.options().folder;
   const auto begin = [&](const char* part, const std::string& heading) {
     run.say(""), run.say("== " + heading);
@@ -175,14 +175,16 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
                     kDone);
 }
 
-}  // namespace
-
-void add_demo(CLI::App& app, Action& chosen) {
-  CLI::App* verb = app.add_subcommand("demo", "the whole chain on the shipped data: identify, optimize, compare");
+void add_demo(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<DemoArguments>();
   verb->add_flag_callback(
       "--open", [args] { args->reports = DemoArguments::Reports::kOpen; }, "open the reports in the browser");
   add_action<DemoArguments>(*verb, args, "ukemi demo -o out", chosen, run_demo);
 }
+
+const Verb demo_verb(VerbGroup::kProgram, "demo", "the whole chain on the shipped data: identify, optimize, compare",
+                     add_demo);
+
+}  // namespace
 
 }  // namespace ukemi::tools

@@ -6,8 +6,8 @@
 #include "common/error.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/trials.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/design.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -41,7 +41,7 @@ DesignRequest request_of(const DesignArguments& a, const CommonOptions& common, 
 }
 
 int run_design(const DesignArguments& a, const CommonOptions& common) {
-  Run run("design", common);
+  Run run(kDesignOutputs, common);
   DesignRequest request = request_of(a, common, run);
   request.actuator = actuator_of(a.actuator, run);
   TrialInputs inputs;
@@ -54,11 +54,8 @@ int run_design(const DesignArguments& a, const CommonOptions& common) {
   return report(question, answer(question, a.check), std::move(inputs.summary), run);
 }
 
-}  // namespace
-
-void add_design(CLI::App& app, Action& chosen) {
+void add_design(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<DesignArguments>();
-  CLI::App* verb = app.add_subcommand("design", "propose the hits that shrink the constants' error bars most");
   verb->add_option("TRIAL", args->trials, "trials in hand [none: what is known is the actuator's covariance]");
   verb->add_option("--rig", args->rig, "rig file (TOML)")->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML): the present estimate")->required();
@@ -88,5 +85,10 @@ void add_design(CLI::App& app, Action& chosen) {
       "--width 0.010 0.020 --angle 0.6 -o out/design",
       chosen, run_design);
 }
+
+const Verb design_verb(VerbGroup::kConstants, "design", "propose the hits that shrink the constants' error bars most",
+                       add_design);
+
+}  // namespace
 
 }  // namespace ukemi::tools

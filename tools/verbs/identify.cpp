@@ -11,11 +11,11 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/identify.hpp"
 #include "tools/study/landing_of_fit.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/term_help.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -143,7 +143,7 @@ std::optional<AskedLanding> asked_landing(const IdentifyArguments& a, const Iden
 
 int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   const bool predict = !a.actuator.empty();
-  Run run(predict ? "predict" : "identify", common);
+  Run run(predict ? kPredictOutputs : kIdentifyOutputs, common);
   IdentifyQuestion q{.verb = predict ? IdentifyQuestion::Verb::kPredict : IdentifyQuestion::Verb::kIdentify,
                      .rig = rig_of(a.rig, a.reading),
                      .exports = a.exports};
@@ -203,78 +203,76 @@ int run_predict_of(const IdentifyArguments& a, const CommonOptions& common) {
   return run_of(a, common, Predicts::kYes);
 }
 
-}  // namespace
-
-void add_identify(CLI::App& app, Action& chosen) {
-  for (const bool predict : {false, true}) {
-    auto args = std::make_shared<IdentifyArguments>();
-    CLI::App* verb = predict ? app.add_subcommand("predict", "the rig's motion for given constants, against the log")
-                             : app.add_subcommand("identify", "fit the actuator's constants to impact trials");
+void add_options(CLI::App* verb, Action& chosen, bool predict) {
+  auto args = std::make_shared<IdentifyArguments>();
+  verb->add_option(
+          "TRIAL", args->trials,
+          "trial files: CSV (t [s], phi [rad], force [N] and/or phi_ref [rad]), HEBI .hebilog or its CSV export")
+      ->required();
+  verb->add_option("--rig", args->rig, "rig file (TOML)");
+  verb->add_option("--robot", args->robot, "of a robot of links, in place of the rig: robot file (TOML)");
+  verb->add_option(
+      "--pieces", args->pieces,
+      "with --robot: cut each log into trials about so long [s], or at the times of FILE[:COLUMN] [whole logs]");
+  if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
+  add_trial_options(*verb, args->reading);
+  verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
+  if (predict) {
+    verb->add_option("--start-angle", args->start_angle,
+                     "angle that every trial starts at, at rest [rad], or fit: angle and rate of each trial are fitted "
+                     "to it [at rest at its reference]");
+    verb->add_flag_callback(
+        "--strict", [args] { args->doubt = Doubt::kFail; }, "exit 1 where the prediction does not hold");
+  } else {
+    verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
+    verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");
+    verb->add_option("--motor-torque-max", args->motor_torque_max,
+                     "the motor's rated torque there [Nm] [the rig's]; tau_max of the rig limits the spring");
+    verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
+    verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
+    verb->add_option("--prior", args->prior,
+                     "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
     verb->add_option(
-            "TRIAL", args->trials,
-            "trial files: CSV (t [s], phi [rad], force [N] and/or phi_ref [rad]), HEBI .hebilog or its CSV export")
-        ->required();
-    verb->add_option("--rig", args->rig, "rig file (TOML)");
-    verb->add_option("--robot", args->robot, "of a robot of links, in place of the rig: robot file (TOML)");
-    verb->add_option(
-        "--pieces", args->pieces,
-        "with --robot: cut each log into trials about so long [s], or at the times of FILE[:COLUMN] [whole logs]");
-    if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
-    add_trial_options(*verb, args->reading);
-    verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
-    if (predict) {
-      verb->add_option(
-          "--start-angle", args->start_angle,
-          "angle that every trial starts at, at rest [rad], or fit: angle and rate of each trial are fitted "
-          "to it [at rest at its reference]");
-      verb->add_flag_callback(
-          "--strict", [args] { args->doubt = Doubt::kFail; }, "exit 1 where the prediction does not hold");
-    } else {
-      verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
-      verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");
-      verb->add_option("--motor-torque-max", args->motor_torque_max,
-                       "the motor's rated torque there [Nm] [the rig's]; tau_max of the rig limits the spring");
-      verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
-      verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
-      verb->add_option(
-          "--prior", args->prior,
-          "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
-      verb->add_option(
-              "--starts", args->starts,
-              "explore: so many starts within 10x of --start or of what the logs suggest, and every minimum found")
-          ->check(CLI::Range(1, 100'000));
-      verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
-      verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
-      verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
-      using enum identify::FitOptions::Weights;
-      add_choice(*verb, "--weights", args->weights, {{"equal", kEqual}, {"trial", kTrial}},
-                 "equal, or trial: 1 / each trial's own residual variance [equal]");
-      verb->add_flag_callback(
-          "--strict", [args] { args->doubt = Doubt::kFail; },
-          "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
-      verb->add_flag_callback(
-          "--diagnose", [args] { args->depth = identify::TrustOptions::Depth::kRefit; },
-          "refit with and without each optional term (BIC, likelihood ratio, held-out error), and without each trial");
-      verb->add_option("--profile", args->profile,
-                       "k_sea,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
-      verb->add_option(
-          "--scene", args->scene,
-          "scene file (TOML): how far the errors of the fit move the peak of a landing there, with --motion "
-          "or --hold");
-      add_motion(*verb, args->motion);
-    }
-    add_export(*verb, args->exports, actuator_exports());
-    std::vector<CLI::Option*> own = verb->get_options();
-    std::erase_if(own, [](auto* option) { return option->get_positional() || option->check_name("--help"); });
-    add_action<IdentifyArguments>(*verb, args,
-                                  predict ? "ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"
-                                          : "ukemi identify trial_*.csv --rig rig.toml -o out",
-                                  chosen, predict ? run_predict_of : run_identify_of);
-    verb->parse_complete_callback([args, own] {
-      for (const CLI::Option* option : own)
-        if (option->count() > 0) args->given.push_back(option->get_name());
-    });
+            "--starts", args->starts,
+            "explore: so many starts within 10x of --start or of what the logs suggest, and every minimum found")
+        ->check(CLI::Range(1, 100'000));
+    verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
+    verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
+    verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
+    using enum identify::FitOptions::Weights;
+    add_choice(*verb, "--weights", args->weights, {{"equal", kEqual}, {"trial", kTrial}},
+               "equal, or trial: 1 / each trial's own residual variance [equal]");
+    verb->add_flag_callback(
+        "--strict", [args] { args->doubt = Doubt::kFail; },
+        "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
+    verb->add_flag_callback(
+        "--diagnose", [args] { args->depth = identify::TrustOptions::Depth::kRefit; },
+        "refit with and without each optional term (BIC, likelihood ratio, held-out error), and without each trial");
+    verb->add_option("--profile", args->profile,
+                     "k_sea,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
+    verb->add_option("--scene", args->scene,
+                     "scene file (TOML): how far the errors of the fit move the peak of a landing there, with --motion "
+                     "or --hold");
+    add_motion(*verb, args->motion);
   }
+  add_export(*verb, args->exports, actuator_exports());
+  std::vector<CLI::Option*> own = verb->get_options();
+  std::erase_if(own, [](auto* option) { return option->get_positional() || option->check_name("--help"); });
+  add_action<IdentifyArguments>(*verb, args,
+                                predict ? "ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"
+                                        : "ukemi identify trial_*.csv --rig rig.toml -o out",
+                                chosen, predict ? run_predict_of : run_identify_of);
+  verb->parse_complete_callback([args, own] {
+    for (const CLI::Option* option : own)
+      if (option->count() > 0) args->given.push_back(option->get_name());
+  });
 }
+
+const Verb identify_verb(VerbGroup::kConstants, "identify", "fit the actuator's constants to impact trials",
+                         [](CLI::App* verb, Action& chosen) { add_options(verb, chosen, false); });
+const Verb predict_verb(VerbGroup::kConstants, "predict", "the rig's motion for given constants, against the log",
+                        [](CLI::App* verb, Action& chosen) { add_options(verb, chosen, true); });
+
+}  // namespace
 
 }  // namespace ukemi::tools

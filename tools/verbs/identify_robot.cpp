@@ -83,7 +83,7 @@ int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, Rob
 
 int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
   const bool only = predicts == Predicts::kYes;
-  Run run(only ? "predict" : "identify", common);
+  Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
   for (const std::string& option : a.given)
     if (static const std::vector<std::string> kHave = {"--robot", "--free", "--nuisance", "--prior", "--lower",
                                                        "--upper", "--columns", "--pieces", "--starts", "--strict",

@@ -7,10 +7,10 @@
 #include "landing/judge/survey.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -33,7 +33,7 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   if (!a.vary.empty())
     throw InputError("--vary: the variables of a robot of links are named so; of the paper's robot --grid is needed");
   const std::string file = only_actuator(a.actuators);
-  Run run("map", common);
+  Run run(kMapOutputs, common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = landing_actuator_of(file, run);
   const ReferenceSpace space(scene, actuator.sea);
@@ -56,11 +56,8 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   return report(survey(scene, space, options), run);
 }
 
-}  // namespace
-
-void add_map(CLI::App& app, Action& chosen) {
+void add_map(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<MapArguments>();
-  CLI::App* verb = app.add_subcommand("map", "the whole box of motions on a grid, and its basins");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option(
           "--actuator", args->actuators,
@@ -81,5 +78,9 @@ void add_map(CLI::App& app, Action& chosen) {
   add_action<MapArguments>(*verb, args, "ukemi map scene.toml --actuator actuator.toml --grid 64,64,32 -o out", chosen,
                            run_map);
 }
+
+const Verb map_verb(VerbGroup::kLandings, "map", "the whole box of motions on a grid, and its basins", add_map);
+
+}  // namespace
 
 }  // namespace ukemi::tools

@@ -41,7 +41,7 @@ std::vector<int> cells_of(const std::string& text, const BodySpace& space) {
 }  // namespace
 
 int map_body(const MapArguments& a, const CommonOptions& common) {
-  Run run("map", common);
+  Run run(kMapOutputs, common);
   if (!a.grid.empty()) throw InputError("--grid: of a robot of links --vary NAME[:N],... says what goes over the grid");
   BodyScene scene = body_of(a.scene, a.actuators, run);
   apply_freedom(a.freedom, scene);

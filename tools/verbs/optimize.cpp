@@ -10,11 +10,11 @@
 #include "landing/search/solvers.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
 #include "tools/verbs/body.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -88,7 +88,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   if (a.share) throw InputError("--share: of robots of links; of the paper's robot --penalty says what a drop counts");
   const std::string file = only_actuator(a.actuators);
   const Clock clock;
-  Run run("optimize", common);
+  Run run(kOptimizeOutputs, common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = rated_actuator_of(file, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
@@ -109,10 +109,10 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   return report(answer(scene, actuator, options), a.rate, a.exports, run);
 }
 
-void add_optimize(CLI::App& app, Action& chosen) {
+namespace {
+
+void add_optimize(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<OptimizeArguments>();
-  CLI::App* verb =
-      app.add_subcommand("optimize", "the knee motion with the smallest peak acceleration of the thigh (Eq. 6)");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option(
           "--actuator", args->actuators,
@@ -158,5 +158,10 @@ void add_optimize(CLI::App& app, Action& chosen) {
   add_action<OptimizeArguments>(*verb, args, "ukemi optimize scene.toml --actuator actuator.toml -o out", chosen,
                                 [](auto& a, auto& common) { return run_optimize(a, common); });
 }
+
+const Verb optimize_verb(VerbGroup::kLandings, "optimize",
+                         "the knee motion with the smallest peak acceleration of the thigh (Eq. 6)", add_optimize);
+
+}  // namespace
 
 }  // namespace ukemi::tools

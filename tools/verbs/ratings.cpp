@@ -7,9 +7,9 @@
 #include "landing/judge/speed.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/freedom.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -33,7 +33,7 @@ std::vector<double> points_of(const std::string& option, const std::string& text
 }
 
 int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
-  Run run("ratings", common);
+  Run run(kRatingsOutputs, common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = landing_actuator_of(a.actuator, run);
   RatingOptions options;
@@ -51,11 +51,8 @@ int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
   return report(scene, rated_plans(scene, actuator, options), run);
 }
 
-}  // namespace
-
-void add_ratings(CLI::App& app, Action& chosen) {
+void add_ratings(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<RatingsArguments>();
-  CLI::App* verb = app.add_subcommand("ratings", "what speed buys: the best peaks against the motor's ratings");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
   verb->add_option("--motor-speed", args->speed, "LO:HI:N, rated speeds [rad/s]")->required();
@@ -67,5 +64,10 @@ void add_ratings(CLI::App& app, Action& chosen) {
                                "ukemi ratings scene.toml --actuator actuator.toml --motor-speed 2:12:11 -o out", chosen,
                                run_ratings);
 }
+
+const Verb ratings_verb(VerbGroup::kLandings, "ratings", "what speed buys: the best peaks against the motor's ratings",
+                        add_ratings);
+
+}  // namespace
 
 }  // namespace ukemi::tools

@@ -9,13 +9,13 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/risk.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/given_motion.hpp"
 #include "tools/verbs/scattering.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -44,7 +44,7 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
 
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
   if (is_body(a.scene)) return risk_body(a, common);
-  Run run("risk", common);
+  Run run(kRiskOutputs, common);
   const Scene scene = scene_of(a.scene, run);
   const Actuator actuator = rated_actuator_of(only_actuator(a.actuators), run);
   const Motion motion = motion_of(a.motion, "risk", run);
@@ -71,9 +71,10 @@ long samples_of(const RiskArguments& a) {
   return a.samples.value_or(RiskOptions().samples);
 }
 
-void add_risk(CLI::App& app, Action& chosen) {
+namespace {
+
+void add_risk(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<RiskArguments>();
-  CLI::App* verb = app.add_subcommand("risk", "the peaks of a motion over drops that scatter, and what scatters them");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option(
           "--actuator", args->actuators,
@@ -92,5 +93,10 @@ void add_risk(CLI::App& app, Action& chosen) {
                             "--scatter pitch_deg=1,height=0.01 -o out",
                             chosen, run_risk);
 }
+
+const Verb risk_verb(VerbGroup::kLandings, "risk",
+                     "the peaks of a motion over drops that scatter, and what scatters them", add_risk);
+
+}  // namespace
 
 }  // namespace ukemi::tools

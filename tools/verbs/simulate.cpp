@@ -10,9 +10,9 @@
 #include "landing/model/scene_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "tools/program/actuators.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -39,7 +39,7 @@ ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuato
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   if (is_body(a.scene)) return simulate_body(a, common);
   const std::string file = only_actuator(a.actuators);
-  Run run("simulate", common);
+  Run run(kSimulateOutputs, common);
   Scene scene = scene_of(a.scene, run);
   Actuator actuator = rated_actuator_of(file, run);
   Motion motion = motion_of(a.motion, "simulate", run);
@@ -59,11 +59,8 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   return report(checked, actuator, held, a.exports, run);
 }
 
-}  // namespace
-
-void add_simulate(CLI::App& app, Action& chosen) {
+void add_simulate(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<SimulateArguments>();
-  CLI::App* verb = app.add_subcommand("simulate", "one landing: released, in flight, through its contacts, to rest");
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
   verb->add_option(
           "--actuator", args->actuators,
@@ -77,5 +74,10 @@ void add_simulate(CLI::App& app, Action& chosen) {
   add_action<SimulateArguments>(*verb, args, "ukemi simulate scene.toml --actuator actuator.toml --hold -45 -o out",
                                 chosen, run_simulate);
 }
+
+const Verb simulate_verb(VerbGroup::kLandings, "simulate",
+                         "one landing: released, in flight, through its contacts, to rest", add_simulate);
+
+}  // namespace
 
 }  // namespace ukemi::tools

@@ -7,9 +7,9 @@
 #include "landing/plan/design_numbers.hpp"
 #include "landing/plan/trade.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/verb.hpp"
 #include "tools/report/trade.hpp"
 #include "tools/verbs/body.hpp"
-#include "tools/verbs/verbs.hpp"
 
 namespace ukemi::tools {
 
@@ -42,7 +42,7 @@ TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
 }
 
 int run_trade(const TradeArguments& a, const CommonOptions& common) {
-  Run run("trade", common);
+  Run run(kTradeOutputs, common);
   if (!is_body(a.plan.scene))
     throw InputError(
         Location{a.plan.scene},
@@ -59,13 +59,9 @@ int run_trade(const TradeArguments& a, const CommonOptions& common) {
   return report(scene, trade(scene, axes, options), options.search, run);
 }
 
-}  // namespace
-
-void add_trade(CLI::App& app, Action& chosen) {
+void add_trade(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<TradeArguments>();
   OptimizeArguments& plan = args->plan;
-  CLI::App* verb =
-      app.add_subcommand("trade", "what a number of a robot's design buys: the best landing for each value");
   verb->add_option("SCENE", plan.scene, "scene file of a robot of links (TOML)")->required();
   verb->add_option("--actuator", plan.actuators, "JOINT=FILE, once for each joint that the robot's file leaves open")
       ->allow_extra_args(false);
@@ -90,5 +86,10 @@ void add_trade(CLI::App& app, Action& chosen) {
   add_action<TradeArguments>(*verb, args, "ukemi trade scene.toml --vary drive.knee.k_sea=20:500:9 -o out", chosen,
                              run_trade);
 }
+
+const Verb trade_verb(VerbGroup::kLandings, "trade",
+                      "what a number of a robot's design buys: the best landing for each value", add_trade);
+
+}  // namespace
 
 }  // namespace ukemi::tools

@@ -1,0 +1,40 @@
+#include "tools/program/verb.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace ukemi::tools {
+
+namespace {
+std::vector<Verb>& enrolled() {
+  static std::vector<Verb> all;  // made by the first verb that enrols
+  return all;
+}
+}  // namespace
+
+const char* name(VerbGroup group) {
+  switch (group) {
+    case VerbGroup::kConstants:
+      return "Constants from logs";
+    case VerbGroup::kLandings:
+      return "Landings";
+    case VerbGroup::kProgram:
+      return "The program";
+  }
+  return "";
+}
+
+Verb::Verb(VerbGroup group_, const char* name_, const char* purpose_, void (*add_)(CLI::App* verb, Action& chosen))
+    : group(group_), name(name_), purpose(purpose_), add(add_) {
+  enrolled().push_back(*this);
+}
+
+std::vector<Verb> verbs() {
+  std::vector<Verb> out = enrolled();
+  std::sort(out.begin(), out.end(), [](const Verb& a, const Verb& b) {
+    return std::make_tuple(a.group, std::string(a.name)) < std::make_tuple(b.group, std::string(b.name));
+  });
+  return out;
+}
+
+}  // namespace ukemi::tools
