@@ -21,14 +21,14 @@ int guarded(int argc, char** argv) {
     set_command_line(argc, argv);
     return action_of(argc, argv)();
   } catch (const InputError& e) {
-    tell(std::string("ukemi: ") + e.what(), Tone::kError);
+    print_message(std::string("ukemi: ") + e.what(), Tone::kError);
     return kBadInput;
   } catch (const std::bad_alloc&) {
-    tell_raw(kNoMemory);
+    print_raw(kNoMemory);
   } catch (const std::length_error&) {  // more than a container can ever hold
-    tell_raw(kNoMemory);
+    print_raw(kNoMemory);
   } catch (const std::exception& e) {
-    tell(std::string("ukemi: ") + e.what(), Tone::kError);
+    print_message(std::string("ukemi: ") + e.what(), Tone::kError);
   }
   return kNumbers;
 }
@@ -38,7 +38,7 @@ int guarded(int argc, char** argv) {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
   } catch (const std::bad_alloc&) {
-    tell_raw(kNoMemory);
+    print_raw(kNoMemory);
     ::_exit(kNumbers);
   } catch (...) {
   }
@@ -57,7 +57,7 @@ int guarded(int argc, char** argv) {
 int final_code(int code) {
   const auto failure = stdout_failure();
   if (!failure) return code;
-  tell("ukemi: stdout cannot be written: " + *failure, Tone::kError);
+  print_message("ukemi: stdout cannot be written: " + *failure, Tone::kError);
   return code == kDone ? kNumbers : code;
 }
 

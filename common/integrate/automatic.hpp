@@ -53,7 +53,7 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
   State at(double s) const {
     if (!taken_implicit_) return Base::at(s);
     const auto place = this->place(s);
-    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.behind);
+    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.beyond);
   }
   double component_at(int index, double s) const {
     return taken_implicit_ ? at(s)[index] : Base::component_at(index, s);

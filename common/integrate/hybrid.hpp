@@ -96,7 +96,7 @@ class Integrator {
   }
   const Counters& counters() const { return counters_; }
   /// The field, or the state, has jumped (mode change, new reference): evaluate it afresh.
-  void refresh() { fresh_ = false, step_.forget(); }
+  void refresh() { evaluated_ = false, step_.forget(); }
   void refresh(const State& y) { step_.y_end = y, refresh(); }
   /// Goes on from another time and state, with the step length that stood.
   void restart(double t, const State& y) { step_.t = t, step_.h = 0, refresh(y); }
@@ -105,10 +105,10 @@ class Integrator {
 
   /// One accepted step, at most to `t_stop`.
   Outcome step(double t_stop) {
-    if (!fresh_) {
+    if (!evaluated_) {
       field()(time(), step_.y_end, step_.slope_end);
       system_.guards(time(), step_.y_end, step_.slope_end, end_);
-      fresh_ = true;
+      evaluated_ = true;
     }
     start_ = end_;
     if (const int i = violated(); i >= 0) {
@@ -153,7 +153,7 @@ class Integrator {
     }
     ++counters_.events;
     end_on(c);
-    fresh_ = false;
+    evaluated_ = false;
     immediate_ = step_.h > 0 ? 0 : immediate_ + 1;
     return {immediate_ > kMostImmediate ? Status::kStuck : Status::kEvent, c.guard};
   }
@@ -314,7 +314,7 @@ class Integrator {
   Guards<kGuards> start_, end_;
   Counters counters_;
   double h_next_;
-  bool fresh_ = false;
+  bool evaluated_ = false;
   int immediate_ = 0;
 };
 

@@ -163,7 +163,7 @@ class RosenbrockStep : public StepEnds<double, N> {
   }
   State at(double s) const {
     const auto place = this->place(s);
-    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.behind);
+    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.beyond);
   }
   double component_at(int index, double s) const { return at(s)[index]; }
 

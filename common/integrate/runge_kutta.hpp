@@ -98,7 +98,7 @@ struct StepEnds {
 
   /// A place of the step: where in the computed length, 0..1, and how long after its end [s].
   struct Place {
-    Time share, behind;
+    Time share, beyond;
   };
   Place place(const Time& s) const {
     if constexpr (kIsPack<T>) {
@@ -111,10 +111,10 @@ struct StepEnds {
     }
   }
   /// Behind the computed end the step goes on along the field.
-  State extended(State x, const Time& behind) const {
+  State extended(State x, const Time& beyond) const {
     if constexpr (!kIsPack<T>)
-      if (behind > 0)
-        for (int c = 0; c < N; ++c) add_scaled(x[c], behind, computed_slope_[c]);
+      if (beyond > 0)
+        for (int c = 0; c < N; ++c) add_scaled(x[c], beyond, computed_slope_[c]);
     return x;
   }
   [[noreturn, gnu::cold]] static void outside() {
@@ -197,13 +197,13 @@ class Step : public StepEnds<T, N> {
     });
     State out = y;
     for (int c = 0; c < N; ++c) add_scaled(out[c], this->whole(), sum[c]);
-    return this->extended(out, place.behind);
+    return this->extended(out, place.beyond);
   }
   /// One component of `at`.
   T component_at(int index, const Time& s) const {
     const auto place = this->place(s);
     if constexpr (!kIsPack<T>)
-      if (place.behind > 0) return at(s)[index];
+      if (place.beyond > 0) return at(s)[index];
     T sum(0);
     for_weights(place.share, [&](int i, const Time& b) { add_scaled(sum, b, k_[i][index]); });
     T out = y[index];

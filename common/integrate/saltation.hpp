@@ -23,8 +23,8 @@ Eigen::Matrix<double, P, 1> event_shift(const ceres::Jet<double, P>& guard, doub
 /// y_p(-) to y_p(+) where the state does not jump; `before`, `behind`: the values of the field before and after the
 /// event; `shift`: dt*/dp.
 template <class State, class Values, class Shift>
-void saltate(State& y, const Values& before, const Values& behind, const Shift& shift) {
-  for (int k = 0; k < y.size(); ++k) y[k].v += (before[k] - behind[k]) * shift;
+void saltate(State& y, const Values& before, const Values& after, const Shift& shift) {
+  for (int k = 0; k < y.size(); ++k) y[k].v += (before[k] - after[k]) * shift;
 }
 /// Where it does: derivatives at a fixed time to those along a time that moves by `shift`, y being at the rate `slope`
 /// there; by -shift back. Between the two the state takes its jump, as a function of itself.

@@ -36,7 +36,7 @@ class SemiImplicitEulerStep : public StepEnds<T, N> {
   void prepare_dense(F&&) {}
   State at(double s) const {
     const auto place = this->place(s);
-    return this->extended(this->y + T(place.share) * (this->computed_end() - this->y), place.behind);
+    return this->extended(this->y + T(place.share) * (this->computed_end() - this->y), place.beyond);
   }
   T component_at(int i, double s) const { return at(s)[i]; }
 };

@@ -37,10 +37,10 @@ void MultiStart::search_batch(int first, int count, const Search& search) {
     solutions[std::size_t(i)] = search(first + i);
     options_.monitor.progress(++done, options_.most);
   });
-  for (LeastSquaresSolution& s : solutions) take(std::move(s));  // in order, whatever the threads
+  for (LeastSquaresSolution& s : solutions) add(std::move(s));  // in order, whatever the threads
 }
 
-void MultiStart::take(LeastSquaresSolution s) {
+void MultiStart::add(LeastSquaresSolution s) {
   const int start = starts_++;
   spent_ += s.work;
   if (!s.usable) {

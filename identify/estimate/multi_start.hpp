@@ -54,7 +54,7 @@ class MultiStart {
 
  private:
   void search_batch(int first, int count, const Search& search);
-  void take(LeastSquaresSolution solution);
+  void add(LeastSquaresSolution solution);
 
   MultiStartOptions options_;
   LeastSquaresSolution best_;

@@ -163,17 +163,17 @@ std::vector<FitSearch::Sea> FitSearch::candidates() const {
                                    options_.seed + 1);
     std::copy(about.begin(), about.end(), drawn.begin());
   }
-  std::vector<PreparedTrial> few;
-  for (std::size_t m = 0; m < prepared_.size() && few.size() < 2; m += std::max<std::size_t>(1, prepared_.size() / 2))
-    few.push_back(prepared_[m]);
-  const std::vector<Weighting> equal(few.size());
+  std::vector<PreparedTrial> some;
+  for (std::size_t m = 0; m < prepared_.size() && some.size() < 2; m += std::max<std::size_t>(1, prepared_.size() / 2))
+    some.push_back(prepared_[m]);
+  const std::vector<Weighting> equal(some.size());
   RolloutOptions coarse{.accuracy = o.accuracy, .escape = options_.escape, .max_steps = o.steps};
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < drawn.size() && !options_.monitor.stopped(); ++i) {
     drawn[i] = admitted(drawn[i]);
-    Budget budget{o.sample_steps * size_of(few)};
+    Budget budget{o.sample_steps * size_of(some)};
     coarse.budget = &budget;
-    const LeastSquaresProblem p = make_problem(rig_, few, equal, drawn[i], suggestion_, layout_, options_, coarse);
+    const LeastSquaresProblem p = make_problem(rig_, some, equal, drawn[i], suggestion_, layout_, options_, coarse);
     Eigen::VectorXd x(long(p.globals.size()));
     for (long g = 0; g < x.size(); ++g) x[g] = p.globals[std::size_t(g)].start;
     order.emplace_back(cost_at(p, solver_, x), i);

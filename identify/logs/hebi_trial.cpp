@@ -78,7 +78,7 @@ void drop_duplicates(const HebiModule& m, std::vector<std::size_t>& order, std::
 std::vector<double> hold_commands(const HebiModule& m, const std::vector<std::size_t>& order,
                                   std::vector<std::string>& notes) {
   std::vector<double> out;
-  std::size_t before = 0, later = 0;
+  std::size_t before = 0, after = 0;
   bool commanded = false;
   for (const std::size_t i : order) {
     const double command = m.position_command[i];
@@ -86,7 +86,7 @@ std::vector<double> hold_commands(const HebiModule& m, const std::vector<std::si
       commanded = true;
       out.push_back(command);
     } else {
-      ++(commanded ? later : before);
+      ++(commanded ? after : before);
       out.push_back(out.empty() ? m.position[i] : out.back());
     }
   }
@@ -95,8 +95,8 @@ std::vector<double> hold_commands(const HebiModule& m, const std::vector<std::si
   else if (before > 0)
     notes.push_back(plural(before, "NaN command", "NaN commands") +
                     " before the first command: held at the first position");
-  if (later > 0)
-    notes.push_back(plural(later, "NaN command", "NaN commands") + " after the first: the last command is held");
+  if (after > 0)
+    notes.push_back(plural(after, "NaN command", "NaN commands") + " after the first: the last command is held");
   return out;
 }
 

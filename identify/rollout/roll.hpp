@@ -75,7 +75,7 @@ class Roll {
     RolloutStatus status = RolloutStatus::kDone;
     sample_ = 1;
     for (const Stretch& stretch : moved() ? shifted_ : trial_.stretches) {
-      enter(stretch);
+      begin_stretch(stretch);
       arrived_ = false;
       while (!arrived_ && status == RolloutStatus::kDone) status = follow(stretch.t_end);
       if (status != RolloutStatus::kDone) break;
@@ -132,12 +132,12 @@ class Roll {
   /// The input as it drives the rig. The cuts stand where the shift's value puts them; the force is continuous there,
   /// so its derivative by the shift is all there is.
   Excitation<T> driven(const Excitation<double>& e) const {
-    const T later = nuisance_.time_shift - T(shift());
+    const T delay = nuisance_.time_shift - T(shift());
     std::array<T, 4> force;
     bool pushed = false;
     for (std::size_t i = 0; i < force.size(); ++i) {
       const double next = i + 1 < force.size() ? double(i + 1) * e.force[i + 1] : 0;
-      force[i] = nuisance_.force_gain * (T(e.force[i]) - T(next) * later);
+      force[i] = nuisance_.force_gain * (T(e.force[i]) - T(next) * delay);
       if (i == 0) force[i] += nuisance_.force_bias;
       pushed = pushed || present(force[i]);
     }
@@ -163,17 +163,17 @@ class Roll {
 
   /// The input of a stretch; a command that jumps where it starts does so later by the delay, and the derivatives jump
   /// with it.
-  void enter(const Stretch& stretch) {
-    double told = system_.input.command;
+  void begin_stretch(const Stretch& stretch) {
+    double commanded = system_.input.command;
     system_.input = driven(stretch.input);
     if (stretch.jumps) driver_.refresh();
     if constexpr (kTerms.extended && kDerivatives < T >> 0) {
-      if (driver_.time() > t_[0] && system_.input.command != told && !delay_.v.isZero(0)) {
+      if (driver_.time() > t_[0] && system_.input.command != commanded && !delay_.v.isZero(0)) {
         State y = driver_.state(), field;
-        std::swap(system_.input.command, told);
+        std::swap(system_.input.command, commanded);
         system_.derivative(driver_.time(), y, field);
         const Values before = values(field);
-        std::swap(system_.input.command, told);
+        std::swap(system_.input.command, commanded);
         settle();
         system_.derivative(driver_.time(), y, field);
         integrate::saltate(y, before, values(field), delay_.v);
@@ -346,10 +346,10 @@ class Roll {
             !slides() && in.phi_ref_rate == 0 && in.dphi_ref == 0 && in.dphi_ref_rate == 0 && in.command == 0};
     if (f.held) return f;
     f.rest = T(0);
-    State later;
+    State next;
     system_.derivative(t, State(State::Zero()), f.b0);
-    system_.derivative(t + 1, State(State::Zero()), later);
-    f.b1 = later - f.b0;
+    system_.derivative(t + 1, State(State::Zero()), next);
+    f.b1 = next - f.b0;
     return f;
   }
   static Values values(const State& y) {

@@ -36,23 +36,23 @@ std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift, double dela
   std::vector<Stretch> out;
   constexpr double kNow = 1e-12;  // times that differ by rounding are one [s]
   double force_end = 0, command_before = c.empty() ? 0 : c.front();
-  std::size_t j = 0;     // so many of the force's pieces have begun
-  std::size_t told = 0;  // the sample whose command the motor follows
+  std::size_t j = 0;        // so many of the force's pieces have begun
+  std::size_t command = 0;  // the sample whose command the motor follows
   for (std::size_t i = 0; i + 1 < t.size(); ++i) {
     for (double from = t[i]; from < t[i + 1];) {
       while (j < begins && force.begin(j) + shift <= from + kNow) ++j;
       double to = j < begins ? std::min(t[i + 1], force.begin(j) + shift) : t[i + 1];
       if (!c.empty()) {
         const auto begins_at = [&](std::size_t k) { return t[k] + delay; };
-        while (told + 1 < c.size() && begins_at(told + 1) <= from + kNow) ++told;
-        if (told + 1 < c.size()) to = std::min(to, begins_at(told + 1));
+        while (command + 1 < c.size() && begins_at(command + 1) <= from + kNow) ++command;
+        if (command + 1 < c.size()) to = std::min(to, begins_at(command + 1));
       }
       if (t[i + 1] - to < kNow) to = t[i + 1];
       Excitation<double> e{.t = from};
       if (j > 0 && j < begins) e.force = moved(force.piece(j - 1), from - shift - force.begin(j - 1));
       e.pushed = e.force != Cubic{}, e.curved = e.force[2] != 0 || e.force[3] != 0;
       if (!r.empty()) e.phi_ref = r[i];
-      if (!c.empty()) e.command = c[told];
+      if (!c.empty()) e.command = c[command];
       if (!d.empty()) {
         const double dt = t[i + 1] - t[i];
         e.dphi_ref_rate = (d[i + 1] - d[i]) / dt, e.dphi_ref = d[i] + e.dphi_ref_rate * (from - t[i]);

@@ -241,7 +241,7 @@ std::vector<Trial> without(std::vector<Trial> trials, std::size_t one) {
 
 Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from, FitOptions options) {
   options.restarts = options.explore = 0;
-  options.monitor.tell = nullptr;
+  options.monitor.on_progress = nullptr;
   return fit(rig, trials, from, from, options);
 }
 

@@ -81,7 +81,7 @@ std::optional<HeldTerm> redundant(const Fit& fit, const Terms<RigTerm>& terms) {
 }
 
 /// Another fit in place of what was found; what was searched before stays counted and said.
-void take(Fit again, Fit& fit) {
+void adopt(Fit again, Fit& fit) {
   again.starts += fit.starts;
   if (!fit.minima.empty()) again.minima = std::move(fit.minima);
   fit = std::move(again);
@@ -97,7 +97,7 @@ void hold_redundant(Experiment& experiment, Identification& out) {
     SeaParameters<double> from = out.fit.sea;
     term.set_in(from, term.absent);
     std::erase_if(terms.nuisance, [&](const std::string& n) { return n == term.name; });
-    take(refit(experiment.rig, experiment.trials, from, experiment.options), out.fit);
+    adopt(refit(experiment.rig, experiment.trials, from, experiment.options), out.fit);
     out.held.push_back(*found);
   }
 }
@@ -209,7 +209,7 @@ SecondLook look_again(const Experiment& e, const std::optional<SeaParameters<dou
     if (!better(f, out.fit)) return void(out.fit.starts += f.starts);
     said.better =
         fmt::format("the first minimum found, {:.4g} rad rms, was not the best: {:.4g} rad {}", first, f.rms, where);
-    take(std::move(f), out.fit);
+    adopt(std::move(f), out.fit);
     out.trust = tested(e, out.fit);
   };
   base.feedback = out.fit.sea.feedback;
@@ -235,7 +235,7 @@ std::optional<std::vector<Trial>> take_smooth_force(const Experiment& e, Identif
   for (Trial& t : smooth) t.force_smooth = 1;
   Fit again = refit(e.rig, smooth, out.fit.sea, e.options);
   if (!(again.converged && again.rms < out.fit.rms)) return std::nullopt;
-  take(std::move(again), out.fit), out.force_smooth = 1;
+  adopt(std::move(again), out.fit), out.force_smooth = 1;
   out.trust = tested({e.rig, smooth, e.options}, out.fit);
   return smooth;
 }

@@ -73,10 +73,11 @@ bool fit_initial_states(Predicted& p, std::vector<Estimate>& out) {
 /// Cuts half widths of the band, row by row of the residuals, into the trial's columns.
 void set_bands(const VectorXd& half, const Trial& log, JudgedTrial& out) {
   const double* from = half.data();
-  const auto take = [&](const std::vector<double>& measured, double unit, std::vector<double>& to) {
+  const auto convert = [&](const std::vector<double>& measured, double unit, std::vector<double>& to) {
     for (std::size_t i = 0; i < measured.size(); ++i) to.push_back(*from++ / unit);
   };
-  take(log.phi, 1, out.phi), take(log.phi_motor, 1, out.phi_m), take(log.torque, angle_per_torque(log), out.torque);
+  convert(log.phi, 1, out.phi), convert(log.phi_motor, 1, out.phi_m),
+      convert(log.torque, angle_per_torque(log), out.torque);
 }
 
 JudgedTrial judge(const Experiment& experiment, const Actuator& actuator, const Predicted& p, std::size_t m,

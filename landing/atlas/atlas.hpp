@@ -62,7 +62,7 @@ class AtlasTrial {
  public:
   virtual ~AtlasTrial() = default;
   /// The motion from now on, of a drop of the atlas.
-  virtual void take(const Drop& planned_for, const MotionValues& values) = 0;
+  virtual void set(const Drop& planned_for, const MotionValues& values) = 0;
   /// Its peaks [m/s^2], one above `bound` only a bound of itself; kNoMotion where it cannot be followed, breaks a limit
   /// or was stopped.
   virtual void play(std::span<const Drop> drops, double bound, std::span<double> peaks) = 0;

@@ -90,7 +90,7 @@ class AtlasJournal {
 
  private:
   [[noreturn]] void fail(const std::string& what) const;
-  void take(const std::string& identity, std::span<AtlasCell> cells);
+  void read_cells(const std::string& identity, std::span<AtlasCell> cells);
 
   std::string path_;
   int file_ = -1;

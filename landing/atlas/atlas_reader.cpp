@@ -30,7 +30,7 @@ AtlasEntry AtlasReader::Table::best_of(std::span<const std::size_t> drops) {
       drops, options.goal, [&](const Coordinates& values) { return space.unit(values); },
       [&](std::span<Candidate> points, Goal goal) { objective.evaluate(points, goal); });
   if (found.count == 0) return {};
-  const Play play = objective.play(found.points[0]);
+  const DrivenMotion play = objective.play(found.points[0]);
   AtlasEntry out{.motion = play.motion, .sea = play.sea, .values = space.values(found.points[0].u)};
   out.value = found.points[0].value, out.drop = found.best_drop(), out.inside = out.found = true;
   for (std::size_t k = 0; k < found.count; ++k) out.around[out.count++] = space.values(found.points[k].u);

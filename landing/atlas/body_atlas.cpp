@@ -85,7 +85,7 @@ class BodyTrial : public AtlasTrial {
  public:
   BodyTrial(const BodyScene& scene, int threads, const std::function<bool()>& over)
       : there_(dropped(scene, scene.drop)), threads_(threads), over_(over) {}
-  void take(const Drop& planned_for, const MotionValues& values) override {
+  void set(const Drop& planned_for, const MotionValues& values) override {
     there_.drop = planned_for;
     const BodySpace space(there_);
     motion_ = space.motion(space.unit(Coordinates(values)));

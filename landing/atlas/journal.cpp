@@ -41,7 +41,7 @@ AtlasJournal::AtlasJournal(const std::string& path, const std::string& identity,
   if (file_ < 0) fail(std::string("cannot be written: ") + std::strerror(errno));
   try {
     if (::flock(file_, LOCK_EX | LOCK_NB) != 0) fail("another run is at work on it: another output folder is needed");
-    take(identity, cells);
+    read_cells(identity, cells);
   } catch (...) {
     ::close(file_);
     throw;
@@ -53,7 +53,7 @@ AtlasJournal::~AtlasJournal() { ::close(file_); }
 void AtlasJournal::fail(const std::string& what) const { throw InputError({path_}, what); }
 
 /// What a kill cut off at its end is gone.
-void AtlasJournal::take(const std::string& identity, std::span<AtlasCell> cells) {
+void AtlasJournal::read_cells(const std::string& identity, std::span<AtlasCell> cells) {
   const std::string found = bytes();
   Begin begin;
   std::memcpy(begin.identity, identity.data(), std::min(identity.size(), sizeof begin.identity));

@@ -24,7 +24,7 @@ class Trials {
 
   /// The worst peak of a drop's motion, or what is above `bound` as soon as one is; that drop comes first from then on.
   double worst(std::size_t drop, const MotionValues& values, double bound) {
-    trial_->take(grid_.drop(drop), values);
+    trial_->set(grid_.drop(drop), values);
     double worst = 0;
     for (std::size_t from = 0, part = kFirst; from < order_.size(); from += part, part = kPart) {
       part = std::min(part, order_.size() - from);

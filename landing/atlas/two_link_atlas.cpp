@@ -46,7 +46,7 @@ class TwoLinkTrial : public AtlasTrial {
       : there_(scene), sea_(sea), threads_(threads), over_(over) {
     if (scene.joint) limits_.joint = *scene.joint;
   }
-  void take(const Drop& planned_for, const MotionValues& values) override {
+  void set(const Drop& planned_for, const MotionValues& values) override {
     there_.drop = planned_for;
     played_ = ReferenceSpace(there_, sea_).play(values);
   }
@@ -71,7 +71,7 @@ class TwoLinkTrial : public AtlasTrial {
   int threads_;
   const std::function<bool()>& over_;
   Limits limits_;
-  Play played_{};
+  DrivenMotion played_{};
   std::vector<Scene> scenes_;
   std::vector<BatchCase> cases_;
   std::vector<LandingPeak> landings_;

@@ -119,20 +119,20 @@ class BodyCourse {
     detected_ = kNever;
     for (int i = 0; i < joints(); ++i) {
       if (!driven(i)) continue;
-      set(i, Turn::kLand, t), system.joint[i].phase = Phase::kMoving;
+      set(i, ReferenceChange::kLand, t), system.joint[i].phase = Phase::kMoving;
       air_[i] = kNever, end_[i] = value_of(t) + value_of(motion[i].duration);
       system.drive[i].sea = with_landing_gains(system.drive[i].sea, motion[i]);
     }
     find_longest();
   }
   /// What is due at a deadline beside `land`: references begin and end, smoothly.
-  void turn(double t) {
+  void advance(double t) {
     for (int i = 0; i < joints(); ++i) {
       Phase& phase = system.joint[i].phase;
       if (t + kRounding >= end_[i]) phase = Phase::kAfter, end_[i] = kNever;
       if (!(t + kRounding >= air_[i])) continue;
       const bool begins = phase == Phase::kBefore && air_[i] == value_of(motion[i].reposition->from);
-      set(i, begins ? Turn::kReposition : Turn::kStand, T(t));
+      set(i, begins ? ReferenceChange::kReposition : ReferenceChange::kStand, T(t));
       phase = begins ? Phase::kMoving : Phase::kBefore;
       air_[i] = begins ? value_of(motion[i].reposition->to) : kNever;
     }
@@ -182,7 +182,7 @@ class BodyCourse {
     y[System::kVx] = v * c + up * s - speed[0], y[System::kVy] = -v * s + up * c - speed[1];
   }
 
-  void set(int i, Turn to, const T& t) { system.piece[i] = piece_behind(to, motion[i], system.piece[i], t); }
+  void set(int i, ReferenceChange to, const T& t) { system.piece[i] = piece_after(to, motion[i], system.piece[i], t); }
   void find_longest() {
     constexpr double kPart = 0.125;
     double shortest = kNever;

@@ -83,7 +83,7 @@ class BodyFollower {
     if (outcome.status == integrate::Status::kReached) {
       if (t_ >= course_.limit()) return course_.touched() || !scene_.touches() ? End::kTimeLimit : End::kNoContact;
       if (course_.lands_at(t_)) land();
-      course_.turn(t_), jump(driver);
+      course_.advance(t_), jump(driver);
     }
     const bool asked = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.waits();
     const double least = loads_ ? loads_->rest_square(peak_.square) : peak_.square;

@@ -158,8 +158,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     }
     for (int j = 0; j < body.bodies; j += 2) {
       const int k = j + 1 < body.bodies ? j + 1 : j;
-      const auto turn = sin_cos(y[kTheta + j], y[kTheta + k]);
-      p.sin[j] = turn[0].sin, p.cos[j] = turn[0].cos, p.sin[k] = turn[1].sin, p.cos[k] = turn[1].cos;
+      const auto pair = sin_cos(y[kTheta + j], y[kTheta + k]);
+      p.sin[j] = pair[0].sin, p.cos[j] = pair[0].cos, p.sin[k] = pair[1].sin, p.cos[k] = pair[1].cos;
     }
     for (int j = 0; j < body.bodies; ++j) p.omega[j] = y[kOmega + j];
     return p;
@@ -276,8 +276,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       T motor(0);
       const T tau = torque_of(i, &motor);
       if constexpr (kAccounts) power += tau * joint_state(i, y).dphi;
-      load.turn[body.joint[i].child] += tau;
-      if (body.joint[i].parent >= 0) load.turn[body.joint[i].parent] -= tau;
+      load.torque[body.joint[i].child] += tau;
+      if (body.joint[i].parent >= 0) load.torque[body.joint[i].parent] -= tau;
       dy[kOmegaM + i] = motor;
     }
     const Accelerations acc = accelerations(p, load, y);
@@ -379,9 +379,9 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       rate = spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
     } else {
       constexpr double kStep = 1e-7;  // the reference's own acceleration, by a difference [s]
-      const Reference<T> r = reference(i, t), later = reference(i, t + Time(kStep));
+      const Reference<T> r = reference(i, t), next = reference(i, t + Time(kStep));
       tau = geared_torque(i, t, s);
-      rate = d.sea.k_p * (r.dphi - s.dphi) + d.sea.k_d * ((later.dphi - r.dphi) / T(kStep) - ddphi);
+      rate = d.sea.k_p * (r.dphi - s.dphi) + d.sea.k_d * ((next.dphi - r.dphi) / T(kStep) - ddphi);
     }
     const int first = kJointGuards + kOfJoint * i;
     const auto upper = at_upper(joint[i].saturation), lower = at_lower(joint[i].saturation);

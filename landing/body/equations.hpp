@@ -159,11 +159,11 @@ Eigen::Matrix<T, 2, 1> acceleration(const Arms<T, kBodies>& r, const TreePose<T,
 template <class T, int kBodies>
 struct TreeLoads {
   T x{0}, y{0};
-  std::array<T, kBodies> turn{};
+  std::array<T, kBodies> torque{};
 
   void add(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int bodies, const T& fx, const T& fy) {
     x += fx, y += fy;
-    for (int j = 0; j < bodies; ++j) turn[j] += y_of(r, p, j) * fx + x_of(r, p, j) * fy;
+    for (int j = 0; j < bodies; ++j) torque[j] += y_of(r, p, j) * fx + x_of(r, p, j) * fy;
   }
 };
 
@@ -231,7 +231,7 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   std::array<T, MassMatrix<T, kSize>::kMost> right{};
   const int bodies = b.bodies, unknowns = bodies + (b.base == Base::kRail);
   for (int j = 0; j < bodies; ++j) {
-    right[j] = load.turn[j];
+    right[j] = load.torque[j];
     if (b.base != Base::kFree) right[j] += y_of(b.moment, p, j) * gx + x_of(b.moment, p, j) * gy;
   }
   const T fx = load.x + b.mass * gx, fy = load.y + b.mass * gy;

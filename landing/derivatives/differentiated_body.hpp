@@ -88,10 +88,10 @@ class DifferentiatedBody {
     if (t >= course_.limit())
       return {course_.touched() || !scene_.touches() ? End::kTimeLimit : End::kNoContact, false};
     const bool lands = course_.lands_at(t);
-    if (!lands) course_.turn(t), follow();
+    if (!lands) course_.advance(t), follow();
     return {std::nullopt, lands};
   }
-  void land(const Jet& t) { course_.land(t), course_.turn(t.a), follow(); }
+  void land(const Jet& t) { course_.land(t), course_.advance(t.a), follow(); }
   bool cross(int event, const Jet& t, State& y) {
     const bool first = !course_.touched();
     const typename Course::Crossing crossing = course_.cross(event, t, y);

@@ -89,7 +89,7 @@ class DifferentiatedLanding {
             .first_step = std::min(options_.max_step, schedule_.first_step()),
             .max_step = options_.max_step};
   }
-  void open(double t) { turn(schedule_.opening(system_), Jet(t)); }
+  void open(double t) { change(schedule_.opening(system_), Jet(t)); }
   double longest_step() const {
     return system_.phase == Phase::kMoving ? schedule_.motion_part() : std::numeric_limits<double>::infinity();
   }
@@ -97,23 +97,23 @@ class DifferentiatedLanding {
   bool end_moves() const { return !schedule_.fixed_end(); }
   Deadline reached(double t) {
     const Schedule::Deadline deadline = schedule_.reached(t, system_);
-    const bool lands = deadline.turn == Turn::kLand;
-    if (!deadline.end && !lands) turn(deadline.turn, Jet(t));
+    const bool lands = deadline.change == ReferenceChange::kLand;
+    if (!deadline.end && !lands) change(deadline.change, Jet(t));
     return {deadline.end, lands};
   }
-  void land(const Jet& t) { turn(Turn::kLand, t); }
+  void land(const Jet& t) { change(ReferenceChange::kLand, t); }
   bool cross(int event, const Jet& t, State&) {
     const Schedule::Crossing crossing = schedule_.cross(event, t.a, system_, Limits(), contacts_);
-    turn(crossing.turn, t);
+    change(crossing.change, t);
     return crossing.first;
   }
   bool rests(double, const Values& y, double square) const { return at_rest(plain_, y, square, impact_energy(plain_)); }
 
  private:
-  void turn(Turn to, const Jet& t) {
+  void change(ReferenceChange to, const Jet& t) {
     static_cast<Mode&>(plain_) = system_;
-    system_.turn(to, motion_, t);
-    plain_.turn(to, plain_motion_, t.a);
+    system_.change(to, motion_, t);
+    plain_.change(to, plain_motion_, t.a);
   }
 
   const Scene& scene_;

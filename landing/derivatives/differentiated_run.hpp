@@ -30,7 +30,7 @@ struct Deadline {
 ///   begin(landing, t, y)                    where the integration starts
 ///   step(landing, driver)                   a step of positive length, in the mode before its event
 ///   before(landing, t, y, dy, shift)        the left limit of an event; `shift` is dt*/dp of its time t*
-///   behind(landing, t, y, shift, event)     the right limit, in the mode beyond guard `event`
+///   after_event(landing, t, y, shift, event)     the right limit, in the mode beyond guard `event`
 ///   cut(landing, t, y, dy, shift)           the time limit
 ///   finish(landing)
 /// (of the paper's robot before all flight(landing, y, until), the closed-form flight from the state y at release) and
@@ -117,7 +117,7 @@ class DifferentiatedRun {
     change(y);
     integrate::move_along(y, l_.plain().derivative(t, Landing::values(y)), Derivatives(-shift));
     driver.refresh(y);
-    observer_.behind(l_, t, y, shift, event);
+    observer_.after_event(l_, t, y, shift, event);
   }
 
   Landing& l_;

@@ -52,7 +52,7 @@ class PeakObserver {
   void before(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
     if (!joint_) before_ = limit_of(l, t, y, dy, shift), joint_ = true;
   }
-  void behind(const Landing& l, double t, const State& y, const Derivatives& shift, int) {
+  void after_event(const Landing& l, double t, const State& y, const Derivatives& shift, int) {
     behind_ = limit_of(l, t, y, l.system().derivative(t, y), shift);
     last_ = behind_.square;
     running_ = std::max(running_, last_.value);

@@ -11,14 +11,14 @@
 namespace ukemi::landing {
 
 /// What a drive may be told in a row; what is missing in a log is none of it, and of the gains those of the robot.
-enum Told { kPhiRef, kDphiRef, kTorqueFf, kKp, kKd, kOn, kTold };
+enum CommandColumn { kPhiRef, kDphiRef, kTorqueFf, kKp, kKd, kOn, kTold };
 /// `on`: the share of the torque that acts, 0: the drive is switched off.
 inline constexpr std::array<const char*, kTold> kToldNames = {"phi_ref", "dphi_ref", "torque_ff", "k_p", "k_d", "on"};
 
 /// The commands of a log; each is held from its row to the next.
 struct Commands {
   std::vector<double> t;  ///< of the rows [s], increasing
-  /// Of Robot::joints, then by Told: one a row, or none at all.
+  /// Of Robot::joints, then by CommandColumn: one a row, or none at all.
   std::vector<std::array<std::vector<double>, kTold>> joint;
 };
 

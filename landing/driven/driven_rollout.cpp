@@ -46,7 +46,7 @@ class DrivenRun {
     for (int i = 0; i < system_.body.contacts; ++i)
       if (gap(i) < 0) (void)system_.cross(System::kOfContact * i + System::kSurface, y_);
     row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
-    take(row_ > 0 ? row_ - 1 : 0);
+    read_row(row_ > 0 ? row_ - 1 : 0);
   }
   /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
   bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
@@ -61,7 +61,7 @@ class DrivenRun {
         t_ = to;
       }
       if (edge >= until) break;
-      take(row_++);
+      read_row(row_++);
     }
     return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
   }
@@ -92,9 +92,9 @@ class DrivenRun {
         inverse += 1 / d.sea.i_motor, dry += d.sea.output_friction, viscous += d.sea.output_viscous + d.sea.c_sea;
         stiff += d.sea.k_sea;
       }
-      const auto& told = commands_.joint[std::size_t(system_.body.joint[i].joint)];
-      const auto most = [&](Told what, double otherwise) {
-        return told[what].empty() ? otherwise : *std::max_element(told[what].begin(), told[what].end());
+      const auto& columns = commands_.joint[std::size_t(system_.body.joint[i].joint)];
+      const auto most = [&](CommandColumn what, double otherwise) {
+        return columns[what].empty() ? otherwise : *std::max_element(columns[what].begin(), columns[what].end());
       };
       viscous += of(i).torque_gain * most(kKd, d.sea.k_d), stiff += of(i).torque_gain * most(kKp, d.sea.k_p);
       const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
@@ -121,14 +121,16 @@ class DrivenRun {
   };
   const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
 
-  void take(std::size_t row) {
+  void read_row(std::size_t row) {
     row -= std::min(row, std::size_t(path_.rows));
     for (int i = 0; i < system_.body.joints; ++i) {
-      const auto& told = commands_.joint[std::size_t(system_.body.joint[i].joint)];
-      const auto at = [&](Told what, double otherwise) { return told[what].empty() ? otherwise : told[what][row]; };
+      const auto& columns = commands_.joint[std::size_t(system_.body.joint[i].joint)];
+      const auto at = [&](CommandColumn what, double otherwise) {
+        return columns[what].empty() ? otherwise : columns[what][row];
+      };
       const auto& sea = system_.drive[i].sea;
-      const bool referred = !told[kPhiRef].empty() || !told[kDphiRef].empty();
-      now_[std::size_t(i)] = {at(kKp, told[kPhiRef].empty() ? 0 : sea.k_p),
+      const bool referred = !columns[kPhiRef].empty() || !columns[kDphiRef].empty();
+      now_[std::size_t(i)] = {at(kKp, columns[kPhiRef].empty() ? 0 : sea.k_p),
                               at(kKd, referred ? sea.k_d : 0),
                               at(kPhiRef, 0),
                               at(kDphiRef, 0),

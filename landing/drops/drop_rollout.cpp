@@ -35,7 +35,7 @@ class SampleObserver {
       sample(l, driver.dense().at(step.place_of(std::max(next(), step.t))));
   }
   void before(const Landing&, double, const State&, const State&, const typename Landing::Derivatives&) {}
-  void behind(const Landing&, double t, const State&, const typename Landing::Derivatives&, int event) {
+  void after_event(const Landing&, double t, const State&, const typename Landing::Derivatives&, int event) {
     if (event < kPoints) out.jumps.push_back(t);
   }
   void cut(const Landing& l, double, const State& y, const State&, const typename Landing::Derivatives&) {

@@ -95,7 +95,7 @@ std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea
     if (!out.empty() && whole.stopped()) break;
     options.solver = solver;
     if (deadline) options.deadline = std::max(1e-3, *deadline - watch.seconds()) / double(solvers.size() - out.size());
-    options.monitor.tell = [&](long done, long total) {
+    options.monitor.on_progress = [&](long done, long total) {
       whole.progress(long(out.size()) * total + done, long(solvers.size()) * total);
     };
     out.push_back(optimize(scene, sea, options));
@@ -137,7 +137,7 @@ std::optional<Optimum> nominal_plan(const Answer& a, const Monitor& monitor) {
   own.deadline.reset();
   own.evaluations = std::min(own.evaluations.value_or(most), most);
   own.tolerance_samples = 0;
-  own.monitor = {.tell = {}, .stop = monitor.stop};
+  own.monitor = {.on_progress = {}, .stop = monitor.stop};
   Optimum found = optimize(a.scene, a.actuator.sea, own);
   return found.found ? std::optional(std::move(found)) : std::nullopt;
 }
@@ -145,7 +145,7 @@ std::optional<Optimum> nominal_plan(const Answer& a, const Monitor& monitor) {
 /// best.value again, with its error.
 Estimated promised(const Answer& a, const OptimizeOptions& search) {
   const Robust& robust = *search.robust;
-  const Play plan{a.best.motion, a.best.sea};
+  const DrivenMotion plan{a.best.motion, a.best.sea};
   ScatteredLandings landings;
   std::vector<double> peaks;
   for (const LandingPeak& l :

@@ -18,9 +18,9 @@ class Beside {
   Beside(const Scene& scene, const MotionSpace& space, const Coordinates& values, const EvidenceOptions& options)
       : scene_(scene), space_(space), values_(values), play_(space.play(values)), options_(options) {}
 
-  const Play& play() const { return play_; }
+  const DrivenMotion& play() const { return play_; }
   /// The motion as a robot plays it that misses it so.
-  Play inexact(const ExecutionTolerance& tolerance, const Deviation& d) const {
+  DrivenMotion inexact(const ExecutionTolerance& tolerance, const Deviation& d) const {
     return space_.inexact(play_, tolerance, d);
   }
 
@@ -29,7 +29,7 @@ class Beside {
   long spent() const { return spent_; }  ///< work
   const std::function<bool()>* over() const { return options_.monitor.stop ? &options_.monitor.stop : nullptr; }
 
-  double worst_of(const std::vector<Play>& plays) { return worst(peaks_of(scene_, plays)); }
+  double worst_of(const std::vector<DrivenMotion>& plays) { return worst(peaks_of(scene_, plays)); }
   /// The motion in two other scenes: `change(scene, -1)` and `change(scene, 1)`.
   template <class Change>
   double worst_in(const Change& change) {
@@ -50,7 +50,7 @@ class Beside {
     if (!(room > 0)) return 0;
     double good = 0, bad = room;
     for (const int points : {kCoarse, kFine}) {
-      std::vector<Play> plays;
+      std::vector<DrivenMotion> plays;
       std::vector<double> offsets;
       for (int i = 1; i <= points; ++i) {
         const double share = double(i) / points;
@@ -70,10 +70,10 @@ class Beside {
   }
 
  private:
-  std::vector<double> peaks_of(const Scene& scene, const std::vector<Play>& plays) {
+  std::vector<double> peaks_of(const Scene& scene, const std::vector<DrivenMotion>& plays) {
     if (over_already()) return std::vector<double>(plays.size(), Evidence::kUnknown);
     std::vector<BatchCase> cases;
-    for (const Play& p : plays) cases.push_back({&scene, &p.sea, p.motion});
+    for (const DrivenMotion& p : plays) cases.push_back({&scene, &p.sea, p.motion});
     std::vector<LandingPeak> peaks(cases.size());
     batch_peaks(cases, peaks, {.accuracy = options_.accuracy, .over = over()}, options_.threads);
     std::vector<double> out;
@@ -96,7 +96,7 @@ class Beside {
   const Scene& scene_;
   const MotionSpace& space_;
   const Coordinates& values_;
-  const Play play_;
+  const DrivenMotion play_;
   const EvidenceOptions& options_;
   long played_ = 0, spent_ = 0;
 };
@@ -123,7 +123,7 @@ Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinate
   Evidence out;
   out.width.assign(std::size_t(space.dimension()), {Evidence::kUnknown, Evidence::kUnknown});
   Beside beside(scene, space, values, options);
-  const Play& play = beside.play();
+  const DrivenMotion& play = beside.play();
   const SimulateOptions tight{.accuracy = options.accuracy, .over = beside.over()};
   const LandingPeak played = peak_acceleration(scene, play.sea, play.motion, tight);
   out.peak = played.peak;
@@ -133,7 +133,7 @@ Evidence evidence(const Scene& scene, const MotionSpace& space, const Coordinate
   out.tolerant = tolerant_peak(scene, space, play, tight, options.tolerance_samples, options.seed, options.threads);
   if (!out.tolerant.complete) out.tolerant.value = Evidence::kUnknown;
   constexpr ExecutionTolerance kWide{kDegree, 0.01};
-  std::vector<Play> turned, timed;
+  std::vector<DrivenMotion> turned, timed;
   for (const double i : {-1.0, 0.0, 1.0})
     for (const double j : {-1.0, 0.0, 1.0}) turned.push_back(beside.inexact(kWide, {i, j, 0}));
   for (const double s : {-1.0, 1.0}) timed.push_back(beside.inexact(kWide, {0, 0, s}));

@@ -12,7 +12,7 @@ namespace ukemi::landing {
 namespace {
 
 /// What one landing demands most, and what the ratings allow; infinite where it breaks another limit.
-LeastBreaking demanded(const Scene& scene, const Play& play, const Limits& limits) {
+LeastBreaking demanded(const Scene& scene, const DrivenMotion& play, const Limits& limits) {
   Limits others = limits;
   constexpr double kAny = std::numeric_limits<double>::infinity();
   others.motor_speed = others.motor_torque = others.reference_rate = kAny;
@@ -28,7 +28,8 @@ LeastBreaking demanded(const Scene& scene, const Play& play, const Limits& limit
 }
 
 /// Demand of a motion over what it is planned for: the largest demand of the share that must keep the ratings.
-LeastBreaking demanded(const Scene& scene, const MotionSpace& space, const Play& play, const OptimizeOptions& options) {
+LeastBreaking demanded(const Scene& scene, const MotionSpace& space, const DrivenMotion& play,
+                       const OptimizeOptions& options) {
   constexpr std::size_t kDrops = 8;
   std::vector<LeastBreaking> all;
   double share = 1;

@@ -162,10 +162,10 @@ PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions
   // A row of the last variable is one batch: its landings are alike, so that lanes meet their events together.
   return map_peaks(
       space.variables(), options, 0, [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> row) {
-        std::vector<Play> plays;
+        std::vector<DrivenMotion> plays;
         std::vector<BatchCase> cases;
         for (std::size_t k = 0; k < row.size(); ++k) plays.push_back(space.play(map.values(map.place(first + k))));
-        for (const Play& p : plays) cases.push_back({&scene, &p.sea, p.motion});
+        for (const DrivenMotion& p : plays) cases.push_back({&scene, &p.sea, p.motion});
         std::vector<LandingPeak> peaks(cases.size());
         batch_peaks(cases, peaks,
                     {.accuracy = options.accuracy, .over = options.monitor.stop ? &options.monitor.stop : nullptr});

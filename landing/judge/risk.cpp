@@ -31,7 +31,7 @@ class Course {
 
   /// Whether the last play was cut off, as all will be from then on.
   bool stopped() const { return stopped_; }
-  const std::vector<LandingPeak>& play(ScatteredLandings& landings, const Play& play,
+  const std::vector<LandingPeak>& play(ScatteredLandings& landings, const DrivenMotion& play,
                                        std::span<const ScatteredDrop> drops, const Limits& limits = {}) {
     const auto& out = landings.play({&play, 1}, drops,
                                     {.accuracy = kAccuracy,
@@ -42,7 +42,7 @@ class Course {
                options_.monitor.stopped();
     return out;
   }
-  void tell(long landings) { options_.monitor.progress(played_ += landings, planned_); }
+  void played(long landings) { options_.monitor.progress(played_ += landings, planned_); }
 
  private:
   const RiskOptions& options_;
@@ -74,7 +74,7 @@ std::vector<RiskEvent> events_of(const Scene& scene, const Actuator& actuator, c
 /// others once more without limits and once with each.
 class Lander {
  public:
-  Lander(const Play& planned, std::vector<RiskEvent>& events, const Scene& scene) : planned_(planned) {
+  Lander(const DrivenMotion& planned, std::vector<RiskEvent>& events, const Scene& scene) : planned_(planned) {
     for (RiskEvent& e : events) {
       const Limits l = limits_of(e, scene);
       if (!l.any()) continue;
@@ -112,7 +112,7 @@ class Lander {
     return out;
   }
 
-  Play planned_;
+  DrivenMotion planned_;
   std::vector<std::pair<RiskEvent*, Limits>> each_;
   Limits all_;
   ScatteredLandings landings_;
@@ -163,7 +163,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
   options.validate(), validate(actuator), validate(motion);
   const bool drawn = options.measured.empty(), scatters = !drawn || model.dimension() > 0;
   const long n = !drawn ? long(options.measured.size()) : scatters ? options.samples : 1;
-  const Play planned{motion, actuator.sea}, held{kHeld, actuator.sea};
+  const DrivenMotion planned{motion, actuator.sea}, held{kHeld, actuator.sea};
   Risk out;
   out.events = events_of(model.scene(), actuator, options);
   const IndexPlan plan(model.sampler(), drawn ? options.samples : 0);
@@ -183,7 +183,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
     const std::vector<LandingPeak>& landed = lander.land(drops, course);
     if (course.stopped()) break;
     census.add(first, drops, landed, landed_held);
-    course.tell(count + long(held_drops.size()));
+    course.played(count + long(held_drops.size()));
   }
   census.finish(out);
   for (const auto& [peak, place] : census.worst())
@@ -196,7 +196,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
                 [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {
                   const std::vector<LandingPeak>& l = course.play(of_indices, planned, model.drops(points, count));
                   if (course.stopped()) return std::nullopt;
-                  course.tell(count);
+                  course.played(count);
                   std::vector<double> peaks;
                   for (const LandingPeak& x : l) peaks.push_back(peak_of(x));
                   return peaks;

@@ -15,7 +15,7 @@ namespace ukemi::landing {
 /// A basin: the best motion found near a local minimum of the grid, at MapOptions::tight.
 struct Basin {
   MotionValues values;
-  Play play;
+  DrivenMotion play;
   double peak;
 };
 /// The distinct basins of the grid's best local minima, the best first; where the monitor stops it, those whose search

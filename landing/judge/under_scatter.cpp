@@ -18,7 +18,7 @@ constexpr double kAccuracy = 1e-5;  // peaks to some 1e-4
 class Players {
  public:
   Players(const MotionSpace& space, const UnderScatterOptions& options) : space_(space), options_(options) {}
-  std::vector<double> peaks(const Play& p, std::span<const ScatteredDrop> drops, const Limits& limits) {
+  std::vector<double> peaks(const DrivenMotion& p, std::span<const ScatteredDrop> drops, const Limits& limits) {
     constexpr std::size_t kPart = 2048;
     std::vector<double> out;
     out.reserve(drops.size());
@@ -83,7 +83,7 @@ std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOp
   return robust;
 }
 
-UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const Play& planned,
+UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const DrivenMotion& planned,
                            const UnderScatterOptions& options) {
   options.validate();
   const std::vector<ScatteredDrop> drops = model.independent(options.samples, fresh_seed(options.seed));
@@ -103,23 +103,24 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
   }
   const std::function<bool()> over = [&] { return options.monitor.stopped(); };
   for (std::size_t k = 0; options.rate > 0 && k < std::min(UnderScatter::kShown, drops.size()); ++k) {
-    const Play p = drops[k].played(space, planned);
+    const DrivenMotion p = drops[k].played(space, planned);
     out.shown.push_back(
         simulate(drops[k].scene, p.sea, p.motion, {.accuracy = kAccuracy, .over = &over}, options.rate));
   }
-  const auto held = [&](double phi) { return Play{holding(phi, planned.motion), planned.sea}; };
+  const auto held = [&](double phi) { return DrivenMotion{holding(phi, planned.motion), planned.sea}; };
   out.held = distribution(play.peaks({kHeld, planned.sea}, drops, {}));
   // The best posture: on a grid, then between the best one's neighbours.
   constexpr int kGrid = 25, kRounds = 2;
-  constexpr std::size_t kFew = 128;
-  const auto few = std::span(drops).first(std::min(kFew, drops.size()));  // of measured ones there may be fewer
+  constexpr std::size_t kContenders = 128;
+  const auto first_drops =
+      std::span(drops).first(std::min(kContenders, drops.size()));  // of measured ones there may be fewer
   auto [low, high] = model.scene().search.phi;
   double best = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
     const double step = (high - low) / (kGrid - 1);
     const double from = low;
     for (int i = 0; i < kGrid && !play.stopped(); ++i) {
-      std::vector<double> of_posture = play.peaks(held(from + step * i), few, {});
+      std::vector<double> of_posture = play.peaks(held(from + step * i), first_drops, {});
       const double mean = Measure{}.of(of_posture);
       if (mean < best) best = mean, out.posture_phi = from + step * i;
     }

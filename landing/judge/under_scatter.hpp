@@ -64,7 +64,7 @@ struct UnderScatter {
 };
 
 /// Plays them over the same fresh drops. A landing that cannot be followed makes what it is part of infinite.
-[[nodiscard]] UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const Play& planned,
+[[nodiscard]] UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, const DrivenMotion& planned,
                                          const UnderScatterOptions& options);
 
 }  // namespace ukemi::landing

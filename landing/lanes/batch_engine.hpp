@@ -63,7 +63,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
       SeaParameters<T>::for_each(system_.sea, single.sea, set);
       if constexpr (kTerms.sea.late) system_.lag = typename System::Lag(system_.sea);
       system_.shaped = system_.shaped || has_bumps(c.motion);
-      single.turn(schedule.opening(single), c.motion, t);
+      single.change(schedule.opening(single), c.motion, t);
       ReferencePiece<T>::for_each(system_.piece, single.piece, set);
       for (int j = 0; j < kPoints; ++j) system_.present[j].set(i, single.present[j]);
       system_.set_lane(i, single);
@@ -111,22 +111,22 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
     if (crossing.forbidden) return false;
     system_.set_lane(i, mode);
     stale_.set(i, true);
-    return !crossing.first || turn(i, crossing.turn);
+    return !crossing.first || change(i, crossing.change);
   }
 
-  /// The reference's turn, as LandingSystem::turn; the next deadline with it. False where it breaks a limit.
-  [[gnu::noinline]] bool turn(int i, Turn to) {
+  /// The reference's change, as LandingSystem::change; the next deadline with it. False where it breaks a limit.
+  [[gnu::noinline]] bool change(int i, ReferenceChange to) {
     stop_.set(i, schedule_[i].stop());
-    if (to == Turn::kNone || to == Turn::kHold) return true;
-    if (to == Turn::kLand && options_.limits.broken_by(case_[i].motion, step_.t[i])) return false;
+    if (to == ReferenceChange::kNone || to == ReferenceChange::kHold) return true;
+    if (to == ReferenceChange::kLand && options_.limits.broken_by(case_[i].motion, step_.t[i])) return false;
     ReferencePiece<double> piece;
     ReferencePiece<double>::for_each(piece, system_.piece, [i](double& x, const T& lanes) { x = lanes[i]; });
-    piece = piece_behind(to, case_[i].motion, piece, step_.t[i]);
+    piece = piece_after(to, case_[i].motion, piece, step_.t[i]);
     ReferencePiece<T>::for_each(system_.piece, piece, [i](T& lanes, double x) { lanes.set(i, x); });
     motion_part_.set(i, schedule_[i].motion_part());
     h_next_.set(i, std::min(h_next_[i], motion_part_[i]));
     stale_.set(i, true);
-    if (to != Turn::kLand) return true;
+    if (to != ReferenceChange::kLand) return true;
     const SeaParameters<double> sea = with_landing_gains(*case_[i].sea, case_[i].motion);
     system_.sea.k_p.set(i, sea.k_p), system_.sea.k_d.set(i, sea.k_d);
     return true;
@@ -137,7 +137,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
     Mode mode = system_.lane(i);
     const Schedule::Deadline deadline = schedule_[i].reached(step_.t[i], mode);
     system_.set_lane(i, mode);
-    return turn(i, deadline.turn) ? deadline.end : End::kBroken;
+    return change(i, deadline.change) ? deadline.end : End::kBroken;
   }
 
   // --- every lane at once ---

@@ -130,7 +130,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     const double t = step_.t[i];
     if (t + kRounding >= course.limit()) return course.touched() ? End::kTimeLimit : End::kNoContact;
     if (course.lands_at(t)) course.land(t);
-    course.turn(t);
+    course.advance(t);
     follow(i);
     return std::nullopt;
   }

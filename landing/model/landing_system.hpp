@@ -85,15 +85,15 @@ class LandingSystem : public ModeOf<T>::type {
 
   /// The reference does something else from the time t on; the schedule has set the phase. With the landing motion
   /// begin the gains that it is played with.
-  void turn(Turn to, const MotionOf<T>& motion, const T& t) {
-    piece = piece_behind(to, motion, piece, t);
-    if (to != Turn::kLand) return;
+  void change(ReferenceChange to, const MotionOf<T>& motion, const T& t) {
+    piece = piece_after(to, motion, piece, t);
+    if (to != ReferenceChange::kLand) return;
     shaped = has_bumps(motion);
     sea = with_landing_gains(sea, motion);
   }
 
   /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
-  /// turn.
+  /// change.
   UKEMI_INLINE Pose<T> pose(const State& y) const {
     // Angles that compare equal may still differ in their derivatives.
     if (kDerivatives < T >> 0 || any((y[kTheta0] != theta0_) | (y[kTheta1] != theta1_))) {

@@ -107,7 +107,7 @@ SeaParameters<T> with_landing_gains(SeaParameters<T> sea, const MotionOf<T>& m) 
 }
 
 /// What the reference turns to.
-enum class Turn : unsigned char {
+enum class ReferenceChange : unsigned char {
   kNone,
   kReposition,  ///< the move in the air
   kStand,       ///< at phi_I
@@ -117,10 +117,10 @@ enum class Turn : unsigned char {
 
 /// The piece of the reference from the time t on. The move in the air may be under way where the landing motion begins.
 template <class T>
-ReferencePiece<T> piece_behind(Turn to, const MotionOf<T>& m, const ReferencePiece<T>& before, const T& t) {
-  if (to == Turn::kReposition) return reposition_of(m);
-  if (to == Turn::kStand) return standing_at(m.phi_i);
-  if (to != Turn::kLand) return before;
+ReferencePiece<T> piece_after(ReferenceChange to, const MotionOf<T>& m, const ReferencePiece<T>& before, const T& t) {
+  if (to == ReferenceChange::kReposition) return reposition_of(m);
+  if (to == ReferenceChange::kStand) return standing_at(m.phi_i);
+  if (to != ReferenceChange::kLand) return before;
   const bool over = value_of(t) >= value_of(before.start) + value_of(before.duration);
   return landing_of(m, over ? before.b : before.at(t, false).phi, t);
 }

@@ -69,7 +69,8 @@ Edges MotionSpace::edges(const Coordinates& values) const {
   return out;
 }
 
-Play MotionSpace::inexact(Play play, const ExecutionTolerance& tolerance, const Deviation& deviation) const {
+DrivenMotion MotionSpace::inexact(DrivenMotion play, const ExecutionTolerance& tolerance,
+                                  const Deviation& deviation) const {
   play.motion = deviated(play.motion, tolerance, deviation);
   return play;
 }
@@ -95,7 +96,7 @@ std::array<double, 2> ends_of_move(double from, double fall) {
   return {from + kShortest, std::max(from + kShortest + kRoom, std::isfinite(fall) ? fall : 0)};
 }
 
-Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p) {
+Eigen::Matrix<double, kPlayNumbers, 1> numbers(const DrivenMotion& p) {
   Eigen::Matrix<double, kPlayNumbers, 1> n;
   Motion m = p.motion;
   double none = 0;

@@ -20,7 +20,7 @@ using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kM
 /// The numbers of a play that gradients know, in the order of Parameter (landing/derivatives/gradient.hpp): those of
 /// the motion, phi_I, phi_F and duration first, then K_p, K_d, K_SEA, C_SEA, I_motor.
 inline constexpr int kPlayNumbers = kMotionNumbers + 5;
-Eigen::Matrix<double, kPlayNumbers, 1> numbers(const Play& p);
+Eigen::Matrix<double, kPlayNumbers, 1> numbers(const DrivenMotion& p);
 
 /// The range of `to` where the reference may move from `from` on and the floor comes after `fall` [s]: a move ends
 /// before a robot that does not move would meet the floor, but lasts its shortest.
@@ -54,12 +54,13 @@ class MotionSpace {
   Edges edges(const Coordinates& values) const;
 
   /// What the values stand for.
-  virtual Play play(const Coordinates& values) const = 0;
+  virtual DrivenMotion play(const Coordinates& values) const = 0;
   /// The motion as a robot plays it: end angles and duration are what it misses, whatever the other variables. The box
   /// may leave the ranges; a duration stops at 0.1 ms.
-  virtual Play inexact(Play play, const ExecutionTolerance& tolerance, const Deviation& deviation) const;
+  virtual DrivenMotion inexact(DrivenMotion play, const ExecutionTolerance& tolerance,
+                               const Deviation& deviation) const;
   /// Point k of its execution box, the play itself first.
-  Play execution_point(const Play& play, const ExecutionTolerance& tolerance, int k) const {
+  DrivenMotion execution_point(const DrivenMotion& play, const ExecutionTolerance& tolerance, int k) const {
     return k == 0 ? play : inexact(play, tolerance, execution_deviation(k));
   }
   /// d numbers(play) / d values, kPlayNumbers by dimension(): by central differences where a space knows no better.
@@ -79,7 +80,7 @@ class MotionSpace {
 class ReferenceSpace : public MotionSpace {
  public:
   ReferenceSpace(const Scene& scene, const SeaParameters<double>& sea);
-  Play play(const Coordinates& x) const override { return {motion(x), sea_}; }
+  DrivenMotion play(const Coordinates& x) const override { return {motion(x), sea_}; }
   /// The values of a motion; what it has and the space has not is lost.
   Coordinates values_of(const Motion& m) const;
   std::optional<Coordinates> holding(double phi) const override;

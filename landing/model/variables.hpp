@@ -59,7 +59,7 @@ class MotionValues {
 using Edges = std::array<signed char, kMostVariables>;
 
 /// What a point of a space gives: the reference that is played, and the drive that follows it.
-struct Play {
+struct DrivenMotion {
   Motion motion;
   SeaParameters<double> sea;
 };

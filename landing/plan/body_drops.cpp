@@ -93,8 +93,8 @@ void BodyDropModel::scatter_floor(const Uncertainty& known) {
 }
 
 BodyDrop BodyDropModel::drop(std::span<const double> u) const {
-  const std::vector<double> by = sampler_.at(u);
-  auto next = by.begin();
+  const std::vector<double> deviation = sampler_.at(u);
+  auto next = deviation.begin();
   BodyDrop out{scene_, std::vector<BodyDrop::Joint>(scene_.robot.joints.size())};
   Scatter z;
   for (double Scatter::*const name : of_scene_) z.*name = *next++;

@@ -97,7 +97,7 @@ class BodySearch {
   }
 
  private:
-  static constexpr std::size_t kFew = 16;                // of the best that lie apart, so many are remembered
+  static constexpr std::size_t kContenders = 16;         // of the best that lie apart, so many are remembered
   static constexpr double kApart = 0.03;                 // in parts of the box
   static constexpr double kNarrow = 0.05;                // a distribution's first width beside a good place
   static constexpr double kReserve = 4;                  // accurate landings that a deadline keeps back
@@ -307,9 +307,9 @@ class BodySearch {
       if (options_.measure && n++ >= kJudged) break;
       if (options_.deadline && out_.value < out_.held_value && watch_.seconds() > *options_.deadline) break;
       const BodyMotion motion = space_.motion(p.u);
-      const Judged by = judge_.single() ? Judged{0, true} : judged(judge_, motion, options_);
-      double value = by.value;
-      if (!by.keeps_limits || (out_.found && !(value < out_.value))) continue;
+      const Judged result = judge_.single() ? Judged{0, true} : judged(judge_, motion, options_);
+      double value = result.value;
+      if (!result.keeps_limits || (out_.found && !(value < out_.value))) continue;
       const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
       if (judge_.single()) value = worth(scene_, l);
       if (no_landing(l.end) || (out_.found && !(value < out_.value))) continue;
@@ -342,7 +342,7 @@ class BodySearch {
   BodyGoal final_, judge_;          ///< what is searched for; what the best few are judged by
   const BodyGoal* goal_ = &final_;  ///< what motions are tried by now
   Random random_;
-  Archive best_{kFew, kApart}, starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
+  Archive best_{kContenders, kApart}, starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
   Stopwatch watch_{Stopwatch::Time::kWall};
   Coordinates refined_;  ///< the last place that gradients were followed from
   double reserve_ = 0;   ///< [s]
@@ -355,8 +355,8 @@ BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
   scene.validate(), options.validate();
   BodyPlan out;
   BodySearch(scene, options, out).run();
-  const bool told = options.measure || options.scatter || scene.scatter;
-  if (!told || !out.found || options.deadline || options.fresh == 0 || options.monitor.stopped()) return out;
+  const bool scatters = options.measure || options.scatter || scene.scatter;
+  if (!scatters || !out.found || options.deadline || options.fresh == 0 || options.monitor.stopped()) return out;
   BodyUnderScatter under{.scatter = scatter_for(options.scatter, scene), .assumed = !options.scatter && !scene.scatter};
   const BodyDropModel model(scene, under.scatter,
                             {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});

@@ -33,7 +33,7 @@ std::string fault_of(const Drop& d, double deadline) {
 BodyAnswer refused(std::string wrong) { return {.status = Plan::Status::kBadInput, .wrong = std::move(wrong)}; }
 
 /// The ends of the moves in the air, so much later [s].
-BodyMotion later(BodyMotion motion, double seconds) {
+BodyMotion delayed(BodyMotion motion, double seconds) {
   for (Motion& m : motion)
     if (m.reposition) m.reposition->to += seconds;
   return motion;
@@ -56,12 +56,12 @@ std::string fault_of(const BodyFallState& s, std::size_t joints) {
                                         {j.rate, -kFast, kFast, "rate: at most 1e3 rad/s either way is needed"}});
     if (!wrong.empty()) return wrong;
   }
-  return fault_of({{s.gone, 0, kFast, "gone: 0 to 1e3 s is needed"}});
+  return fault_of({{s.elapsed, 0, kFast, "elapsed: 0 to 1e3 s is needed"}});
 }
 BodyScene falling(BodyScene scene, const BodyFallState& s, double from) {
   const Robot& robot = scene.robot;
   const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1,
-               fallen = robot.base == Base::kPinned ? 0 : -robot.gravity * along * along * s.gone;
+               fallen = robot.base == Base::kPinned ? 0 : -robot.gravity * along * along * s.elapsed;
   scene.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, s.vertical_speed.value_or(fallen)};
   scene.release = BodyRelease{s.joints, from};
   return scene;
@@ -102,9 +102,9 @@ BodyAnswer BodyPlanner::plan(const BodyFallState& s, double deadline, std::uint6
   for (std::string wrong : {fault_of(s, scene_.robot.joints.size()), fault_of(scene.drop, deadline)})
     if (!wrong.empty()) return refused(std::move(wrong));
   if (!(fall_time(scene) > deadline)) return {.status = Plan::Status::kFloorFirst};
-  last_ = later(std::move(last_), -s.gone);
+  last_ = delayed(std::move(last_), -s.elapsed);
   const BodyAnswer out = search(scene, deadline, seed);
-  last_ = later(out.found() ? out.plan.motion : std::move(last_), s.gone);
+  last_ = delayed(out.found() ? out.plan.motion : std::move(last_), s.elapsed);
   return out;
 }
 

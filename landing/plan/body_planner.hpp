@@ -17,8 +17,8 @@ struct BodyFallState {
   double forward_speed = 0;                   ///< of a free base, at most 1e3 either way [m/s]
   double pitch = 0;                           ///< theta of the first link, at most 2 pi either way [rad]
   double pitch_rate = 0;                      ///< not on a rail, at most 1e3 either way [rad/s]
-  double gone = 0;                            ///< since release, which was at rest; 0 to 1e3 [s]
-  std::optional<double> vertical_speed = {};  ///< upwards, at most 1e3 [m/s]; absent: of a free fall of `gone`
+  double elapsed = 0;                         ///< since release, which was at rest; 0 to 1e3 [s]
+  std::optional<double> vertical_speed = {};  ///< upwards, at most 1e3 [m/s]; absent: of a free fall of `elapsed`
 };
 
 /// What it answers with.

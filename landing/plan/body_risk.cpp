@@ -63,7 +63,7 @@ class Course {
  public:
   Course(const BodyRiskOptions& options, long planned) : options_(options), planned_(planned) {}
   bool stopped() const { return options_.monitor.stopped(); }
-  void tell(long landings) { options_.monitor.progress(played_ += landings, planned_); }
+  void played(long landings) { options_.monitor.progress(played_ += landings, planned_); }
   /// Of the acceleration that counts: the model's drops have no loads.
   std::vector<double> peaks(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
     return peaks_over(drops, motion, kAccuracy, options_.threads, &over_).peaks;
@@ -106,7 +106,7 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
       census.contact(c.number, c.point);
       for (RiskEvent& e : out.events) e.drops += passed(e, scene, l);
     }
-    course.tell(long(drops.size() + of_held.size()));
+    course.played(long(drops.size() + of_held.size()));
   }
   census.finish(out);
 }
@@ -132,7 +132,7 @@ BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyR
                 [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {
                   std::vector<double> peaks = course.peaks(model.drops(points, count), motion);
                   if (course.stopped()) return std::nullopt;
-                  course.tell(count);
+                  course.played(count);
                   return peaks;
                 });
   return out;

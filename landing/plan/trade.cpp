@@ -84,9 +84,9 @@ class Trader {
     ++out_.plans;
     options_.monitor.progress(out_.plans, std::max(long(2 * out_.points.size() - 1), out_.plans));
     if (best.held_value > 0 && best.held_keeps_limits) point.held = best.held_value;
-    if (best.found && best.value < point.planned) take(k, best.motion, best.value, best.edges);
+    if (best.found && best.value < point.planned) accept(k, best.motion, best.value, best.edges);
   }
-  void take(std::size_t k, const BodyMotion& motion, double value, const Edges& edges) {
+  void accept(std::size_t k, const BodyMotion& motion, double value, const Edges& edges) {
     TradePoint& point = out_.points[k];
     point.motion = motion, point.planned = value, point.edges = edges;
     point.peak = peak_acceleration(scenes_[k], motion, {.accuracy = options_.search.accuracy}).peak;
@@ -102,7 +102,7 @@ class Trader {
         const double v = value(k, other.motion);
         if (!(v < std::min(kNoMotion, out_.points[k].planned * (1 - kBetter)))) continue;
         better = true;
-        take(k, other.motion, v, other.edges);
+        accept(k, other.motion, v, other.edges);
         plan_at(k, {i}, kAgain);
       }
     return better;
@@ -112,8 +112,8 @@ class Trader {
   double value(std::size_t k, const BodyMotion& motion) {
     if (judges_[k].drops.empty())
       judges_[k] = plan_goals(scenes_[k], options_.search, 1, judging_drops(options_.search)).judge;
-    const Judged by = judged(judges_[k], motion, options_.search);
-    return by.keeps_limits ? by.value : kNoMotion;
+    const Judged result = judged(judges_[k], motion, options_.search);
+    return result.keeps_limits ? result.value : kNoMotion;
   }
 
   const TradeOptions& options_;

@@ -51,7 +51,7 @@ class Follower {
                           {.accuracy = step_accuracy(options_.accuracy, system_.sea),
                            .first_step = std::min(options_.max_step, schedule_.first_step()),
                            .max_step = options_.max_step});
-    system_.turn(schedule_.opening(system_), motion_, t_);
+    system_.change(schedule_.opening(system_), motion_, t_);
     impact_ = impact_energy(system_);
     std::optional<End> end;
     for (long n = 0; !end; ++n) end = advance(integrator, n);
@@ -84,7 +84,7 @@ class Follower {
     if (outcome.status == integrate::Status::kReached) {
       const Schedule::Deadline deadline = schedule_.reached(t_, system_);
       if (deadline.end) return deadline.end;
-      if (!turn(integrator, deadline.turn)) return End::kBroken;
+      if (!change(integrator, deadline.change)) return End::kBroken;
     }
     const bool asked = options_.rest == SimulateOptions::Rest::kStop;
     if (asked && at_rest(system_, integrator.state(), peak_.square, impact_)) return End::kRest;
@@ -109,11 +109,11 @@ class Follower {
 
   /// The reference turns at a deadline. The field jumps with it where the landing motion begins. False where that
   /// breaks a limit.
-  bool turn(Integrator& integrator, Turn to) {
-    if (to == Turn::kNone) return true;
-    if (to == Turn::kLand && options_.limits.broken_by(motion_, t_)) return false;
-    system_.turn(to, motion_, t_);
-    if (to == Turn::kHold) return true;
+  bool change(Integrator& integrator, ReferenceChange to) {
+    if (to == ReferenceChange::kNone) return true;
+    if (to == ReferenceChange::kLand && options_.limits.broken_by(motion_, t_)) return false;
+    system_.change(to, motion_, t_);
+    if (to == ReferenceChange::kHold) return true;
     integrator.refresh();
     peak_.jump();
     if constexpr (kReport) recorder_.jump();
@@ -124,9 +124,9 @@ class Follower {
     if constexpr (kReport) recorder_.row(system_, t_, integrator.state());
     const Schedule::Crossing crossing = schedule_.cross(event, t_, system_, options_.limits, out_.contacts);
     if (crossing.forbidden) return End::kBroken;
-    if (crossing.turn == Turn::kLand && options_.limits.broken_by(motion_, t_)) return End::kBroken;
+    if (crossing.change == ReferenceChange::kLand && options_.limits.broken_by(motion_, t_)) return End::kBroken;
     if (crossing.touchdown && options_.touchdowns) options_.touchdowns->push_back(t_);
-    system_.turn(crossing.turn, motion_, t_);
+    system_.change(crossing.change, motion_, t_);
     integrator.refresh();
     peak_.jump();
     if constexpr (kReport) {

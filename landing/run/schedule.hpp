@@ -42,7 +42,7 @@ class Schedule {
   /// The run ends in that flight.
   bool flies_on() const { return flies_on_; }
   /// What the reference does at start().
-  Turn opening(Mode& mode) { return start_ < air_ ? Turn::kNone : turn(mode); }
+  ReferenceChange opening(Mode& mode) { return start_ < air_ ? ReferenceChange::kNone : change(mode); }
   /// The first step after start() [s].
   double first_step() const { return ballistic_ && to_ == kNever ? 1e-3 : 1e-2; }
   /// A step while the reference moves is no longer, or a few steps would skip the motion [s].
@@ -53,9 +53,9 @@ class Schedule {
   /// What crossing a guard changed.
   struct Crossing {
     bool touchdown = false, liftoff = false;
-    bool first = false;       ///< the first touchdown
-    bool forbidden = false;   ///< a point that must not touch; nothing was changed
-    Turn turn = Turn::kNone;  ///< of the reference
+    bool first = false;                               ///< the first touchdown
+    bool forbidden = false;                           ///< a point that must not touch; nothing was changed
+    ReferenceChange change = ReferenceChange::kNone;  ///< of the reference
   };
   /// Guard `guard` has fallen through zero at time t: into the mode beyond it.
   Crossing cross(int guard, double t, Mode& mode, const Limits& limits, ContactOrder& contacts) {
@@ -68,7 +68,7 @@ class Schedule {
       if (out.forbidden) return out;
       out.touchdown ? contacts.touchdown(point, t) : contacts.liftoff(point, t);
       out.first = out.touchdown && !touched_;
-      if (out.first) out.turn = touch(t, mode);
+      if (out.first) out.change = touch(t, mode);
     }
     mode.cross(guard);
     return out;
@@ -77,15 +77,15 @@ class Schedule {
   /// What the end of a step at stop() means: how the run ended, or what the reference does now.
   struct Deadline {
     std::optional<End> end;
-    Turn turn = Turn::kNone;
+    ReferenceChange change = ReferenceChange::kNone;
   };
   Deadline reached(double t, Mode& mode) {
     constexpr double kRounding = 1e-14;  // [s]
     const double now = t + kRounding;
     Deadline out;
-    if (now >= air_) out.turn = turn(mode);
-    if (now >= detected_) out.turn = land(t, mode);
-    if (now >= motion_end_) mode.phase = Phase::kAfter, motion_end_ = kNever, out.turn = Turn::kHold;
+    if (now >= air_) out.change = change(mode);
+    if (now >= detected_) out.change = land(t, mode);
+    if (now >= motion_end_) mode.phase = Phase::kAfter, motion_end_ = kNever, out.change = ReferenceChange::kHold;
     if (now >= limit_) out.end = touched_ ? End::kTimeLimit : End::kNoContact;
     return out;
   }
@@ -97,34 +97,34 @@ class Schedule {
 
   bool in_air() const { return air_ < kNever; }
 
-  /// The next turn of the move in the air, whose time has come.
-  Turn turn(Mode& mode) {
+  /// The next change of the move in the air, whose time has come.
+  ReferenceChange change(Mode& mode) {
     const bool begins = air_ < to_;
     start_of_move_ = air_;
     air_ = begins ? to_ : kNever;
     mode.phase = begins ? Phase::kMoving : Phase::kBefore;
-    return begins ? Turn::kReposition : Turn::kStand;
+    return begins ? ReferenceChange::kReposition : ReferenceChange::kStand;
   }
 
   /// The first touchdown.
-  Turn touch(double t, Mode& mode) {
+  ReferenceChange touch(double t, Mode& mode) {
     touched_ = true;
     if (open_) limit_ = t + Scene::kFollow;
     if (delay_ == 0) return land(t, mode);
     detected_ = t + delay_;
-    return Turn::kNone;
+    return ReferenceChange::kNone;
   }
-  Turn land(double t, Mode& mode) {
+  ReferenceChange land(double t, Mode& mode) {
     air_ = detected_ = kNever;
     mode.phase = moving_ ? Phase::kMoving : Phase::kAfter;
     if (moving_) motion_end_ = t + duration_;
-    return Turn::kLand;
+    return ReferenceChange::kLand;
   }
 
   double duration_ = 0, delay_ = 0;  ///< of the motion; see Scene::detection_delay [s]
   bool moving_ = false, open_ = false, ballistic_ = false, flies_on_ = false, touched_ = false;
   double limit_ = kNever, start_ = 0, detected_ = kNever, motion_end_ = kNever;
-  double air_ = kNever, to_ = kNever;  ///< the next turn of the move in the air, and its last [s]
+  double air_ = kNever, to_ = kNever;  ///< the next change of the move in the air, and its last [s]
   double start_of_move_ = 0;           ///< [s]
 };
 

@@ -23,21 +23,21 @@ Reposition standing_until_touchdown(double phi, double rate) {
 
 }  // namespace
 
-SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> by) {
+SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> deviation) {
   const auto& all = actuator_constants();
   for (std::size_t k = 0; k < all.size(); ++k) {
-    if (by[k] == 0) continue;
+    if (deviation[k] == 0) continue;
     constexpr double kLeast = 1e-12;  // an inertia must be above 0
     const Range& range = all[k].range;
     double& x = sea.*all[k].at;
-    x = std::clamp(x + by[k], range.low_open ? kLeast : range.low, range.high);
+    x = std::clamp(x + deviation[k], range.low_open ? kLeast : range.low, range.high);
   }
   return sea;
 }
 
-bool move_drop(Drop& drop, const Scatter& by) {
-  drop.pitch += by.pitch, drop.forward_speed += by.forward_speed, drop.pitch_rate += by.pitch_rate;
-  drop.height += by.height;
+bool move_drop(Drop& drop, const Scatter& deviation) {
+  drop.pitch += deviation.pitch, drop.forward_speed += deviation.forward_speed, drop.pitch_rate += deviation.pitch_rate;
+  drop.height += deviation.height;
   const bool below = drop.height < 0;
   if (below) drop.height = 0;
   return below;
@@ -55,17 +55,17 @@ Motion released_beside(Motion m, double phi, double rate) {
 
 namespace {
 
-Play with(const ScatteredDrop& d, const Play& p) {
+DrivenMotion with(const ScatteredDrop& d, const DrivenMotion& p) {
   return {released_beside(p.motion, d.phi, d.rate), moved(p.sea, d.constants)};
 }
 bool exact(const Deviation& d) { return d.phi_i == 0 && d.phi_f == 0 && d.duration == 0; }
 
 }  // namespace
 
-Play ScatteredDrop::played(const MotionSpace& space, const Play& planned) const {
+DrivenMotion ScatteredDrop::played(const MotionSpace& space, const DrivenMotion& planned) const {
   return with(*this, exact(deviation) ? planned : space.inexact(planned, scene.execution, deviation));
 }
-Play ScatteredDrop::played(const Play& planned) const {
+DrivenMotion ScatteredDrop::played(const DrivenMotion& planned) const {
   return with(*this, {deviated(planned.motion, scene.execution, deviation), planned.sea});
 }
 
@@ -116,9 +116,9 @@ void DropModel::scatter_floor(const Uncertainty& known, Sampler& sampler) {
 }
 
 ScatteredDrop DropModel::drop(std::span<const double> u) const {
-  const std::vector<double> by = sampler_->at(u);
+  const std::vector<double> deviation = sampler_->at(u);
   ScatteredDrop d{.scene = scene_};
-  auto next = by.begin();
+  auto next = deviation.begin();
   Scatter z;
   for (const auto& names : {of_drop_, of_floor_})
     for (double Scatter::*const name : names) z.*name += *next++;

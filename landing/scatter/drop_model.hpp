@@ -27,8 +27,8 @@ struct ScatteredDrop {
   bool from_floor = false;                             ///< it would begin below the floor, and begins on it
 
   /// What is planned, as this drop plays it.
-  Play played(const MotionSpace& space, const Play& planned) const;
-  Play played(const Play& planned) const;
+  DrivenMotion played(const MotionSpace& space, const DrivenMotion& planned) const;
+  DrivenMotion played(const DrivenMotion& planned) const;
 };
 
 class DropModel {

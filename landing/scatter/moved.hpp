@@ -9,9 +9,9 @@
 namespace ukemi::landing {
 
 /// The drive with every constant moved by so much, in the order of actuator_constants(); none leaves its range.
-SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> by);
+SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> deviation);
 /// Moves height, pitch and speeds. Returns whether the drop would begin below the floor; it then begins on it.
-bool move_drop(Drop& drop, const Scatter& by);
+bool move_drop(Drop& drop, const Scatter& deviation);
 /// The motion of a joint that is released so far from the planned angle and rate [rad], [rad/s].
 Motion released_beside(Motion motion, double phi, double rate);
 

@@ -2,14 +2,14 @@
 
 namespace ukemi::landing {
 
-const std::vector<LandingPeak>& ScatteredLandings::play(std::span<const Play> planned,
+const std::vector<LandingPeak>& ScatteredLandings::play(std::span<const DrivenMotion> planned,
                                                         std::span<const ScatteredDrop> drops,
                                                         const ScatteredOptions& options, const MotionSpace* space) {
   const std::size_t n = planned.size() * drops.size();
   plays_.clear(), cases_.clear();
   plays_.reserve(n), cases_.reserve(n);
   peaks_.resize(n);
-  for (const Play& p : planned)
+  for (const DrivenMotion& p : planned)
     for (const ScatteredDrop& d : drops) {
       plays_.push_back(space ? d.played(*space, p) : d.played(p));
       cases_.push_back({&d.scene, &plays_.back().sea, plays_.back().motion});

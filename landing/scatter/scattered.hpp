@@ -27,11 +27,11 @@ class ScatteredLandings {
   /// Room for so many landings at once: as many allocate nothing on one thread.
   void reserve(std::size_t landings) { plays_.reserve(landings), cases_.reserve(landings), peaks_.reserve(landings); }
   /// Landing of motion i over drop k is [i * drops.size() + k].
-  const std::vector<LandingPeak>& play(std::span<const Play> planned, std::span<const ScatteredDrop> drops,
+  const std::vector<LandingPeak>& play(std::span<const DrivenMotion> planned, std::span<const ScatteredDrop> drops,
                                        const ScatteredOptions& options, const MotionSpace* space = nullptr);
 
  private:
-  std::vector<Play> plays_;
+  std::vector<DrivenMotion> plays_;
   std::vector<BatchCase> cases_;
   std::vector<LandingPeak> peaks_;
 };

@@ -85,11 +85,11 @@ void AutoSearch::follow_hints() {
 /// Fast first descent, with or without known basins: motions from anywhere, then most of them from close to
 /// the two best, the leads, each followed only while it may better one; from the best of them the first run.
 void AutoSearch::run_with_leads() {
-  constexpr long kFree = 128, kEarly = 1'000, kFew = 1'500, kMany = 6'000;  // motions
-  constexpr double kAnywhere = 0.1, kLater = 0.5;                           // share from anywhere, before kEarly, after
-  constexpr double kFarthest = -0.6, kNearest = -1, kAtLast = -3;           // powers of ten beside a lead
+  constexpr long kFree = 128, kEarly = 1'000, kContenders = 1'500, kMany = 6'000;  // motions
+  constexpr double kAnywhere = 0.1, kLater = 0.5;                  // share from anywhere, before kEarly, after
+  constexpr double kFarthest = -0.6, kNearest = -1, kAtLast = -3;  // powers of ten beside an incumbent
   starts_ = Archive(2, kLeadsApart);
-  const auto enough = [&] { return search_->motions() >= kFew && search_->share() >= profile_.scouting; };
+  const auto enough = [&] { return search_->motions() >= kContenders && search_->share() >= profile_.scouting; };
   for (const Candidate& b : basins_) starts_.add(b);
   for (long n = starts_.empty() ? 0 : kFree; n < kMany && !over() && !enough(); n += kBatch) {
     const double spent = std::max(double(n) / double(kMany), search_->share()),
@@ -99,10 +99,10 @@ void AutoSearch::run_with_leads() {
       if (n < kFree || starts_.empty() || random_.uniform() < (n < kEarly ? kAnywhere : kLater)) {
         p = point_of(random_, search_->objective().space().variables(), kPlain);
         p.bound = starts_.bound();
-      } else {  // the better a lead, the more follow it
-        const Candidate& lead = starts_[low_index(random_, starts_.size())];
-        p = beside(lead, std::pow(10.0, random_.uniform(nearest, kFarthest)), random_);
-        p.bound = lead.value;
+      } else {  // the better an incumbent, the more follow it
+        const Candidate& incumbent = starts_[low_index(random_, starts_.size())];
+        p = beside(incumbent, std::pow(10.0, random_.uniform(nearest, kFarthest)), random_);
+        p.bound = incumbent.value;
       }
     }
     play_scouts(by_);
@@ -194,7 +194,7 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
   const double enough = search_->share() + share;
   for (long n = 0; n < motions && !over() && search_->share() < enough; n += kBatch) {
     generation_.assign(kBatch, search_->nothing());
-    for (Candidate& p : generation_) p = fresh(about), p.bound = starts_.bound();
+    for (Candidate& p : generation_) p = draw(about), p.bound = starts_.bound();
     play_scouts(Goal::kPeak);
   }
   if (judges) judge_starts();
@@ -205,7 +205,7 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
 }
 
 /// A motion from anywhere, or of a box about a place, away from the known basins.
-Candidate AutoSearch::fresh(const Coordinates* about) {
+Candidate AutoSearch::draw(const Coordinates* about) {
   constexpr int kAttempts = 20;
   constexpr double kSide = 0.15;
   Candidate p = search_->nothing();
@@ -218,8 +218,8 @@ Candidate AutoSearch::fresh(const Coordinates* about) {
 }
 
 /// The best scouts become starts.
-void AutoSearch::play_scouts(Fidelity by) {
-  search_->evaluate(generation_, by);
+void AutoSearch::play_scouts(Fidelity fidelity) {
+  search_->evaluate(generation_, fidelity);
   for (const Candidate& p : generation_)
     if (p.value <= p.bound) starts_.add(p);
 }
@@ -235,7 +235,7 @@ void AutoSearch::judge_starts() {
 
 /// A run's best is so much worse than the best basin that it is not worth its time; the longer it runs, the less it may
 /// be.
-bool AutoSearch::behind(double value, double slack, double patience, int generation) const {
+bool AutoSearch::lags(double value, double slack, double patience, int generation) const {
   return value > basins_.lowest() * (1 + slack * std::pow(patience, generation));
 }
 
@@ -252,7 +252,7 @@ void AutoSearch::converge(bool may_give_up) {
     evolve([this](std::span<Candidate> p) { search_->evaluate(p, by_); }, random_, population_, generation_, {});
     if (!may_give_up || n < kFree) continue;
     const bool gathered = spread(population_) < kGathered;
-    if (behind(best().value, kSlack, gathered ? kPatience : 1, n - kFree)) break;
+    if (lags(best().value, kSlack, gathered ? kPatience : 1, n - kFree)) break;
     if (gathered && basins_.beside(best(), best().value)) break;
   }
   basins_.add(best());
@@ -283,7 +283,7 @@ void AutoSearch::descend(const Coordinates& start, double size, int generations)
     stalled = better ? 0 : stalled + 1;
     const double converged = best.value > kContender * basins_.lowest() ? how.poor : how.finest;
     if (stalled > most_stalled || distribution_->widest() < converged) break;
-    if (n > kFree && behind(best.value, how.slack, how.patience, n - kFree)) break;
+    if (n > kFree && lags(best.value, how.slack, how.patience, n - kFree)) break;
   }
   basins_.add(best);
 }

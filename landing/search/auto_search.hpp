@@ -56,9 +56,9 @@ class AutoSearch {
   void run_from_scouts(long motions, double share, const Coordinates* about);
   void converge(bool may_give_up);
   void descend(const Coordinates& start, double size, int generations);
-  bool behind(double value, double slack, double patience, int generation) const;
-  Candidate fresh(const Coordinates* about);
-  void play_scouts(Fidelity by);
+  bool lags(double value, double slack, double patience, int generation) const;
+  Candidate draw(const Coordinates* about);
+  void play_scouts(Fidelity fidelity);
   void judge_starts();
   bool over() const { return search_->over() || search_->share() >= until_; }
   bool by_population() const { return search_->dimension() <= kPaperVariables && !profile_.smooth; }

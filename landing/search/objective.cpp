@@ -24,7 +24,7 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
       scene_(scene),
       space_(space),
       options_(options) {
-  const Play middle = space.play(space.values(space.centre()));
+  const DrivenMotion middle = space.play(space.values(space.centre()));
   extended_ = is_extended(middle.sea), late_ = is_late(middle.sea), feedback_ = middle.sea.feedback;
   if (scene.joint) options_.limits.joint = *scene.joint;
   const Limits& limits = options_.limits;
@@ -46,7 +46,7 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
 }
 
 /// Whether the reference is faster than allowed, played exactly or in the shortest time of its execution box.
-bool Objective::too_quick(const Play& play) const {
+bool Objective::too_quick(const DrivenMotion& play) const {
   const double most = options_.limits.reference_rate;
   if (!std::isfinite(most)) return false;
   for (int k = 0; k < kExecutionPoints; ++k) {
@@ -67,7 +67,7 @@ class Objective::Race : public BatchSource {
       : o_(o), points_(points), granted_(granted), goal_(goal), corners_(o.points(goal)) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].value = 0, points[i].played = points[i].broken = 0;
-      if (const Play play = o.play(points[i]); o.too_quick(play))
+      if (const DrivenMotion play = o.play(points[i]); o.too_quick(play))
         fail(i, kNoMotion * (1 + peak_reference_rate(play.motion)));
     }
   }
@@ -75,13 +75,13 @@ class Objective::Race : public BatchSource {
   bool next(int lane, BatchCase& c) override {
     if (over()) return false;
     int& mine = motion_[lane];
-    if (mine < 0 || !open(std::size_t(mine))) mine = take();
+    if (mine < 0 || !open(std::size_t(mine))) mine = admit();
     if (mine < 0) return false;
     const auto i = std::size_t(mine);
     const Candidate& p = points_[i];
     const int k = corner(p, step_[i]++);
     corner_[lane] = k;
-    const Play& play = play_[lane] = o_.space_.execution_point(o_.play(p), o_.scene_.execution, k);
+    const DrivenMotion& play = play_[lane] = o_.space_.execution_point(o_.play(p), o_.scene_.execution, k);
     c = {&o_.scene_, &play.sea, play.motion, counts(k, goal_) ? p.bound : std::numeric_limits<double>::infinity()};
     return true;
   }
@@ -124,9 +124,9 @@ class Objective::Race : public BatchSource {
     const auto place = std::find(order.begin(), order.end(), first) - order.begin();
     return order[std::size_t(step <= place ? step - 1 : step)];
   }
-  int take() {
-    while (fresh_ < points_.size()) {
-      const std::size_t i = fresh_++;
+  int admit() {
+    while (next_point_ < points_.size()) {
+      const std::size_t i = next_point_++;
       first_[i] = points_[i].worst;
       if (open(i)) return int(i);
     }
@@ -140,19 +140,19 @@ class Objective::Race : public BatchSource {
   const long granted_;  ///< work
   const Goal goal_;
   const int corners_;
-  std::size_t fresh_ = 0;
+  std::size_t next_point_ = 0;
   std::array<bool, kMost> failed_{};
   std::array<int, kMost> step_{}, first_{}, ended_{};
   bool late_ = false;
   static constexpr int kLanes = lanes(InstructionSet::kAvx512);
   std::array<int, kLanes> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, corner_{};
-  std::array<Play, kLanes> play_;  ///< what the lane's landing points to
+  std::array<DrivenMotion, kLanes> play_;  ///< what the lane's landing points to
 };
 
-void Objective::evaluate(std::span<Candidate> points, Fidelity by) {
-  if (by.goal != Goal::kRobust) return evaluate_boxes(points, by.goal);
+void Objective::evaluate(std::span<Candidate> points, Fidelity fidelity) {
+  if (fidelity.goal != Goal::kRobust) return evaluate_boxes(points, fidelity.goal);
   const auto& drops = options_.robust->drops;
-  race_over(points, std::span(drops).first(std::min(by.drops, drops.size())), true);
+  race_over(points, std::span(drops).first(std::min(fidelity.drops, drops.size())), true);
 }
 
 void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
@@ -191,7 +191,7 @@ void Objective::learn_order(std::span<const Candidate> points, Goal goal) {
   });
 }
 
-double Objective::verified(const Play& play, double accuracy, double bound) {
+double Objective::verified(const DrivenMotion& play, double accuracy, double bound) {
   double worst = 0;
   const int n = points(options_.goal);
   constexpr double kAny = std::numeric_limits<double>::infinity();

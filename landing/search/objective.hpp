@@ -66,15 +66,16 @@ class Objective {
 
   const MotionSpace& space() const { return space_; }
   /// The motion and drive of a candidate.
-  Play play(const Candidate& c) const { return space_.play(space_.values(c.u)); }
+  DrivenMotion play(const Candidate& c) const { return space_.play(space_.values(c.u)); }
   Objective(const Objective&) = delete;
   /// Values of many motions. On one thread it allocates nothing. What ends it early (see `late`) cuts landings off:
   /// their motions come back with kNoMotion. Drops are played in stages; a motion that cannot be as good as its bound
   /// any more is left with its value over those that it was played on, above the bound.
-  void evaluate(std::span<Candidate> points, Fidelity by);
+  void evaluate(std::span<Candidate> points, Fidelity fidelity);
   /// Whether values of that fidelity are the goal's own.
-  bool exact(Fidelity by) const {
-    return by.goal == options_.goal && (by.goal != Goal::kRobust || by.drops >= options_.robust->drops.size());
+  bool exact(Fidelity fidelity) const {
+    return fidelity.goal == options_.goal &&
+           (fidelity.goal != Goal::kRobust || fidelity.drops >= options_.robust->drops.size());
   }
   /// Values of the best few over the judging drops; cut off as above.
   void judge_scattered(std::span<Candidate> points);
@@ -88,7 +89,7 @@ class Objective {
   std::function<bool()> stop;  ///< asked often, from any thread, if set; true: no time is left
   /// The value of one motion in the scalar path, limits included, as far as it may be played; 0 where nothing of it
   /// may. With a deadline, a landing of very many steps counts as one that cannot be followed.
-  double verified(const Play& play, double accuracy, double bound = kNoMotion);
+  double verified(const DrivenMotion& play, double accuracy, double bound = kNoMotion);
 
   double accuracy() const { return options_.accuracy; }
   void set_accuracy(double accuracy) { options_.accuracy = accuracy; }
@@ -128,7 +129,7 @@ class Objective {
   const Scene& scene_;
   const MotionSpace& space_;
   Options options_;
-  bool too_quick(const Play& play) const;
+  bool too_quick(const DrivenMotion& play) const;
   void evaluate_boxes(std::span<Candidate> points, Goal goal);
   void learn_order(std::span<const Candidate> points, Goal goal);
   void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);

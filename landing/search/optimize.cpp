@@ -76,8 +76,8 @@ Budget budget_of(const OptimizeOptions& options, const Objective& objective, dou
   return out;
 }
 
-void take(const Candidate& answer, const Objective& objective, Optimum& out) {
-  const Play play = objective.play(answer);
+void record(const Candidate& answer, const Objective& objective, Optimum& out) {
+  const DrivenMotion play = objective.play(answer);
   out.motion = play.motion, out.sea = play.sea;
   out.values = objective.space().values(answer.u),
   out.edges = objective.space().edges(objective.space().values(answer.u));
@@ -87,7 +87,7 @@ void take(const Candidate& answer, const Objective& objective, Optimum& out) {
 void verify(double value, const OptimizeOptions& options, const Objective& objective, Optimum& out) {
   const Scene& scene = objective.scene();
   const MotionSpace& space = objective.space();
-  const Play play{out.motion, out.sea};
+  const DrivenMotion play{out.motion, out.sea};
   const SimulateOptions tight{.accuracy = options.accuracy, .over = objective.over()};
   const bool peak = options.goal == Goal::kPeak;
   out.landing = peak_acceleration(scene, play.sea, play.motion, tight);
@@ -129,7 +129,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   constexpr std::size_t kKept = 4096;
   out.progress.reserve(kKept);
   Search search(objective, budget_of(options, objective, last), options.seed, &out.progress);
-  search.tell = options.monitor.tell;
+  search.on_progress = options.monitor.on_progress;
   const std::optional<Coordinates> start = best_start(search, options.starts);
   if (start) search.hints = {&*start, 1};
   run_solver(options.solver, search);
@@ -148,7 +148,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   out.seconds = objective.watch.seconds();
   const Candidate& held = search.held();
   if (space.holding(0)) out.held = Held{objective.play(held).motion, held.value};
-  take(best, objective, out);
+  record(best, objective, out);
   out.landings = objective.landings();
   out.found = best.value < kNoMotion;
   out.message = message_of(options, objective, out.found, exhausted);
@@ -159,7 +159,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   verify(best.value, options, objective, out);
   const bool fallen = options.goal != Goal::kRobust && out.value > held.value;  // as far as it was left unjudged
   if (fallen && best.u != held.u) {
-    take(held, objective, out);
+    record(held, objective, out);
     verify(held.value, options, objective, out);
   }
   return out;

@@ -59,7 +59,7 @@ const char* fault_of(const Drop& d, double deadline) {
 const char* fault_of(const FallState& s) {
   return fault_of(std::array<Measured, 3>{{{s.phi, -kFull, kFull, "phi: at most 2 pi rad either way is needed"},
                                            {s.rate, -kFast, kFast, "rate: at most 1e3 rad/s either way is needed"},
-                                           {s.gone, 0, 1e3, "gone: 0 to 1e3 s is needed"}}});
+                                           {s.elapsed, 0, 1e3, "elapsed: 0 to 1e3 s is needed"}}});
 }
 Plan refused(const char* wrong) { return {.status = Plan::Status::kBadInput, .wrong = wrong}; }
 }  // namespace
@@ -107,10 +107,10 @@ Planner::Search::Search(const Scene& s, std::shared_ptr<const MotionSpace> motio
 void Planner::Search::scatter() {
   for (std::size_t k = 0; k < beside.size(); ++k) {
     const Drop& planned = scene.drop;
-    const Drop& by = beside[k];
-    robust->drops[k].scene.drop = {std::max(0.0, planned.height + by.height), planned.forward_speed + by.forward_speed,
-                                   planned.pitch + by.pitch, planned.pitch_rate + by.pitch_rate,
-                                   planned.vertical_speed};
+    const Drop& offset = beside[k];
+    robust->drops[k].scene.drop = {std::max(0.0, planned.height + offset.height),
+                                   planned.forward_speed + offset.forward_speed, planned.pitch + offset.pitch,
+                                   planned.pitch_rate + offset.pitch_rate, planned.vertical_speed};
   }
 }
 
@@ -127,7 +127,7 @@ Plan Planner::Search::plan(double deadline, std::uint64_t seed) {
   search.run(spent);
   const long searched = objective.motions() - before;
   const Candidate best = spent.judge(options.verified, deadline);
-  const Play play = objective.play(best);
+  const DrivenMotion play = objective.play(best);
   return {best.value < kNoMotion ? Plan::Status::kFound : Plan::Status::kNothing,
           play.motion,
           play.sea,
@@ -163,7 +163,7 @@ Plan Planner::plan(const FallState& state, double deadline, std::uint64_t seed) 
   Search& s = *search_;
   if (!s.in_air || !s.scene.release)
     throw InputError("planner: the scene has no [release]: it is needed for a plan in the air");
-  const double fallen = state.vertical_speed.value_or(-s.scene.robot.gravity * state.gone);
+  const double fallen = state.vertical_speed.value_or(-s.scene.robot.gravity * state.elapsed);
   const Drop drop{state.height, state.forward_speed, state.pitch, state.pitch_rate, fallen};
   for (const char* wrong : {fault_of(state), fault_of(drop, deadline)})
     if (wrong) return refused(wrong);
@@ -177,9 +177,9 @@ Plan Planner::plan(const FallState& state, double deadline, std::uint64_t seed) 
     s.last = s.starts[0];  // where nothing is found, the next plan begins there
   else if (s.last)
     start(*s.last);
-  for (std::size_t i = 0; i < s.given; ++i) s.starts[i][to] -= state.gone;
+  for (std::size_t i = 0; i < s.given; ++i) s.starts[i][to] -= state.elapsed;
   const Plan out = s.plan(deadline, seed);
-  if (out.found()) s.last = s.in_air->values_of(out.motion), (*s.last)[to] += state.gone;
+  if (out.found()) s.last = s.in_air->values_of(out.motion), (*s.last)[to] += state.elapsed;
   return out;
 }
 

@@ -21,8 +21,8 @@ struct FallState {
   double forward_speed = 0;              ///< dx_0, at most 1e3 either way [m/s]
   double pitch = 0, pitch_rate = 0;      ///< of the thigh, at most 2 pi [rad] and 1e3 [rad/s] either way
   double phi = 0, rate = 0;              ///< of the joint, as the pitch [rad], [rad/s]
-  double gone = 0;                       ///< time since release, which was at rest; 0 to 1e3 [s]
-  std::optional<double> vertical_speed;  ///< dy_0, upwards, at most 1e3 either way [m/s]; absent: -g `gone`
+  double elapsed = 0;                    ///< time since release, which was at rest; 0 to 1e3 [s]
+  std::optional<double> vertical_speed;  ///< dy_0, upwards, at most 1e3 either way [m/s]; absent: -g `elapsed`
 };
 
 /// What a planner answers with.

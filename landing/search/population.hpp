@@ -68,8 +68,8 @@ struct Differential {
 
 /// One generation of best/1/bin: a trial for every member, played only until it is worse than its parent, and taken in
 /// its place if it is not. `trials` is scratch of the population's size; nothing is allocated. `play` evaluates them.
-template <class Play>
-void evolve(Play&& play, Random& r, std::span<Candidate> population, std::span<Candidate> trials,
+template <class DrivenMotion>
+void evolve(DrivenMotion&& play, Random& r, std::span<Candidate> population, std::span<Candidate> trials,
             const Differential& choice) {
   const int n = int(population.size());
   std::partial_sort(population.begin(), population.begin() + std::min(n, choice.leaders), population.end());

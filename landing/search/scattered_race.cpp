@@ -15,7 +15,7 @@ constexpr std::array<double, kScatteredStages> kMean = {1.15, 1.04, 1.02}, kTail
 
 struct Objective::Scattered {
   ScatteredLandings landings;
-  std::vector<Play> plays;
+  std::vector<DrivenMotion> plays;
   std::vector<std::size_t> open;      ///< motions that are still played
   std::vector<double> peaks, sorted;  ///< peaks: of motion i over drop k at [i * drops + k]
   /// What good motions are worth over the first drops, in parts of what they are worth over all: few drops are all
@@ -53,7 +53,7 @@ void Objective::race_over(std::span<Candidate> points, std::span<const Scattered
   s.open.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i].value = 0, points[i].worst = points[i].played = points[i].broken = 0;
-    if (const Play p = play(points[i]); too_quick(p))
+    if (const DrivenMotion p = play(points[i]); too_quick(p))
       points[i].value = kNoMotion * (1 + peak_reference_rate(p.motion));
     else
       s.open.push_back(i);

@@ -8,9 +8,9 @@
 namespace ukemi::landing {
 
 namespace {
-constexpr std::size_t kFew = 12;  ///< contenders that an answer is chosen from
-constexpr double kSame = 1e-3;    ///< of the box: of neighbours only the best is kept
-constexpr double kLast = 3e-3;    ///< what an answer may take where there is none yet, however late it is [s]
+constexpr std::size_t kContenders = 12;  ///< contenders that an answer is chosen from
+constexpr double kSame = 1e-3;           ///< of the box: of neighbours only the best is kept
+constexpr double kLast = 3e-3;           ///< what an answer may take where there is none yet, however late it is [s]
 }  // namespace
 
 long work_allowed(long landings, long motions) {
@@ -28,7 +28,7 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       first_landing_(objective.landings()),
       progress_(progress),
       none_{objective.space().centre()},
-      few_(kFew, kSame),
+      contenders_(kContenders, kSame),
       held_(none_),
       screened_{none_, none_} {
   objective.deadline = start_ + budget.seconds;
@@ -75,7 +75,7 @@ void Search::judge_held(Candidate p) {
 
 /// Plays what was only screened, where nothing that was played is better than holding.
 void Search::play_screened(double deadline) {
-  objective_.deadline = few_.empty() ? std::max(deadline, objective_.watch.seconds() + kLast) : deadline;
+  objective_.deadline = contenders_.empty() ? std::max(deadline, objective_.watch.seconds() + kLast) : deadline;
   for (Candidate p : screened_) {
     if (best().value < held_.value || p.value >= best().value) continue;
     p.bound = best().value;
@@ -93,27 +93,27 @@ std::size_t Search::allowed(std::size_t motions) const {
   return scattered() ? (left > 0 ? motions : 0) : std::min(motions, std::size_t(left));
 }
 
-void Search::evaluate(std::span<Candidate> points, Fidelity by) {
+void Search::evaluate(std::span<Candidate> points, Fidelity fidelity) {
   const std::size_t n = allowed(points.size());
   for (Candidate& p : points.subspan(n)) p.value = kNoMotion;
   if (n == 0) return;
-  play(points.first(n), by);
+  play(points.first(n), fidelity);
   report();
 }
 
 void Search::report() const {
-  if (!tell) return;
+  if (!on_progress) return;
   constexpr double kMilli = 1e3;
   if (budget_.motions < kUnbounded)
-    tell(spent(), budget_.motions);
+    on_progress(spent(), budget_.motions);
   else if (std::isfinite(budget_.seconds))
-    tell(long(kMilli * seconds()), long(kMilli * budget_.seconds));
+    on_progress(long(kMilli * seconds()), long(kMilli * budget_.seconds));
 }
 
-void Search::play(std::span<Candidate> points, Fidelity by) {
-  objective_.evaluate(points, by);
-  const bool exact = objective_.exact(by);
-  Candidate& screened = screened_[by.goal == Goal::kRobust];
+void Search::play(std::span<Candidate> points, Fidelity fidelity) {
+  objective_.evaluate(points, fidelity);
+  const bool exact = objective_.exact(fidelity);
+  Candidate& screened = screened_[fidelity.goal == Goal::kRobust];
   for (const Candidate& p : points) {
     if (p.value > p.bound) continue;
     if (exact)
@@ -125,17 +125,17 @@ void Search::play(std::span<Candidate> points, Fidelity by) {
 
 void Search::keep(const Candidate& p) {
   const bool better = p.value < best().value;
-  if (!few_.add(p) || !better) return;
+  if (!contenders_.add(p) || !better) return;
   if (p.value < milestone_ * (1 - budget_.tolerance)) milestone_ = p.value, milestone_motions_ = motions();
   if (progress_ && progress_->size() < progress_->capacity())
     progress_->push_back({motions(), objective_.landings(), seconds(), p.value});
 }
 
 std::span<Candidate> Search::contenders(std::span<Candidate, Archive::kMost> memory) const {
-  std::size_t n = few_.size();
-  std::copy(few_.begin(), few_.end(), memory.begin());
+  std::size_t n = contenders_.size();
+  std::copy(contenders_.begin(), contenders_.end(), memory.begin());
   const auto is_held = [&](const Candidate& p) { return p.u == held_.u; };
-  if (held_.value < kNoMotion && std::none_of(few_.begin(), few_.end(), is_held)) memory[n++] = held_;
+  if (held_.value < kNoMotion && std::none_of(contenders_.begin(), contenders_.end(), is_held)) memory[n++] = held_;
   return memory.first(n);
 }
 
@@ -151,7 +151,7 @@ Candidate Search::judge(double accuracy, double deadline) {
 /// more drops than the measure allows.
 Candidate Search::judge_scattered() {
   for (const Candidate& p : {screened_[1], screened_[0]})
-    if (few_.empty()) few_.add(p);
+    if (contenders_.empty()) contenders_.add(p);
   std::array<Candidate, Archive::kMost> memory;
   const std::span<Candidate> found = contenders(memory);
   Candidate best = found.empty() ? none_ : found[0];
@@ -176,7 +176,7 @@ Candidate Search::judge_exactly(double accuracy) {
   objective_.grant(kCheckWork);
   const double searched = objective_.accuracy();
   objective_.set_accuracy(kTight);
-  few_.clear();
+  contenders_.clear();
   // A tolerant peak fills the lanes by itself.
   const std::size_t at_once = objective_.options().goal == Goal::kPeak ? 4 : 1;
   std::copy(found.begin(), found.end(), again.begin());
@@ -190,7 +190,8 @@ Candidate Search::judge_exactly(double accuracy) {
   objective_.grant(kCheckWork);
   // Where nothing was followed in the lanes, or the deadline came before, what was found is judged.
   Candidate out = none_;
-  for (Candidate p : few_.empty() ? std::span<const Candidate>(found) : std::span(few_.begin(), few_.end())) {
+  for (Candidate p :
+       contenders_.empty() ? std::span<const Candidate>(found) : std::span(contenders_.begin(), contenders_.end())) {
     if (p.value >= out.value) break;
     p.value = std::max(p.value, objective_.verified(objective_.play(p), accuracy, out.value));
     out = std::min(out, p);

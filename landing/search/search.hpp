@@ -44,9 +44,9 @@ class Search {
 
   /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion. What is rougher than
   /// the search's own goal only screens: it is no result until it is played again.
-  void evaluate(std::span<Candidate> points, Fidelity by);
+  void evaluate(std::span<Candidate> points, Fidelity fidelity);
   void evaluate(std::span<Candidate> points) { evaluate(points, objective_.options().goal); }
-  const Candidate& best() const { return few_.empty() ? none_ : few_[0]; }
+  const Candidate& best() const { return contenders_.empty() ? none_ : contenders_[0]; }
   /// The best posture to hold: the one that the robot is released in; without a release the middle of the scene's
   /// range, or the best of some others, as far as a twentieth of the budget goes. kNoMotion where it could not be
   /// followed within the limits, or the space knows none.
@@ -66,7 +66,8 @@ class Search {
   const std::uint64_t seed;
   /// Places in the unit cube that are tried before all others, the best first; they must outlive the search.
   std::span<const Coordinates> hints;
-  std::function<void(long done, long total)> tell;  ///< receives the motions spent, else the milliseconds, if set
+  std::function<void(long done, long total)>
+      on_progress;  ///< receives the motions spent, else the milliseconds, if set
   const Objective& objective() const { return objective_; }
   /// Landings that a solver played by itself.
   void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }
@@ -84,7 +85,7 @@ class Search {
   /// How many of so many motions the budget allows.
   std::size_t allowed(std::size_t motions) const;
   /// Evaluates, and keeps what is good enough.
-  void play(std::span<Candidate> points, Fidelity by);
+  void play(std::span<Candidate> points, Fidelity fidelity);
   void play(std::span<Candidate> points) { play(points, objective_.options().goal); }
   void keep(const Candidate& p);
   void report() const;
@@ -98,7 +99,7 @@ class Search {
   double milestone_ = kNoMotion;  ///< and what it was then
   std::vector<Progress>* progress_;
   const Candidate none_;
-  Archive few_;                        ///< the best that are apart
+  Archive contenders_;                 ///< the best that are apart
   Candidate held_;                     ///< see held()
   std::array<Candidate, 2> screened_;  ///< the best by what is rougher: by one landing, over some drops
 };

@@ -21,9 +21,9 @@ struct Peaks {
 };
 
 /// `last`: the last of the play's numbers that anything depends on; fewer derivatives take less time.
-Peaks peaks_of(const Scene& scene, const Play& play, const SimulateOptions& options, int most, int last) {
+Peaks peaks_of(const Scene& scene, const DrivenMotion& play, const SimulateOptions& options, int most, int last) {
   Peaks out;
-  const auto take = [&](const auto& found) {
+  const auto unpack = [&](const auto& found) {
     out.work = found.work;
     for (const auto& p : found.peaks) {
       Eigen::Matrix<double, kPlayNumbers, 1> d = Eigen::Matrix<double, kPlayNumbers, 1>::Zero();
@@ -34,17 +34,17 @@ Peaks peaks_of(const Scene& scene, const Play& play, const SimulateOptions& opti
     }
   };
   if (last < kQuinticParameters)
-    take(quintic_peaks(scene, play.sea, play.motion, options, most));
+    unpack(quintic_peaks(scene, play.sea, play.motion, options, most));
   else if (last < kMotionNumbers)
-    take(motion_peaks(scene, play.sea, play.motion, options, most));
+    unpack(motion_peaks(scene, play.sea, play.motion, options, most));
   else
-    take(all_gradients(scene, play.sea, play.motion, options, most));
+    unpack(all_gradients(scene, play.sea, play.motion, options, most));
   return out;
 }
 
 /// What a point of the unit cube stands for, and how its play's numbers change with the point.
 struct Place {
-  Play play;
+  DrivenMotion play;
   Eigen::MatrixXd slope;  ///< d numbers(play) / d u
   int last;               ///< of the numbers that anything depends on
 

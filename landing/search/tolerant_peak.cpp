@@ -10,12 +10,12 @@
 
 namespace ukemi::landing {
 
-TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const Play& x, const SimulateOptions& options,
-                           int samples, std::uint64_t seed, int threads) {
+TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const DrivenMotion& x,
+                           const SimulateOptions& options, int samples, std::uint64_t seed, int threads) {
   TolerantPeak out;
   std::vector<LandingPeak> peaks(kExecutionPoints);
   const auto box = [&](int k) { return space.execution_point(x, scene.execution, k); };
-  const auto play = [&](const Play& p) { return peak_acceleration(scene, p.sea, p.motion, options); };
+  const auto play = [&](const DrivenMotion& p) { return peak_acceleration(scene, p.sea, p.motion, options); };
   parallel_for(kExecutionPoints, threads, [&](int k) { peaks[std::size_t(k)] = play(box(k)); });
   out.peak = peaks[0].peak;
   const auto count = [&](std::array<int, kPoints>& touching) {
@@ -38,7 +38,7 @@ TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const P
   out.samples = samples;
   if (samples == 0) return out;
   // Many, so in lanes; the scalar path says what the worst of them is.
-  std::vector<Play> plays;
+  std::vector<DrivenMotion> plays;
   std::vector<BatchCase> inside;
   plays.reserve(std::size_t(samples));
   for (int i = 0; i < samples; ++i) {

@@ -13,7 +13,7 @@ namespace ukemi::landing {
 /// Evaluates the motions of the tolerant peak (kExecutionPoints), and random points inside for the check (in lanes at
 /// 1e-6; the worst by the scalar path), on `threads` threads: `samples` of them, or as many as kCheckWork allows where
 /// every landing is long.
-[[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const Play& play,
+[[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const DrivenMotion& play,
                                          const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
 /// The tolerant peak of a motion of Eq. 6.
 [[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,

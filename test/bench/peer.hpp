@@ -123,7 +123,7 @@ class Course {
     if (guard < landing::kPoints && system.contact[guard] == landing::Contact::kClear) {
       if (result.touched == 0) {
         const bool moves = landing::moves(motion);
-        system.turn(landing::Turn::kLand, motion, t);
+        system.change(landing::ReferenceChange::kLand, motion, t);
         system.phase = moves ? landing::Phase::kMoving : landing::Phase::kAfter;
         if (moves) motion_end_ = t + motion.duration;
       }

@@ -153,10 +153,10 @@ TEST_CASE("legs: a planner answers in the air, by the clock, whatever was measur
     const BodyScene scene = shipped(name);
     BodyPlanner planner(scene);
     const BodyMotion held = held_posture(scene);
-    BodyFallState now{.height = 0.25, .pitch = scene.drop.pitch, .gone = 0.05};
+    BodyFallState now{.height = 0.25, .pitch = scene.drop.pitch, .elapsed = 0.05};
     for (const Motion& m : held) now.joints.push_back({m.phi_i, 0});
     for (int n = 0; n < 4; ++n) {
-      now.gone = 0.05 + 0.02 * n, now.height = 0.3 - 0.5 * 9.81 * now.gone * now.gone;
+      now.elapsed = 0.05 + 0.02 * n, now.height = 0.3 - 0.5 * 9.81 * now.elapsed * now.elapsed;
       const BodyAnswer a = planner.plan(now, 0.05, std::uint64_t(n));
       INFO(name << " " << n << " " << a.wrong << " " << a.plan.message);
       REQUIRE(a.found());
@@ -175,7 +175,7 @@ TEST_CASE("legs: a planner answers in the air, by the clock, whatever was measur
     CHECK(status([](auto& s) { s.joints[0].phi = 45; }) == Status::kBadInput);
     CHECK(status([](auto& s) { s.joints[0].rate = kNaN; }) == Status::kBadInput);
     CHECK(status([](auto& s) { s.joints.clear(); }) == Status::kBadInput);
-    CHECK(status([](auto& s) { s.gone = -1; }) == Status::kBadInput);
+    CHECK(status([](auto& s) { s.elapsed = -1; }) == Status::kBadInput);
     CHECK(status([](auto& s) { s.vertical_speed = 1e9; }) == Status::kBadInput);
     CHECK(status([](auto&) {}, std::numeric_limits<double>::infinity()) == Status::kBadInput);
     CHECK(status([](auto&) {}, 0) == Status::kBadInput);

@@ -229,7 +229,7 @@ TEST_CASE("legs: a reader answers a fall with every joint's move in the air, and
   const Atlas a = planned(scene, o);
   BodyAtlasReader reader(f.write("atlas.bin", atlas_bytes(a)), scene, {.goal = Goal::kPeak, .deadline = 0.02});
   const BodyMotion held = held_posture(scene);
-  BodyFallState state{.height = 0.25, .gone = 0.1};
+  BodyFallState state{.height = 0.25, .elapsed = 0.1};
   for (const Motion& m : held) state.joints.push_back({m.phi_i + 0.02, 0.1});
   const BodyAtlasEntry entry = reader.at(state);
   REQUIRE(entry.found);

@@ -116,7 +116,7 @@ TEST_CASE("legs: with one joint, drops, tolerant peaks and risk are those of the
   double two_link = 0;
   const ReferenceSpace space(scene, a.sea);
   for (int k = 0; k < kExecutionPoints; ++k) {
-    const Play p = space.execution_point({motion, a.sea}, scene.execution, k);
+    const DrivenMotion p = space.execution_point({motion, a.sea}, scene.execution, k);
     two_link = std::max(two_link, peak_acceleration(scene, p.sea, p.motion).peak);
   }
   CHECK(worst == Approx(two_link).epsilon(1e-7));

@@ -47,12 +47,13 @@ std::shared_ptr<const Robust> robust_of(const Scene& scene, const Asked& asked) 
 double within(const Asked& asked) { return asked.goal == Goal::kRobust ? 1e-4 : 1e-6; }
 
 /// What a motion is worth by a goal, one landing after the other.
-double value_of(const Scene& scene, const MotionSpace& space, const Play& play, Goal goal, const Robust* robust) {
+double value_of(const Scene& scene, const MotionSpace& space, const DrivenMotion& play, Goal goal,
+                const Robust* robust) {
   if (goal == Goal::kPeak) return peak_acceleration(scene, play.sea, play.motion, {.accuracy = 1e-9}).peak;
   if (goal == Goal::kTolerant) return tolerant_peak(scene, space, play, {.accuracy = 1e-9}, 0, 1, 1).value;
   std::vector<double> peaks;
   for (const ScatteredDrop& d : robust->judging) {
-    const Play p = d.played(space, play);
+    const DrivenMotion p = d.played(space, play);
     peaks.push_back(peak_acceleration(d.scene, p.sea, p.motion, {.accuracy = 1e-9}).peak);
   }
   return robust->measure.of(peaks);
@@ -66,7 +67,7 @@ TEST_CASE("hold: the motion whose reference never moves is in every space, also 
     scene.freedom.gains = {1.5, 2};
     scene.release->phi = phi;
     const ReferenceSpace space(scene, table2().sea);
-    const Play held = space.play(space.values(space.place(*space.holding(phi))));
+    const DrivenMotion held = space.play(space.values(space.place(*space.holding(phi))));
     CHECK(held.motion.phi_i == Approx(phi).epsilon(1e-12));
     CHECK(held.motion.phi_f == Approx(phi).epsilon(1e-12));
     CHECK(!has_bumps(held.motion));
@@ -132,16 +133,16 @@ TEST_CASE("hold: nor a planner in the air, in any state, by the clock") {
   const SeaParameters<double> sea = table2().sea;
   Planner planner(scene, sea);
   for (int i = 0; i < 10; ++i) {
-    const double deadline = 0.05, gone = 0.01 * i, g = scene.robot.gravity;
-    const FallState now{.height = 0.4 - 0.5 * g * gone * gone,
+    const double deadline = 0.05, elapsed = 0.01 * i, g = scene.robot.gravity;
+    const FallState now{.height = 0.4 - 0.5 * g * elapsed * elapsed,
                         .forward_speed = 0.63,
                         .pitch = scene.drop.pitch,
                         .phi = kReleased,
-                        .gone = gone};
+                        .elapsed = elapsed};
     const Plan plan = planner.plan(now, deadline);
     if (!plan.found()) continue;  // a busy machine may leave no time at all
     Scene there = scene;
-    there.drop.height = now.height, there.drop.vertical_speed = -g * gone, there.release->from = deadline;
+    there.drop.height = now.height, there.drop.vertical_speed = -g * elapsed, there.release->from = deadline;
     const ReferenceSpace space(there, sea);
     const double held = value_of(there, space, space.play(*space.holding(kReleased)), Goal::kTolerant, nullptr);
     CHECK(plan.value <= held * (1 + 1e-6));

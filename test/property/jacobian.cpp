@@ -56,7 +56,7 @@ void check_landing() {
     LandingSystem<kTerms, kAccounts> system(scene, sea, motion);
     for (Contact& c : system.contact) c = Contact(int(r.uniform(0, 3)));
     system.saturation = int(r.uniform(-1, 2));
-    system.turn(Turn::kLand, motion, 0.1), system.phase = Phase::kMoving;
+    system.change(ReferenceChange::kLand, motion, 0.1), system.phase = Phase::kMoving;
     typename LandingSystem<kTerms, kAccounts>::State y;
     for (int k = 0; k < y.size(); ++k) y[k] = r.uniform(-1, 1) * (k >= kVx ? 3 : 1);
     CAPTURE(i);

@@ -29,8 +29,8 @@ class CompliantSpace : public MotionSpace {
  public:
   explicit CompliantSpace(const Scene& scene, const std::array<double, 2>& stiffness = {0.25, 4})
       : MotionSpace(four_variables(scene, stiffness)) {}
-  Play play(const Coordinates& x) const override {
-    Play p{{x[0], x[1], x[2]}, table2_};
+  DrivenMotion play(const Coordinates& x) const override {
+    DrivenMotion p{{x[0], x[1], x[2]}, table2_};
     p.sea.k_p *= x[3];
     return p;
   }
@@ -77,10 +77,10 @@ TEST_CASE("motion space: gradients follow its variables") {
   x << -0.6, -1.1, 0.3, 0.8;
   const SimulateOptions tight{.accuracy = 1e-13};
   const auto peak = [&](const Coordinates& at) {
-    const Play p = space.play(at);
+    const DrivenMotion p = space.play(at);
     return peak_acceleration(scene, p.sea, p.motion, tight).peak;
   };
-  const Play play = space.play(x);
+  const DrivenMotion play = space.play(x);
   const auto found = all_gradients(scene, play.sea, play.motion, tight, 1);
   REQUIRE(found.peaks.size() == 1);
   Eigen::Matrix<double, kPlayNumbers, 1> by_numbers;
@@ -108,7 +108,7 @@ TEST_CASE("motion space: a slice of its map, its basins and its evidence") {
     const Coordinates x = map.values(map.place(i));
     CHECK(map.index(map.place(i)) == i);
     CHECK(x[2] == 0.3);
-    const Play p = space.play(x);
+    const DrivenMotion p = space.play(x);
     CHECK(map.grid[i].peak == Approx(peak_acceleration(scene, p.sea, p.motion).peak).epsilon(1e-3));
   }
   CHECK(map.neighbours(0).size() == 8);           // a corner of three axes
@@ -154,7 +154,7 @@ TEST_CASE("motion space: ranges must be ranges") {
   class Bare : public MotionSpace {
    public:
     using MotionSpace::MotionSpace;
-    Play play(const Coordinates&) const override { return {}; }
+    DrivenMotion play(const Coordinates&) const override { return {}; }
   };
   CHECK_THROWS_AS(Bare(std::vector<Variable>{}), InputError);
   CHECK_THROWS_AS(Bare(std::vector<Variable>{{"x", "x", "1", 2, 1}}), InputError);

@@ -24,10 +24,10 @@ AnswerOptions robust(const Measure& measure, long landings, int threads = 2) {
 }
 
 /// Peaks of a motion over drops, one landing after the other in the scalar path.
-std::vector<double> scalar_peaks(const Play& play, const std::vector<ScatteredDrop>& drops) {
+std::vector<double> scalar_peaks(const DrivenMotion& play, const std::vector<ScatteredDrop>& drops) {
   std::vector<double> out;
   for (const ScatteredDrop& d : drops) {
-    const Play p = d.played(play);
+    const DrivenMotion p = d.played(play);
     out.push_back(peak_acceleration(d.scene, p.sea, p.motion).peak);
   }
   return out;
@@ -147,7 +147,7 @@ TEST_CASE("robust: a drop that breaks a limit counts as the penalty, and is coun
   const UnderScatter u = under_scatter(model, ReferenceSpace(scene, sea), {kHeld, sea}, o);
   long broken = 0;
   for (const ScatteredDrop& d : model.independent(o.samples, o.seed ^ 0xf4e5aULL << 32)) {
-    const Play p = d.played({kHeld, sea});
+    const DrivenMotion p = d.played({kHeld, sea});
     broken += peak_acceleration(d.scene, p.sea, p.motion, {.accuracy = 1e-5, .limits = o.limits}).end == End::kBroken;
   }
   CHECK(std::abs(u.broken - broken) <= 5);  // speeds are looked at where steps end: lanes and scalar steps differ
@@ -177,7 +177,7 @@ TEST_CASE("robust: a drop that was not played is not one that keeps the limits")
   CHECK(whole.played == 64);
   int broken = 0;
   for (const ScatteredDrop& d : r->drops) {
-    const Play p = d.played(space, space.play(space.values(held)));
+    const DrivenMotion p = d.played(space, space.play(space.values(held)));
     broken += peak_acceleration(d.scene, p.sea, p.motion, {.accuracy = 1e-6, .limits = limits}).end == End::kBroken;
   }
   CHECK(std::abs(whole.broken - broken) <= 1);
@@ -254,10 +254,10 @@ TEST_CASE("robust: a planner plans for what it does not know, again and again, b
   Plan plan = planner.plan(scene.drop, 2);
   REQUIRE(plan.found());
   const double expected = plan.value;
-  for (const double gone : {0.02, 0.06}) {
-    const double fallen = 0.5 * 9.81 * gone * gone;
-    plan = planner.plan({.height = 0.4 - fallen, .forward_speed = 0.63, .pitch = 0.314, .phi = -0.785, .gone = gone},
-                        0.15);
+  for (const double elapsed : {0.02, 0.06}) {
+    const double fallen = 0.5 * 9.81 * elapsed * elapsed;
+    plan = planner.plan(
+        {.height = 0.4 - fallen, .forward_speed = 0.63, .pitch = 0.314, .phi = -0.785, .elapsed = elapsed}, 0.15);
     REQUIRE(plan.found());
     CHECK(plan.motion.reposition->from == 0.15);
   }

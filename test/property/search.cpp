@@ -213,39 +213,39 @@ TEST_CASE("search: a planner in the air answers as the search does, time after t
   scene.release = Release{phi};
   scene.freedom.bumps = 2;
   Planner planner(scene, sea, {.goal = Goal::kPeak});
-  const auto falling = [&](double gone) {
-    return FallState{.height = height - 0.5 * g * gone * gone,
+  const auto falling = [&](double elapsed) {
+    return FallState{.height = height - 0.5 * g * elapsed * elapsed,
                      .forward_speed = scene.drop.forward_speed,
                      .pitch = scene.drop.pitch,
                      .phi = phi,
-                     .gone = gone};
+                     .elapsed = elapsed};
   };
   std::optional<Plan> last;
-  for (const double gone : {0.0, 0.05}) {
+  for (const double elapsed : {0.0, 0.05}) {
     const double deadline = 0.1;
     const long before = allocations;
-    const Plan plan = planner.plan(falling(gone), deadline);
+    const Plan plan = planner.plan(falling(elapsed), deadline);
     CHECK(allocations == before);
     REQUIRE(plan.found());
     REQUIRE(plan.motion.reposition);
     CHECK(plan.motion.reposition->phi == phi);
     CHECK(plan.motion.reposition->from == deadline);
     Scene now = scene;
-    now.drop.height = height - 0.5 * g * gone * gone, now.drop.vertical_speed = -g * gone;
+    now.drop.height = height - 0.5 * g * elapsed * elapsed, now.drop.vertical_speed = -g * elapsed;
     now.release = Release{phi, 0, deadline};
     CHECK(plan.value == Approx(peak_acceleration(now, sea, plan.motion, {.accuracy = 1e-10}).peak).epsilon(1e-7));
     // What was found before is tried again, its end where it was, though its move begins later now: a move that would
     // have ended before that is no motion any more.
-    if (last && last->motion.reposition->to - gone > deadline) {
+    if (last && last->motion.reposition->to - elapsed > deadline) {
       Motion kept = last->motion;
-      kept.reposition->from = deadline, kept.reposition->to -= gone;
+      kept.reposition->from = deadline, kept.reposition->to -= elapsed;
       CHECK(plan.value <= peak_acceleration(now, sea, kept, {.accuracy = 1e-10}).peak * 1.001);
     }
     last = plan;
   }
-  // A vertical speed that is measured counts in place of the time gone.
+  // A vertical speed that is measured counts in place of the time since release.
   FallState measured = falling(0.05);
-  measured.vertical_speed = -g * 0.05, measured.gone = 0;
+  measured.vertical_speed = -g * 0.05, measured.elapsed = 0;
   CHECK(planner.plan(measured, 0.05).found());
   CHECK(planner.plan(falling(0.2), 0.1).status == Plan::Status::kFloorFirst);  // the floor comes 85 ms later
   CHECK(planner.plan(falling(0), 0).status == Plan::Status::kBadInput);
@@ -288,7 +288,7 @@ TEST_CASE("search: a planner answers whatever is measured, and throws nothing") 
                          {&FallState::pitch_rate, "pitch_rate", -2e3},
                          {&FallState::phi, "phi", -45},
                          {&FallState::rate, "rate", 2e3},
-                         {&FallState::gone, "gone", -0.01}})
+                         {&FallState::elapsed, "elapsed", -0.01}})
     for (const double wrong : {f.beyond, kNan, kInf, -kInf}) {
       FallState s = good;
       s.*f.number = wrong;

@@ -183,7 +183,7 @@ def test_a_planner_in_the_air_never_raises_for_what_is_measured(scene, actuator,
     (tmp_path / "falling.toml").write_text(text)
     planner = ukemi.Planner(ukemi.read_scene(str(tmp_path / "falling.toml")), actuator, objective="peak")
     measured = {"height": 0.38, "forward_speed": 0.63, "pitch_deg": 18, "pitch_rate_deg": 0, "phi_deg": -45,
-                "rate_deg": 0, "gone": 0.06}
+                "rate_deg": 0, "elapsed": 0.06}
     for name in [*measured, "vertical_speed", "deadline"]:
         for wrong in BAD:
             plan = planner.plan_in_air(**{**measured, name: wrong})
@@ -412,10 +412,10 @@ def test_robot_planner_answers_in_the_air(hopper):
     assert at_rest["found"] and at_rest["value"] <= at_rest["held_value"]
     assert sorted(at_rest["motions"]) == ["hip", "knee"]
     joints = {"hip": (0.6, 0.0), "knee": (-1.2, 0.0)}
-    falling = planner.plan_in_air(0.29, joints, gone=0.04, deadline=0.1)
+    falling = planner.plan_in_air(0.29, joints, elapsed=0.04, deadline=0.1)
     assert falling["status"] == "found", falling["wrong"]
     assert falling["value"] <= falling["held_value"]
-    assert planner.plan_in_air(1e-4, joints, gone=0.2)["status"] == "floor_first"
+    assert planner.plan_in_air(1e-4, joints, elapsed=0.2)["status"] == "floor_first"
     assert planner.plan_in_air(float("nan"), joints)["status"] == "bad_input"
     with pytest.raises(ukemi.InputError, match="knee"):
         planner.plan_in_air(0.2, {"hip": (0.6, 0.0)})

@@ -154,7 +154,7 @@ TEST_CASE("the monitor is told of starts and ends a fit, the best so far kept") 
   std::atomic<long> told{0}, asked{0};
   FitOptions o;
   o.explore = 6, o.threads = 1;
-  o.monitor.tell = [&](long done, long total) {
+  o.monitor.on_progress = [&](long done, long total) {
     CHECK(done <= total);
     CHECK(total == 6);
     ++told;

@@ -18,7 +18,7 @@ const Motion kQuintic{-24.4 * kDegree, -85 * kDegree, 0.261},
 
 std::vector<double> peaks(const Motion& motion, const std::vector<ScatteredDrop>& drops, double accuracy) {
   ScatteredLandings landings;
-  const Play planned{motion, table2().sea};
+  const DrivenMotion planned{motion, table2().sea};
   std::vector<double> out;
   for (const LandingPeak& l : landings.play({&planned, 1}, drops, {.accuracy = accuracy})) out.push_back(counted(l, 0));
   return out;
@@ -32,7 +32,7 @@ TEST_CASE("risk: mean and CVaR in lanes are those of the scalar path, drop by dr
   for (const Motion& motion : {kQuintic, kTwoBumps, kHeld}) {
     std::vector<double> scalar;
     for (const ScatteredDrop& d : drops) {
-      const Play p = d.played({motion, table2().sea});
+      const DrivenMotion p = d.played({motion, table2().sea});
       scalar.push_back(peak_acceleration(d.scene, p.sea, p.motion).peak);
     }
     const Distribution a = distribution(peaks(motion, drops, 1e-5)), b = distribution(scalar);
@@ -106,7 +106,7 @@ TEST_CASE("risk: what is interrupted is of the drops that were played") {
   RiskOptions options;
   options.samples = 100'000;
   bool stop = false;
-  options.monitor.tell = [&](long, long) { stop = true; };
+  options.monitor.on_progress = [&](long, long) { stop = true; };
   options.monitor.stop = [&] { return stop; };
   const Risk r = risk(model, table2(), kHeld, options);
   CHECK(r.why_none == Risk::WhyNone::kStopped);

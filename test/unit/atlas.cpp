@@ -119,7 +119,7 @@ TEST_CASE("atlas: each cell's peak is that of its motion, and the safest motion'
   Scene scene = paper();
   std::vector<double> worst(a.cells.size(), 0);
   for (std::size_t i = 0; i < a.cells.size(); ++i) {
-    const Play play = space.play(a.cells[i].coordinates(3));
+    const DrivenMotion play = space.play(a.cells[i].coordinates(3));
     for (std::size_t k = 0; k < a.cells.size(); ++k) {
       scene.drop = o.grid.drop(k);
       const double peak = peak_acceleration(scene, play.sea, play.motion).peak;
@@ -224,7 +224,7 @@ TEST_CASE("atlas: a reader takes the best of the motions around, says what is ou
   for (const std::size_t h : {0, 1})
     for (const std::size_t s : {1, 2})
       for (const std::size_t p : {0, 1}) {
-        const Play play = space.play(a.cells[o.grid.index({h, s, p})].coordinates(3));
+        const DrivenMotion play = space.play(a.cells[o.grid.index({h, s, p})].coordinates(3));
         best = std::min(best, peak_acceleration(scene, play.sea, play.motion).peak);
       }
   CHECK(entry.value == Approx(best).epsilon(1e-3));

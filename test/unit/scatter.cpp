@@ -175,7 +175,7 @@ TEST_CASE("every constant whose error is known scatters, and stays within its ra
   a.covariance = Eigen::MatrixXd(Eigen::Vector3d(0.04, 4, 1e-6).asDiagonal());
   const DropModel model(paper(), Scatter{}, a, {});
   CHECK(model.dimension() == 3);
-  const Play planned{{-0.4, -1.4, 0.26}, a.sea};
+  const DrivenMotion planned{{-0.4, -1.4, 0.26}, a.sea};
   double sum = 0, square = 0, least = 1, least_delay = 1;
   constexpr int kDrops = 1024;
   for (const ScatteredDrop& d : model.even(kDrops, 1)) {
@@ -226,7 +226,7 @@ TEST_CASE("drops go through their file, whatever scatters") {
   const File f("drops.csv", csv.text());
   const std::vector<ScatteredDrop> read = read_drops(f.path, scene, actuator.sea);
   REQUIRE(read.size() == drops.size());
-  const Play planned{{-0.4, -1.4, 0.26}, actuator.sea};
+  const DrivenMotion planned{{-0.4, -1.4, 0.26}, actuator.sea};
   for (std::size_t i = 0; i < read.size(); ++i) {
     const DropNumbers was = numbers(drops[i], actuator.sea), is = numbers(read[i], actuator.sea);
     for (const DropColumn& c : columns) CHECK(c.of(is) == Approx(c.of(was)).epsilon(1e-12).margin(1e-12));

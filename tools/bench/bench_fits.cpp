@@ -104,8 +104,9 @@ Json stability_of_fits(Run& run, Report& report) {
   for (const FitCase& c : fit_cases()) results.push_back(fitted(c, run.options().seed));
   report.heading("Fits of stiff and extreme data (simulated, 0.2 mrad of noise, no start given)");
   run.say("");
-  (void)tell(Table(kFitQuantities, results), report, run, "stability_identify.csv",
-             "verdict: converged (within 5 standard errors of the truth), said (the fit says what is wrong), wrong.");
+  (void)add_table(
+      Table(kFitQuantities, results), report, run, "stability_identify.csv",
+      "verdict: converged (within 5 standard errors of the truth), said (the fit says what is wrong), wrong.");
   const auto wrong = std::count_if(results.begin(), results.end(), [](auto& r) { return r.verdict == "wrong"; });
   return {{"cases", results.size()}, {"wrong", wrong}};
 }

@@ -267,7 +267,7 @@ int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
     report.plot(b.name + "_state", "time a case [us]", "error of the final state", curves(entries, &Errors::state),
                 Axes::kLogarithmic);
     run.say(""), run.say(fmt::format("{} ({})", b.name, b.reference));
-    summary[b.name] = tell(Table(kEntryQuantities, entries), report, run);
+    summary[b.name] = add_table(Table(kEntryQuantities, entries), report, run);
   }
   run.add("integrators.csv",
           Table(kEntryQuantities, all)

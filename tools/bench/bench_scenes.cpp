@@ -174,9 +174,9 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
   for (const Omission& o : list) savings.push_back(measure(o, a.repetitions));
   Report report("What a scene does not need");
   const Table table(kSavingQuantities, savings);
-  (void)tell(table, report, run, "scenes.csv",
-             "A landing each: instructions (callgrind), time_us (median, processor time); difference: largest "
-             "relative, of the peaks.");
+  (void)add_table(table, report, run, "scenes.csv",
+                  "A landing each: instructions (callgrind), time_us (median, processor time); difference: largest "
+                  "relative, of the peaks.");
   report.write(run);
   const auto unequal = std::count_if(savings.begin(), savings.end(), [](const Saving& s) { return !s.equal(); });
   if (unequal > 0) run.warn(fmt::format("{} omissions change a peak by more than they may", unequal));

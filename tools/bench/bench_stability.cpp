@@ -102,7 +102,7 @@ Json landings(const BenchArguments& a, Run& run, Report& report) {
                    "with half the tolerance; sensitivity: relative change with the scene moved by 1e-6, measured where "
                    "halving fails; time_s of a landing."));
   report.heading("Landings");
-  (void)tell(Table(tally_quantities("factor"), map), report, run);
+  (void)add_table(Table(tally_quantities("factor"), map), report, run);
   const std::string worst = fmt::format(
       "Worst energy residual of those followed {:.1e}, largest change by halving of those that pass {:.1e}; at most {} "
       "steps, {:.2f} s a landing.",

@@ -79,10 +79,10 @@ void Run::add(const std::string& name, std::string content) {
 void Run::warn(const std::string& message) {
   warnings_.push_back(shown(message));
   if (options_.messages != CommonOptions::Messages::kNone)
-    tell("ukemi " + verb_ + ": warning: " + message, Tone::kWarning);
+    print_message("ukemi " + verb_ + ": warning: " + message, Tone::kWarning);
 }
 void Run::info(const std::string& message) const {
-  if (options_.messages == CommonOptions::Messages::kShow) tell(message);
+  if (options_.messages == CommonOptions::Messages::kShow) print_message(message);
 }
 void Run::say(const std::string& line) const {
   if (options_.out == CommonOptions::Stdout::kText) print_line(line);
@@ -97,14 +97,14 @@ void Run::progress(const std::string& what, long done, long total) const {
   shown_ = elapsed;
   const double left = rate > 0 ? double(total - done) / rate : 0;
   if (!terminal) {
-    tell(fmt::format("{}: {} of {}, {:.3g}/s, {:.0f} s left", what, done, total, rate, left));
+    print_message(fmt::format("{}: {} of {}, {:.3g}/s, {:.0f} s left", what, done, total, rate, left));
     return;
   }
   const int filled = int(30 * double(std::min(done, total)) / double(total));
   const std::string bar =
       fmt::format("\r{} [{}{}] {:.3g}/s, {:.0f} s left  ", what, std::string(std::size_t(filled), '#'),
                   std::string(std::size_t(30 - filled), ' '), rate, left);
-  tell_raw((bar + (done >= total ? "\n" : "")).c_str());
+  print_raw((bar + (done >= total ? "\n" : "")).c_str());
 }
 Monitor Run::monitor(const std::string& what) const {
   catch_interrupts();

@@ -25,8 +25,8 @@ bool open_for_reader(const std::string& file);
 /// (https://no-color.org): a warning in yellow, an error in bold red. The words say it too.
 enum class Tone { kPlain, kWarning, kError };
 /// A line on stderr, made safe to show; where stderr takes none it is lost.
-void tell(const std::string& line, Tone tone = Tone::kPlain);
+void print_message(const std::string& line, Tone tone = Tone::kPlain);
 /// To stderr as it is; takes no memory.
-void tell_raw(const char* text);
+void print_raw(const char* text);
 
 }  // namespace ukemi::tools

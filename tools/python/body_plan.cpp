@@ -146,13 +146,13 @@ class PythonBodyPlanner {
     return planner_.plan(state, deadline, seed);
   }
   BodyAnswer plan_in_air(double height, const std::map<std::string, std::pair<double, double>>& joints,
-                         double forward_speed, double pitch, double pitch_rate, double gone,
+                         double forward_speed, double pitch, double pitch_rate, double elapsed,
                          const std::optional<double>& vertical_speed, double deadline, std::uint64_t seed) {
     BodyFallState s{.height = height,
                     .forward_speed = forward_speed,
                     .pitch = pitch,
                     .pitch_rate = pitch_rate,
-                    .gone = gone,
+                    .elapsed = elapsed,
                     .vertical_speed = vertical_speed};
     std::size_t named = 0;
     for (const Joint& j : scene_.robot.joints) {
@@ -176,7 +176,7 @@ class PythonBodyPlanner {
 };
 
 /// An answer with what it is told by.
-py::dict told(const PythonBodyPlanner& p, const BodyAnswer& a) {
+py::dict dict_of(const PythonBodyPlanner& p, const BodyAnswer& a) {
   py::dict out;
   out["status"] = name(a.status), out["found"] = a.found(), out["wrong"] = a.wrong;
   out["motions"] = a.found() ? py::object(by_joint(p.scene().robot, a.plan.motion)) : py::none();
@@ -198,7 +198,7 @@ void bind_body_planner(py::module_& m) {
           "plan",
           [](PythonBodyPlanner& p, double height, double forward_speed, double pitch, double pitch_rate,
              double deadline, std::uint64_t seed) {
-            return told(p, p.plan(Drop{height, forward_speed, pitch, pitch_rate}, deadline, seed));
+            return dict_of(p, p.plan(Drop{height, forward_speed, pitch, pitch_rate}, deadline, seed));
           },
           py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
           py::arg("deadline") = 0.1, py::arg("seed") = 1,
@@ -208,17 +208,17 @@ void bind_body_planner(py::module_& m) {
       .def(
           "plan_in_air",
           [](PythonBodyPlanner& p, double height, const std::map<std::string, std::pair<double, double>>& joints,
-             double forward_speed, double pitch, double pitch_rate, double gone, std::optional<double> vertical_speed,
-             double deadline, std::uint64_t seed) {
-            return told(p, p.plan_in_air(height, joints, forward_speed, pitch, pitch_rate, gone, vertical_speed,
-                                         deadline, seed));
+             double forward_speed, double pitch, double pitch_rate, double elapsed,
+             std::optional<double> vertical_speed, double deadline, std::uint64_t seed) {
+            return dict_of(p, p.plan_in_air(height, joints, forward_speed, pitch, pitch_rate, elapsed, vertical_speed,
+                                            deadline, seed));
           },
           py::arg("height"), py::arg("joints"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0,
-          py::arg("pitch_rate") = 0.0, py::arg("gone") = 0.0, py::arg("vertical_speed") = py::none(),
+          py::arg("pitch_rate") = 0.0, py::arg("elapsed") = 0.0, py::arg("vertical_speed") = py::none(),
           py::arg("deadline") = 0.05, py::arg("seed") = 1,
           "The same for a robot that falls already: joints is a dict of (angle [rad], rate [rad/s]) of each driven "
           "joint, "
-          "gone the time since release [s], vertical_speed upwards [m/s].");
+          "elapsed the time since release [s], vertical_speed upwards [m/s].");
 }
 
 void bind_body_risk(py::module_& m) {

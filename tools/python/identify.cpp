@@ -27,7 +27,7 @@ struct AskedLanding {
   std::optional<landing::Motion> motion;
 };
 
-int tell(const Identified& i, tools::Run& run) {
+int report_of(const Identified& i, tools::Run& run) {
   if (i.judgement)
     return report(i.question, Prediction{i.found.fit, *i.judgement}, tools::Doubt::kReport, tools::Json::object(), run);
   return report(i.question, i.found, i.landing, tools::Doubt::kReport, tools::Json::object(), run);
@@ -199,7 +199,7 @@ void bind_identify(py::module_& m) {
       "write_report",
       [](const Identified& i, const Path& folder, const std::vector<std::string>& figures) {
         return written(i, i.judgement ? tools::kPredictOutputs : tools::kIdentifyOutputs, folder, figures,
-                       i.question.options.seed, tell);
+                       i.question.options.seed, report_of);
       },
       py::arg("folder"), py::arg("figures") = std::vector<std::string>{},
       report_words("identify` or `predict").c_str());

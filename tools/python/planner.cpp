@@ -113,18 +113,18 @@ void bind_planner(py::module_& m) {
       .def(
           "plan_in_air",
           [](PythonPlanner& p, double height, double forward_speed, double pitch_deg, double pitch_rate_deg,
-             double phi_deg, double rate_deg, double gone, std::optional<double> vertical_speed, double deadline,
+             double phi_deg, double rate_deg, double elapsed, std::optional<double> vertical_speed, double deadline,
              std::uint64_t seed) {
             return p.plan(FallState{height, forward_speed, pitch_deg / kDegrees, pitch_rate_deg / kDegrees,
-                                    phi_deg / kDegrees, rate_deg / kDegrees, gone, vertical_speed},
+                                    phi_deg / kDegrees, rate_deg / kDegrees, elapsed, vertical_speed},
                           deadline, seed);
           },
           py::arg("height"), py::arg("forward_speed"), py::arg("pitch_deg"), py::arg("pitch_rate_deg"),
-          py::arg("phi_deg"), py::arg("rate_deg") = 0.0, py::arg("gone") = 0.0, py::arg("vertical_speed") = py::none(),
-          py::arg("deadline") = 0.02, py::arg("seed") = 1,
+          py::arg("phi_deg"), py::arg("rate_deg") = 0.0, py::arg("elapsed") = 0.0,
+          py::arg("vertical_speed") = py::none(), py::arg("deadline") = 0.02, py::arg("seed") = 1,
           "The same for a robot that falls already: its clearance height [m], joint angle phi_deg [deg] and rate_deg "
           "[deg/s], "
-          "the time gone since release [s] or vertical_speed [m/s], upwards. The scene must have a [release].");
+          "the time since release [s] or vertical_speed [m/s], upwards. The scene must have a [release].");
 }
 
 }  // namespace ukemi::python

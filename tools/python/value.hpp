@@ -52,14 +52,14 @@ py::dict summary_of(const std::string& folder);
 /// What the program's verb would write. `formats`: of svg, pdf, png.
 tools::CommonOptions report_options(const Path& folder, const std::vector<std::string>& formats, std::uint64_t seed);
 
-/// Writes the files of a verb; tell(result, run) is the program's own report. Returns the summary.
-template <class T, class Tell>
+/// Writes the files of a verb; report(result, run) is the program's own report. Returns the summary.
+template <class T, class Write>
 py::dict written(const T& result, const tools::Outputs& outputs, const Path& folder,
-                 const std::vector<std::string>& figures, std::uint64_t seed, const Tell& tell) {
+                 const std::vector<std::string>& figures, std::uint64_t seed, const Write& report) {
   {
     const py::gil_scoped_release release;
     tools::Run run(outputs, report_options(folder, figures, seed));
-    (void)tell(result, run);
+    (void)add_table(result, run);
   }
   return summary_of(folder);
 }
@@ -69,12 +69,12 @@ inline std::string report_words(const std::string& verb) {
          "of svg, pdf, png. Returns the summary.";
 }
 /// write_report(folder, figures): the files of the program's verb for this result, by the same code.
-template <class T, class Tell, class Seed, class... Options>
-void bind_report(py::class_<T, Options...>& c, const tools::Outputs& outputs, Tell tell, Seed seed) {
+template <class T, class Write, class Seed, class... Options>
+void bind_report(py::class_<T, Options...>& c, const tools::Outputs& outputs, Write report, Seed seed) {
   c.def(
       "write_report",
       [=, &outputs](const T& result, const Path& folder, const std::vector<std::string>& figures) {
-        return written(result, outputs, folder, figures, seed(result), tell);
+        return written(result, outputs, folder, figures, seed(result), report);
       },
       py::arg("folder"), py::arg("figures") = std::vector<std::string>{}, report_words(outputs.verb).c_str());
 }

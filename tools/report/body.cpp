@@ -184,7 +184,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
                  {converged(c.sensitivity, c.wrong())},
                  "`ukemi optimize` searches for a softer landing."},
                 run.warnings());
-  if (!c.scene.loads.empty()) summary["loads"] = tell_loads(c.scene, l, "", &report, run);
+  if (!c.scene.loads.empty()) summary["loads"] = report_loads(c.scene, l, "", &report, run);
   std::vector<BodyFall> falls = {{motion_words(robot, c.motion), &l}};
   if (held) falls.push_back({"held", &*held});
   show(c.scene, falls, "trajectory.csv, contacts.csv", report);
@@ -202,11 +202,11 @@ int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& not
   for (const std::string& doubt : doubts(robot)) run.warn(doubt);
   Json summary = {{"mass", robot.mass()}, {"reach", reach(robot)}, {"base", base_words(robot)}};
   Json locked = Json::array();
-  std::vector<std::vector<std::string>> told;
+  std::vector<std::vector<std::string>> texts;
   for (const DescriptionNote& n : notes) {
     run.say(fmt::format("  {:<10} {:<14} {}", n.what, n.name, n.text));
     summary["projection"].push_back({{"what", n.what}, {"name", n.name}, {"text", n.text}});
-    told.push_back({n.what, n.name, n.text});
+    texts.push_back({n.what, n.name, n.text});
   }
   run.say(fmt::format("{}: {} links, {:.4g} kg, reach {:.4g} m, base {}", scene.name, robot.links.size(), robot.mass(),
                       reach(robot), base_words(robot)));
@@ -234,7 +234,7 @@ int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& not
   report.distrust(run.warnings());
   report.figure(drawing(scene));
   robot_tables(scene, report);
-  if (!told.empty()) report.heading("From its description"), report.table({"", "name", "what became of it"}, told);
+  if (!texts.empty()) report.heading("From its description"), report.table({"", "name", "what became of it"}, texts);
   report.write(run);
   return run.finish(summary, kDone);
 }

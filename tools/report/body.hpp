@@ -44,8 +44,8 @@ Json joints_json(const landing::BodyScene& scene, const landing::BodyMotion& mot
 std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanOptions& options);
 /// What each load of the scene came to, for a summary; told to the terminal and a report where there is one, which
 /// warns of limits that do not hold. `whose`: "", ", held".
-Json tell_loads(const landing::BodyScene& scene, const landing::BodyLanding& landing, const std::string& whose,
-                Report* report, Run& run);
+Json report_loads(const landing::BodyScene& scene, const landing::BodyLanding& landing, const std::string& whose,
+                  Report* report, Run& run);
 /// Links, joints and contacts as tables.
 void robot_tables(const landing::BodyScene& scene, Report& report);
 

@@ -38,8 +38,8 @@ const Quantities<LoadRow> kLoadQuantities = {
 
 }  // namespace
 
-Json tell_loads(const BodyScene& scene, const BodyLanding& landing, const std::string& whose, Report* report,
-                Run& run) {
+Json report_loads(const BodyScene& scene, const BodyLanding& landing, const std::string& whose, Report* report,
+                  Run& run) {
   const std::vector<LoadPeak> peaks = loads_of(scene, landing);
   const int binds = binding(scene, landing);
   std::vector<LoadRow> rows;

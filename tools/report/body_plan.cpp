@@ -78,7 +78,7 @@ Json scatter_json(const BodyUnderScatter& u) {
 }
 
 /// In how many fresh drops each load is beyond its rating, and whether a share that was asked for is kept.
-Json tell_exceeded(const BodyScene& scene, const BodyUnderScatter& u, const std::optional<double>& share, Run& run) {
+Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, const std::optional<double>& share, Run& run) {
   Json out = Json::object();
   const auto part = [&](long drops) { return double(drops) / double(u.planned.samples); };
   for (std::size_t i = 0; i < u.exceeded.size(); ++i) {
@@ -117,8 +117,8 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p) {
 }
 
 /// The plan and the held posture over fresh drops, and whether what was promised is kept there.
-void tell_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
-                  Report& report, Run& run) {
+void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
+                    Report& report, Run& run) {
   const BodyUnderScatter& u = *p.under;
   const std::string drops = text_of(u.scatter) + (u.assumed ? "; assumed" : "");
   run.say(fmt::format("under scatter ({}; {} fresh drops): {}; {}: {}", drops, u.planned.samples,
@@ -202,14 +202,14 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     const bool drawn = !options.deadline || *options.deadline >= kShort;
     if (drawn) show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
     if (!scene.loads.empty()) {
-      summary["loads"] = tell_loads(scene, plan.landing, "", &report, run);
-      summary["hold"]["loads"] = tell_loads(scene, plan.held, "", nullptr, run);
+      summary["loads"] = report_loads(scene, plan.landing, "", &report, run);
+      summary["hold"]["loads"] = report_loads(scene, plan.held, "", nullptr, run);
     }
     if (plan.under) {
       summary["scatter"] = scatter_json(*plan.under);
-      tell_scatter(plan, options, held_words(robot, plan.hold), rated(scene), report, run);
+      report_scatter(plan, options, held_words(robot, plan.hold), rated(scene), report, run);
       if (!scene.loads.empty() || options.share)
-        summary["scatter"]["loads"] = tell_exceeded(scene, *plan.under, options.share, run);
+        summary["scatter"]["loads"] = report_exceeded(scene, *plan.under, options.share, run);
     }
     report.distrust(run.warnings());
     report.answer(first_screen(scene, plan), run.warnings());

@@ -20,8 +20,8 @@ using namespace landing;
 
 namespace {
 
-ToldFit told(const CalibratedDrops& c) {
-  ToldFit out{c.result, {}};
+FitTexts texts_of(const CalibratedDrops& c) {
+  FitTexts out{c.result, {}};
   for (const LoggedDrop& d : c.drops) out.logs.push_back(&d.log);
   return out;
 }
@@ -56,7 +56,7 @@ Quantities<DropResult> drop_quantities(const FloorFit& c) {
   return out;
 }
 
-std::string samples_csv(const Run& run, const ToldFit& c) {
+std::string samples_csv(const Run& run, const FitTexts& c) {
   CsvWriter csv = run.csv();
   csv.comment(fmt::format(
       "residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration "
@@ -150,11 +150,11 @@ std::vector<std::string> findings(const FloorFit& c) {
 }
 
 /// "outputs" and "drops" of the summary, as tables and, drop by drop, as figures.
-void tell_drops(const ToldFit& c, const char* set, Report& report, Json& summary, Run& run) {
+void report_drops(const FitTexts& c, const char* set, Report& report, Json& summary, Run& run) {
   const Table outputs(output_quantities(c.result), measured(c.result));
   summary["outputs"] = outputs.keyed();
-  (void)tell(outputs, report, run);
-  summary[words(c.result.logs_of).many] = tell(Table(drop_quantities(c.result), c.result.drops), report, run);
+  (void)add_table(outputs, report, run);
+  summary[words(c.result.logs_of).many] = add_table(Table(drop_quantities(c.result), c.result.drops), report, run);
   constexpr std::size_t kMost = 12;
   for (std::size_t m = 0; m < std::min(kMost, c.logs.size()); ++m)
     report.figure(drop_figure(*c.logs[m], c.result, set, m));
@@ -162,15 +162,15 @@ void tell_drops(const ToldFit& c, const char* set, Report& report, Json& summary
 
 }  // namespace
 
-int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doubt doubt,
+int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Doubt doubt,
            const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run) {
   const FloorFit& c = fitted.result;
   for (const std::string& w : c.warnings) run.warn(w);
   for (const std::string& finding : findings(c)) run.warn(finding);
   if (!c.converged && !interrupted())
     run.warn("not converged: " + c.message + "; try another start in the file, --prior, or fewer --free constants");
-  const FitWords told = words(c.logs_of);
-  Report report(told.title);
+  const FitWords texts = words(c.logs_of);
+  Report report(texts.title);
   Json summary;
   bool converged = c.converged;
   if (validation) {
@@ -180,33 +180,33 @@ int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doub
   begin(c, constant_quantities(), report, summary, run);
   summary["trusted"] = c.trusted();
   summary["steps"] = c.steps;
-  report.heading(fmt::format("Does the {} explain the {}?", told.model, told.many));
-  tell_tests(c.tests, "standard deviations", report, summary["diagnostics"]);
+  report.heading(fmt::format("Does the {} explain the {}?", texts.model, texts.many));
+  report_tests(c.tests, "standard deviations", report, summary["diagnostics"]);
   if (laws) laws(report, summary);
-  report.heading(fmt::format("Fitted {}", told.many));
-  tell_drops(fitted, told.one, report, summary, run);
+  report.heading(fmt::format("Fitted {}", texts.many));
+  report_drops(fitted, texts.one, report, summary, run);
   if (validation) {
     run.say("not fitted:");
-    report.heading(fmt::format("Validation: {} that were not fitted", told.many));
+    report.heading(fmt::format("Validation: {} that were not fitted", texts.many));
     Json& j = summary["validation"];
     j["nuisance"] = nuisance_json(validation->result.nuisance);
-    tell_drops(*validation, "validation", report, j, run);
+    report_drops(*validation, "validation", report, j, run);
     run.add("validation.csv", samples_csv(run, *validation));
   }
   for (const auto& [name, text] : files) run.add(name, text);
   run.add("fit.csv", samples_csv(run, fitted));
-  FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), told.many));
+  FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), texts.many));
   first.checks.push_back(
-      check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", told.model, told.many), ""));
-  first.checks.push_back({Check::State::kUnknown, std::string("held-out ") + told.one,
+      check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", texts.model, texts.many), ""));
+  first.checks.push_back({Check::State::kUnknown, std::string("held-out ") + texts.one,
                           validation ? "played: see Validation" : "none: --validate names one"});
-  first.next = told.next;
+  first.next = texts.next;
   report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
 }
 
-int report_prediction(const ToldFit& played, Run& run) {
+int report_prediction(const FitTexts& played, Run& run) {
   const FloorFit& c = played.result;
   for (const std::string& w : c.warnings) run.warn(w);
   const bool followed = std::all_of(c.drops.begin(), c.drops.end(), [](const DropResult& d) { return d.simulated; });
@@ -216,7 +216,7 @@ int report_prediction(const ToldFit& played, Run& run) {
   summary["nuisance"] = nuisance_json(c.nuisance);
   summary["converged"] = c.converged;
   report.heading(fmt::format("The {}, for given constants", words(c.logs_of).many));
-  tell_drops(played, words(c.logs_of).one, report, summary, run);
+  report_drops(played, words(c.logs_of).one, report, summary, run);
   run.add("fit.csv", samples_csv(run, played));
   FirstScreen first;
   first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), words(c.logs_of).many);
@@ -227,7 +227,7 @@ int report_prediction(const ToldFit& played, Run& run) {
 }
 
 int report(const CalibratedDrops& fitted, const std::optional<CalibratedDrops>& validation, Doubt doubt, Run& run) {
-  return report(told(fitted), validation ? std::optional(told(*validation)) : std::nullopt, doubt,
+  return report(texts_of(fitted), validation ? std::optional(texts_of(*validation)) : std::nullopt, doubt,
                 {{"scene.toml", to_toml(fitted.result.scene, scene_comments(run, fitted.result))}}, {}, run);
 }
 

@@ -15,18 +15,18 @@ namespace ukemi::tools {
 extern const Outputs kCalibrateOutputs;
 
 /// A fit, and the logs that it is of.
-struct ToldFit {
+struct FitTexts {
   const FloorFit& result;
   std::vector<const landing::DropLog*> logs;
 };
 /// What stands above a scene with fitted constants.
 std::string scene_comments(const Run& run, const FloorFit& fit);
 /// The whole of a calibration; `files` hold its scene, `laws` tells those that were tried. Returns the exit code.
-int report(const ToldFit& fitted, const std::optional<ToldFit>& validation, Doubt doubt,
+int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Doubt doubt,
            const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run);
 
 /// Logs played with given constants.
-int report_prediction(const ToldFit& played, Run& run);
+int report_prediction(const FitTexts& played, Run& run);
 
 /// `path`: the scene's file. `validation`: of drops that were not fitted.
 int report(const std::string& path, const BodyCalibratedDrops& fitted,

@@ -12,8 +12,8 @@ using namespace landing;
 
 namespace {
 
-ToldFit told(const BodyCalibratedDrops& c) {
-  ToldFit out{c.result, {}};
+FitTexts texts_of(const BodyCalibratedDrops& c) {
+  FitTexts out{c.result, {}};
   for (const BodyLoggedDrop& d : c.drops) out.logs.push_back(&d.log);
   return out;
 }
@@ -46,7 +46,7 @@ std::string finding(const BodyCalibration& c) {
 }
 
 /// Laws as a table, in JSON and in words.
-void tell_laws(const BodyCalibration& c, Report& report, Json& summary, Run& run) {
+void report_laws(const BodyCalibration& c, Report& report, Json& summary, Run& run) {
   if (c.laws.empty()) return;
   const Table laws(law_quantities(), c.laws);
   summary["laws"] = laws.objects();
@@ -71,9 +71,9 @@ int report(const std::string& path, const BodyCalibratedDrops& fitted,
   BodyScene scene = c.scene;
   scene.source = "calibrated from drop logs by ukemi";
   return report(
-      told(fitted), validation ? std::optional(told(*validation)) : std::nullopt, doubt,
+      texts_of(fitted), validation ? std::optional(texts_of(*validation)) : std::nullopt, doubt,
       scene_files(path, scene, scene_comments(run, c), run.folder()),
-      [&](Report& page, Json& summary) { tell_laws(c, page, summary, run); }, run);
+      [&](Report& page, Json& summary) { report_laws(c, page, summary, run); }, run);
 }
 
 }  // namespace ukemi::tools

@@ -50,18 +50,18 @@ Quantities<identify::Trial> residual_quantities(const Comparison& c) {
   };
 }
 
-const Quantities<ToldMotion> kPeakQuantities = {
+const Quantities<MotionTexts> kPeakQuantities = {
     {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, m.words); }},
     {"", "nominal", "peak with nominal [m/s^2]", "{:.5g}", [](auto& m) { return m.peaks[0]; }},
     {"", "identified", "peak with identified [m/s^2]", "{:.5g}", [](auto& m) { return m.peaks[1]; }},
 };
 
 /// Plans for scatter, where the identified constants are the truth.
-Quantities<ToldPlan> plan_quantities() {
-  Quantities<ToldPlan> out = {{"", "set", "planned with", {}, &ToldPlan::set},
-                              {"", "", "motion", {}, &ToldPlan::words},
-                              {"", "promised", "promised [m/s^2]", short_peak_words, &ToldPlan::promised}};
-  append(out, "truth/", distribution_quantities(), &ToldPlan::truth);
+Quantities<PlanTexts> plan_quantities() {
+  Quantities<PlanTexts> out = {{"", "set", "planned with", {}, &PlanTexts::set},
+                               {"", "", "motion", {}, &PlanTexts::words},
+                               {"", "promised", "promised [m/s^2]", short_peak_words, &PlanTexts::promised}};
+  append(out, "truth/", distribution_quantities(), &PlanTexts::truth);
   return out;
 }
 
@@ -76,7 +76,7 @@ void warn(const Comparison& c, Run& run) {
 }
 
 /// What planning with the nominal constants would have cost on the identified actuator.
-FirstScreen lesson_of(const ToldComparison& c) {
+FirstScreen lesson_of(const ComparisonTexts& c) {
   const double own = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
   return {fmt::format("Planned with the nominal constants, {} hits with {:.4g} m/s^2 where {:.4g} was promised: {:.2f} "
                       "times the {:.4g} m/s^2 of the motion planned with its own constants.",
@@ -98,14 +98,14 @@ std::string trajectories_csv(const Comparison& c, const Run& run) {
   return csv.text();
 }
 
-ToldComparison told(const Comparison& c) {
-  ToldComparison out{.scene = c.scene ? c.scene->name : "",
-                     .source = c.scene ? c.scene->floor_source : "",
-                     .peak = "|ddr_0|",
-                     .truth = "the identified actuator",
-                     .motions = told_motions(
-                         c.motions, [](const Motion& m) { return motion_words(m); }, motion_json),
-                     .landed = c.landed()};
+ComparisonTexts texts_of(const Comparison& c) {
+  ComparisonTexts out{.scene = c.scene ? c.scene->name : "",
+                      .source = c.scene ? c.scene->floor_source : "",
+                      .peak = "|ddr_0|",
+                      .truth = "the identified actuator",
+                      .motions = motion_texts(
+                          c.motions, [](const Motion& m) { return motion_words(m); }, motion_json),
+                      .landed = c.landed()};
   for (std::size_t m = 0; m < out.motions.size(); ++m) {
     const TolerantPeak& tolerant = c.motions[m].best.tolerant;
     out.motions[m].tolerant_peak = tolerant.complete ? number(tolerant.value) : Json();
@@ -124,17 +124,18 @@ Report comparison_page(const OfSets<std::string>& names, const Run& run) {
   return report;
 }
 
-void tell_constants(const std::vector<ConstantDifference>& rows, Json& summary, Report& report, Run& run) {
+void report_constants(const std::vector<ConstantDifference>& rows, Json& summary, Report& report, Run& run) {
   const Table constants(kConstantQuantities, rows);
   summary["parameters"] = constants.keyed();
   report.heading("Constants");
-  (void)tell(constants, report, run, "parameters.csv",
-             "z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside its "
-             "95 % interval.");
+  (void)add_table(
+      constants, report, run, "parameters.csv",
+      "z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside its "
+      "95 % interval.");
 }
 
-void tell_motions(const ToldComparison& c, Json& summary, Report& report, Run& run) {
-  for (const ToldMotion& m : c.motions) {
+void report_motions(const ComparisonTexts& c, Json& summary, Report& report, Run& run) {
+  for (const MotionTexts& m : c.motions) {
     summary["motions"][m.set] = m.numbers;
     if (m.tolerant_peak) summary["tolerant_peaks"][m.set] = *m.tolerant_peak;
   }
@@ -142,14 +143,14 @@ void tell_motions(const ToldComparison& c, Json& summary, Report& report, Run& r
     const Table plans(plan_quantities(), c.plans);
     summary["plans"] = plans.objects();
     report.heading("Plans for scattered drops, where the identified constants are the truth");
-    (void)tell(plans, report, run);
+    (void)add_table(plans, report, run);
   }
   if (!c.landed) return;
   const Table peaks(kPeakQuantities, c.motions);
   for (std::size_t m = 0; m < 2; ++m) summary["peaks"][c.motions[m].set + "_motion"] = peaks.object(m);
   report.heading("Peak " + c.peak + " on " + c.scene);
   floor_source(report, c.source);
-  (void)tell(peaks, report, run);
+  (void)add_table(peaks, report, run);
   const FirstScreen lesson = lesson_of(c);
   run.say(lesson.sentence);
   report.answer(lesson, run.warnings());
@@ -158,7 +159,7 @@ void tell_motions(const ToldComparison& c, Json& summary, Report& report, Run& r
 int report(const Comparison& c, Json summary, Run& run) {
   warn(c, run);
   Report report = comparison_page({c.sets[0].name, c.sets[1].name}, run);
-  tell_constants(c.constants, summary, report, run);
+  report_constants(c.constants, summary, report, run);
   if (c.predictions) {
     const Table rows(residual_quantities(c), c.measured->trials);
     summary["residuals"] = rows.objects();
@@ -167,7 +168,7 @@ int report(const Comparison& c, Json summary, Run& run) {
     report.heading("Residuals on the trials, rms");
     report.table(rows);
   }
-  tell_motions(told(c), summary, report, run);
+  report_motions(texts_of(c), summary, report, run);
   if (c.landed()) {
     run.add("trajectories.csv", trajectories_csv(c, run));
     show({*c.scene,

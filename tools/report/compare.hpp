@@ -14,36 +14,36 @@ namespace ukemi::tools {
 extern const Outputs kCompareOutputs;
 
 /// A set's best motion.
-struct ToldMotion {
+struct MotionTexts {
   std::string set, words;
   Json numbers;
   std::optional<Json> tolerant_peak;  ///< absent: not told
   OfSets<double> peaks;               ///< played with each set; without meaning unless all landed
 };
 /// A plan for scattered drops, and what it comes to with the identified constants.
-struct ToldPlan {
+struct PlanTexts {
   std::string set, words;
   double promised;
   landing::Distribution truth;
 };
-struct ToldComparison {
+struct ComparisonTexts {
   std::string scene, source;  ///< names; source: of the floor's constants
   std::string peak;           ///< how its acceleration is called
   std::string truth;          ///< what has the identified constants: "the identified actuator"
-  std::vector<ToldMotion> motions;
-  std::vector<ToldPlan> plans;
+  std::vector<MotionTexts> motions;
+  std::vector<PlanTexts> plans;
   bool landed;  ///< all four landings were played
 };
 
 /// The motions of a comparison that were found.
 template <class Motion, class Words, class Numbers>
-std::vector<ToldMotion> told_motions(const std::vector<Motion>& motions, Words&& words, Numbers&& numbers) {
-  std::vector<ToldMotion> out;
+std::vector<MotionTexts> motion_texts(const std::vector<Motion>& motions, Words&& words, Numbers&& numbers) {
+  std::vector<MotionTexts> out;
   for (const Motion& m : motions) {
     if (!m.best.found) continue;
-    ToldMotion& told = out.emplace_back(ToldMotion{m.set, words(m.best.motion), numbers(m.best.motion), {}, {}});
+    MotionTexts& texts = out.emplace_back(MotionTexts{m.set, words(m.best.motion), numbers(m.best.motion), {}, {}});
     for (std::size_t s = 0; s < 2; ++s)
-      if (m.landings[s]) told.peaks[s] = m.landings[s]->peak;
+      if (m.landings[s]) texts.peaks[s] = m.landings[s]->peak;
   }
   return out;
 }
@@ -61,8 +61,8 @@ void warn_of_motions(const std::vector<Motion>& motions, const char* point, Run&
 /// The page of a comparison, with what is to be distrusted of it.
 Report comparison_page(const OfSets<std::string>& names, const Run& run);
 /// The constants: parameters.csv, on the terminal, on the page, in the summary.
-void tell_constants(const std::vector<ConstantDifference>& constants, Json& summary, Report& report, Run& run);
+void report_constants(const std::vector<ConstantDifference>& constants, Json& summary, Report& report, Run& run);
 /// Motions and plans, then where all landed their peaks in both directions and the lesson of them.
-void tell_motions(const ToldComparison& comparison, Json& summary, Report& report, Run& run);
+void report_motions(const ComparisonTexts& comparison, Json& summary, Report& report, Run& run);
 
 }  // namespace ukemi::tools

@@ -26,17 +26,17 @@ std::string trajectories_csv(const BodyComparison& c, const Run& run) {
   return csv.text();
 }
 
-ToldComparison told(const BodyComparison& c) {
+ComparisonTexts texts_of(const BodyComparison& c) {
   const BodyScene& scene = c.scenes[1];
   const Robot& robot = scene.robot;
-  ToldComparison out{.scene = scene.name,
-                     .source = scene.source,
-                     .peak = "|a|",
-                     .truth = "the robot with the identified ones",
-                     .motions = told_motions(
-                         c.motions, [&](const BodyMotion& m) { return motion_words(robot, m); },
-                         [&](const BodyMotion& m) { return Table::of(motion_quantities(robot, m), m).object(); }),
-                     .landed = c.landed()};
+  ComparisonTexts out{.scene = scene.name,
+                      .source = scene.source,
+                      .peak = "|a|",
+                      .truth = "the robot with the identified ones",
+                      .motions = motion_texts(
+                          c.motions, [&](const BodyMotion& m) { return motion_words(robot, m); },
+                          [&](const BodyMotion& m) { return Table::of(motion_quantities(robot, m), m).object(); }),
+                      .landed = c.landed()};
   for (const ComparedBodyPlan& p : c.plans)
     out.plans.push_back({p.set, motion_words(robot, p.best.motion), p.best.value, p.truth});
   return out;
@@ -48,8 +48,8 @@ int report(const BodyComparison& c, const OfSets<std::string>& names, Run& run) 
   warn_of_motions(c.motions, "contact", run);
   Report report = comparison_page(names, run);
   Json summary;
-  tell_constants(c.constants, summary, report, run);
-  tell_motions(told(c), summary, report, run);
+  report_constants(c.constants, summary, report, run);
+  report_motions(texts_of(c), summary, report, run);
   if (c.landed()) {
     run.add("trajectories.csv", trajectories_csv(c, run));
     show(c.scenes[1],

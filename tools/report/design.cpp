@@ -145,7 +145,7 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   Report report("The next hits");
   report.distrust(run.warnings());
   report.heading("Error bars, 95 %, relative");
-  (void)tell(bars, report, run);
+  (void)add_table(bars, report, run);
 
   summary["criterion"] = {
       {"name", name(o.criterion)}, {"before", number(d.size_before)}, {"after", number(d.size_after)}};
@@ -160,7 +160,7 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   summary["check"] = nullptr;
   if (found) {
     report.heading("Hits");
-    (void)tell(
+    (void)add_table(
         hits, report, run, "hits.csv",
         "Proposed half-sine hits at the tip. angle_worst: largest |phi_1| within the estimate's 95 % ellipsoid; "
         "torque: largest of the spring before the limit; limited: how long the limit acts. Units: N, s, rad, Nm.");

@@ -69,7 +69,7 @@ std::string experiments(const std::vector<std::string>& terms) {
   return fmt::format("{}", fmt::join(out, "; or "));
 }
 
-void tell_error_budget(const Rig& rig, const Fit& fit, Report& report, Json& summary, Run& run) {
+void report_error_budget(const Rig& rig, const Fit& fit, Report& report, Json& summary, Run& run) {
   for (const auto& [key, at, unit] : identify::rig_error_keys()) summary["rig_errors"][key] = rig.errors.*at;
   const std::vector<ErrorBudget> budget = error_budget(fit);
   Json& j = summary["error_budget"] = Json::object();
@@ -82,7 +82,7 @@ void tell_error_budget(const Rig& rig, const Fit& fit, Report& report, Json& sum
       "Standard errors and intervals are the whole: the logs' noise, and what was not fitted, as far as the rig states "
       "its error (" +
       errors_in_words(rig) + ").");
-  (void)tell(Table(budget_quantities(fit), budget), report, run);
+  (void)add_table(Table(budget_quantities(fit), budget), report, run);
   const std::string advice = what_to_measure(fit, budget);
   run.say(advice), report.paragraph(advice + ".");
 }

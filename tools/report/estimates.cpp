@@ -106,7 +106,7 @@ void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantitie
   summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
   report.distrust(run.warnings());
   report.heading("Constants");
-  (void)tell(Table(quantities, all), report, run);
+  (void)add_table(Table(quantities, all), report, run);
   if (fit.correlation.rows() > 1) add_correlations(report, fit.fitted, fit.correlation);
 }
 

@@ -30,6 +30,6 @@ void begin(const identify::Estimates& fit, const Quantities<identify::Estimate>&
 /// A probability for a reader.
 std::string probability_words(double p);
 /// "diagnostics" of the summary, and the tables of the tests; `unit` is that of the residuals.
-void tell_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& diagnostics);
+void report_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& diagnostics);
 
 }  // namespace ukemi::tools

@@ -82,7 +82,7 @@ std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::I
 }
 
 /// What the fit's errors do to a landing.
-void tell(const LandingOfFit& l, const Fit& fit, Report& report, Json& summary, Run& run) {
+void report_part(const LandingOfFit& l, const Fit& fit, Report& report, Json& summary, Run& run) {
   summary["landing"] = {{"peak", number(l.peak)},          {"mean", number(l.mean)}, {"deviation", number(l.deviation)},
                         {"cvar90", number(l.worst_tenth)}, {"landings", l.samples},  {"failed", l.failed}};
   std::string text = fmt::format("landing: peak {:.4g} m/s^2 with the fitted constants", l.peak);
@@ -264,10 +264,10 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   summary["rms"] = number(fit.rms);
   summary["identifiable"] = fit.identifiable;
   summary["trusted"] = fit.trusted();
-  tell_error_budget(q.rig, fit, report, summary, run);
-  if (found.trust) tell(*found.trust, fit, report, summary, run);
+  report_error_budget(q.rig, fit, report, summary, run);
+  if (found.trust) report_part(*found.trust, fit, report, summary, run);
   if (found.trust && found.trust->ladder) run.say(model_to_take(*found.trust->ladder));
-  if (landing) tell(*landing, fit, report, summary, run);
+  if (landing) report_part(*landing, fit, report, summary, run);
   summary["minima"] = minima.objects();
   summary["assumed"] = assumptions(q, &found);
   summary["trials"] = trials.objects();

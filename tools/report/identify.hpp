@@ -58,7 +58,7 @@ std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, 
 // --- where its errors come from, error_budget.cpp ---
 
 /// "rig_errors" and "error_budget" of the summary, the table and what to measure better.
-void tell_error_budget(const identify::Rig& rig, const identify::Fit& fit, Report& report, Json& summary, Run& run);
+void report_error_budget(const identify::Rig& rig, const identify::Fit& fit, Report& report, Json& summary, Run& run);
 /// "hang a known weight on the load cell, or weigh the link": what would tell these terms by themselves.
 std::string experiments(const std::vector<std::string>& terms);
 
@@ -67,6 +67,6 @@ std::string experiments(const std::vector<std::string>& terms);
 /// Warns of what the tests find.
 void warn(const identify::Trust& trust, const identify::Fit& fit, Run& run);
 /// "weakest" and "diagnostics" of the summary, the lines for a reader, the section of the report, profile.csv.
-void tell(const identify::Trust& trust, const identify::Fit& fit, Report& report, Json& summary, Run& run);
+void report_part(const identify::Trust& trust, const identify::Fit& fit, Report& report, Json& summary, Run& run);
 
 }  // namespace ukemi::tools

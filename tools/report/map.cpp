@@ -20,9 +20,9 @@ std::string letters(const ContactOrder& contacts) {
   return s;
 }
 
-std::string map_csv(const Run& run, const PeakMap& map, ToldMap::Contacts contacts) {
+std::string map_csv(const Run& run, const PeakMap& map, MapTexts::Contacts contacts) {
   CsvWriter csv = run.csv();
-  const bool shown = contacts == ToldMap::Contacts::kShow;
+  const bool shown = contacts == MapTexts::Contacts::kShow;
   if (shown)
     csv.comment(
         "contacts: H hip, K knee, F foot, in the order in which they touch; peak_contact: which of them made the "
@@ -103,27 +103,27 @@ void warn(const MappedPeaks& s, bool basins, Run& run) {
 
 }  // namespace
 
-int report(const MappedPeaks& s, const ToldMap& told, Run& run, const Json& more) {
+int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& more) {
   const std::size_t points = s.map.grid.size();
-  warn(s, !told.lines.empty(), run);
-  run.add("map.csv", map_csv(run, s.map, told.contacts));
+  warn(s, !texts.lines.empty(), run);
+  run.add("map.csv", map_csv(run, s.map, texts.contacts));
   Json summary = {{"grid", s.map.cells},         {"landings", points - std::size_t(s.missing)},
                   {"failed", s.failed},          {"joint_lost", s.lost},
-                  {"map_time_s", s.map_seconds}, {"basins", told.basins.objects()}};
+                  {"map_time_s", s.map_seconds}, {"basins", texts.basins.objects()}};
   summary.update(more);
-  if (told.lines.empty()) return run.finish(summary, kNumbers);
-  run.add("basins.csv", told.basins.csv(run, told.basins_comment));
-  run.say(fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, told.lines.size()));
-  for (const std::string& line : told.lines) run.say("  " + line);
+  if (texts.lines.empty()) return run.finish(summary, kNumbers);
+  run.add("basins.csv", texts.basins.csv(run, texts.basins_comment));
+  run.say(fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, texts.lines.size()));
+  for (const std::string& line : texts.lines) run.say("  " + line);
 
-  Report report("The box of motions: " + told.scene);
-  floor_source(report, told.source);
-  report.paragraph(fmt::format("{} landings; {} basins. The best found: {}.", points, told.lines.size(), told.best));
+  Report report("The box of motions: " + texts.scene);
+  floor_source(report, texts.source);
+  report.paragraph(fmt::format("{} landings; {} basins. The best found: {}.", points, texts.lines.size(), texts.best));
   show(s.map, report);
   report.heading("Basins");
-  report.paragraph(told.basins_words);
-  report.table(told.basins);
-  report.answer({fmt::format("The best of {} landings: {}. {} basins.", points, told.best, told.lines.size()),
+  report.paragraph(texts.basins_words);
+  report.table(texts.basins);
+  report.answer({fmt::format("The best of {} landings: {}. {} basins.", points, texts.best, texts.lines.size()),
                  {check(s.missing == 0, "every landing was played",
                         fmt::format("{} of {}", points - std::size_t(s.missing), points)),
                   check(s.lost == 0, "the drive keeps the joint", fmt::format("lost in {} landings", s.lost))},
@@ -135,10 +135,10 @@ int report(const MappedPeaks& s, const ToldMap& told, Run& run, const Json& more
 }
 
 int report(const Survey& s, Run& run) {
-  ToldMap told{
+  MapTexts texts{
       .scene = s.scene.name,
       .source = s.scene.floor_source,
-      .contacts = ToldMap::Contacts::kShow,
+      .contacts = MapTexts::Contacts::kShow,
       .basins = Table(basin_quantities(s.map.variables, s.basins.empty() ? Motion{} : s.basins[0].basin.play.motion),
                       s.basins),
       .basins_comment =
@@ -149,11 +149,11 @@ int report(const Survey& s, Run& run) {
           "How far each variable may move down and up before the peak rises by 5 %, and the worst peaks under "
           "deviations."};
   for (const JudgedBasin& b : s.basins)
-    told.lines.push_back(fmt::format("{}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion),
-                                     b.basin.peak, b.evidence.tolerant.value));
+    texts.lines.push_back(fmt::format("{}; peak {:.2f}; tolerant peak {:.1f} m/s^2", motion_words(b.basin.play.motion),
+                                      b.basin.peak, b.evidence.tolerant.value));
   if (!s.basins.empty())
-    told.best = fmt::format("{:.4f} m/s^2 at {}", s.basins[0].basin.peak, motion_words(s.basins[0].basin.play.motion));
-  return report(s, told, run);
+    texts.best = fmt::format("{:.4f} m/s^2 at {}", s.basins[0].basin.peak, motion_words(s.basins[0].basin.play.motion));
+  return report(s, texts, run);
 }
 
 }  // namespace ukemi::tools

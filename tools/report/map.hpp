@@ -12,7 +12,7 @@ namespace ukemi::tools {
 extern const Outputs kMapOutputs;
 
 /// What is told of a map beside its grid.
-struct ToldMap {
+struct MapTexts {
   std::string scene, source;  ///< names; source: of the floor's constants
   enum class Contacts { kShow, kUnknown } contacts;
   Table basins;
@@ -21,6 +21,6 @@ struct ToldMap {
   std::string best;                          ///< the best basin
 };
 /// Tells, writes and returns the exit code; `more` comes behind the summary's keys.
-int report(const landing::MappedPeaks& peaks, const ToldMap& told, Run& run, const Json& more = Json::object());
+int report(const landing::MappedPeaks& peaks, const MapTexts& texts, Run& run, const Json& more = Json::object());
 
 }  // namespace ukemi::tools

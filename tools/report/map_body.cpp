@@ -31,25 +31,25 @@ Json minima_json(const BodySurvey& s) {
 int report(const BodySurvey& s, Run& run) {
   const Robot& robot = s.scene.robot;
   const BodyMotion like = s.basins.empty() ? BodyMotion(robot.joints.size()) : s.basins[0].motion;
-  ToldMap told{.scene = s.scene.name,
-               .source = s.scene.source,
-               .contacts = ToldMap::Contacts::kUnknown,
-               .basins = Table(basin_quantities(robot, like), s.basins),
-               .basins_comment =
-                   "tolerant_peak: the worst within the execution tolerance; empty: one of its drops could not be "
-                   "followed.",
-               .basins_words =
-                   "Searched from the grid's local minima over all variables, those that stand on the grid included; "
-                   "and the worst peak within the execution tolerance. The minima of the grid itself: summary.json."};
+  MapTexts texts{.scene = s.scene.name,
+                 .source = s.scene.source,
+                 .contacts = MapTexts::Contacts::kUnknown,
+                 .basins = Table(basin_quantities(robot, like), s.basins),
+                 .basins_comment =
+                     "tolerant_peak: the worst within the execution tolerance; empty: one of its drops could not be "
+                     "followed.",
+                 .basins_words =
+                     "Searched from the grid's local minima over all variables, those that stand on the grid included; "
+                     "and the worst peak within the execution tolerance. The minima of the grid itself: summary.json."};
   for (const BodyBasin& b : s.basins)
-    told.lines.push_back(fmt::format("{}; peak {:.2f}; tolerant peak {} m/s^2", motion_words(robot, b.motion), b.peak,
-                                     short_peak_words(b.tolerant)));
+    texts.lines.push_back(fmt::format("{}; peak {:.2f}; tolerant peak {} m/s^2", motion_words(robot, b.motion), b.peak,
+                                      short_peak_words(b.tolerant)));
   if (!s.basins.empty())
-    told.best = fmt::format("{:.4f} m/s^2 at {}", s.basins[0].peak, motion_words(robot, s.basins[0].motion));
+    texts.best = fmt::format("{:.4f} m/s^2 at {}", s.basins[0].peak, motion_words(robot, s.basins[0].motion));
   if (!s.minima.empty())
     run.say(
         fmt::format("lowest of the grid: {:.2f} m/s^2, {}", s.minima[0].peak, motion_words(robot, s.minima[0].motion)));
-  return report(s, told, run, {{"minima", minima_json(s)}});
+  return report(s, texts, run, {{"minima", minima_json(s)}});
 }
 
 }  // namespace ukemi::tools

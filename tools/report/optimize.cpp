@@ -122,7 +122,7 @@ Json forbidden_touches(const Answer& a, Run& run) {
 }
 
 /// The motion that breaks the ratings least, where none keeps them.
-void tell_least_breaking(const LeastBreaking& l, Run& run, Json& summary) {
+void report_least_breaking(const LeastBreaking& l, Run& run, Json& summary) {
   std::string rating = l.rating;
   std::replace(rating.begin(), rating.end(), '_', ' ');
   run.warn(fmt::format("the motion that breaks them least: {}; its {} is {:.4g} {}, {:.3g} times the {:.4g} allowed",
@@ -314,7 +314,7 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
     if (a.limit)
       run.say(fmt::format("limit {:.1f}, held through the first contact {:.1f}, yours {:.1f}, held throughout {}",
                           a.limit->jump, a.limit->first_contact, a.peak(), short_peak_words(a.held_peak())));
-    tell_scatter(a, run);
+    report_scatter(a, run);
     run.say(fmt::format("searched for {:.2f} s", a.best.seconds));
     if (exports.has(Exports::Format::kPlotJuggler) && !a.played())
       run.warn("plotjuggler.csv is not written: there was no time to play the landing");
@@ -324,7 +324,7 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
     summary = {{"motion", nullptr},
                {"evaluations", a.best.evaluations},
                {"solver", a.options.solvers.empty() ? searched.solver : "compare"}};
-    if (a.least_breaking) tell_least_breaking(*a.least_breaking, run, summary);
+    if (a.least_breaking) report_least_breaking(*a.least_breaking, run, summary);
   }
   summary["objective"] = kGoalNames[std::size_t(searched.goal)];
   if (a.best.found) summary.update(scatter_json(a));

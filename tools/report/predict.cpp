@@ -46,8 +46,8 @@ Quantities<JudgedTrial> verdict_quantities() {
   };
 }
 
-void tell_verdict(const Judgement& j, const std::vector<identify::TrialResult>& trials, Report& report, Json& summary,
-                  Run& run) {
+void report_verdict(const Judgement& j, const std::vector<identify::TrialResult>& trials, Report& report, Json& summary,
+                    Run& run) {
   if (j.verdict() == Verdict::kDoesNotHold)
     run.warn(verdict_text(j));
   else
@@ -100,7 +100,7 @@ int report(const IdentifyQuestion& q, const identify::Prediction& prediction, Do
   summary["identifiable"] = fit.identifiable;
   summary["minima"] = Json::array();
   summary["assumed"] = assumptions(q);
-  tell_verdict(judgement, fit.trials, report, summary, run);
+  report_verdict(judgement, fit.trials, report, summary, run);
   report.figure(trials_figure(q.trials, fit, &judgement));
   for (Figure& f : residual_figures(q.trials, fit)) report.figure(std::move(f));
   Actuator mounted = *q.given;

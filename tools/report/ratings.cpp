@@ -61,8 +61,8 @@ int report(const Scene& scene, const std::vector<RatedPlan>& plans, Run& run) {
       "The best motions of a motor with these ratings, which hold wherever the motion may end within the scene's "
       "execution "
       "tolerance. The motion beside them is that of the tolerant peak.");
-  Json summary = {{"ratings", tell(table, page, run, "ratings.csv",
-                                   "The motion is that of the tolerant peak. Units: rad/s, Nm, m/s^2, deg, s.")}};
+  Json summary = {{"ratings", add_table(table, page, run, "ratings.csv",
+                                        "The motion is that of the tolerant peak. Units: rad/s, Nm, m/s^2, deg, s.")}};
   std::vector<Series> series = curves(plans, "peak", &RatedPlan::lowest);
   for (Series& s : curves(plans, "tolerant peak", &RatedPlan::tolerant)) series.push_back(std::move(s));
   page.plot("ratings", "motor speed [rad/s]", "peak of |ddr_0| [m/s^2]", series);

@@ -183,10 +183,10 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
   std::string why;
   const std::vector<Drawing> drawings = draw(figures_, formats, why);
   const auto provenance = run.provenance();
-  std::string told, list;
+  std::string printed, list;
   for (std::size_t i = 0; i < std::min(provenance.size(), kMostRows); ++i) {
     const std::string line = provenance[i].first + ": " + provenance[i].second;
-    told += line + "\n", list += "<li>" + escaped(line) + "</li>";
+    printed += line + "\n", list += "<li>" + escaped(line) + "</li>";
   }
   if (provenance.size() > kMostRows)
     list += fmt::format("<li>{} more: summary.json</li>", provenance.size() - kMostRows);
@@ -197,7 +197,7 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
     text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[i]));
   }
   for (const Drawing& d : drawings)
-    for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, told);
+    for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, printed);
   if (!why.empty()) text += "<p>The figures are left out: " + escaped(why) + ".</p>\n";
   if (missing) *missing = why;
   text += "<section class=\"provenance\"><h2>Provenance</h2>\n<ul>" + list;
@@ -333,7 +333,7 @@ std::string Report::heatmap(const Heatmap& map) {
   return svg;
 }
 
-Json tell(const Table& table, Report& report, Run& run, const std::string& csv, const std::string& comment) {
+Json add_table(const Table& table, Report& report, Run& run, const std::string& csv, const std::string& comment) {
   say(table, run);
   report.table(table);
   if (!csv.empty()) run.add(csv, table.csv(run, comment));

@@ -70,6 +70,7 @@ class Report {
 };
 
 /// Tells a table on the terminal and in the report, with a name as that file too; the value is for the summary.
-Json tell(const Table& table, Report& report, Run& run, const std::string& csv = "", const std::string& comment = "");
+Json add_table(const Table& table, Report& report, Run& run, const std::string& csv = "",
+               const std::string& comment = "");
 
 }  // namespace ukemi::tools

@@ -52,15 +52,15 @@ void set_drive(TomlEdit& file, const std::string& joint, const std::string& key,
 }
 
 /// [command] and its tables, which need not be there yet.
-void set_command(TomlEdit& file, const std::vector<std::string>& parts, double value, std::string& behind) {
+void set_command(TomlEdit& file, const std::vector<std::string>& parts, double value, std::string& appended) {
   const bool shared = parts.size() == 2;
   const Path table = shared ? Path{"command"} : Path{"command", parts[1]};
   const std::string& key = parts.back();
   const bool there = shared ? file.has({}, "command") : file.has({}, "command") && file.has({"command"}, parts[1]);
   if (there) return file.set(table, key, value);
   const std::string head = fmt::format("\n[{}]\n", shared ? "command" : "command." + parts[1]);
-  if (behind.find(head) == std::string::npos) behind += head;
-  behind.insert(behind.find(head) + head.size(), fmt::format("{} = {}\n", key, shortest(value)));
+  if (appended.find(head) == std::string::npos) appended += head;
+  appended.insert(appended.find(head) + head.size(), fmt::format("{} = {}\n", key, shortest(value)));
 }
 
 }  // namespace
@@ -70,11 +70,11 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
                        const std::string& folder) {
   const std::string& own = robot.scene.robot_file;
   TomlEdit file(own.empty() ? path : own);
-  std::string behind;
+  std::string appended;
   for (const auto& [name, value] : values) {
     const std::vector<std::string> parts = parts_of(name);
     if (parts[0] == "command")
-      set_command(file, parts, value, behind);
+      set_command(file, parts, value, appended);
     else if (parts[0] == "drive")
       set_drive(file, parts[1], parts[2], value);
     else if (parts[1] == "contact")
@@ -87,7 +87,7 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
       set_link(file, robot, parts[2], parts[3], value);
   }
   move_drives(robot.scene.robot, own.empty() ? path : own, folder, file);
-  file.append(behind);
+  file.append(appended);
   CsvWriter head;
   head.comment(comments);
   return head.text() + file.text();

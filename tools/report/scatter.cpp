@@ -158,7 +158,7 @@ Json scatter_json(const Answer& a) {
   return out;
 }
 
-void tell_scatter(const Answer& a, Run& run) {
+void report_scatter(const Answer& a, Run& run) {
   if (a.options.robust.measure && !a.scattered) run.say("nothing scatters: this is the plan for the scene's own drop");
   if (!a.under_scatter) return;
   const UnderScatter& u = *a.under_scatter;

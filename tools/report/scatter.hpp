@@ -44,7 +44,7 @@ Json distribution_json(const landing::Distribution& d);
 Json scatter_json(const landing::Answer& answer);
 /// One sentence of the motion under scatter, beside the references that do nothing; and a warning where its worst tenth
 /// is worse than theirs.
-void tell_scatter(const landing::Answer& answer, Run& run);
+void report_scatter(const landing::Answer& answer, Run& run);
 /// The same on a page: the plan for scatter beside the plan for the scene's own drop and beside holding still.
 void show_scatter(const landing::Answer& answer, Report& report);
 

@@ -92,7 +92,7 @@ int report(const BodyScene& scene, const Trade& trade, const BodyPlanOptions& se
       "middle value, unchanged.");
   const Table table(trade_quantities(scene, trade, goal), trade.points);
   Json summary = {{"goal", goal}, {"plans", trade.plans}};
-  summary["points"] = tell(table, page, run, "trade.csv", "Values as in the files; m/s^2, deg, s.");
+  summary["points"] = add_table(table, page, run, "trade.csv", "Values as in the files; m/s^2, deg, s.");
   if (best) {
     run.say(fmt::format("lowest: {} at {}", worth_words(best->planned, rated(scene)), design_words(trade, *best)));
     summary["best"] = {{"planned", best->planned}, {"at", best->at}};

@@ -168,23 +168,24 @@ Figure ladder_figure(const identify::Ladder& ladder) {
   return out;
 }
 
-void tell_ladder(const identify::Ladder& ladder, Report& report, Json& j, Run& run) {
+void report_ladder(const identify::Ladder& ladder, Report& report, Json& j, Run& run) {
   report.heading("Model ladder");
   j["ladder"] = {{"preferred", ladder.rungs[ladder.preferred].name},
                  {"plain_p", number(ladder.p_plain)},
                  {"plain_rejected", ladder.plain_rejected()},
-                 {"rungs", tell(Table(rung_quantities(ladder), ladder.rungs), report, run)}};
+                 {"rungs", add_table(Table(rung_quantities(ladder), ladder.rungs), report, run)}};
   report.figure(ladder_figure(ladder));
 }
 
-void tell_left_out(const std::vector<LeftOut>& left_out, Report& report, Json& j, Run& run) {
+void report_left_out(const std::vector<LeftOut>& left_out, Report& report, Json& j, Run& run) {
   report.heading("Without each trial");
   report.paragraph(
       "Shifts in standard errors of the whole fit; p of Chow's test that the trial agrees with the others.");
-  j["leave_one_out"] = tell(Table(left_out_quantities(), left_out), report, run);
+  j["leave_one_out"] = add_table(Table(left_out_quantities(), left_out), report, run);
 }
 
-void tell_profiles(const std::vector<identify::Profile>& profiles, const Fit& fit, Report& report, Json& j, Run& run) {
+void report_profiles(const std::vector<identify::Profile>& profiles, const Fit& fit, Report& report, Json& j,
+                     Run& run) {
   CsvWriter csv = run.csv();
   csv.comment(
       "rise of -2 log likelihood above its minimum, the other constants refitted; empty where no rollout is "
@@ -233,7 +234,7 @@ Figure weakest_figure(const identify::Weakest& w) {
 
 std::string probability_words(double p) { return p < 1e-16 ? "below 1e-16" : fmt::format("{:.2g}", p); }
 
-void tell_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& j) {
+void report_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& j) {
   const Table missing(score_quantities(tests, unit), tests.score_tests);
   j["level"] = kTestLevel;
   j["model_rejected"] = tests.model_rejected();
@@ -262,7 +263,7 @@ void warn(const Trust& trust, const Fit& fit, Run& run) {
   for (const std::string& finding : findings(trust, fit)) run.warn(finding);
 }
 
-void tell(const Trust& t, const Fit& fit, Report& report, Json& summary, Run& run) {
+void report_part(const Trust& t, const Fit& fit, Report& report, Json& summary, Run& run) {
   report.heading("How far to trust it");
   report.paragraph(fmt::format(
       "Verdicts: trusted, the 95 % interval is within {:g} % of the value either way; weak, within {:g} %, or the "
@@ -283,11 +284,11 @@ void tell(const Trust& t, const Fit& fit, Report& report, Json& summary, Run& ru
       summary["weakest"]["relative_change"][name] = number(relative);
   }
   Json& j = summary["diagnostics"];
-  tell_tests(t.tests, "rad", report, j);
+  report_tests(t.tests, "rad", report, j);
   j["rivals"] = Table(rival_quantities, t.rivals).objects();
-  if (t.ladder) tell_ladder(*t.ladder, report, j, run);
-  if (!t.left_out.empty()) tell_left_out(t.left_out, report, j, run);
-  if (!t.profiles.empty()) tell_profiles(t.profiles, fit, report, j, run);
+  if (t.ladder) report_ladder(*t.ladder, report, j, run);
+  if (!t.left_out.empty()) report_left_out(t.left_out, report, j, run);
+  if (!t.profiles.empty()) report_profiles(t.profiles, fit, report, j, run);
 }
 
 }  // namespace ukemi::tools

@@ -78,7 +78,7 @@ class Projector {
     note("plane", "normal " + options_.normal, plane_.words);
     place_bodies(), judge_joints(), find_base(), make_parts(), weigh_parts();
     add_links(), add_contacts(), set_base();
-    tell_offsets(), set_gravity();
+    report_offsets(), set_gravity();
     note("left out", "", fmt::format("{}", fmt::join(robot_.left_out, ", ")));
     out_.robot.validate();
     return std::move(out_);
@@ -177,7 +177,7 @@ class Projector {
         part_[std::size_t(i)] = int(parts_.size()) - 1;
       } else {
         part_[std::size_t(i)] = above;
-        tell_joined(i);
+        report_joined(i);
       }
       parts_[std::size_t(part_[std::size_t(i)])].bodies.push_back(i);
     }
@@ -199,7 +199,7 @@ class Projector {
                      all.empty() ? "no joint turns at all" : "axes of the joints: " + all));
   }
   /// A body that is one with its parent, and why.
-  void tell_joined(int i) {
+  void report_joined(int i) {
     const SpatialBody& b = body(i);
     const std::string mass = fmt::format("{:.4g} kg", b.inertia.mass), on = body(b.parent).name;
     if (b.joint.motion == Motion::kFixed) {
@@ -291,11 +291,11 @@ class Projector {
     note("stays", out.name,
          fmt::format("{} about {}{}: phi = {}q{}", j.type, axis(i).dot(plane_.normal) > 0 ? "+" : "-", options_.normal,
                      same ? "" : "-", off > 1e-9 ? fmt::format("; its axis is {:.2g} deg off", off * kDegrees) : ""));
-    if (file.empty()) tell_drive(j, out.name);
+    if (file.empty()) report_drive(j, out.name);
     out_.robot.joints.push_back(out), out_.joints.push_back(j), out_.drive_files.push_back(file);
   }
   /// What the description has of a drive, and what it has not.
-  void tell_drive(const SpatialJoint& j, const std::string& name) {
+  void report_drive(const SpatialJoint& j, const std::string& name) {
     std::string comments;
     const auto add = [&](const std::string& text) { comments += (comments.empty() ? "" : ", ") + text; };
     if (j.lower && j.upper) add(fmt::format("limits {:.4g} to {:.4g} deg", *j.lower * kDegrees, *j.upper * kDegrees));
@@ -351,7 +351,7 @@ class Projector {
   }
 
   /// What lies off the plane is dropped: it makes no moment about the normal.
-  void tell_offsets() {
+  void report_offsets() {
     double most = 0;
     std::string where;
     const Eigen::Vector3d origin = parts_[0].origin;

@@ -18,7 +18,7 @@ LandingOfFit landing_of_fit(const Scene& scene, const Actuator& actuator, const 
   const DropModel model(scene, Scatter{}, actuator, {.floor = false});
   const auto peaks = [&](const std::vector<ScatteredDrop>& drops) {
     ScatteredLandings landings;
-    const Play planned{motion, actuator.sea};
+    const DrivenMotion planned{motion, actuator.sea};
     std::vector<double> all;
     for (const LandingPeak& l : landings.play({&planned, 1}, drops, {.accuracy = kAccuracy, .threads = threads}))
       all.push_back(counted(l, std::numeric_limits<double>::infinity()));

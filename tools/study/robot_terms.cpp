@@ -127,7 +127,7 @@ class TableOf {
 };
 
 /// Whether any trial has it.
-bool told(const std::vector<RobotTrial>& trials, std::size_t joint, Told what) {
+bool has_column(const std::vector<RobotTrial>& trials, std::size_t joint, CommandColumn what) {
   return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.commands->joint[joint][what].empty(); });
 }
 bool sensed(const std::vector<RobotTrial>& trials, std::size_t joint, Sensed what) {
@@ -140,9 +140,9 @@ void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const st
   const std::string drive = "drive." + j.name + ".", command = "command." + j.name + ".";
   if (j.kind == DriveKind::kPassive) table.add(drive, kPassive);
   if (j.driven()) {
-    const bool refers = told(trials, i, kPhiRef);
-    if (refers && !told(trials, i, kKp)) table.add(drive, kGains[0]);
-    if ((refers || told(trials, i, kDphiRef)) && !told(trials, i, kKd)) table.add(drive, kGains[1]);
+    const bool refers = has_column(trials, i, kPhiRef);
+    if (refers && !has_column(trials, i, kKp)) table.add(drive, kGains[0]);
+    if ((refers || has_column(trials, i, kDphiRef)) && !has_column(trials, i, kKd)) table.add(drive, kGains[1]);
     table.add(drive, kGeared), table.add(command, kTorques);
     if (j.kind == DriveKind::kElastic) table.add(drive, kElastic);
     if (sensed(trials, i, kTorque)) table.add(command, kReport);

@@ -89,7 +89,7 @@ void name_reports(const DemoArguments& a, const std::string& folder, const Commo
 }
 
 /// One page that tells the chain as a story, with a link to each part's report.
-void tell_story(const Comparison& c, const Table& best, const Table& published, Run& run) {
+void report_story(const Comparison& c, const Table& best, const Table& published, Run& run) {
   const Optimum& own = c.motions[1].best;
   Report page("From trials to a soft landing");
   const bool nearer = own.found && c.motions[1].landings[1] && c.motions[0].landings[1];
@@ -166,7 +166,7 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
   say(best, run);
   run.say(""), run.say("== beside the paper");
   say(published, run);
-  tell_story(comparison, best, published, run);
+  report_story(comparison, best, published, run);
   name_reports(a, folder, common, run);
   return run.finish({{"identified", best.object(0)},
                      {"table2", best.object(1)},

@@ -50,7 +50,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   options.validate();
   if (!a.drop_from.empty()) {
     const ScatteredDrop drop = drop_of(a.drop_from, scene, actuator, run);
-    const Play play = drop.played({motion, actuator.sea});
+    const DrivenMotion play = drop.played({motion, actuator.sea});
     scene = drop.scene, motion = play.motion, actuator.sea = play.sea;
   }
   const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
