@@ -111,9 +111,9 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
   out.held = distribution(play.peaks({kHeld, planned.sea}, drops, {}));
   // The best posture: on a grid, then between the best one's neighbours.
   constexpr int kGrid = 25, kRounds = 2;
-  constexpr std::size_t kContenders = 128;
+  constexpr std::size_t kPostureDrops = 128;
   const auto first_drops =
-      std::span(drops).first(std::min(kContenders, drops.size()));  // of measured ones there may be fewer
+      std::span(drops).first(std::min(kPostureDrops, drops.size()));  // of measured ones there may be fewer
   auto [low, high] = model.scene().search.phi;
   double best = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {

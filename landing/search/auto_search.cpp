@@ -14,7 +14,7 @@ namespace {
 // Sizes and distances in parts of the cube, shares in parts of the budget. They were tuned on the shipped scenes, with
 // seeds from 100 on.
 constexpr std::size_t kBasins = 24;
-constexpr double kBasinsApart = 0.04, kLeadsApart = 0.15;
+constexpr double kBasinsApart = 0.04, kIncumbentsApart = 0.15;
 constexpr double kPlain = 0.1;   // share of the motions from anywhere that do nothing but the quintic, see point_of
 constexpr int kGeneration = 16;  // motions
 constexpr int kToTheEnd = 1'000'000;  // generations that no run needs
@@ -64,7 +64,7 @@ void AutoSearch::run(Search& search) {
   follow_hints();
   until_ = 1;
   if (profile_.one_landing()) {
-    run_with_leads();
+    run_from_incumbents();
   } else {
     look_for_basins();
     judge_basins();
@@ -83,13 +83,13 @@ void AutoSearch::follow_hints() {
 }
 
 /// Fast first descent, with or without known basins: motions from anywhere, then most of them from close to
-/// the two best, the leads, each followed only while it may better one; from the best of them the first run.
-void AutoSearch::run_with_leads() {
-  constexpr long kFree = 128, kEarly = 1'000, kContenders = 1'500, kMany = 6'000;  // motions
+/// the two best, the incumbents, each followed only while it may better one; from the best of them the first run.
+void AutoSearch::run_from_incumbents() {
+  constexpr long kFree = 128, kEarly = 1'000, kEnough = 1'500, kMany = 6'000;  // motions
   constexpr double kAnywhere = 0.1, kLater = 0.5;                  // share from anywhere, before kEarly, after
   constexpr double kFarthest = -0.6, kNearest = -1, kAtLast = -3;  // powers of ten beside an incumbent
-  starts_ = Archive(2, kLeadsApart);
-  const auto enough = [&] { return search_->motions() >= kContenders && search_->share() >= profile_.scouting; };
+  starts_ = Archive(2, kIncumbentsApart);
+  const auto enough = [&] { return search_->motions() >= kEnough && search_->share() >= profile_.scouting; };
   for (const Candidate& b : basins_) starts_.add(b);
   for (long n = starts_.empty() ? 0 : kFree; n < kMany && !over() && !enough(); n += kBatch) {
     const double spent = std::max(double(n) / double(kMany), search_->share()),
@@ -149,7 +149,7 @@ void AutoSearch::judge_basins() {
     judged_.add(p);
   }
   basins_ = judged_;
-  if (by_population()) return run_with_leads();
+  if (by_population()) return run_from_incumbents();
   for (std::size_t i = 0; i < std::min(kRuns, judged_.size()) && !over(); ++i)
     descend(judged_[i].u, kNarrow, kToTheEnd);
 }
@@ -189,7 +189,7 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
     motions = std::max(motions, long(places) * (judges ? kScreen : kRace));
     ++races_;
   } else {
-    starts_ = judges ? Archive(descent.starts, descent.apart) : Archive(2, kLeadsApart);
+    starts_ = judges ? Archive(descent.starts, descent.apart) : Archive(2, kIncumbentsApart);
   }
   const double enough = search_->share() + share;
   for (long n = 0; n < motions && !over() && search_->share() < enough; n += kBatch) {

@@ -48,7 +48,7 @@ class AutoSearch {
 
  private:
   void follow_hints();
-  void run_with_leads();
+  void run_from_incumbents();
   void look_for_basins();
   void judge_best();
   void judge_basins();
