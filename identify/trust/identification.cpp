@@ -205,7 +205,7 @@ SecondLook look_again(const Experiment& e, const std::optional<SeaParameters<dou
   SecondLook said;
   if (terms.empty() || out.fit.interrupted || e.options.explore > 0 || !doubtful(out)) return said;
   const double first = out.fit.rms;
-  const auto adopt = [&](Fit f, const std::string& where) {
+  const auto adopt_better = [&](Fit f, const std::string& where) {
     if (!better(f, out.fit)) return void(out.fit.starts += f.starts);
     said.better =
         fmt::format("the first minimum found, {:.4g} rad rms, was not the best: {:.4g} rad {}", first, f.rms, where);
@@ -214,12 +214,12 @@ SecondLook look_again(const Experiment& e, const std::optional<SeaParameters<dou
   };
   base.feedback = out.fit.sea.feedback;
   Pointed pointed = fit_where_tests_point(e, terms, start, base);
-  adopt(std::move(pointed.fit), "where the score tests point");
+  adopt_better(std::move(pointed.fit), "where the score tests point");
   const bool met = pointed.gain > 0 && out.fit.cost <= pointed.plain - kMet * pointed.gain;
   if (!doubtful(out) || (met && !out.fit.far_above_noise)) return said;
   FitOptions explore = e.options;
   explore.explore = kMoreStarts;
-  adopt(fit(e.rig, e.trials, start, base, explore), fmt::format("from {} drawn starts", kMoreStarts));
+  adopt_better(fit(e.rig, e.trials, start, base, explore), fmt::format("from {} drawn starts", kMoreStarts));
   if (doubtful(out))
     said.in_vain = fmt::format(
         "{}: where its score test points and {} drawn starts found nothing better: the model lacks something else",
