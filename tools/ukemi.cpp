@@ -24,9 +24,9 @@ int guarded(int argc, char** argv) {
     print_message(std::string("ukemi: ") + e.what(), Tone::kError);
     return kBadInput;
   } catch (const std::bad_alloc&) {
-    print_raw(kNoMemory);
+    print_message_raw(kNoMemory);
   } catch (const std::length_error&) {  // more than a container can ever hold
-    print_raw(kNoMemory);
+    print_message_raw(kNoMemory);
   } catch (const std::exception& e) {
     print_message(std::string("ukemi: ") + e.what(), Tone::kError);
   }
@@ -38,7 +38,7 @@ int guarded(int argc, char** argv) {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
   } catch (const std::bad_alloc&) {
-    print_raw(kNoMemory);
+    print_message_raw(kNoMemory);
     ::_exit(kNumbers);
   } catch (...) {
   }

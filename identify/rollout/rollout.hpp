@@ -48,7 +48,8 @@ struct RolloutOptions {
   double accuracy = 1e-9;          ///< relative tolerance of each step
   double max_step = kLongestStep;  ///< longest step; the step of a fixed-step method [s]
   /// Absent: the explicit one that suits the trial's kernel. The others are for comparison, and kAuto for values of
-  /// stiff constants; derivatives are explicit only, and with another method only in a Jet of kSmallJet.
+  /// stiff constants; derivatives are explicit only, and with another method only in a Jet of kSmallJet. A drive with
+  /// delay or filter: none, or kAuto.
   std::optional<Method> method;
   /// Where the rig is linear: exactly (linear.hpp), or integrated like the rest, for comparison and other methods.
   enum class Linear { kExact, kIntegrated } linear = Linear::kExact;

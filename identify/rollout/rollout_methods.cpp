@@ -1,4 +1,5 @@
 // The other methods than the one that fits use: compiled for the kernel that holds every term.
+#include "common/error.hpp"
 #include "common/integrate/automatic.hpp"
 #include "common/integrate/semi_implicit_euler.hpp"
 #include "identify/rollout/roll.hpp"
@@ -11,19 +12,22 @@ RolloutStatus roll_with_method(const Rig& rig, const SeaParameters<T>& sea, cons
                                std::vector<T>& phi_m, std::vector<T>* torque) {
   using integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
   using Linear = RolloutOptions::Linear;
-  const bool late = !trial.trial->rig_or(rig).drive.by_command() && is_late(sea);
-  const auto with = [&]<class M, Linear kLinear = Linear::kIntegrated>() {
-    const auto roll = [&]<SeaTerms kTerms>() {
-      return Roll<M, kTerms, T, kLinear>(rig, sea, nuisance, trial, options, phi, phi_m, torque).run();
-    };
-    return late ? roll.template operator()<SeaTerms{true, true, true}>()
-                : roll.template operator()<SeaTerms{true, true}>();
+  const auto with = [&]<class M, bool kLate = false, Linear kLinear = Linear::kIntegrated>() {
+    return Roll<M, SeaTerms{true, true, kLate}, T, kLinear>(rig, sea, nuisance, trial, options, phi, phi_m, torque)
+        .run();
   };
+  const bool late = !trial.trial->rig_or(rig).drive.by_command() && is_late(sea);
   if constexpr (std::is_same_v<T, double>) {  // the implicit ones have no derivatives
-    if (options.method == Method::kRodas5P) return with.template operator()<Rodas5P>();
+    using Automatic = integrate::Automatic<DormandPrince853, Rodas5P>;
     if (options.method == Method::kAuto)
-      return with.template operator()<integrate::Automatic<DormandPrince853, Rodas5P>, Linear::kExact>();
+      return late ? with.template operator()<Automatic, true, Linear::kExact>()
+                  : with.template operator()<Automatic, false, Linear::kExact>();
   }
+  if (late)
+    throw InputError(std::string("method: ") + integrate::name(*options.method) +
+                     ": of a drive without delay and filter alone");
+  if constexpr (std::is_same_v<T, double>)
+    if (options.method == Method::kRodas5P) return with.template operator()<Rodas5P>();
   if (options.method == Method::kSemiImplicitEuler) return with.template operator()<integrate::SemiImplicitEuler>();
   if (options.method == Method::kRungeKutta4) return with.template operator()<integrate::RungeKutta4>();
   if (options.method == Method::kDormandPrince54) return with.template operator()<DormandPrince54>();

@@ -199,7 +199,7 @@ double Objective::verified(const DrivenMotion& play, double accuracy, double bou
   const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
   if (too_quick(play)) return kNoMotion;
   for (int k = 0; k < n && !late(); ++k) {
-    const Play at = space_.execution_point(play, scene_.execution, k);
+    const DrivenMotion at = space_.execution_point(play, scene_.execution, k);
     const LandingPeak p = peak_acceleration(scene_, at.sea, at.motion,
                                             {.accuracy = accuracy,
                                              .abandon_above = counts(k, options_.goal) ? bound : kAny,

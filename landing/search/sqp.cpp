@@ -151,7 +151,7 @@ void sequential_quadratic(Search& search) {
     std::fill(gradient, gradient + n * count, 0.0);
     const Place place(space, p.u);
     for (int k = 0; k < boxes && !search.over(); ++k) {
-      const Play at = space.execution_point(place.play, objective.scene().execution, k);
+      const DrivenMotion at = space.execution_point(place.play, objective.scene().execution, k);
       const Peaks found = peaks_of(objective.scene(), at, {.accuracy = objective.accuracy(), .over = objective.over()},
                                    each, place.last);
       search.spend(found.work);

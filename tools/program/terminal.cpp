@@ -60,7 +60,7 @@ bool open_for_reader(const std::string& file) {
   return error == 0;
 }
 
-void print_raw(const char* text) { std::fputs(text, stderr); }
+void print_message_raw(const char* text) { std::fputs(text, stderr); }
 
 void print_message(const std::string& line, Tone tone) {
   static const bool coloured = knows_colours();

@@ -27,6 +27,6 @@ enum class Tone { kPlain, kWarning, kError };
 /// A line on stderr, made safe to show; where stderr takes none it is lost.
 void print_message(const std::string& line, Tone tone = Tone::kPlain);
 /// To stderr as it is; takes no memory.
-void print_raw(const char* text);
+void print_message_raw(const char* text);
 
 }  // namespace ukemi::tools

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "tools/report/body.hpp"
+#include "tools/report/results.hpp"
 
 namespace ukemi::python {
 

@@ -8,6 +8,7 @@
 #include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/body.hpp"
+#include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
 
 namespace ukemi::python {

@@ -12,8 +12,6 @@
 
 namespace ukemi::tools {
 
-extern const Outputs kCalibrateOutputs;
-
 /// A fit, and the logs that it is of.
 struct FitTexts {
   const FloorFit& result;

@@ -11,8 +11,6 @@
 
 namespace ukemi::tools {
 
-extern const Outputs kCompareOutputs;
-
 /// A set's best motion.
 struct MotionTexts {
   std::string set, words;

@@ -9,8 +9,6 @@
 
 namespace ukemi::tools {
 
-extern const Outputs kMapOutputs;
-
 /// What is told of a map beside its grid.
 struct MapTexts {
   std::string scene, source;  ///< names; source: of the floor's constants

@@ -23,7 +23,8 @@ struct Survey;
 
 namespace ukemi::tools {
 
-extern const Outputs kRatingsOutputs, kOptimizeOutputs, kSimulateOutputs;
+extern const Outputs kSimulateOutputs, kOptimizeOutputs, kCalibrateOutputs, kCompareOutputs, kMapOutputs,
+    kRatingsOutputs, kRiskOutputs;
 
 struct CalibratedDrops;
 struct Exports;

@@ -263,7 +263,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   if (!t.source.empty()) page.paragraph("Floor constants: " + t.source + ".");
   page.paragraph(t.motion + ".");
   page.paragraph(t.drops);
-  report_part(peaks, page, run);
+  add_table(peaks, page, run);
   for (const std::string& sentence : {held_comparison(r, t.rated), index_words(r)})
     run.say(sentence), page.paragraph(sentence);
   Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, t.held, r.held.samples, what);
@@ -271,12 +271,12 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   page.figure(peak_figure);
   if (!r.uncertainties.empty()) page.figure(sobol_figure(r));
   if (!r.uncertainties.empty())
-    report_part(
+    add_table(
         indices, page, run, "sobol.csv",
         "Shares of the variance of the peak: first, what a number brings alone; total, with what it does together "
         "with others; low, high: 95 % intervals.");
   for (const Table* x : {&contacts, &touched, &passed})
-    if (!x->shown().empty()) report_part(*x, page, run);
+    if (!x->shown().empty()) add_table(*x, page, run);
   page.answer(first_screen(r, t), run.warnings());
   page.distrust(run.warnings());
   run.add("histogram.csv", Table(bin_quantities(), r.histogram).csv(run, "Drops by their peak [m/s^2]."));

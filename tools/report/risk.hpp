@@ -11,8 +11,6 @@
 
 namespace ukemi::tools {
 
-extern const Outputs kRiskOutputs;
-
 struct RiskStudy {
   landing::Scene scene;
   Actuator actuator;

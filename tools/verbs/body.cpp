@@ -18,6 +18,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/body.hpp"
+#include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
 #include "tools/robots/projection.hpp"
 

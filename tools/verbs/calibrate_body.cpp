@@ -5,6 +5,7 @@
 #include "landing/drops/body_rollout.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/calibrate.hpp"
+#include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/calibrate.hpp"
 

@@ -6,6 +6,7 @@
 #include "common/error.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/report/body.hpp"
+#include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
 
 namespace ukemi::tools {

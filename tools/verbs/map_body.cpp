@@ -7,6 +7,7 @@
 #include "landing/plan/body_map.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/body.hpp"
+#include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
 
 namespace ukemi::tools {
