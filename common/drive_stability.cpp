@@ -32,9 +32,8 @@ Eigen::Matrix<double, N, N> linear_field(const SeaParameters<double>& sea, doubl
   return a;
 }
 
-template <int N>
-double largest_real_part(const Eigen::Matrix<double, N, N>& a) {
-  const auto eigenvalues = Eigen::EigenSolver<Eigen::Matrix<double, N, N>>(a, false).eigenvalues();
+double largest_real_part(const Eigen::MatrixXd& a) {
+  const auto eigenvalues = Eigen::EigenSolver<Eigen::MatrixXd>(a, false).eigenvalues();
   constexpr double kRounding = 1e-7;  // two eigenvalues at 0, of a drive without gains, come out as large as that
   const double rate = eigenvalues.real().maxCoeff();
   return std::abs(rate) > kRounding * eigenvalues.cwiseAbs().maxCoeff() ? rate : 0;

@@ -104,7 +104,7 @@ void Run::progress(const std::string& what, long done, long total) const {
   const std::string bar =
       fmt::format("\r{} [{}{}] {:.3g}/s, {:.0f} s left  ", what, std::string(std::size_t(filled), '#'),
                   std::string(std::size_t(30 - filled), ' '), rate, left);
-  print_raw((bar + (done >= total ? "\n" : "")).c_str());
+  print_message_raw((bar + (done >= total ? "\n" : "")).c_str());
 }
 Monitor Run::monitor(const std::string& what) const {
   catch_interrupts();

@@ -65,8 +65,8 @@ void print_message_raw(const char* text) { std::fputs(text, stderr); }
 void print_message(const std::string& line, Tone tone) {
   static const bool coloured = knows_colours();
   const std::string text = shown(line);
-  if (tone == Tone::kPlain || !coloured) return print_raw((text + "\n").c_str());
-  print_raw(((tone == Tone::kError ? "\033[1;31m" : "\033[33m") + text + "\033[0m\n").c_str());
+  if (tone == Tone::kPlain || !coloured) return print_message_raw((text + "\n").c_str());
+  print_message_raw(((tone == Tone::kError ? "\033[1;31m" : "\033[33m") + text + "\033[0m\n").c_str());
 }
 
 }  // namespace ukemi::tools
