@@ -59,7 +59,7 @@ py::dict written(const T& result, const tools::Outputs& outputs, const Path& fol
   {
     const py::gil_scoped_release release;
     tools::Run run(outputs, report_options(folder, figures, seed));
-    (void)add_table(result, run);
+    (void)report(result, run);
   }
   return summary_of(folder);
 }
