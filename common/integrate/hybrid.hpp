@@ -197,6 +197,11 @@ class Integrator {
     return -1;
   }
 
+  /// True where the cubic of a guard is as positive all through as at its ends, which one that is inactive is.
+  bool stands(int i) const {
+    return start_.rate[i] == 0 && end_.rate[i] == 0 && start_.value[i] > 0 && end_.value[i] > 0;
+  }
+
   double guard_at(int i, double s) {
     Guards<kGuards> g;
     const State y = dense().at(s);
@@ -214,6 +219,7 @@ class Integrator {
     std::array<double, kGuards> guess{};
     double earliest = 2;
     for (int i = 0; i < kGuards; ++i) {
+      if (stands(i)) continue;
       const Node a = start_of(i), b{1, end_.value[i], end_.rate[i] * step_.h};
       const double margin = 0.02 * (std::abs(a.d) + std::abs(b.d));
       if (bernstein_minimum(a, b) > (a.g > 0 ? margin : 0)) continue;

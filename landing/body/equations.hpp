@@ -19,6 +19,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -30,13 +31,39 @@ namespace ukemi::landing {
 /// How many of each a kernel is compiled for.
 struct Capacity {
   int bodies, joints, contacts;
+  bool exact = false;  ///< of robots of so many bodies and moving joints, no fewer: loops over them are unrolled
 };
-/// The kernels that there are.
-inline constexpr Capacity kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts};
+/// The kernels that there are: exact ones of the paper's robot, of two driven joints and of three; others by size.
+inline constexpr Capacity kPair{2, 1, 3, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true}, kSmall{3, 2, 4},
+    kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts};
 inline bool fits(const Robot& robot, const Capacity& c) {
+  const auto locked = [](const Joint& j) { return j.kind == DriveKind::kLocked; };
+  if (c.exact && (int(robot.links.size()) != c.bodies || int(robot.joints.size()) != c.joints ||
+                  std::any_of(robot.joints.begin(), robot.joints.end(), locked)))
+    return false;
   return robot.links.size() <= std::size_t(c.bodies) && robot.joints.size() <= std::size_t(c.joints) &&
          robot.contacts.size() <= std::size_t(c.contacts);
 }
+
+/// f.operator()<kSize>() with the first of the kernels that holds the robot; the last one holds all that come to it.
+template <Capacity kFirst, Capacity... kRest, class F>
+auto in_kernel(const Robot& robot, F&& f) {
+  if constexpr (sizeof...(kRest) > 0)
+    if (!fits(robot, kFirst)) return in_kernel<kRest...>(robot, f);
+  return f.template operator()<kFirst>();
+}
+
+/// How many there are: known to the compiler where the kernel is exact.
+template <int kMost, bool kExact>
+struct Count {
+  int n = 0;
+  operator int() const { return n; }
+};
+template <int kMost>
+struct Count<kMost, true> {
+  Count(int = kMost) {}
+  constexpr operator int() const { return kMost; }
+};
 
 /// Lever arms of a point by body.
 template <class T, int kBodies>
@@ -62,7 +89,9 @@ struct JointPlace {
 template <class T, Capacity kSize>
 struct Body {
   static constexpr int kBodies = kSize.bodies;
-  int bodies = 0, joints = 0, contacts = 0;
+  Count<kBodies, kSize.exact> bodies;
+  Count<kSize.joints, kSize.exact> joints;
+  int contacts = 0;
   Base base = Base::kFree;
   bool first_stays = false;  ///< the first body's angle: on a rail, or where its pin is locked
   std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
@@ -90,7 +119,8 @@ struct Body {
   /// Takes the rest of another body: what is no number of T.
   template <class U>
   void take_structure(const Body<U, kSize>& o) {
-    bodies = o.bodies, joints = o.joints, contacts = o.contacts, base = o.base, first_stays = o.first_stays;
+    bodies = {int(o.bodies)}, joints = {int(o.joints)}, contacts = o.contacts, base = o.base,
+    first_stays = o.first_stays;
     joint = o.joint, offset = o.offset, body_of = o.body_of;
   }
   template <class Other>
@@ -278,6 +308,7 @@ Body<double, kSize> body_of(const Robot& robot) {
   using Arm = Arms<double, kSize.bodies>;
   Body<double, kSize> out;
   out.base = robot.base;
+  int bodies = 0, joints = 0;
   std::vector<Arm> origin(robot.links.size()), com = origin;
   const auto shifted = [&](const Arm& from, int link, const Place& at) {
     return landing::shifted(out, from, link, at);
@@ -287,16 +318,15 @@ Body<double, kSize> body_of(const Robot& robot) {
     const Joint* joint = robot.joint_of(i);
     const bool locked = joint && joint->kind == DriveKind::kLocked;
     if (i == 0) {
-      out.bodies = 1, out.first_stays = robot.base == Base::kRail || locked;
+      bodies = 1, out.first_stays = robot.base == Base::kRail || locked;
     } else {
       origin[i] = shifted(origin[link.parent], link.parent, link.at);
       out.offset[i] = locked ? out.offset[link.parent] + joint->phi : 0;
-      out.body_of[i] = locked ? out.body_of[link.parent] : out.bodies++;
+      out.body_of[i] = locked ? out.body_of[link.parent] : bodies++;
     }
     com[i] = shifted(origin[i], i, link.com);
     out.mass += link.mass;
   }
-  const int bodies = out.bodies;
   Arm centre;
   for (std::size_t i = 0; i < com.size(); ++i)
     for (int j = 0; j < bodies; ++j)
@@ -319,7 +349,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     const Joint& joint = robot.joints[i];
     if (joint.kind == DriveKind::kLocked) continue;
     const int parent = robot.links[joint.child].parent, child = out.body_of[joint.child];
-    JointPlace& place = out.joint[out.joints++];
+    JointPlace& place = out.joint[joints++];
     place = {parent < 0 ? -1 : out.body_of[parent], child, parent < 0 ? 0 : -out.offset[parent], int(i)};
     if (joint.kind != DriveKind::kGeared) continue;
     out.n[child][child] += joint.sea.i_motor;
@@ -327,6 +357,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     out.n[place.parent][place.parent] += joint.sea.i_motor;
     out.n[child][place.parent] -= joint.sea.i_motor, out.n[place.parent][child] -= joint.sea.i_motor;
   }
+  out.bodies = {bodies}, out.joints = {joints};
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
   out.peak = from_base(shifted(origin[robot.peak_link], robot.peak_link, robot.peak));

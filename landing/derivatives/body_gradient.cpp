@@ -9,8 +9,7 @@
 #include "common/actuator_constants.hpp"
 #include "common/error.hpp"
 #include "landing/body/floor_constants.hpp"
-#include "landing/derivatives/differentiated_body.hpp"
-#include "landing/derivatives/peak_observer.hpp"
+#include "landing/derivatives/gradient_kernel.hpp"
 
 namespace ukemi::landing {
 
@@ -47,27 +46,11 @@ void check(const BodyParameter& p, const Robot& robot) {
   if (!joint.driven()) throw InputError("parameter: joint " + joint.name + " is not driven");
 }
 
-/// Parameters of one run.
-constexpr int kAtOnce = 8;
-
-template <Capacity kSize>
-BodyGradients landed(const BodyScene& scene, const BodyMotion& motion, std::span<const BodyParameter> parameters,
-                     const SimulateOptions& options, int most) {
-  using Landing = DifferentiatedBody<kAtOnce, kSize>;
-  Landing landing(scene, motion, parameters, options);
-  PeakObserver<Landing> observer(most);
-  const DifferentiatedOutcome outcome = landing.run(observer);
-  BodyGradients out{.peaks = {}, .t_end = outcome.t_end, .end = outcome.end, .status = outcome.status};
-  for (const auto& p : observer.peaks)
-    out.peaks.push_back(
-        {p.t, p.value, (p.d.array() / landing.unit()).matrix().head(Eigen::Index(parameters.size())), p.kind});
-  return out;
-}
-
 BodyGradients some_gradients(const BodyScene& scene, const BodyMotion& motion,
                              std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
-  return fits(scene.robot, kSmall) ? landed<kSmall>(scene, motion, parameters, options, most)
-                                   : landed<kAny>(scene, motion, parameters, options, most);
+  return in_kernel<kPair, kTriple, kQuad, kMiddle, kAny>(scene.robot, [&]<Capacity kSize>() {
+    return gradients_in_kernel<kSize>(scene, motion, parameters, options, most);
+  });
 }
 
 /// The derivatives of `more` behind those of `out`. The runs step by their own derivatives too, so that one maximum of

@@ -242,8 +242,7 @@ DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& 
 }  // namespace
 
 double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start) {
-  return fits(robot, kSmall) ? stable<kSmall>(robot, path, commands, start)
-                             : stable<kAny>(robot, path, commands, start);
+  return in_kernel<kSmall, kAny>(robot, [&]<Capacity kSize>() { return stable<kSize>(robot, path, commands, start); });
 }
 
 DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
@@ -252,8 +251,8 @@ DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Com
   if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
   DrivenOptions with = options;
   if (with.step <= 0) with.step = stable_step(robot, path, commands, start);
-  return fits(robot, kSmall) ? roll<kSmall>(robot, path, commands, start, times, with)
-                             : roll<kAny>(robot, path, commands, start, times, with);
+  return in_kernel<kSmall, kAny>(
+      robot, [&]<Capacity kSize>() { return roll<kSize>(robot, path, commands, start, times, with); });
 }
 
 }  // namespace ukemi::landing

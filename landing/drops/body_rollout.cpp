@@ -130,8 +130,8 @@ BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const st
   SimulateOptions through = options;
   through.rest = SimulateOptions::Rest::kIgnore;
   const Sampling sampling{channels, times, out};
-  const BodyLanding landing = fits(scene.robot, kSmall) ? follow<kSmall>(until, motion, through, sampling)
-                                                        : follow<kAny>(until, motion, through, sampling);
+  const BodyLanding landing = in_kernel<kSmall, kAny>(
+      scene.robot, [&]<Capacity kSize>() { return follow<kSize>(until, motion, through, sampling); });
   out.first_touchdown = landing.first_touchdown, out.peak = landing.peak;
   out.steps = landing.work.steps + landing.work.rejected;
   out.complete = channels.empty() ? landing.end == End::kTimeLimit || landing.end == End::kNoContact

@@ -31,16 +31,17 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 }  // namespace
 
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
-  const bool small = fits(robot, kSmall);
-  if (options.accuracy < kLowOrder || (!small && !fits(robot, kMiddle))) return run_scalar(source, options);
-  switch (std::min(set, widest_instruction_set())) {
-    case InstructionSet::kAvx512:
-      return run_body_lanes<8>(source, small, options);
-    case InstructionSet::kAvx2:
-      return run_body_lanes<4>(source, small, options);
-    case InstructionSet::kBaseline:
-      return run_body_lanes<2>(source, small, options);
-  }
+  if (options.accuracy < kLowOrder || !fits(robot, kMiddle)) return run_scalar(source, options);
+  in_kernel<kPair, kTriple, kQuad, kMiddle>(robot, [&]<Capacity kSize>() {
+    switch (std::min(set, widest_instruction_set())) {
+      case InstructionSet::kAvx512:
+        return run_body_lanes<kSize, 8>(source, options);
+      case InstructionSet::kAvx2:
+        return run_body_lanes<kSize, 4>(source, options);
+      case InstructionSet::kBaseline:
+        return run_body_lanes<kSize, 2>(source, options);
+    }
+  });
 }
 
 void body_batch_peaks(std::span<const BodyBatchCase> cases, std::span<BodyLanding> landings,

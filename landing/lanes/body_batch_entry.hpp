@@ -6,13 +6,8 @@
 
 namespace ukemi::landing {
 
-template <int kLanes>
-void run_body_lanes(BodyBatchSource& source, bool small, const BodyBatchOptions& options);
-template <>
-void run_body_lanes<2>(BodyBatchSource& source, bool small, const BodyBatchOptions& options);
-template <>
-void run_body_lanes<4>(BodyBatchSource& source, bool small, const BodyBatchOptions& options);
-template <>
-void run_body_lanes<8>(BodyBatchSource& source, bool small, const BodyBatchOptions& options);
+/// Instantiated in body_batch_kernel.cpp for every kernel of lanes.
+template <Capacity kSize, int kLanes>
+void run_body_lanes(BodyBatchSource& source, const BodyBatchOptions& options);
 
 }  // namespace ukemi::landing

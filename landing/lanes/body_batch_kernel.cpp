@@ -2,28 +2,31 @@
 // (see CMakeLists.txt).
 #include "landing/lanes/batch_target.hpp"
 #include "landing/lanes/body_batch_entry.hpp"
-
-#ifdef UKEMI_BATCH_BASELINE_ALONE
-namespace ukemi::landing {
-
-template <>
-void run_body_lanes<UKEMI_BATCH_LANES>(BodyBatchSource& source, bool small, const BodyBatchOptions& options) {
-  run_body_lanes<2>(source, small, options);
-}
-
-}  // namespace ukemi::landing
-#else
+#ifndef UKEMI_BATCH_BASELINE_ALONE
 #include "landing/lanes/body_batch_engine.hpp"
+#endif
 
 namespace ukemi::landing {
 
-template <>
-void run_body_lanes<UKEMI_BATCH_LANES>(BodyBatchSource& source, bool small, const BodyBatchOptions& options) {
-  if (small)
-    BodyBatchEngine<kSmall, UKEMI_BATCH_LANES>(source, options).run();
-  else
-    BodyBatchEngine<kMiddle, UKEMI_BATCH_LANES>(source, options).run();
+#ifdef UKEMI_BATCH_BASELINE_ALONE  // in the file of two lanes
+extern template void run_body_lanes<kPair, 2>(BodyBatchSource&, const BodyBatchOptions&);
+extern template void run_body_lanes<kTriple, 2>(BodyBatchSource&, const BodyBatchOptions&);
+extern template void run_body_lanes<kQuad, 2>(BodyBatchSource&, const BodyBatchOptions&);
+extern template void run_body_lanes<kMiddle, 2>(BodyBatchSource&, const BodyBatchOptions&);
+#endif
+
+template <Capacity kSize, int kLanes>
+void run_body_lanes(BodyBatchSource& source, const BodyBatchOptions& options) {
+#ifdef UKEMI_BATCH_BASELINE_ALONE
+  run_body_lanes<kSize, 2>(source, options);
+#else
+  BodyBatchEngine<kSize, kLanes>(source, options).run();
+#endif
 }
 
+template void run_body_lanes<kPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+template void run_body_lanes<kTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+template void run_body_lanes<kQuad, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+template void run_body_lanes<kMiddle, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+
 }  // namespace ukemi::landing
-#endif
