@@ -38,8 +38,7 @@ class Timetable {
   Timetable(const Scene& scene, const Actuator& actuator, const AnswerOptions& options)
       : scene_(scene), sea_(actuator.sea), options_(options) {}
 
-  /// With a deadline: plays a held reference, and rehearses with it what follows the search: so the time that has to be
-  /// kept back is measured. The reference takes a tenth at most.
+  /// With a deadline: plays a held reference, a tenth of it at most: so the time of a landing is measured.
   void begin(Answer& a) {
     if (!deadline()) return;
     constexpr double kTwoLandings = 4;  // what two take in the end, at most, of the first
@@ -48,14 +47,10 @@ class Timetable {
     a.held = play(kHeld);
     until_ = kNever;
     landing_ = kTwoLandings * (now() - start);
-    a.landing = a.held, a.best.held = Held{kHeld};
-    a.best.motion = {scene_.search.phi[0], scene_.search.phi[1], scene_.search.duration[1]};  // the longest file
-    if (const auto& r = scene_.release) a.best.motion.reposition = Reposition{r->phi, r->rate, r->from, r->from + 1};
-    if (options_.rehearse) handing_over_ = options_.rehearse(a);
-    rehearsed_ = true;
+    begun_ = true;
   }
   /// What is left for the search [s]; at least a little, for a refusal with its reason.
-  double search() const { return std::max(1e-3, *deadline() - landing_ - handing_over_ - now()); }
+  double search() const { return std::max(1e-3, *deadline() - landing_ - options_.kept_back - now()); }
 
   /// A landing for the report, as far as the time goes; once it is stopped, a moment.
   Landing play(const Motion& motion) {
@@ -63,8 +58,8 @@ class Timetable {
     const bool leaving = options_.search.monitor.stopped();
     if (leaving)
       until_ = std::min(until_, now() + kMoment);
-    else if (rehearsed_)
-      until_ = *deadline() - handing_over_;
+    else if (begun_)
+      until_ = *deadline() - options_.kept_back;
     const std::function<bool()> over = [&] {
       return now() >= until_ || (!leaving && options_.search.monitor.stopped());
     };
@@ -79,8 +74,8 @@ class Timetable {
   const Scene& scene_;
   const SeaParameters<double>& sea_;
   const AnswerOptions& options_;
-  double until_ = kNever, landing_ = 0, handing_over_ = 0;  // [s]
-  bool rehearsed_ = false;
+  double until_ = kNever, landing_ = 0;  // [s]
+  bool begun_ = false;
 };
 
 /// Every solver with the same budget, until it is stopped; progress counts all of them together.

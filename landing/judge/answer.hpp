@@ -2,7 +2,6 @@
 // what small deviations do to it, and whether the actuator can follow it; all of it by a deadline, where one is given.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,9 +33,7 @@ struct AnswerOptions {
   } evidence = Extras::kWithoutDeadline;
   Monitor evidence_monitor;  ///< progress in the evidence's landings
   double used = 0;           ///< of the deadline, before the call [s]
-  /// Hands an answer over, for practice (the landing is that of the held reference), and returns how long that takes
-  /// [s]: so much of the deadline is kept back. Called only with a deadline.
-  std::function<double(const Answer&)> rehearse;
+  double kept_back = 0;      ///< of the deadline, for what the caller does with the answer [s]
 };
 
 struct Answer {

@@ -204,11 +204,9 @@ Series descent(const Optimum& o, double answer, bool timed) {
   return out;
 }
 
-/// gnuplot takes some 0.1 s, and several times that on a busy machine: a short deadline is for the search.
 Falls::Figures figures_of(const Answer& a) {
-  constexpr double kShort = 2;  // [s]
   const std::optional<double>& deadline = a.options.search.deadline;
-  return deadline && *deadline < kShort ? Falls::Figures::kLeaveOut : Falls::Figures::kDraw;
+  return deadline && *deadline < kDrawnFrom ? Falls::Figures::kLeaveOut : Falls::Figures::kDraw;
 }
 
 /// An axis of a slice: what is varied, and how it is shown.

@@ -253,14 +253,13 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   check_exports(a.exports, scene.robot);
   if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
   const double rate = rate_of(a.rate);
-  constexpr double kShort = 2, kWriting = 0.02;  // [s]
   BodyPlanOptions options = plan_options(a, common, scene, run);
   options.deadline = a.deadline;
   options.validate();
   const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
                      a.exports.has(Exports::Format::kPlotJuggler);
-  options.rate = drawn && !(a.deadline && *a.deadline < kShort) ? 1000 : 0;
-  if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - kWriting);
+  options.rate = drawn && !(a.deadline && *a.deadline < kDrawnFrom) ? 1000 : 0;
+  if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - writing_time(*a.deadline));
   options.monitor = run.monitor(options.measure ? "optimize, landings" : "optimize, motions");
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)

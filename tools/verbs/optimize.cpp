@@ -71,17 +71,12 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   return out;
 }
 
-/// Time to write such an answer [s].
-double writing_time(const Answer& a, double rate, const Exports& exports, const Run& run) {
-  constexpr double kTwice = 2, kFiles = 8, kExit = 2e-3;  // the program's own end takes 1 ms
-  const Stopwatch watch(Stopwatch::Time::kWall);
-  (void)files_of(a, rate, exports, run);
-  const double composed = watch.seconds();
-  require_writable_folder(run.options().folder);
-  return kTwice * composed + kFiles * (watch.seconds() - composed) + kExit;
-}
-
 }  // namespace
+
+double writing_time(double deadline) {
+  constexpr double kTexts = 0.02, kDrawn = 0.2;  // texts [s]; with curves, a part of the deadline
+  return deadline < kDrawnFrom ? kTexts : std::min(1.0, kDrawn * deadline);
+}
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   if (is_body(a.scene)) return optimize_body(a, common);
@@ -104,7 +99,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
                            ? fmt::format("{:g} s", *o.deadline)
                            : fmt::format("{} {}", o.evaluations.value_or(default_evaluations(goal, variables)), unit),
                        o.seed));
-  options.rehearse = [&](const Answer& rehearsed) { return writing_time(rehearsed, a.rate, a.exports, run); };
+  if (o.deadline) options.kept_back = writing_time(*o.deadline);
   options.used = clock.seconds();
   return report(answer(scene, actuator, options), a.rate, a.exports, run);
 }

@@ -65,6 +65,8 @@ struct OptimizeArguments {
   Exports exports;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
+/// Of a deadline, what the results take to be written at most [s].
+double writing_time(double deadline);
 
 struct CompareArguments {
   std::vector<std::string> nominal, identified;  ///< one file each; of a robot of links one for each joint
