@@ -1,4 +1,5 @@
 #include "landing/body/body_kernel.hpp"
+#include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
 

@@ -9,6 +9,7 @@
 #include "common/actuator_constants.hpp"
 #include "common/error.hpp"
 #include "landing/body/floor_constants.hpp"
+#include "landing/derivatives/differentiated_body.hpp"
 #include "landing/derivatives/gradient_kernel.hpp"
 
 namespace ukemi::landing {
