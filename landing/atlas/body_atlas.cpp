@@ -48,6 +48,7 @@ void list(const ContactPoint& c, Listing& add) {
 void list_robot(const BodyScene& s, Listing& add) {
   const Robot& r = s.robot;
   add(r.gravity)(double(r.base))(r.rail_direction)(r.rail_viscous)(r.pin_height)(r.peak_link)(r.peak);
+  if (r.rail_friction > 0 || r.rail_load_friction > 0) add("rail")(r.rail_friction)(r.rail_load_friction);
   for (const Link& l : r.links) add(l.name)(l.parent)(l.at)(l.mass)(l.inertia_com)(l.com);
   for (const Joint& j : r.joints) list(j, add);
   for (const ContactPoint& c : r.contacts) list(c, add);

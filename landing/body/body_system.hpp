@@ -84,7 +84,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     gravity = {T(-std::sin(slope) * robot.gravity), T(-std::cos(slope) * robot.gravity)};
     const double direction = robot.rail_direction - slope;
     body.rail = {T(std::cos(direction)), T(std::sin(direction))};
-    rail_viscous = T(robot.rail_viscous);
+    rail_viscous = T(robot.rail_viscous), rail_friction = T(robot.rail_friction);
+    rail_load_friction = T(robot.rail_load_friction);
     for (int i = 0; i < body.contacts; ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
     for (int i = 0; i < body.joints; ++i) {
       const Joint& j = robot.joints[body.joint[i].joint];
@@ -120,6 +121,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   static void for_each(A& a, const B& b, F&& f) {
     Body<T, kSize>::for_each(a.body, b.body, f);
     f(a.gravity[0], b.gravity[0]), f(a.gravity[1], b.gravity[1]), f(a.rail_viscous, b.rail_viscous);
+    f(a.rail_friction, b.rail_friction), f(a.rail_load_friction, b.rail_load_friction);
     f(a.base[0], b.base[0]), f(a.base[1], b.base[1]);
     for (std::size_t i = 0; i < a.point.size(); ++i) ContactConstants<T>::for_each(a.point[i], b.point[i], f);
     for (std::size_t i = 0; i < a.drive.size(); ++i) JointConstants<T>::for_each(a.drive[i], b.drive[i], f);
@@ -142,7 +144,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   int links = 0;  ///< of the robot; locked ones share a body
   Body<T, kSize> body;
   std::array<T, 2> gravity{};  ///< in the floor's frame
-  T rail_viscous{0};
+  T rail_viscous{0}, rail_friction{0}, rail_load_friction{0};
   std::array<T, 2> base{};  ///< of a rail, where s = 0; of a pin
   std::array<ContactConstants<T>, kC> point{};
   std::array<JointConstants<T>, kJ> drive{};
@@ -259,7 +261,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
-    [[maybe_unused]] T power = T(-rail_viscous * y[kVx] * y[kVx]);  // on the links
+    [[maybe_unused]] T power(0);  // on the links
     for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
     for (int i = 0; i < body.contacts; ++i) {
       const auto& m = contact[i];
@@ -280,7 +282,9 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       if (body.joint[i].parent >= 0) load.torque[body.joint[i].parent] -= tau;
       dy[kOmegaM + i] = motor;
     }
-    const Accelerations acc = accelerations(p, load, y);
+    T along_rail(0);
+    const Accelerations acc = accelerations(p, load, y, along_rail);
+    if constexpr (kAccounts) power += along_rail * y[kVx];
     dy[kX] = y[kVx], dy[kY] = y[kVy];
     if (body.base == Base::kFree)
       dy[kVx] = acc.x, dy[kVy] = acc.y;
@@ -297,8 +301,36 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     derivative(t, y, dy);
     return dy;
   }
-  Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y) const {
-    return solve(body, p, load, gravity, T(-rail_viscous * y[kVx]));
+  /// `along_rail`: becomes the rail's force in its direction [N]: viscous, and dry friction F = -(F_c + mu |N|) sgn v,
+  /// whose sign is smooth below kRailSpeed. N is the force across the rail, on which F acts in turn: both are solved
+  /// for.
+  Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail) const {
+    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0));
+    constexpr double kRailSpeed = 0.005;  // [m/s]
+    const T& v = y[kVx];
+    along_rail = -rail_viscous * v;
+    const bool loaded = any(present(rail_load_friction));
+    if (!loaded && !any(present(rail_friction))) return solve(body, p, load, gravity, along_rail);
+    using std::sqrt;
+    const T sign = v / sqrt(v * v + T(kRailSpeed * kRailSpeed));
+    along_rail -= rail_friction * sign;
+    const Accelerations without = solve(body, p, load, gravity, along_rail);
+    if (!loaded) return without;
+    const T n = across_rail(p, load, without),
+            per_force = across_rail(p, load, solve(body, p, load, gravity, T(along_rail + T(1)))) - n;
+    const T mu = rail_load_friction * sign, up = select(n < T(0), T(-n), n),
+            turned = select(n < T(0), T(-per_force), per_force), held = T(1) + mu * turned;
+    constexpr double kJammed = 0.1;  // of `held`: a rail that jams is not modelled
+    along_rail -= mu * up / select(held > T(kJammed), held, T(kJammed));
+    return solve(body, p, load, gravity, along_rail);
+  }
+  /// The rail's force across its direction, on the robot, left of it [N].
+  T across_rail(const Pose& p, const TreeLoads<T, kB>& load, const Accelerations& acc) const {
+    Accelerations turning = acc;
+    turning.x = body.mass * acc.x, turning.y = body.mass * acc.y;
+    const auto momentum = acceleration(body.moment, p, turning, body.bodies);  // its rate [N]
+    const T fx = momentum[0] - load.x - body.mass * gravity[0], fy = momentum[1] - load.y - body.mass * gravity[1];
+    return body.rail[0] * fy - body.rail[1] * fx;
   }
   Accelerations accelerations_of(const State& dy) const {
     Accelerations out;

@@ -233,7 +233,7 @@ struct MassMatrix {
   /// M = L D L', in place.
   void factor(int n) {
     for (int j = 0; j < n; ++j) {
-      std::array<T, kMost> scaled;
+      std::array<T, kMost> scaled{};
       for (int k = 0; k < j; ++k) scaled[k] = m[j][k] * m[k][k], m[j][j] -= m[j][k] * scaled[k];
       const T inverse = T(1) / m[j][j];
       for (int i = j + 1; i < n; ++i) {

@@ -69,6 +69,8 @@ void Robot::validate() const {
   check_count("joints", long(joints.size()), long(links.size()) - 1, long(links.size()) - (base != Base::kPinned));
   check_count("contacts", long(contacts.size()), 0, kMostContacts);
   check_not_negative("gravity", gravity), check_not_negative("rail_viscous", rail_viscous);
+  check_not_negative("rail_friction", rail_friction), check_not_negative("rail_load_friction", rail_load_friction);
+  if (rail_load_friction > 1) throw InputError("rail_load_friction: at most 1 is needed");
   check_finite("rail_direction", rail_direction), check_finite("pin_height", pin_height);
   const auto link_index = [&](const std::string& what, int i) { check_count(what, i, 0, long(links.size()) - 1); };
   for (std::size_t i = 0; i < links.size(); ++i) {

@@ -183,8 +183,8 @@ void read_base(TomlSection& s, Robot& out) {
     if (out.base != Base::kRail) s.fail("rail", "base = \"rail\" is needed with it");
     out.rail_direction = rail->optional_angle("direction").value_or(out.rail_direction);
     out.rail_viscous = rail->optional_number("viscous", Range::non_negative()).value_or(0);
-    if (rail->optional_number("friction", Range::non_negative()).value_or(0) > 0)
-      rail->fail("friction", "0 is needed: a rail has no dry friction here");
+    out.rail_friction = rail->optional_number("friction", Range::non_negative()).value_or(0);
+    out.rail_load_friction = rail->optional_number("load_friction", Range{0, 1, false, "0 to 1"}).value_or(0);
   }
   if (const auto height = s.optional_number("pin_height", Range::any())) {
     if (out.base != Base::kPinned) s.fail("pin_height", "base = \"pinned\" is needed with it");

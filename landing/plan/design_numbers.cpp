@@ -100,8 +100,12 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
     out.push_back(
         number("load." + scene.loads[i].name + ".rating", [i](BodyScene& s) -> double& { return s.loads[i].rating; }));
   out.push_back(number("robot.gravity", [](BodyScene& s) -> double& { return s.robot.gravity; }));
-  if (robot.base == Base::kRail)
+  if (robot.base == Base::kRail) {
     out.push_back(number("robot.rail.viscous", [](BodyScene& s) -> double& { return s.robot.rail_viscous; }));
+    out.push_back(number("robot.rail.friction", [](BodyScene& s) -> double& { return s.robot.rail_friction; }));
+    out.push_back(
+        number("robot.rail.load_friction", [](BodyScene& s) -> double& { return s.robot.rail_load_friction; }));
+  }
   out.push_back(number(
       "floor.slope_deg", [](BodyScene& s) -> double& { return s.slope; }, kDegree));
   out.push_back(number("drop.height", [](BodyScene& s) -> double& { return s.drop.height; }));

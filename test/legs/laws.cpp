@@ -193,6 +193,50 @@ TEST_CASE("legs: a sliding block stops after v^2 / (2 mu g)") {
   CHECK(l.base[0] == Approx(v * v / (2 * 0.4 * kGravity)).epsilon(2e-3));
 }
 
+TEST_CASE("legs: a block on a steep rail slides by the rail's dry friction, on a flat one it stays") {
+  for (const double degrees : {60.0, 10.0}) {
+    BodyScene scene = block({});
+    scene.robot.base = Base::kRail, scene.robot.rail_direction = degrees * kDegree;
+    scene.robot.rail_friction = 1.5, scene.robot.rail_load_friction = 0.2;
+    scene.robot.contacts.clear(), scene.floor = false;
+    const auto travel = [&](double t) {
+      scene.t_end = t;
+      return land(scene, 1e-11).base[0];
+    };
+    const double early = travel(0.4), middle = travel(0.6), late = travel(0.8), pull = std::sin(degrees * kDegree),
+                 most = 1.5 / 2 / kGravity + 0.2 * std::cos(degrees * kDegree);
+    if (pull > most)
+      CHECK(late - 2 * middle + early == Approx(-0.04 * kGravity * (pull - most)).epsilon(1e-4));
+    else
+      CHECK(std::abs(late) < 0.005 * 0.8);  // it creeps below the speed at which friction is whole
+  }
+}
+
+TEST_CASE("legs: a rail's friction grows with the force across it, which it changes in turn") {
+  Random r(kSeed, 11);
+  for (int n = 0; n < 100; ++n) {
+    Robot robot = random_tree(r, 4, Base::kRail);
+    robot.rail_direction = r.uniform(-3, 3), robot.rail_viscous = r.uniform(0, 3);
+    robot.rail_friction = r.uniform(0, 5), robot.rail_load_friction = r.uniform(0, 0.3);
+    const System s(robot, 0);
+    const State y = random_state(r, robot), dy = s.derivative(0, y);
+    const auto momentum = [&](double h) -> Eigen::Vector2d {
+      const State at = y + h * dy;
+      auto p = s.pose(at);
+      const Eigen::Vector2d own = s.body.mass * Eigen::Vector2d(p.vx, p.vy);
+      p.vx = p.vy = 0;
+      return own + velocity(s.body.moment, p, s.body.bodies);
+    };
+    const double h = 1e-6;
+    const Eigen::Vector2d force =
+        (momentum(h) - momentum(-h)) / (2 * h) + Eigen::Vector2d(0, s.body.mass * robot.gravity);
+    const Eigen::Vector2d e(std::cos(robot.rail_direction), std::sin(robot.rail_direction));
+    const double v = y[System::kVx], across = e[0] * force[1] - e[1] * force[0],
+                 dry = robot.rail_friction + robot.rail_load_friction * std::abs(across);
+    CHECK(force.dot(e) == Approx(-robot.rail_viscous * v - dry * v / std::hypot(v, 0.005)).epsilon(1e-6).margin(1e-6));
+  }
+}
+
 TEST_CASE("legs: a ball under Hunt and Crossley's law bounces with its restitution") {
   // e = v_out / v_in solves  c (v_in + v_out) = log((1 + c v_in) / (1 - c v_out)),  whatever K, p and the mass.
   const double c = 0.3, height = 0.5, v_in = std::sqrt(2 * kGravity * height);

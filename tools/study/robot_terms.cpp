@@ -162,8 +162,11 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
     if (r.joints[i].kind != DriveKind::kLocked) add_joint(table, robot, i, trials);
   for (std::size_t i = 0; i < r.links.size(); ++i) table.add_link(i);
   for (const ContactPoint& c : r.contacts) table.add_contact(c);
-  if (r.base == Base::kRail)
+  if (r.base == Base::kRail) {
     table.add("robot.rail.", {"viscous", "N/(m/s)", "viscous friction of the rail", 0, kInfinity, 1});
+    table.add("robot.rail.", {"friction", "N", "dry friction of the rail", 0, kInfinity, 1});
+    table.add("robot.rail.", {"load_friction", "", "dry friction of the rail over the force across it", 0, 1, 0.1});
+  }
   table.add("robot.", {"gravity", "m/s^2", "gravity", 0, kInfinity, 9.81});
   table.add("command.", {"delay", "s", "from a row to its command's effect", 0, kMostCommandDelay, 1e-3});
   identify::Terms<DropTerm> out;
