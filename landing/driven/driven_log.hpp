@@ -39,6 +39,10 @@ struct DrivenStart {
   double height = 0, speed = 0;
 };
 
+/// How far a robot on a rail reaches below its base, along the rail, at each row of joint angles (of Robot::joints)
+/// [m].
+std::vector<double> extensions(const Robot& robot, const std::vector<std::vector<double>>& phi);
+
 /// Throws InputError where the fit of trials has no law for a robot: a free base, a pinned first link without a joint.
 void check_driven(const Robot& robot);
 

@@ -31,7 +31,7 @@ class DrivenRun {
     if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
   }
 
-  void start(const DrivenStart& from, double t) {
+  void start(const DrivenStart& from, double t, DrivenRollout* out = nullptr) {
     t_ = t, y_ = State::Zero();
     for (int i = 0; i < system_.body.joints; ++i) {
       const JointPlace& at = system_.body.joint[i];
@@ -44,7 +44,7 @@ class DrivenRun {
     }
     if (system_.body.base == Base::kRail) stand(from);
     for (int i = 0; i < system_.body.contacts; ++i)
-      if (gap(i) < 0) (void)system_.cross(System::kOfContact * i + System::kSurface, y_);
+      if (gap(i) < 0) cross(System::kOfContact * i + System::kSurface, out);
     row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
     read_row(row_ > 0 ? row_ - 1 : 0);
   }
@@ -57,7 +57,7 @@ class DrivenRun {
       const double to = std::min(until, edge);
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
-        steps(length / double(n), n);
+        steps(length / double(n), n, out);
         t_ = to;
       }
       if (edge >= until) break;
@@ -185,15 +185,15 @@ class DrivenRun {
     return out;
   }
   /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
-  void steps(double h, long n) {
+  void steps(double h, long n, DrivenRollout& out) {
     if (system_.body.contacts == 0) {
       for (long k = 0; k < n; ++k) y_ = after(derivative(y_), h);
       return;
     }
     Here from = here(y_);
-    for (long k = 0; k < n; ++k) step(h, from);
+    for (long k = 0; k < n; ++k) step(h, from, out);
   }
-  void step(double h, Here& from) {
+  void step(double h, Here& from, DrivenRollout& out) {
     constexpr int kMostParts = 24;  // beyond: contacts chatter, and keep their mode to the step's end
     for (int part = 0;; ++part) {
       const State end = after(from.dy, h);
@@ -207,12 +207,19 @@ class DrivenRun {
         const double place = value(from) > 0 ? integrate::root(0, value(from), 1, value(there), within) : 0;
         if (first < 0 || place < at) first = g, at = place;
       }
-      if (first < 0) return y_ = end, void(from = std::move(there));
-      y_ = after(from.dy, at * h), h *= 1 - at;
-      (void)system_.cross(first, y_);
+      if (first < 0) return y_ = end, t_ += h, void(from = std::move(there));
+      y_ = after(from.dy, at * h), t_ += at * h, h *= 1 - at;
+      cross(first, &out);
       from = here(y_);
       if (h <= 0) return;
     }
+  }
+  /// Beyond guard g, into the next mode.
+  void cross(int g, DrivenRollout* out) {
+    (void)system_.cross(g, y_);
+    const int contact = g / System::kOfContact;
+    if (out && g % System::kOfContact == System::kSurface)
+      out->changes.push_back({t_, contact, system_.contact[std::size_t(contact)].touching});
   }
   System system_;
   const CommandPath& path_;
@@ -236,7 +243,7 @@ DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& 
   DrivenRollout out;
   out.joint.resize(robot.joints.size());
   DrivenRun<kSize> run(robot, path, commands);
-  run.start(start, times.front());
+  run.start(start, times.front(), &out);
   for (const double t : times) {
     if (!run.advance(t, options, out)) return out;
     run.sample(out);
@@ -246,6 +253,25 @@ DrivenRollout roll(const Robot& robot, const CommandPath& path, const Commands& 
 }
 
 }  // namespace
+
+std::vector<double> extensions(const Robot& robot, const std::vector<std::vector<double>>& phi) {
+  using System = BodySystem<kAny>;
+  System system(robot, 0);
+  std::vector<double> out(phi.empty() ? 0 : phi.front().size());
+  for (std::size_t row = 0; row < out.size(); ++row) {
+    System::State y = System::State::Zero();
+    for (int i = 0; i < system.body.joints; ++i) {
+      const JointPlace& at = system.body.joint[i];
+      y[System::kTheta + at.child] = phi[std::size_t(at.joint)][row] - at.offset + y[System::kTheta + at.parent];
+    }
+    const auto pose = system.pose(y);
+    for (int i = 0; i < system.body.contacts; ++i) {
+      const auto r = position(system.body.contact[i], pose, system.body.bodies);
+      out[row] = std::max(out[row], -(r[0] * system.body.rail[0] + r[1] * system.body.rail[1]));
+    }
+  }
+  return out;
+}
 
 double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start) {
   return in_kernel<kSmall, kAny>(robot, [&]<Capacity kSize>() { return stable<kSize>(robot, path, commands, start); });

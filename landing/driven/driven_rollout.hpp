@@ -22,9 +22,17 @@ struct DrivenOptions {
 [[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
                                  const DrivenStart& start);
 
+/// A contact that touches its surface or leaves it.
+struct ContactChange {
+  double t;      ///< [s]
+  int contact;   ///< of Robot::contacts
+  bool touches;  ///< else it leaves
+};
+
 struct DrivenRollout {
   /// Of Robot::joints, then by Sensed: one a time.
   std::vector<std::array<std::vector<double>, kSensed>> joint;
+  std::vector<ContactChange> changes;  ///< in their order; those that touch at the start first
   bool complete = false;  ///< every time has its values: no state left the range of numbers or of the joints
   long steps = 0;
 };

@@ -9,6 +9,7 @@
 #include "tools/report/calibrate.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/results.hpp"
+#include "tools/study/baselines.hpp"
 #include "tools/study/calibration.hpp"
 
 namespace ukemi::tools {
@@ -206,7 +207,77 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
   return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
 }
 
-int report_prediction(const FitTexts& played, Run& run) {
+namespace {
+
+/// A contact that touches its surface, from when to when.
+struct Stance {
+  std::size_t trial;  ///< counts from 1
+  int contact;
+  std::optional<double> touchdown, liftoff;  ///< from the trial's first row [s]; absent: before it, after its last
+};
+std::vector<Stance> stances(const FloorFit& c) {
+  std::vector<Stance> out;
+  for (std::size_t m = 0; m < c.drops.size(); ++m) {
+    const std::size_t first = out.size();
+    for (const ContactChange& change : c.drops[m].changes)
+      if (change.touches) {
+        out.push_back({m + 1, change.contact, change.t > 0 ? std::optional(change.t) : std::nullopt, std::nullopt});
+      } else {
+        const auto open = std::find_if(out.begin() + long(first), out.end(),
+                                       [&](const Stance& s) { return s.contact == change.contact && !s.liftoff; });
+        if (open != out.end()) open->liftoff = change.t;
+      }
+  }
+  return out;
+}
+Quantities<Stance> stance_quantities(const std::vector<std::string>& contacts) {
+  return {{"trial", "trial", "trial", {}, [](auto& s) { return s.trial; }},
+          {"contact", "contact", "contact", {}, [&contacts](auto& s) { return contacts[std::size_t(s.contact)]; }},
+          {"touchdown", "touchdown", "touches from [s]", "{:.4f}", [](auto& s) { return number(s.touchdown); }},
+          {"liftoff", "liftoff", "to [s]", "{:.4f}", [](auto& s) { return number(s.liftoff); }},
+          {"duration", "duration", "for [s]", "{:.4f}", [](auto& s) {
+             return number(s.touchdown && s.liftoff ? std::optional(*s.liftoff - *s.touchdown) : std::nullopt);
+           }}};
+}
+
+Quantities<std::size_t> baseline_quantities(const FloorFit& c, const std::vector<Baseline>& all) {
+  return {{"", "", "output", {}, [&c](auto& o) { return c.channels[o].name; }},
+          {"", "model", "the robot, rms", "{:.3g}", [&all](auto& o) { return all[o].model; }},
+          {"", "held", "its first value held", "{:.3g}", [&all](auto& o) { return all[o].held; }},
+          {"", "mean", "the mean of the other trials", "{:.3g}", [&all](auto& o) { return all[o].mean; }},
+          {"", "unit", "unit", {}, [&c](auto& o) { return c.channels[o].unit; }}};
+}
+
+/// What the robot says of each output beside predictions that know no physics; the line of the checklist.
+Check report_baselines(const FitTexts& played, Report& report, Json& summary, Run& run) {
+  const std::vector<Baseline> all = baselines(played.result, played.logs);
+  std::vector<std::size_t> known;
+  std::vector<std::string> unbeaten;
+  for (std::size_t o = 0; o < all.size(); ++o) {
+    if (!all[o].known()) continue;
+    known.push_back(o);
+    if (all[o].beaten()) continue;
+    const bool by_mean = all[o].model >= all[o].mean;
+    unbeaten.push_back(played.result.channels[o].name);
+    run.warn(fmt::format("{}: {} is nearer than the robot: {:.3g} against {:.3g} {} rms", unbeaten.back(),
+                         by_mean ? "the mean of the other trials" : "the first value held",
+                         by_mean ? all[o].mean : all[o].held, all[o].model, played.result.channels[o].unit));
+  }
+  const Table table(baseline_quantities(played.result, all), known);
+  summary["baselines"] = table.keyed();
+  report.heading("Beside predictions that know no physics");
+  report.paragraph(
+      "Each residual on the same samples. How each trial starts is fitted to it for the robot; the mean knows the "
+      "other "
+      "trials, which the robot does not.");
+  (void)add_table(table, report, run);
+  return {unbeaten.empty() ? Check::State::kGood : Check::State::kCaution, "nearer than no physics",
+          unbeaten.empty() ? "" : fmt::format("not in {}", fmt::join(unbeaten, ", "))};
+}
+
+}  // namespace
+
+int report_prediction(const FitTexts& played, const std::vector<std::string>& contacts, Run& run) {
   const FloorFit& c = played.result;
   for (const std::string& w : c.warnings) run.warn(w);
   const bool followed = std::all_of(c.drops.begin(), c.drops.end(), [](const DropResult& d) { return d.simulated; });
@@ -217,10 +288,17 @@ int report_prediction(const FitTexts& played, Run& run) {
   summary["converged"] = c.converged;
   report.heading(fmt::format("The {}, for given constants", words(c.logs_of).many));
   report_drops(played, words(c.logs_of).one, report, summary, run);
+  const Check nearer = report_baselines(played, report, summary, run);
+  if (!contacts.empty()) {
+    report.heading("When its contacts touch");
+    summary["contacts"] = add_table(Table(stance_quantities(contacts), stances(c)), report, run, "contacts.csv",
+                                    "Of the simulation; t from each trial's first row. Units: s.");
+  }
   run.add("fit.csv", samples_csv(run, played));
   FirstScreen first;
   first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), words(c.logs_of).many);
   first.checks.push_back(check(c.converged, "followed to the end", c.converged ? "" : c.message));
+  first.checks.push_back(nearer);
   report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, c.converged ? kDone : kNumbers);

@@ -24,7 +24,7 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
            const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run);
 
 /// Logs played with given constants.
-int report_prediction(const FitTexts& played, Run& run);
+int report_prediction(const FitTexts& played, const std::vector<std::string>& contacts, Run& run);
 
 /// `path`: the scene's file. `validation`: of drops that were not fitted.
 int report(const std::string& path, const BodyCalibratedDrops& fitted,

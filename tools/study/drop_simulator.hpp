@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "landing/driven/driven_rollout.hpp"
 #include "landing/drops/drop_log.hpp"
 #include "landing/run/simulate.hpp"
 #include "tools/study/drop_terms.hpp"
@@ -24,9 +25,10 @@ struct FollowedDrop {
   std::vector<std::vector<double>> value;  ///< of each channel, one a time
   /// Values of each channel, times x settings; empty: not known yet.
   std::vector<Eigen::MatrixXd> slope;
-  std::vector<double> jumps;  ///< touchdowns and lift-offs, from release [s], in order
-  bool complete = false;      ///< every time has its values
-  long steps = 0;             ///< integrated, taken or rejected
+  std::vector<double> jumps;                    ///< touchdowns and lift-offs, from release [s], in order
+  std::vector<landing::ContactChange> changes;  ///< of a robot that is driven by its log, from its first row [s]
+  bool complete = false;                        ///< every time has its values
+  long steps = 0;                               ///< integrated, taken or rejected
 };
 
 /// What the logs are of.

@@ -49,6 +49,7 @@ struct DropResult {
   std::vector<std::vector<bool>> used;           ///< false: not measured, or left out
   std::vector<double> rms;                       ///< of sim - meas, where used; NaN: not measured
   std::vector<double> jumps;                     ///< touchdowns and lift-offs of the simulation, at the log's times [s]
+  std::vector<landing::ContactChange> changes;   ///< see FollowedDrop
   double peak_measured = 0, peak_simulated = 0;  ///< largest acceleration at the log's samples [m/s^2]; NaN: none
   double peak_between = 0;                       ///< the simulated one over all times up to the log's end [m/s^2]
 };

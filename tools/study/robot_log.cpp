@@ -82,6 +82,46 @@ class LogColumns {
   CsvTable table_;
 };
 
+/// Where a robot on a rail pushes off, hop by hop: see RobotLogOptions::Cuts. The middle is that of the extension but
+/// for its lowest and highest twentieth; a crossing counts once it was a tenth of the range below, and where the
+/// reported torques drive with half of the most power of any.
+std::vector<std::size_t> pushes(const Robot& robot, const std::vector<double>& t,
+                                const std::vector<std::vector<double>>& measured) {
+  constexpr double kWide = 0.1, kSpan = 0.02, kShare = 0.5;  // of the range; [s]; of the power
+  std::vector<std::vector<double>> phi(robot.joints.size());
+  for (std::size_t i = 0; i < phi.size(); ++i)
+    phi[i] = robot.joints[i].kind == DriveKind::kLocked ? std::vector<double>(t.size(), robot.joints[i].phi)
+                                                        : measured[kSensed * i + kAngle];
+  const std::vector<double> reach = extensions(robot, phi);
+  std::vector<double> sorted = reach;
+  std::erase_if(sorted, [](double x) { return !std::isfinite(x); });
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.empty()) return {};
+  const double low = sorted[sorted.size() / 20], high = sorted[sorted.size() - 1 - sorted.size() / 20];
+  const double middle = 0.5 * (low + high), armed_below = middle - kWide * (high - low);
+  const auto power = [&](std::size_t row) {
+    double sum = 0;
+    for (std::size_t k = row; k-- > 0 && t[row] - t[k] < kSpan;)
+      for (std::size_t i = 0; i < phi.size(); ++i)
+        if (const auto& torque = measured[kSensed * i + kTorque]; !torque.empty())
+          if (const double work = torque[k] * (phi[i][k + 1] - phi[i][k]); std::isfinite(work)) sum += work;
+    return sum;
+  };
+  std::vector<std::size_t> out;
+  std::vector<double> driving;
+  bool armed = false;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    armed = armed || reach[i] < armed_below;
+    if (!armed || !(reach[i] >= middle)) continue;
+    armed = false, out.push_back(i), driving.push_back(power(i));
+  }
+  const double most = driving.empty() ? 0 : *std::max_element(driving.begin(), driving.end());
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < out.size(); ++k)
+    if (driving[k] >= kShare * most) kept.push_back(out[k]);
+  return kept;
+}
+
 /// The first row of each piece, and behind the last.
 std::vector<std::size_t> cuts(const std::vector<double>& t, double length, const std::vector<double>& times) {
   if (!times.empty()) {
@@ -130,7 +170,14 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
     for (std::size_t q = 0; q < kTold; ++q)
       commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
   }
-  const std::vector<std::size_t> at = cuts(commands->t, options.pieces, options.times);
+  const bool hops = options.cuts == RobotLogOptions::Cuts::kHops;
+  if (hops && robot.base != Base::kRail)
+    throw InputError("--pieces: auto: base = \"rail\" is needed: a log is cut where a robot on a rail pushes off");
+  const std::vector<std::size_t> at =
+      hops ? pushes(robot, commands->t, measured) : cuts(commands->t, options.pieces, options.times);
+  if (hops && at.size() < 2)
+    throw InputError(
+        {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", at.size()));
   std::vector<RobotTrial> out;
   for (std::size_t p = 0; p + 1 < at.size(); ++p) {
     const std::size_t from = at[p], to = at[p + 1];

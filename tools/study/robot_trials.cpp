@@ -143,7 +143,8 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const st
   if (step > 0) options.step = step;
   DrivenRollout rolled =
       roll_driven(posed->robot.scene.robot, posed->robot.path, *trials_[m].commands, posed->start, clock, options);
-  out.complete = rolled.complete, out.steps = rolled.steps;
+  out.complete = rolled.complete, out.steps = rolled.steps, out.changes = std::move(rolled.changes);
+  for (ContactChange& c : out.changes) c.t -= trials_[m].origin, out.jumps.push_back(c.t);
   for (auto& joint : rolled.joint)
     for (auto& values : joint) out.value.push_back(std::move(values));
   return out;

@@ -39,8 +39,11 @@ std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
 struct RobotLogOptions {
   std::string columns;  ///< NAME=COLUMN,..., as of trials of a rig
   double pieces = 0;    ///< the log is cut into trials about so long [s]; 0: it is not
-  std::vector<double>
-      times;  ///< or at these, in the log's clock [s], increasing; what is before and behind them is left out
+  /// Or at these, in the log's clock [s], increasing; what is before and behind them is left out.
+  std::vector<double> times;
+  /// Or, of a robot on a rail that hops, in each push: where the leg extends through the middle of its range, its
+  /// joints driving. A piece is the push's end, a flight and a landing.
+  enum class Cuts { kGiven, kHops } cuts = Cuts::kGiven;
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;
 };
 /// Reads a log (CSV): t [s], phi_JOINT [rad] of every joint that is not locked; where they are logged dphi_JOINT,

@@ -213,7 +213,8 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
   verb->add_option("--robot", args->robot, "of a robot of links, in place of the rig: robot file (TOML)");
   verb->add_option(
       "--pieces", args->pieces,
-      "with --robot: cut each log into trials about so long [s], or at the times of FILE[:COLUMN] [whole logs]");
+      "with --robot: cut each log into trials: auto (where a robot on a rail pushes off), about so long [s], or at the "
+      "times of FILE[:COLUMN] [whole logs]");
   if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
   add_trial_options(*verb, args->reading);
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");

@@ -18,8 +18,9 @@ using namespace landing;
 
 namespace {
 
-/// Seconds, or FILE[:COLUMN].
+/// auto, seconds, or FILE[:COLUMN].
 void read_pieces(const std::string& text, RobotLogOptions& to, Run& run) {
+  if (text == "auto") return void(to.cuts = RobotLogOptions::Cuts::kHops);
   const std::size_t colon = text.rfind(':');
   const std::string path = text.substr(0, colon), column = colon == std::string::npos ? "t" : text.substr(colon + 1);
   if (!std::filesystem::exists(path)) {
@@ -76,7 +77,9 @@ std::vector<std::pair<std::string, double>> fitted_values(const identify::Estima
 
 int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, RobotFitOptions options, Run& run) {
   run.info(fmt::format("predicting {} trials", trials.size()));
-  return report_prediction({predict_robot(robot, trials, options), logs_of(trials)}, run);
+  std::vector<std::string> contacts;
+  for (const ContactPoint& c : robot.scene.robot.contacts) contacts.push_back(c.name);
+  return report_prediction({predict_robot(robot, trials, options), logs_of(trials)}, contacts, run);
 }
 
 }  // namespace
