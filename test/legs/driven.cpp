@@ -8,6 +8,7 @@
 #include "common/random.hpp"
 #include "landing/body/body_run.hpp"
 #include "test/folder.hpp"
+#include "tools/study/baselines.hpp"
 #include "tools/study/drop_residuals.hpp"
 #include "tools/study/robot_trials.hpp"
 
@@ -296,6 +297,10 @@ TEST_CASE("a leg on a rail that follows a log's commands lands as the landing of
     for (std::size_t j = 0; j < robot.joints.size(); ++j)
       for (std::size_t k = 0; k < times.size(); ++k)
         out = std::max(out, std::abs(r.joint[j][kAngle][k] - rows[k]->phi[j]));
+    REQUIRE(r.changes.size() >= 2);
+    CHECK(r.changes[0].touches);
+    CHECK(r.changes[0].contact == landing.touches[0].point);
+    CHECK(r.changes[0].t == Approx(landing.first_touchdown).margin(1e-5));
     return out;
   };
   const double coarse = worst(2e-4), fine = worst(5e-5);
@@ -335,6 +340,58 @@ TEST_CASE("a log is cut at given times, and what is outside of them is left out"
   CHECK(trials[0].log.t.size() == 150);
   CHECK(trials[1].log.t.size() == 175);
   CHECK_THROWS_WITH(read_robot_trials(log, c.robot.scene.robot, {.times = {5, 6}}), Catch::Contains("fewer than"));
+}
+
+TEST_CASE("a run of hops is cut where the leg pushes, not where it stretches in the air", "[driven]") {
+  // Each 0.5 s the leg extends under torque, then, without any, bends and stretches once more.
+  const DrivenRobot robot = read_driven_robot(UKEMI_DATASETS "/scenes/hopper.toml");
+  std::string text = "t,phi_hip,phi_knee,torque_hip,torque_knee\n";
+  constexpr double kPi = 3.14159265358979;
+  for (int i = 0; i < 1100; ++i) {
+    const double t = i * 2e-3, s = std::fmod(t, 0.5) / 0.5, bent = 0.5 + 0.5 * std::cos(4 * kPi * s);
+    const bool pushes = s > 0.05 && s < 0.25;
+    text += fmt::format("{},{},{},0,{}\n", t, bent, -2 * bent, pushes ? 5 : 0);
+  }
+  const test::Folder folder;
+  const std::string log = folder.write("hops.csv", text);
+  const auto trials = read_robot_trials(log, robot.scene.robot, {.columns = "", .cuts = RobotLogOptions::Cuts::kHops});
+  REQUIRE(trials.size() == 4);
+  for (const RobotTrial& t : trials) {
+    CHECK(std::fmod(t.origin, 0.5) == Approx(0.5 * 0.15).margin(0.03));
+    CHECK(t.log.t.size() == 250);
+  }
+  const Pendulum p;
+  const Case pinned(p, 1, 1, 0, kFree, 0);
+  CHECK_THROWS_WITH(read_robot_trials(pinned.folder.write("pinned.csv", log_of(p, 750, 0, 0)), pinned.robot.scene.robot,
+                                      {.columns = "", .cuts = RobotLogOptions::Cuts::kHops}),
+                    Catch::Contains("base = \"rail\" is needed"));
+}
+
+TEST_CASE("a prediction stands beside what knows no physics", "[driven]") {
+  const Pendulum p;
+  Case c(p, 4, 4, 0, kFree);
+  const auto logs = [](const Case& of) {
+    std::vector<const DropLog*> out;
+    for (const RobotTrial& t : of.trials) out.push_back(&t.log);
+    return out;
+  };
+  const RobotFit right = predict_robot(c.robot, c.trials, c.options);
+  for (const std::size_t channel : {std::size_t(kAngle), std::size_t(kSensed + kAngle)}) {
+    const Baseline b = baselines(right, logs(c))[channel];
+    REQUIRE(b.known());
+    CHECK(b.beaten());
+    CHECK(b.model < 3e-4);
+    CHECK(b.held > 0.01);
+    CHECK(b.mean > 0.01);
+  }
+  // The same trial over and over: its mean knows all.
+  for (RobotTrial& t : c.trials)
+    t.log = c.trials[0].log, t.origin = c.trials[0].origin, t.commands = c.trials[0].commands;
+  const Baseline same = baselines(predict_robot(c.robot, c.trials, c.options), logs(c))[kAngle];
+  CHECK(same.mean == 0);
+  CHECK_FALSE(same.beaten());
+  const Case two(p, 2, 2, 0, kFree);
+  CHECK(std::isnan(baselines(predict_robot(two.robot, two.trials, two.options), logs(two))[kAngle].mean));
 }
 
 namespace {
@@ -388,6 +445,8 @@ TEST_CASE("measured: a leg's push, flight and landing are followed from a first 
                                                                     {"k_p", "kp"},
                                                                     {"k_d", "kd"}})
       columns += fmt::format(",{}_{}={}", ours, joint, theirs);
+  CHECK(read_robot_trials(*log, robot.scene.robot, {.columns = columns, .cuts = RobotLogOptions::Cuts::kHops}).size() ==
+        11);  // 12 pushes
   const auto trials = read_robot_trials(*log, robot.scene.robot, {.columns = columns, .times = {0.76735, 1.44294}});
   REQUIRE(trials.size() == 1);
   RobotFitOptions options;
