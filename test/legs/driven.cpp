@@ -369,7 +369,7 @@ TEST_CASE("a run of hops is cut where the leg pushes, not where it stretches in 
 
 TEST_CASE("a prediction stands beside what knows no physics", "[driven]") {
   const Pendulum p;
-  Case c(p, 4, 4, 0, kFree);
+  Case c(p, 1, 4, 0, kFree);
   const auto logs = [](const Case& of) {
     std::vector<const DropLog*> out;
     for (const RobotTrial& t : of.trials) out.push_back(&t.log);
@@ -390,7 +390,7 @@ TEST_CASE("a prediction stands beside what knows no physics", "[driven]") {
   const Baseline same = baselines(predict_robot(c.robot, c.trials, c.options), logs(c))[kAngle];
   CHECK(same.mean == 0);
   CHECK_FALSE(same.beaten());
-  const Case two(p, 2, 2, 0, kFree);
+  const Case two(p, 1, 2, 0, kFree);
   CHECK(std::isnan(baselines(predict_robot(two.robot, two.trials, two.options), logs(two))[kAngle].mean));
 }
 
