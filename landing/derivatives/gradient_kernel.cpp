@@ -9,9 +9,9 @@ namespace ukemi::landing {
 template <Capacity kSize>
 BodyGradients gradients_in_kernel(const BodyScene& scene, const BodyMotion& motion,
                                   std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
-  using Landing = DifferentiatedBody<kAtOnce, kSize>;
-  Landing landing(scene, motion, parameters, options);
-  PeakObserver<Landing> observer(most);
+  using Differentiated = DifferentiatedBody<kAtOnce, kSize>;
+  Differentiated landing(scene, motion, parameters, options);
+  PeakObserver<Differentiated> observer(most);
   const DifferentiatedOutcome outcome = landing.run(observer);
   BodyGradients out{.peaks = {}, .t_end = outcome.t_end, .end = outcome.end, .status = outcome.status};
   for (const auto& p : observer.peaks)
