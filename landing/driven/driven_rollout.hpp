@@ -7,6 +7,7 @@
 #pragma once
 
 #include "landing/body/command_path.hpp"
+#include "landing/driven/contact_change.hpp"
 #include "landing/driven/driven_log.hpp"
 
 namespace ukemi::landing {
@@ -21,13 +22,6 @@ struct DrivenOptions {
 /// with contacts at most 0.2 ms [s]. Runs whose difference is a derivative need one step.
 [[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
                                  const DrivenStart& start);
-
-/// A contact that touches its surface or leaves it.
-struct ContactChange {
-  double t;      ///< [s]
-  int contact;   ///< of Robot::contacts
-  bool touches;  ///< else it leaves
-};
 
 struct DrivenRollout {
   /// Of Robot::joints, then by Sensed: one a time.

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "landing/driven/driven_rollout.hpp"
+#include "landing/driven/contact_change.hpp"
 #include "landing/drops/drop_log.hpp"
 #include "landing/run/simulate.hpp"
 #include "tools/study/drop_terms.hpp"
