@@ -97,11 +97,10 @@ enum class Base { kFree, kRail, kPinned };
 struct Robot {
   double gravity = 9.81;  ///< [m/s^2], >= 0
   Base base = Base::kFree;
-  double rail_direction = 1.5707963267948966;  ///< from +x, counter-clockwise, against the true level [rad]
-  double rail_viscous = 0;                     ///< [N/(m/s)], >= 0
-  double rail_friction = 0;                    ///< dry [N], >= 0
-  double rail_load_friction = 0;               ///< dry friction over the force across the rail, 0 to 1
-  double pin_height = 0;                       ///< of a pinned origin above the floor [m]
+  double rail_direction = 1.5707963267948966;        ///< from +x, counter-clockwise, against the true level [rad]
+  double rail_viscous = 0;                           ///< [N/(m/s)], >= 0
+  double rail_friction = 0, rail_load_friction = 0;  ///< dry [N], >= 0; over the force across the rail, 0 to 1
+  double pin_height = 0;                             ///< of a pinned origin above the floor [m]
   int peak_link = 0;
   Place peak;  ///< the point whose acceleration counts
   std::vector<Link> links;

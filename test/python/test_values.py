@@ -15,7 +15,7 @@ CLASSES = {n: c for n, c in vars(ukemi).items() if inspect.isclass(c)}
 
 
 @pytest.fixture(scope="module")
-def examples(scene, actuator, hopper):
+def examples(scene, actuator, hopper, driven):
     """One of each class."""
     rig = ukemi.read_rig(ukemi.dataset("rigs/paper.toml"))
     trials = [ukemi.read_trial(ukemi.dataset(f"impact/trial_{i}.csv")) for i in (1, 2)]
@@ -37,7 +37,8 @@ def examples(scene, actuator, hopper):
         ratings.plans[0], comparison, comparison.constants[0], comparison.motions[0], comparison.plans[0], design,
         design.hits[0], atlas, ukemi.Planner(scene, actuator).plan(0.4), ukemi.simulate(hopper),
         ukemi.optimize(hopper, evaluations=20), ukemi.risk(hopper, {}, samples=20), entry_of(atlas, scene, actuator),
-        ukemi.trade(hopper, {"drop.height": [0.2, 0.3]}, evaluations=20))}
+        ukemi.trade(hopper, {"drop.height": [0.2, 0.3]}, evaluations=20), driven[0], driven[1][0],
+        ukemi.predict_robot(driven[0], driven[1]))}
 
 
 def entry_of(atlas, scene, actuator):

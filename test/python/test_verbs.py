@@ -192,6 +192,25 @@ def test_robots_of_links(hopper, tmp_path):
         ukemi.simulate(hopper, [motions["knee"]])
 
 
+def test_driven_robots(driven):
+    robot, _, trials = driven
+    found = ukemi.identify_robot(robot, trials, ["drive.knee.k_p"], lower={"drive.knee.k_p": 10})
+    assert found.converged and found.parameters["drive.knee.k_p"].value == pytest.approx(50, rel=1e-3)
+    assert found.robot.number("drive.knee.k_p") == found.parameters["drive.knee.k_p"].value
+    assert found.rms["phi_knee"] < 1e-5 and found.outputs(0)["phi_hip"].shape == trials[0].t.shape
+    assert found.baselines["phi_knee"]["model"] < found.baselines["phi_knee"]["held"]
+    assert math.isnan(found.baselines["phi_knee"]["mean"])
+    assert any(contact == "foot" and touches for _, contact, touches in found.contacts(0))
+    for wrong in ({"free": ["drive.toe.k_p"]}, {"free": ["drive.knee.k_p"], "lower": {"drive.hip.k_p": 1}}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.identify_robot(robot, trials, **wrong)
+    with pytest.raises(IndexError):
+        found.outputs(1)
+    for pieces in ("often", -1.0, [2.0, 1.0]):
+        with pytest.raises(ukemi.InputError):
+            ukemi.read_robot_trials(trials[0].name, robot, pieces=pieces)
+
+
 def test_a_report_is_the_program_s(scene, actuator, tmp_path):
     landing = ukemi.simulate(scene, actuator, ukemi.hold(-30))
     summary = landing.write_report(tmp_path / "mine", figures=["svg"])

@@ -9,6 +9,7 @@
 #include "landing/plan/checked_body.hpp"
 #include "tools/python/archive.hpp"
 #include "tools/study/calibration.hpp"
+#include "tools/study/robot_trials.hpp"
 
 namespace ukemi::python {
 
@@ -55,6 +56,8 @@ struct Carry<FloorFit> : OnBase<FloorFit, Estimates, &FloorFit::logs_of, &FloorF
                                 &FloorFit::noise, &FloorFit::rms, &FloorFit::drops, &FloorFit::steps> {};
 template <>
 struct Carry<Calibration> : OnBase<Calibration, FloorFit, &Calibration::scene> {};
+template <>
+struct Carry<tools::RobotFit> : OnBase<tools::RobotFit, FloorFit, &tools::RobotFit::robot> {};
 
 /// What is fitted of a table; the table itself is the program's.
 template <class T>

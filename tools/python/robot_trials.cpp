@@ -1,0 +1,181 @@
+// Trials of robots of links for Python.
+#include "tools/study/robot_trials.hpp"
+
+#include <fmt/format.h>
+
+#include <variant>
+
+#include "landing/plan/design_numbers.hpp"
+#include "tools/python/landing.hpp"
+#include "tools/study/baselines.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+
+namespace {
+
+using tools::DrivenRobot, tools::RobotFit, tools::RobotFitOptions, tools::RobotLogOptions, tools::RobotTrial;
+
+/// A fit or a prediction, with what it was made from.
+struct RobotIdentified {
+  RobotFit fit;
+  std::vector<RobotTrial> trials;
+
+  std::vector<const DropLog*> logs() const {
+    std::vector<const DropLog*> out;
+    for (const RobotTrial& t : trials) out.push_back(&t.log);
+    return out;
+  }
+};
+
+/// None: whole logs; seconds; times; "auto".
+using Pieces = std::optional<std::variant<double, std::vector<double>, std::string>>;
+RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bool multi_turn) {
+  RobotLogOptions out{.columns = columns, .pieces = 0, .times = {}};
+  if (multi_turn) out.angles = RobotLogOptions::Angles::kMultiTurn;
+  if (!pieces) return out;
+  if (const double* seconds = std::get_if<double>(&*pieces))
+    out.pieces = checked("pieces", *seconds, Range::positive());
+  else if (const auto* times = std::get_if<std::vector<double>>(&*pieces))
+    require_times("pieces", out.times = *times);
+  else if (std::get<std::string>(*pieces) == "auto")
+    out.cuts = RobotLogOptions::Cuts::kHops;
+  else
+    throw InputError("pieces: " + quoted(std::get<std::string>(*pieces)) + ": seconds, times or \"auto\" is needed");
+  return out;
+}
+
+void bind_robot(py::module_& m) {
+  py::class_<DrivenRobot> c(m, "DrivenRobot", "A robot that logs drive, and what their commands pass through.");
+  c.def(
+       "number", [](const DrivenRobot& r, const std::string& name) { return tools::number_of(r, name); },
+       py::arg("name"), "A constant by its way in the files, as \"drive.hip.i_motor\" or \"command.delay\".")
+      .def_property_readonly(
+          "scene", [](const DrivenRobot& r) { return r.scene; }, "The robot, as `simulate` takes it.")
+      .def("__repr__", [](const DrivenRobot& r) {
+        return fmt::format("<ukemi.DrivenRobot {} of {} links>", r.scene.name, r.scene.robot.links.size());
+      });
+  bind_value(c);
+  m.def(
+      "read_driven_robot", [](const Path& path) { return tools::read_driven_robot(path); }, py::arg("path"),
+      "Reads a robot, or a scene that has one, with its [command].");
+}
+
+void bind_trials_of(py::module_& m) {
+  py::class_<RobotTrial> c(m, "RobotTrial", "What was measured of a driven robot, and the commands of its log.");
+  c.def_property_readonly(
+       "name", [](const RobotTrial& t) { return t.log.file; }, "Its file, and what part of it.")
+      .def_readonly("origin", &RobotTrial::origin, "What the log's clock read at its first row [s].")
+      .def_property_readonly(
+          "t", [](const py::object& self) { return view(self.cast<const RobotTrial&>().log.t, self); },
+          "Times from its first row [s].");
+  bind_value(c);
+  m.def(
+      "read_robot_trials",
+      [](const Path& path, const DrivenRobot& robot, const std::string& columns, const Pieces& pieces,
+         bool multi_turn) {
+        return tools::read_robot_trials(path, robot.scene.robot, log_options(columns, pieces, multi_turn));
+      },
+      py::arg("path"), py::arg("robot"), py::arg("columns") = "", py::arg("pieces") = py::none(),
+      py::arg("multi_turn") = false,
+      "Reads a log (CSV) as `ukemi identify --robot`. pieces: seconds, times of the log's clock [s], or \"auto\": "
+      "where a robot on a rail pushes off; None: the whole log is one trial.");
+}
+
+py::dict outputs_of(const RobotIdentified& r, std::size_t trial) {
+  if (trial >= r.trials.size()) throw py::index_error("no such trial");
+  py::dict out;
+  const tools::DropResult& drop = r.fit.drops[trial];
+  for (std::size_t o = 0; o < r.fit.channels.size(); ++o)
+    if (!drop.value[o].empty()) out[r.fit.channels[o].name.c_str()] = py::array_t<double>(py::cast(drop.value[o]));
+  return out;
+}
+
+void bind_result(py::module_& m) {
+  py::class_<RobotIdentified> c(m, "RobotIdentification",
+                                "Constants of a robot of links fitted to trials, or trials predicted with them.");
+  bind_estimates(
+      c, +[](const RobotIdentified& r) -> const identify::Estimates& { return r.fit; });
+  c.def_property_readonly(
+       "robot", [](const RobotIdentified& r) { return r.fit.robot; }, "The given robot with the fitted constants.")
+      .def_property_readonly(
+          "model_rejected", [](const RobotIdentified& r) { return r.fit.tests.model_rejected(); },
+          "Whether the residuals speak against the robot.")
+      .def_property_readonly(
+          "rms",
+          [](const RobotIdentified& r) {
+            std::map<std::string, double> out;
+            for (std::size_t o = 0; o < r.fit.channels.size(); ++o)
+              if (std::isfinite(r.fit.noise[o])) out[r.fit.channels[o].name] = r.fit.rms[o];
+            return out;
+          },
+          "Residual of each output that was measured, by its name [rad, rad/s or Nm].")
+      .def_property_readonly(
+          "baselines",
+          [](const RobotIdentified& r) {
+            std::map<std::string, std::map<std::string, double>> out;
+            const auto all = tools::baselines(r.fit, r.logs());
+            for (std::size_t o = 0; o < all.size(); ++o)
+              if (all[o].known())
+                out[r.fit.channels[o].name] = {{"model", all[o].model}, {"held", all[o].held}, {"mean", all[o].mean}};
+            return out;
+          },
+          "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
+          "trials (NaN: fewer than three).")
+      .def("outputs", outputs_of, py::arg("trial"), "Simulated angles, rates and torques of a trial, by name.")
+      .def(
+          "contacts",
+          [](const RobotIdentified& r, std::size_t trial) {
+            if (trial >= r.trials.size()) throw py::index_error("no such trial");
+            std::vector<std::tuple<double, std::string, bool>> out;
+            for (const ContactChange& change : r.fit.drops[trial].changes)
+              out.emplace_back(change.t, r.fit.robot.scene.robot.contacts[std::size_t(change.contact)].name,
+                               change.touches);
+            return out;
+          },
+          py::arg("trial"), "(t from the trial's first row [s], contact, whether it touches or leaves), in order.")
+      .def("__repr__", [](const RobotIdentified& r) {
+        return fmt::format("<ukemi.RobotIdentification of {} trials{}>", r.trials.size(),
+                           r.fit.trusted() ? ", trusted" : "");
+      });
+  bind_value(c);
+}
+
+RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
+                           const std::optional<std::vector<std::string>>& free, const Priors& priors,
+                           const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads) {
+  if (trials.empty()) throw InputError("trials: at least one is needed");
+  RobotFitOptions o;
+  o.terms = tools::robot_terms(robot, trials);
+  o.threads = threads, o.seed = seed, o.restarts = starts;
+  if (free) o.terms = choose(std::move(o.terms), free, o.terms.nuisance, priors, lower, upper);
+  return long_call([&](const std::function<bool()>& stop) {
+    o.monitor.stop = stop;
+    return RobotIdentified{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), trials};
+  });
+}
+
+}  // namespace
+
+void bind_robot_trials(py::module_& m) {
+  bind_robot(m), bind_trials_of(m), bind_result(m);
+  m.def(
+      "identify_robot",
+      [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const std::vector<std::string>& free,
+         const Priors& priors, const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed,
+         int threads) { return identified(robot, trials, free, priors, lower, upper, starts, seed, threads); },
+      py::arg("robot"), py::arg("trials"), py::arg("free"), py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
+      py::arg("upper") = Bounds{}, py::arg("starts") = 0, py::arg("seed") = 1, py::arg("threads") = 0,
+      "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
+      "names as \"drive.hip.friction\"; starts: further ones, drawn.");
+  m.def(
+      "predict_robot",
+      [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, int threads) {
+        return identified(robot, trials, std::nullopt, {}, {}, {}, 0, 1, threads);
+      },
+      py::arg("robot"), py::arg("trials"), py::arg("threads") = 0,
+      "The trials for the robot's constants, as `ukemi predict --robot`; only how each starts is fitted.");
+}
+
+}  // namespace ukemi::python
