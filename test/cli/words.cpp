@@ -54,11 +54,25 @@ TEST_CASE("words: with --robust landings are counted and called so, else motions
   const Folder f;
   const Arguments base = {"optimize", kPaper, "--actuator",    kTable2, "--no-report",
                           "-o",       "out",  "--evaluations", "3000"};
-  const Result robust = done(f, base + Arguments{"--robust", "cvar", "--samples", "16"});
+  const Result robust = done(f, base + Arguments{"--robust", "cvar", "--samples", "16", "--details"});
   CHECK_THAT(robust.err, Contains("3000 landings") && !Contains("3000 motions"));
   CHECK(summary(f)["landings"].get<long>() >= summary(f)["evaluations"].get<long>());
   CHECK_THAT(robust.out, Contains("motions evaluated") && Contains("landings played"));
   CHECK_THAT(done(f, base).err, Contains("3000 motions"));
+}
+
+TEST_CASE("words: optimize says its answer in ten lines, every number with --details") {
+  const Folder f;
+  const auto lines = [](const std::string& text) { return std::count(text.begin(), text.end(), '\n'); };
+  for (const Arguments& scene : {Arguments{kPaper, "--actuator", kTable2}, {UKEMI_DATASETS "/scenes/hopper.toml"}})
+    for (const Arguments& goal : {Arguments{}, {"--robust", "mean", "--samples", "16"}, {"--objective", "tolerant"}}) {
+      const Arguments base = Arguments{"optimize", "--no-report", "-o", "out", "--evaluations", "300"} + scene + goal;
+      const std::string few = done(f, base).out, all = done(f, base + Arguments{"--details"}).out;
+      INFO(few);
+      CHECK(lines(few) <= 10);
+      CHECK(lines(all) > lines(few));
+      CHECK_THAT(few, Contains("Lands with ") && Contains("motion: ") && Contains("contacts: "));
+    }
 }
 
 TEST_CASE("words: a CSV file says how it is read, and is") {

@@ -189,7 +189,10 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
     summary["contacts"] = Table(contact_quantities(robot), plan.landing.touches).objects();
     summary["joints"] = joints_json(scene, plan.motion, plan.landing, run);
-    say(table.turned(), run);
+    const std::string contacts = contact_order(plan.landing.peaks, contact_name(robot));
+    say(first_screen(scene, plan),
+        {"motion: " + motion_words(robot, plan.motion), contacts.empty() ? "no contact" : "contacts: " + contacts},
+        table.turned(), run);
     run.say(fmt::format("searched for {:.2f} s", plan.seconds));
     run.add("motion.toml", body_motion_toml(plan.motion, robot, run.provenance_text()));
     run.add("motion.csv",

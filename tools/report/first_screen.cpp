@@ -120,6 +120,12 @@ FirstScreen first_screen(const landing::Answer& a) {
   return out;
 }
 
+void say(const FirstScreen& screen, const std::vector<std::string>& lines, const Table& details, const Run& run) {
+  run.say(screen.sentence);
+  for (const std::string& line : lines) run.say(line);
+  if (run.options().lines == CommonOptions::Lines::kAll) say(details, run);
+}
+
 std::string html(const FirstScreen& f, std::size_t warnings) {
   std::string out = "<section class=\"answer\"><p class=\"sentence\">" + prose(f.sentence) + "</p>\n<ul>";
   for (const Check& c : f.checks) out += item(c);

@@ -13,6 +13,9 @@ struct Sensitivity;
 
 namespace ukemi::tools {
 
+class Run;
+class Table;
+
 /// One line of the checklist. Each state has a symbol and a word beside its colour, so that it can be read in grey.
 struct Check {
   enum class State { kGood, kCaution, kBad, kUnknown };
@@ -49,6 +52,8 @@ std::string landing_sentence(double peak, double held);
 /// Of a plan of the two-link robot.
 FirstScreen first_screen(const landing::Answer& answer);
 
+/// On the terminal: its sentence and the lines that belong to it; with --details every number of the table below.
+void say(const FirstScreen& screen, const std::vector<std::string>& lines, const Table& details, const Run& run);
 /// As HTML; `warnings` is how many sentences stand under "What to distrust".
 std::string html(const FirstScreen& screen, std::size_t warnings);
 

@@ -308,8 +308,12 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
     warn(a, run);
     summary = summary_of(a, run);
     if (a.ratings) warn_of(*a.ratings, run);
-    say(Table::of(answer_quantities(a), a).turned(), run);
-    if (a.limit)
+    const std::string contacts = contact_order(a.landing.peaks);
+    say(first_screen(a),
+        {"motion: " + motion_words(a.best.motion),
+         contacts.empty() ? "its landing was not played: no time" : "contacts: " + contacts},
+        Table::of(answer_quantities(a), a).turned(), run);
+    if (a.limit && run.options().lines == CommonOptions::Lines::kAll)
       run.say(fmt::format("limit {:.1f}, held through the first contact {:.1f}, yours {:.1f}, held throughout {}",
                           a.limit->jump, a.limit->first_contact, a.peak(), short_peak_words(a.held_peak())));
     report_scatter(a, run);

@@ -150,8 +150,14 @@ void add_optimize(CLI::App* verb, Action& chosen) {
                    "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
   add_export(*verb, args->exports, landing_exports());
+  verb->add_flag_callback(
+      "--details", [args] { args->lines = CommonOptions::Lines::kAll; }, "every number of the answer on stdout");
   add_action<OptimizeArguments>(*verb, args, "ukemi optimize scene.toml --actuator actuator.toml -o out", chosen,
-                                [](auto& a, auto& common) { return run_optimize(a, common); });
+                                [](auto& a, auto& common) {
+                                  CommonOptions with = common;
+                                  with.lines = a.lines;
+                                  return run_optimize(a, with);
+                                });
 }
 
 const Verb optimize_verb(VerbGroup::kLandings, "optimize",

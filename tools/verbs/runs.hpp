@@ -63,6 +63,7 @@ struct OptimizeArguments {
   std::optional<double> share;  ///< of the drops, that keep the limits
   double penalty = landing::RobustOptions().penalty;
   Exports exports;
+  CommonOptions::Lines lines = CommonOptions::Lines::kAnswer;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
 /// Of a deadline, what the results take to be written at most [s].
