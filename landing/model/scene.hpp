@@ -15,7 +15,7 @@ namespace ukemi::landing {
 /// How the robot is thrown (Sec. 4 of [1]): at rest relative to itself, from `height`.
 template <class T>
 struct DropOf {
-  T height;                 ///< h, clearance of the lowest contact point at release [m], >= 0
+  T height = T(0);          ///< h, clearance of the lowest contact point at release [m], >= 0
   T forward_speed = T(0);   ///< V_H = dx_0 [m/s]
   T pitch = T(0);           ///< phi_0, thigh pitch; 0: vertical with the knee below the hip [rad]
   T pitch_rate = T(0);      ///< d phi_0 at release [rad/s]; 0 in [1]

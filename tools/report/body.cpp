@@ -104,6 +104,32 @@ std::string motion_words(const Robot& robot, const BodyMotion& motion) {
   return out.empty() ? "no joint is driven" : out;
 }
 
+namespace {
+/// What a joint's motor must turn at [rad/s]: its reference's rate, or its own.
+double speed_of(const Motion& motion, const JointDemands& d) {
+  return std::max(peak_reference_rate(motion), d.motor_speed);
+}
+}  // namespace
+
+Check within_ratings(const Robot& robot, const BodyMotion& motion, const BodyLanding& l) {
+  constexpr const char* kWhat = "within ratings";
+  if (l.demands.empty()) return {Check::State::kUnknown, kWhat, "the landing was not played"};
+  bool unknown = false;
+  std::vector<std::string> beyond;
+  for (std::size_t i = 0; i < l.demands.size(); ++i) {
+    const Joint& joint = robot.joints[i];
+    if (!joint.driven()) continue;
+    const double speed = speed_of(motion[i], l.demands[i]), torque = l.demands[i].motor_torque;
+    unknown = unknown || !joint.speed_max || !joint.motor_torque_max;
+    if (joint.speed_max && speed > *joint.speed_max)
+      beyond.push_back(fmt::format("{} {:.3g} of {:.3g} rad/s", joint.name, speed, *joint.speed_max));
+    if (joint.motor_torque_max && torque > *joint.motor_torque_max)
+      beyond.push_back(fmt::format("{} {:.3g} of {:.3g} Nm", joint.name, torque, *joint.motor_torque_max));
+  }
+  if (!beyond.empty()) return {Check::State::kBad, kWhat, fmt::format("{}", fmt::join(beyond, ", "))};
+  return {unknown ? Check::State::kUnknown : Check::State::kGood, kWhat, unknown ? "rating unknown" : ""};
+}
+
 Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l, Run& run) {
   Json out = Json::object();
   for (std::size_t i = 0; i < l.demands.size(); ++i) {
@@ -117,7 +143,7 @@ Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLan
     j["peak_reference_rate"] = rate, j["motor_speed"] = d.motor_speed, j["speed_max"] = number(joint.speed_max);
     j["motor_torque"] = d.motor_torque, j["motor_torque_max"] = number(joint.motor_torque_max);
     j["tau_max"] = number(joint.sea.tau_max);
-    const double speed = std::max(rate, d.motor_speed);
+    const double speed = speed_of(motion[i], d);
     if (joint.speed_max && speed > *joint.speed_max)
       run.warn(fmt::format("the robot could not follow: {} at {:.3g} rad/s; rated {:.3g} rad/s", joint.name, speed,
                            *joint.speed_max));
@@ -181,7 +207,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   say(table.turned(), run);
   report.answer({l.end == End::kFailed ? "The landing could not be followed to its end."
                                        : landing_sentence(l.peak, held ? held->peak : std::nan("")),
-                 {converged(c.sensitivity, c.wrong())},
+                 {converged(c.sensitivity, c.wrong()), within_ratings(robot, c.motion, l)},
                  "`ukemi optimize` searches for a softer landing."},
                 run.warnings());
   if (!c.scene.loads.empty()) summary["loads"] = report_loads(c.scene, l, "", &report, run);

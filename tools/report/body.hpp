@@ -41,6 +41,9 @@ std::string motion_words(const landing::Robot& robot, const landing::BodyMotion&
 Json joints_json(const landing::BodyScene& scene, const landing::BodyMotion& motion,
                  const landing::BodyLanding& landing, Run& run);
 /// What is planned for: "tolerant peak", "largest value / rating, peak".
+/// Every driven joint's speed and torque against its ratings; one that is not known is said to be so.
+Check within_ratings(const landing::Robot& robot, const landing::BodyMotion& motion,
+                     const landing::BodyLanding& landing);
 std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanOptions& options);
 /// What each load of the scene came to, for a summary; told to the terminal and a report where there is one, which
 /// warns of limits that do not hold. `whose`: "", ", held".

@@ -105,6 +105,7 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p) {
   const bool inside = std::all_of(p.edges.begin(), p.edges.end(), [](auto e) { return e == 0; });
   out.checks.push_back({inside ? Check::State::kGood : Check::State::kCaution, "inside the search range",
                         inside ? "" : "on an edge: beyond it may be better"});
+  out.checks.push_back(within_ratings(scene.robot, p.motion, p.landing));
   if (p.under) {
     const BodyUnderScatter& u = *p.under;
     out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
