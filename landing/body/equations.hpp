@@ -45,7 +45,8 @@ inline bool fits(const Robot& robot, const Capacity& c) {
          robot.contacts.size() <= std::size_t(c.contacts);
 }
 
-/// f.operator()<kSize>() with the first of the kernels that holds the robot; the last one holds all that come to it.
+/// Calls f with the first of the kernels that holds the robot, its template argument; the last holds all that come to
+/// it.
 template <Capacity kFirst, Capacity... kRest, class F>
 auto in_kernel(const Robot& robot, F&& f) {
   if constexpr (sizeof...(kRest) > 0)
