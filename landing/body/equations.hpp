@@ -33,9 +33,10 @@ struct Capacity {
   int bodies, joints, contacts;
   bool exact = false;  ///< of robots of so many bodies and moving joints, no fewer: loops over them are unrolled
 };
-/// The kernels that there are: exact ones of the paper's robot, of two driven joints and of three; others by size.
-inline constexpr Capacity kPair{2, 1, 3, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true}, kSmall{3, 2, 4},
-    kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts};
+/// The kernels that there are: exact ones of the paper's robot, of a double pendulum, of legs of two joints and
+/// of three; others by size.
+inline constexpr Capacity kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true},
+    kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts};
 inline bool fits(const Robot& robot, const Capacity& c) {
   const auto locked = [](const Joint& j) { return j.kind == DriveKind::kLocked; };
   if (c.exact && (int(robot.links.size()) != c.bodies || int(robot.joints.size()) != c.joints ||

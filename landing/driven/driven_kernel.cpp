@@ -1,0 +1,255 @@
+// Compiled once for each kernel, UKEMI_KERNEL (see CMakeLists.txt).
+#include "landing/driven/driven_kernel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "landing/body/body_system.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+constexpr double kFarthest = 1e4;  ///< of any state in SI units: beyond it a run is lost
+
+template <Capacity kSize>
+class DrivenRun {
+ public:
+  using System = BodySystem<kSize>;
+  using State = typename System::State;
+
+  DrivenRun(const Robot& robot, const CommandPath& path, const Commands& commands)
+      : system_(robot, 0), path_(path), commands_(commands), now_(std::size_t(system_.body.joints)) {
+    if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
+  }
+
+  void start(const DrivenStart& from, double t, DrivenRollout* out = nullptr) {
+    t_ = t, y_ = State::Zero();
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const JointPlace& at = system_.body.joint[i];
+      const JointStart& s = from.joint[std::size_t(at.joint)];
+      const bool ground = at.parent < 0;
+      y_[System::kTheta + at.child] = s.phi - at.offset + (ground ? 0 : y_[System::kTheta + at.parent]);
+      y_[System::kOmega + at.child] = s.dphi + (ground ? 0 : y_[System::kOmega + at.parent]);
+      if (system_.drive[i].kind == DriveKind::kElastic)
+        y_[System::kPhiM + i] = s.phi + s.spring, y_[System::kOmegaM + i] = s.dphi;
+    }
+    if (system_.body.base == Base::kRail) stand(from);
+    for (int i = 0; i < system_.body.contacts; ++i)
+      if (gap(i) < 0) cross(System::kOfContact * i + System::kSurface, out);
+    row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
+    read_row(row_ > 0 ? row_ - 1 : 0);
+  }
+  /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
+  bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
+    const long n = long(std::ceil((until - t_) / options.step - 1e-9));
+    while (true) {
+      const double edge =
+          row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : std::numeric_limits<double>::infinity();
+      const double to = std::min(until, edge);
+      if (const double length = to - t_; length > 0) {
+        if ((out.steps += n) > options.most) return false;
+        steps(length / double(n), n, out);
+        t_ = to;
+      }
+      if (edge >= until) break;
+      read_row(row_++);
+    }
+    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
+  }
+  void sample(DrivenRollout& out) const {
+    for (int i = 0; i < system_.body.joints; ++i) {
+      auto& to = out.joint[std::size_t(system_.body.joint[i].joint)];
+      const SeaState<double> s = system_.joint_state(i, y_);
+      to[kAngle].push_back(s.phi), to[kRate].push_back(s.dphi);
+      to[kTorque].push_back(of(i).report_gain * asked(i, s));
+    }
+  }
+  /// See stable_step.
+  double stable() const {
+    double fastest = 1;  // [1/s]
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const JointConstants<double>& d = system_.drive[i];
+      State still = State::Zero(), dy;
+      for (int j = 0; j < system_.body.bodies; ++j) still[System::kTheta + j] = y_[System::kTheta + j];
+      std::array<double, 2> acc{};
+      for (const double torque : {0.0, 1.0}) {
+        system_.derivative_under(still, dy, [&](int k, double*) { return k == i ? torque : 0.0; });
+        const JointPlace& at = system_.body.joint[i];
+        acc[torque > 0] = dy[System::kOmega + at.child] - (at.parent < 0 ? 0 : dy[System::kOmega + at.parent]);
+      }
+      double inverse = acc[1] - acc[0], dry = d.sea.friction, viscous = d.sea.viscous + d.damping;
+      double stiff = d.stiffness + d.parallel_stiffness;
+      if (d.kind == DriveKind::kElastic) {
+        inverse += 1 / d.sea.i_motor, dry += d.sea.output_friction, viscous += d.sea.output_viscous + d.sea.c_sea;
+        stiff += d.sea.k_sea;
+      }
+      const auto& columns = commands_.joint[std::size_t(system_.body.joint[i].joint)];
+      const auto most = [&](CommandColumn what, double otherwise) {
+        return columns[what].empty() ? otherwise : *std::max_element(columns[what].begin(), columns[what].end());
+      };
+      viscous += of(i).torque_gain * most(kKd, d.sea.k_d), stiff += of(i).torque_gain * most(kKp, d.sea.k_p);
+      const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
+      fastest = std::max({fastest, inverse * damping, std::sqrt(inverse * stiff)});
+    }
+    if (system_.body.base == Base::kRail)  // of the whole mass, pressed by its weight
+      fastest =
+          std::max(fastest, system_.rail_viscous / system_.body.mass +
+                                (system_.rail_friction / system_.body.mass +
+                                 system_.rail_load_friction * std::hypot(system_.gravity[0], system_.gravity[1])) /
+                                    kFrictionSpeed);
+    constexpr double kPart = 2, kLongest = 1e-3, kInContact = 2e-4;  // of the decay: the method holds up to 2.78; [s]
+    return std::min(kPart / fastest, system_.body.contacts > 0 ? kInContact : kLongest);
+  }
+
+ private:
+  double gap(int i) const { return system_.point_at(i, system_.pose(y_)).y - system_.point[i].thickness; }
+  void stand(const DrivenStart& from) {
+    const auto pose = system_.pose(y_);
+    int lowest = -1;
+    for (int i = 0; i < system_.body.contacts; ++i)
+      if (lowest < 0 || gap(i) < gap(lowest)) lowest = i;
+    if (lowest < 0) return void(y_[System::kVx] = from.speed / system_.body.rail[1]);
+    y_[System::kX] = (from.height - gap(lowest)) / system_.body.rail[1];
+    y_[System::kVx] = (from.speed - system_.point_at(lowest, pose).v) / system_.body.rail[1];
+  }
+  /// A drive under one row's command.
+  struct Now {
+    double k_p = 0, k_d = 0, phi_ref = 0, dphi_ref = 0, ff = 0, on = 1;
+  };
+  const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
+
+  void read_row(std::size_t row) {
+    row -= std::min(row, std::size_t(path_.rows));
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const auto& columns = commands_.joint[std::size_t(system_.body.joint[i].joint)];
+      const auto at = [&](CommandColumn what, double otherwise) {
+        return columns[what].empty() ? otherwise : columns[what][row];
+      };
+      const auto& sea = system_.drive[i].sea;
+      const bool referred = !columns[kPhiRef].empty() || !columns[kDphiRef].empty();
+      now_[std::size_t(i)] = {at(kKp, columns[kPhiRef].empty() ? 0 : sea.k_p),
+                              at(kKd, referred ? sea.k_d : 0),
+                              at(kPhiRef, 0),
+                              at(kDphiRef, 0),
+                              at(kTorqueFf, 0),
+                              at(kOn, 1)};
+    }
+  }
+  double asked(int i, const SeaState<double>& s) const {
+    const Now& c = now_[std::size_t(i)];
+    const bool motor =
+        system_.drive[i].kind == DriveKind::kElastic && system_.drive[i].sea.feedback == Feedback::kMotor;
+    const double phi = motor ? s.phi_m : s.phi, dphi = motor ? s.dphi_m : s.dphi;
+    return c.on * std::clamp(c.k_p * (c.phi_ref - phi) + c.k_d * (c.dphi_ref - dphi) + c.ff, of(i).torque_low,
+                             of(i).torque_high);
+  }
+  State derivative(const State& y) {
+    State dy;
+    system_.derivative_under(y, dy, [&](int i, double* motor) {
+      const SeaState<double> s = system_.joint_state(i, y);
+      if (system_.drive[i].kind == DriveKind::kElastic) {
+        const auto& sea = system_.drive[i].sea;
+        const double spring = spring_torque<System::kSea>(sea, s);
+        system_.joint[i].saturation = spring > sea.tau_max ? 1 : spring < -sea.tau_max ? -1 : 0;
+      }
+      return system_.joint_torque(i, s, motor, [&] { return of(i).torque_gain * asked(i, s); });
+    });
+    return dy;
+  }
+  /// y after h, from y_ with its derivative there.
+  State after(const State& dy, double h) {
+    const State b = derivative(y_ + 0.5 * h * dy), c = derivative(y_ + 0.5 * h * b), d = derivative(y_ + h * c);
+    return y_ + h / 6 * (dy + 2 * b + 2 * c + d);
+  }
+  using Guards = integrate::Guards<System::kGuards, double>;
+  /// The derivative and the guards where a step starts.
+  struct Here {
+    State dy;
+    Guards guard;
+  };
+  Here here(const State& y) {
+    Here out;
+    out.dy = derivative(y);
+    const auto pose = system_.pose(y);
+    const auto acc = system_.accelerations_of(out.dy);
+    for (int i = 0; i < system_.body.contacts; ++i) system_.contact_guards(i, pose, acc, y, out.dy, out.guard);
+    return out;
+  }
+  /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
+  void steps(double h, long n, DrivenRollout& out) {
+    if (system_.body.contacts == 0) {
+      for (long k = 0; k < n; ++k) y_ = after(derivative(y_), h);
+      return;
+    }
+    Here from = here(y_);
+    for (long k = 0; k < n; ++k) step(h, from, out);
+  }
+  void step(double h, Here& from, DrivenRollout& out) {
+    constexpr int kMostParts = 24;  // beyond: contacts chatter, and keep their mode to the step's end
+    for (int part = 0;; ++part) {
+      const State end = after(from.dy, h);
+      Here there = here(end);
+      int first = -1;
+      double at = 1;
+      for (int g = 0; g < System::kJointGuards && part < kMostParts; ++g) {
+        const auto value = [&](const Here& of) { return of.guard.value[std::size_t(g)]; };
+        if (value(there) >= 0) continue;
+        const auto within = [&](double x) { return value(here(after(from.dy, x * h))); };
+        const double place = value(from) > 0 ? integrate::root(0, value(from), 1, value(there), within) : 0;
+        if (first < 0 || place < at) first = g, at = place;
+      }
+      if (first < 0) return y_ = end, t_ += h, void(from = std::move(there));
+      y_ = after(from.dy, at * h), t_ += at * h, h *= 1 - at;
+      cross(first, &out);
+      from = here(y_);
+      if (h <= 0) return;
+    }
+  }
+  /// Beyond guard g, into the next mode.
+  void cross(int g, DrivenRollout* out) {
+    (void)system_.cross(g, y_);
+    const int contact = g / System::kOfContact;
+    if (out && g % System::kOfContact == System::kSurface)
+      out->changes.push_back({t_, contact, system_.contact[std::size_t(contact)].touching});
+  }
+  System system_;
+  const CommandPath& path_;
+  const Commands& commands_;
+  std::vector<Now> now_;
+  State y_;
+  double t_ = 0;
+  std::size_t row_ = 0;  ///< whose command is the next
+};
+
+}  // namespace
+
+template <Capacity kSize>
+double stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
+                        const DrivenStart& start) {
+  DrivenRun<kSize> run(robot, path, commands);
+  run.start(start, commands.t.front());
+  return run.stable();
+}
+
+template <Capacity kSize>
+DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
+                             const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options) {
+  DrivenRollout out;
+  out.joint.resize(robot.joints.size());
+  DrivenRun<kSize> run(robot, path, commands);
+  run.start(start, times.front(), &out);
+  for (const double t : times) {
+    if (!run.advance(t, options, out)) return out;
+    run.sample(out);
+  }
+  out.complete = true;
+  return out;
+}
+
+template double stable_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&, const DrivenStart&);
+template DrivenRollout roll_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&,
+                                                    const DrivenStart&, const std::vector<double>&,
+                                                    const DrivenOptions&);
+
+}  // namespace ukemi::landing
