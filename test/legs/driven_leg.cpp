@@ -1,0 +1,233 @@
+// A leg of three driven joints on a rail, with friction, a delay and noise, simulated here by equations of our own, and
+// its constants fitted to the logs. With UKEMI_DRAWS=30 the draws of issue 40.
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+
+#include "common/random.hpp"
+#include "test/folder.hpp"
+#include "test/impact.hpp"
+#include "tools/study/robot_trials.hpp"
+
+using namespace ukemi;
+using namespace ukemi::landing;
+using namespace ukemi::tools;
+
+namespace {
+
+constexpr std::uint64_t kSeed = 20261127;
+constexpr int kLinks = 3;
+constexpr double kRow = 2e-3, kGravity = 9.81;
+
+/// Slider, thigh, shank, foot: coordinates are the height s of the hip and the absolute angles of the links, each 0
+/// hanging straight down. Kane's way: M = sum_i m_i J_i' J_i + ..., with the Jacobian of every centre of mass.
+struct Leg {
+  double slider = 0.9;
+  std::array<double, kLinks> mass{1.2, 0.5, 0.2}, length{0.2, 0.2, 0.1}, com{0.08, 0.09, 0.05},
+      inertia{4e-3, 2e-3, 3e-4}, armature{6e-3, 5e-3, 3e-3}, dry{0.15, 0.12, 0.06}, viscous{0.02, 0.015, 0.01};
+  double rail_viscous = 3, rail_dry = 1.5;
+  double k = 9000, c = 60, k_t = 9000, c_t = 40, mu = 0.8;
+  double delay = 0.6e-3;
+
+  static constexpr double kP = 40, kD = 1.2;
+  using Vector = Eigen::Matrix<double, 1 + kLinks, 1>;
+  struct State {
+    Vector q, v;
+    double slip = 0;
+    bool touches = false;
+  };
+
+  /// d(point)/dq of a place `far` along link n.
+  Eigen::Matrix<double, 2, 1 + kLinks> jacobian(const Vector& q, int n, double far) const {
+    Eigen::Matrix<double, 2, 1 + kLinks> j = Eigen::Matrix<double, 2, 1 + kLinks>::Zero();
+    j(1, 0) = 1;
+    for (int i = 0; i <= n; ++i) {
+      const double arm = i < n ? length[std::size_t(i)] : far;
+      j(0, 1 + i) = arm * std::cos(q[1 + i]), j(1, 1 + i) = arm * std::sin(q[1 + i]);
+    }
+    return j;
+  }
+  double toe_height(const Vector& q) const {
+    double y = q[0];
+    for (int i = 0; i < kLinks; ++i) y -= length[std::size_t(i)] * std::cos(q[1 + i]);
+    return y;
+  }
+  std::array<double, kLinks> angles(const Vector& x) const { return {x[1], x[2] - x[1], x[3] - x[2]}; }
+
+  std::array<double, kLinks> asked(const State& s, const std::array<double, kLinks>& ref) const {
+    const auto phi = angles(s.q), rate = angles(s.v);
+    std::array<double, kLinks> out;
+    for (std::size_t i = 0; i < kLinks; ++i) out[i] = kP * (ref[i] - phi[i]) - kD * rate[i];
+    return out;
+  }
+  /// dv, and the slip's rate.
+  Vector acceleration(const State& s, const std::array<double, kLinks>& ref, double& dslip) const {
+    Eigen::Matrix<double, 1 + kLinks, 1 + kLinks> m = Eigen::Matrix<double, 1 + kLinks, 1 + kLinks>::Zero();
+    Vector force = Vector::Zero();
+    m(0, 0) = slider, force[0] = -slider * kGravity;
+    for (int i = 0; i < kLinks; ++i) {
+      const auto j = jacobian(s.q, i, com[std::size_t(i)]);
+      const double mi = mass[std::size_t(i)];
+      m += mi * j.transpose() * j, m(1 + i, 1 + i) += inertia[std::size_t(i)];
+      Eigen::Vector2d turning(0, -kGravity);  // gravity, and what the angles' rates do
+      for (int part = 0; part <= i; ++part) {
+        const double arm = part < i ? length[std::size_t(part)] : com[std::size_t(i)],
+                     w = s.v[1 + part] * s.v[1 + part];
+        turning -= arm * w * Eigen::Vector2d(-std::sin(s.q[1 + part]), std::cos(s.q[1 + part]));
+      }
+      force += mi * j.transpose() * turning;
+    }
+    const auto rate = angles(s.v), drive = asked(s, ref);
+    const auto smooth = [](double v) { return v / std::hypot(v, 0.005); };
+    for (int i = 0; i < kLinks; ++i) {
+      const std::size_t n = std::size_t(i);
+      const double tau = drive[n] - dry[n] * smooth(rate[n]) - viscous[n] * rate[n];
+      force[1 + i] += tau, m(1 + i, 1 + i) += armature[n];
+      if (i == 0) continue;
+      force[i] -= tau, m(i, i) += armature[n], m(i, 1 + i) -= armature[n], m(1 + i, i) -= armature[n];
+    }
+    force[0] -= rail_viscous * s.v[0] + rail_dry * smooth(s.v[0]);
+    dslip = 0;
+    if (s.touches) {
+      const auto j = jacobian(s.q, kLinks - 1, length[kLinks - 1]);
+      const Eigen::Vector2d rate_of_toe = j * s.v;
+      const double push = std::max(0.0, -k * toe_height(s.q) - c * rate_of_toe[1]),
+                   held = k_t * s.slip + c_t * rate_of_toe[0], along = std::clamp(held, -mu * push, mu * push);
+      dslip = std::abs(held) <= mu * push ? rate_of_toe[0] : (along - k_t * s.slip) / c_t;
+      force += j.transpose() * Eigen::Vector2d(-along, push);
+    }
+    return m.ldlt().solve(force);
+  }
+  /// By Heun's method, in steps of 10 us.
+  void advance(State& s, const std::array<double, kLinks>& ref, double seconds) const {
+    const int n = std::max(1, int(std::lround(seconds / 1e-5)));
+    const double h = seconds / n;
+    for (int i = 0; i < n; ++i) {
+      const bool below = toe_height(s.q) < 0;
+      if (below != s.touches) s.touches = below, s.slip = 0;
+      double ds, es;
+      const Vector a = acceleration(s, ref, ds);
+      State t = s;
+      t.q += h * s.v, t.v += h * a, t.slip += h * ds;
+      const Vector b = acceleration(t, ref, es);
+      s.q += 0.5 * h * (s.v + t.v), s.v += 0.5 * h * (a + b), s.slip += 0.5 * h * (ds + es);
+    }
+  }
+};
+
+std::array<double, kLinks> reference(double t, double phase) {
+  return {0.5 + 0.35 * std::sin(9 * t + phase), -1.1 + 0.5 * std::sin(11 * t + 2 * phase) + 0.2 * std::sin(31 * t),
+          0.7 + 0.3 * std::sin(13 * t + 3 * phase)};
+}
+
+/// A log that begins with the toe at rest on the floor.
+std::string log_of(const Leg& leg, int rows, double phase, std::uint64_t draw) {
+  Random random(kSeed, draw);
+  std::string out =
+      "t,phi_hip,phi_knee,phi_ankle,torque_hip,torque_knee,torque_ankle,phi_ref_hip,phi_ref_knee,phi_ref_ankle\n";
+  Leg::State s;
+  const auto first = reference(0, phase);
+  s.v.setZero(), s.q << 0, first[0], first[0] + first[1], first[0] + first[1] + first[2];
+  s.q[0] = -leg.toe_height(s.q);
+  auto in_force = first;
+  for (int k = 0; k < rows; ++k) {
+    const auto ref = reference(kRow * k, phase);
+    const auto phi = leg.angles(s.q), torque = leg.asked(s, in_force);
+    out += fmt::format("{}", kRow * k);
+    for (const double x : phi) out += fmt::format(",{:.9g}", x + 5e-4 * random.normal());
+    for (const double x : torque) out += fmt::format(",{:.9g}", x + 0.02 * random.normal());
+    for (const double x : ref) out += fmt::format(",{:.17g}", x);
+    out += "\n";
+    leg.advance(s, in_force, leg.delay);
+    leg.advance(s, ref, kRow - leg.delay);
+    in_force = ref;
+  }
+  return out;
+}
+
+/// Its file, the fitted constants off by `off`.
+std::string robot_of(const Leg& leg, double off) {
+  const char *links[] = {"thigh", "shank", "foot"}, *joints[] = {"hip", "knee", "ankle"};
+  std::string out = fmt::format(
+      "[robot]\ngravity = 9.81\nbase = \"rail\"\nrail = {{ direction_deg = 90, viscous = {}, friction = {} }}\n"
+      "peak = {{ link = \"slider\", at = [0, 0] }}\n[[robot.link]]\nname = \"slider\"\nmass = {}\ninertia_com = 1e-3\n",
+      leg.rail_viscous * off, leg.rail_dry / off, leg.slider);
+  for (std::size_t i = 0; i < kLinks; ++i)
+    out += fmt::format(
+        "[[robot.link]]\nname = \"{}\"\nparent = \"{}\"\njoint = \"{}\"\nat = [{}, 0]\nmass = {}\ninertia_com = {}\n"
+        "com = [{}, 0]\n",
+        links[i], i == 0 ? "slider" : links[i - 1], joints[i], i == 0 ? 0 : leg.length[i - 1],
+        i == 1 ? leg.mass[i] * off : leg.mass[i], leg.inertia[i], leg.com[i]);
+  out += fmt::format(
+      "[[robot.contact]]\nname = \"toe\"\nlink = \"foot\"\nat = [{}, 0]\nstiffness = {}\ndamping_normal = {}\n"
+      "damping_tangential = {}\nstiffness_tangential = {}\nfriction = {}\n",
+      leg.length[2], leg.k * off, leg.c * off, leg.c_t, leg.k_t, leg.mu / off);
+  for (std::size_t i = 0; i < kLinks; ++i)
+    out += fmt::format(
+        "[drive.{}]\nkind = \"geared\"\nk_p = {}\nk_d = {}\ni_motor = {}\nfriction = {}\nviscous_friction = {}\n",
+        joints[i], Leg::kP, Leg::kD, leg.armature[i], leg.dry[i] * off, leg.viscous[i] / off);
+  return out + "[command]\ndelay = 0.0003\n";
+}
+
+std::map<std::string, double> truths(const Leg& leg) {
+  return {{"drive.hip.friction", leg.dry[0]},
+          {"drive.knee.friction", leg.dry[1]},
+          {"drive.hip.viscous_friction", leg.viscous[0]},
+          {"drive.knee.viscous_friction", leg.viscous[1]},
+          {"robot.link.shank.mass", leg.mass[1]},
+          {"robot.rail.viscous", leg.rail_viscous},
+          {"robot.rail.friction", leg.rail_dry},
+          {"robot.contact.toe.stiffness", leg.k},
+          {"robot.contact.toe.damping_normal", leg.c},
+          {"robot.contact.toe.friction", leg.mu},
+          {"command.delay", leg.delay}};
+}
+
+}  // namespace
+
+TEST_CASE("constants of a leg of three joints on a rail come back within their errors", "[driven]") {
+  Random random(kSeed, 1000);
+  double squares = 0;
+  int n = 0, trusted = 0;
+  const int draws = test::draws(1);
+  for (int draw = 0; draw < draws; ++draw) {
+    Leg leg;
+    for (double* x : {&leg.dry[0], &leg.dry[1], &leg.viscous[0], &leg.viscous[1], &leg.mass[1], &leg.rail_viscous,
+                      &leg.rail_dry, &leg.k, &leg.c, &leg.mu})
+      *x *= random.uniform(0.8, 1.25);
+    leg.delay = random.uniform(0.2e-3, 1.2e-3);
+    const test::Folder folder;
+    const DrivenRobot robot = read_driven_robot(folder.write("robot.toml", robot_of(leg, 1.1)));
+    std::vector<RobotTrial> trials;
+    for (int m = 0; m < 2; ++m)
+      for (RobotTrial& t :
+           read_robot_trials(folder.write(fmt::format("log_{}.csv", m),
+                                          log_of(leg, 400, random.uniform(0, 6), std::uint64_t(10 * draw + m))),
+                             robot.scene.robot, {.columns = ""}))
+        trials.push_back(std::move(t));
+    RobotFitOptions options;
+    options.terms = robot_terms(robot, trials), options.threads = 2;
+    const auto truth = truths(leg);
+    for (const auto& [name, value] : truth) options.terms.free.push_back(name);
+    const RobotFit fit = fit_robot(robot, trials, options);
+    INFO("draw " << draw << ": " << fit.message << ", hip " << fit.rms[kAngle] << " rad of " << fit.noise[kAngle]);
+    CHECK(fit.converged);
+    for (const identify::Estimate& e : fit.parameters) {
+      if (!e.free) continue;
+      const double off = e.value - truth.at(e.name), z = e.std ? off / *e.std : 0;
+      UNSCOPED_INFO(e.name << " " << e.value << ", true " << truth.at(e.name) << ", z " << z << " "
+                           << identify::name(e.verdict));
+      if (e.verdict != identify::Identifiability::kTrusted) continue;
+      CHECK(std::abs(z) < 4);
+      squares += z * z, ++n, ++trusted;
+    }
+  }
+  CHECK(trusted > 0);
+  const double rms = std::sqrt(squares / std::max(1, n)), spread = draws >= 30 ? 1.2 : 2;
+  INFO("rms z " << rms << " of " << n << " trusted constants in " << draws << " draws");
+  CHECK(rms < spread);
+  if (draws >= 30) WARN("rms z " << rms << " of " << n << " trusted constants in " << draws << " draws");
+}
