@@ -122,7 +122,7 @@ void bind_result(py::module_& m) {
             return out;
           },
           "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
-          "trials (NaN: fewer than three).")
+          "trials (NaN: fewer than three) [rad, rad/s or Nm].")
       .def("outputs", outputs_of, py::arg("trial"), "Simulated angles, rates and torques of a trial, by name.")
       .def(
           "contacts",
@@ -149,7 +149,8 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
   o.threads = threads, o.seed = seed, o.restarts = starts;
-  if (free) o.terms = choose(std::move(o.terms), free, o.terms.nuisance, priors, lower, upper);
+  const std::vector<std::string> starts_of_trials = o.terms.nuisance;
+  if (free) o.terms = choose(std::move(o.terms), free, starts_of_trials, priors, lower, upper);
   return long_call([&](const std::function<bool()>& stop) {
     o.monitor.stop = stop;
     return RobotIdentified{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), trials};
