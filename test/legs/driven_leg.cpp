@@ -101,9 +101,9 @@ struct Leg {
     }
     return m.ldlt().solve(force);
   }
-  /// By Heun's method, in steps of 10 us.
+  /// By Heun's method, in steps of 2 us.
   void advance(State& s, const std::array<double, kLinks>& ref, double seconds) const {
-    const int n = std::max(1, int(std::lround(seconds / 1e-5)));
+    const int n = std::max(1, int(std::lround(seconds / 2e-6)));
     const double h = seconds / n;
     for (int i = 0; i < n; ++i) {
       const bool below = toe_height(s.q) < 0;
@@ -168,7 +168,8 @@ std::string robot_of(const Leg& leg, double off) {
   for (std::size_t i = 0; i < kLinks; ++i)
     out += fmt::format(
         "[drive.{}]\nkind = \"geared\"\nk_p = {}\nk_d = {}\ni_motor = {}\nfriction = {}\nviscous_friction = {}\n",
-        joints[i], Leg::kP, Leg::kD, leg.armature[i], leg.dry[i] * off, leg.viscous[i] / off);
+        joints[i], Leg::kP, Leg::kD, leg.armature[i], i == 2 ? leg.dry[i] : leg.dry[i] * off,
+        i == 2 ? leg.viscous[i] : leg.viscous[i] / off);
   return out + "[command]\ndelay = 0.0003\n";
 }
 
