@@ -85,8 +85,7 @@ TEST_CASE("legs: bad robots are refused with their place and the rule") {
           "3:8: ", "its pin_height above the floor is needed");
   refused(with("gravity = 9.81", "gravity = 9.81\nbase = \"pinned\"\npin_height = 1"),
           "28:10: ", "a pinned robot is not dropped");
-  refused(with("gravity = 9.81", "gravity = 9.81\nbase = \"rail\"\nrail = { load_friction = 2 }"),
-          "4:26: ", "0 to 1");
+  refused(with("gravity = 9.81", "gravity = 9.81\nbase = \"rail\"\nrail = { load_friction = 2 }"), "4:26: ", "0 to 1");
   refused(with("height = 0.1", "height = 0.1\npitch_rate = 1") + "[detection]\ndelay = 1\n", "32:9: ", "at most 0.1 s");
   refused(with("at = [0.3, 0]", "at = [0.3]"), "16:6: ", "2 numbers in [ ] are needed");
   refused(with("at = [0.3, 0]", "friction = 0.5"), "", "with friction it must be above 0");
