@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kCommit = ".ukemi-commit";
-constexpr const char* kGone = ".elapsed";  ///< in it: the names whose earlier files are removed, a line each
+constexpr const char* kGone = ".gone";  ///< in it: the names whose earlier files are removed, a line each
 
 /// '#' in a pattern stands for one digit or more.
 bool matches(std::string_view pattern, std::string_view name) {
@@ -75,7 +75,7 @@ void finish_commit(const fs::path& folder) {
 class Aside {
  public:
   Aside(fs::path path, fs::path target) : path_(std::move(path)), target_(std::move(target)) {
-    while (!move_next()) continue;
+    while (!claim()) continue;
   }
   ~Aside() {
     std::error_code ec;
@@ -97,7 +97,7 @@ class Aside {
 
  private:
   /// Makes it, or takes it over from a process that has ended; false where another was quicker.
-  bool move_next() {
+  bool claim() {
     if (::mkdir(path_.c_str(), 0777) != 0 && errno != EEXIST) fail(target_, errno);
     lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (lock_ < 0 && errno == ENOENT) return false;

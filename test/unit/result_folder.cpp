@@ -124,6 +124,17 @@ TEST_CASE("results replace the earlier ones of the names, all of them, and nothi
   CHECK(!fs::exists(f.at("a/out/.ukemi-commit")));
 }
 
+TEST_CASE("what an earlier program left on its way is finished: its names on disk stay what they are") {
+  const Folder f;
+  ResultFolder(f.at("out"), kNames).replace(results(0));
+  fs::create_directory(f.at("out/.ukemi-commit"));
+  for (const auto& [name, content] : results(1)) f.write("out/.ukemi-commit/" + name, content);
+  f.write("out/.ukemi-commit/.gone", "b.csv\n");
+  const ResultFolder next(f.at("out"), kNames);
+  CHECK(run_of(held(f)) == 1);
+  CHECK(f.content("out").size() == results(1).size());
+}
+
 TEST_CASE("an exchanged folder keeps its rights") {
   const Folder f;
   const ResultFolder out(f.at("out"), kNames);
