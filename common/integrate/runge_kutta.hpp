@@ -110,7 +110,7 @@ struct StepEnds {
       return from_start <= whole_ ? Place{from_start / whole_, 0} : Place{1, from_start - whole_};
     }
   }
-  /// Behind the computed end the step goes on along the field.
+  /// Beyond the computed end the step goes on along the field.
   State extended(State x, const Time& beyond) const {
     if constexpr (!kIsPack<T>)
       if (beyond > 0)

@@ -20,7 +20,7 @@ Eigen::Matrix<double, P, 1> event_shift(const ceres::Jet<double, P>& guard, doub
   return guard.v / -rate;
 }
 
-/// y_p(-) to y_p(+) where the state does not jump; `before`, `behind`: the values of the field before and after the
+/// y_p(-) to y_p(+) where the state does not jump; `before`, `after`: the values of the field before and after the
 /// event; `shift`: dt*/dp.
 template <class State, class Values, class Shift>
 void saltate(State& y, const Values& before, const Values& after, const Shift& shift) {

@@ -112,7 +112,7 @@ class BodyCourse {
     out.lands = scene_.detection_delay == 0;
     return out;
   }
-  /// Whether the landing motions are due at a deadline; what else is, `turn` does.
+  /// Whether the landing motions are due at a deadline; what else is, `advance` does.
   bool lands_at(double t) const { return t + kRounding >= detected_; }
   /// The landing motions start.
   void land(const T& t) {

@@ -13,6 +13,9 @@
 
 namespace ukemi::landing {
 
+/// Below this speed the sign of a rail's dry friction is smooth [m/s].
+inline constexpr double kRailSpeed = 0.005;
+
 /// The drive of a joint in its scalar.
 template <class T>
 struct JointConstants {
@@ -306,7 +309,6 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// for.
   Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail) const {
     if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0));
-    constexpr double kRailSpeed = 0.005;  // [m/s]
     const T& v = y[kVx];
     along_rail = -rail_viscous * v;
     const bool loaded = any(present(rail_load_friction));

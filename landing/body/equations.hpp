@@ -55,6 +55,12 @@ auto in_kernel(const Robot& robot, F&& f) {
   return f.template operator()<kFirst>();
 }
 
+/// The same of the kernels that peaks and gradients have: those of CMakeLists.txt.
+template <class F>
+auto in_landing_kernel(const Robot& robot, F&& f) {
+  return in_kernel<kPair, kTriple, kQuad, kMiddle, kAny>(robot, f);
+}
+
 /// How many there are: known to the compiler where the kernel is exact.
 template <int kMost, bool kExact>
 struct Count {

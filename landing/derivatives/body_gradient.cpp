@@ -49,7 +49,7 @@ void check(const BodyParameter& p, const Robot& robot) {
 
 BodyGradients some_gradients(const BodyScene& scene, const BodyMotion& motion,
                              std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
-  return in_kernel<kPair, kTriple, kQuad, kMiddle, kAny>(scene.robot, [&]<Capacity kSize>() {
+  return in_landing_kernel(scene.robot, [&]<Capacity kSize>() {
     return gradients_in_kernel<kSize>(scene, motion, parameters, options, most);
   });
 }

@@ -97,7 +97,7 @@ class DrivenRun {
           std::max(fastest, system_.rail_viscous / system_.body.mass +
                                 (system_.rail_friction / system_.body.mass +
                                  system_.rail_load_friction * std::hypot(system_.gravity[0], system_.gravity[1])) /
-                                    kFrictionSpeed);
+                                    kRailSpeed);
     constexpr double kPart = 2, kLongest = 1e-3, kInContact = 2e-4;  // of the decay: the method holds up to 2.78; [s]
     return std::min(kPart / fastest, system_.body.contacts > 0 ? kInContact : kLongest);
   }

@@ -109,9 +109,9 @@ Estimated estimated(const Measure& measure, std::span<const double> peaks) {
       return {value, spread(mean_of(x))};
     }
     case Measure::Kind::kQuantile: {  // half of what a standard error of the rank spans (Woodruff 1952)
-      const double deviation = std::sqrt(measure.level * (1 - measure.level) / n);
-      const double low = quantile_of(x, std::max(1 / n, measure.level - deviation)),
-                   high = quantile_of(x, std::min(1.0, measure.level + deviation));
+      const double error = std::sqrt(measure.level * (1 - measure.level) / n);
+      const double low = quantile_of(x, std::max(1 / n, measure.level - error)),
+                   high = quantile_of(x, std::min(1.0, measure.level + error));
       return {value, 0.5 * (high - low)};
     }
     case Measure::Kind::kWorst:

@@ -370,14 +370,9 @@ TEST_CASE("a run of hops is cut where the leg pushes, not where it stretches in 
 TEST_CASE("a prediction stands beside what knows no physics", "[driven]") {
   const Pendulum p;
   Case c(p, 1, 4, 0, kFree);
-  const auto logs = [](const Case& of) {
-    std::vector<const DropLog*> out;
-    for (const RobotTrial& t : of.trials) out.push_back(&t.log);
-    return out;
-  };
   const RobotFit right = predict_robot(c.robot, c.trials, c.options);
   for (const std::size_t channel : {std::size_t(kAngle), std::size_t(kSensed + kAngle)}) {
-    const Baseline b = baselines(right, logs(c))[channel];
+    const Baseline b = baselines(right, logs_of(c.trials))[channel];
     REQUIRE(b.known());
     CHECK(b.beaten());
     CHECK(b.model < 3e-4);
@@ -387,11 +382,11 @@ TEST_CASE("a prediction stands beside what knows no physics", "[driven]") {
   // The same trial over and over: its mean knows all.
   for (RobotTrial& t : c.trials)
     t.log = c.trials[0].log, t.origin = c.trials[0].origin, t.commands = c.trials[0].commands;
-  const Baseline same = baselines(predict_robot(c.robot, c.trials, c.options), logs(c))[kAngle];
+  const Baseline same = baselines(predict_robot(c.robot, c.trials, c.options), logs_of(c.trials))[kAngle];
   CHECK(same.mean < 1e-12);
   CHECK_FALSE(same.beaten());
   const Case two(p, 1, 2, 0, kFree);
-  CHECK(std::isnan(baselines(predict_robot(two.robot, two.trials, two.options), logs(two))[kAngle].mean));
+  CHECK(std::isnan(baselines(predict_robot(two.robot, two.trials, two.options), logs_of(two.trials))[kAngle].mean));
 }
 
 namespace {

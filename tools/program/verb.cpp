@@ -13,15 +13,8 @@ std::vector<Verb>& enrolled() {
 }  // namespace
 
 const char* name(VerbGroup group) {
-  switch (group) {
-    case VerbGroup::kConstants:
-      return "Constants from logs";
-    case VerbGroup::kLandings:
-      return "Landings";
-    case VerbGroup::kProgram:
-      return "The program";
-  }
-  return "";
+  constexpr const char* kNames[] = {"Constants from logs", "Landings", "The program"};
+  return kNames[int(group)];
 }
 
 Verb::Verb(VerbGroup group_, const char* name_, const char* purpose_, void (*add_)(CLI::App* verb, Action& chosen))

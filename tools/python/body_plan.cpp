@@ -219,7 +219,7 @@ void bind_body_planner(py::module_& m) {
           py::arg("deadline") = 0.05, py::arg("seed") = 1,
           "The same for a robot that falls already: joints is a dict of (angle [rad], rate [rad/s]) of each driven "
           "joint, "
-          "elapsed the time since release [s], vertical_speed upwards [m/s].");
+          "elapsed: the time since release [s], vertical_speed upwards [m/s].");
 }
 
 void bind_body_risk(py::module_& m) {

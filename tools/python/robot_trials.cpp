@@ -21,12 +21,6 @@ using tools::DrivenRobot, tools::RobotFit, tools::RobotFitOptions, tools::RobotL
 struct RobotIdentified {
   RobotFit fit;
   std::vector<RobotTrial> trials;
-
-  std::vector<const DropLog*> logs() const {
-    std::vector<const DropLog*> out;
-    for (const RobotTrial& t : trials) out.push_back(&t.log);
-    return out;
-  }
 };
 
 /// None: whole logs; seconds; times; "auto".
@@ -115,7 +109,7 @@ void bind_result(py::module_& m) {
           "baselines",
           [](const RobotIdentified& r) {
             std::map<std::string, std::map<std::string, double>> out;
-            const auto all = tools::baselines(r.fit, r.logs());
+            const auto all = tools::baselines(r.fit, tools::logs_of(r.trials));
             for (std::size_t o = 0; o < all.size(); ++o)
               if (all[o].known())
                 out[r.fit.channels[o].name] = {{"model", all[o].model}, {"held", all[o].held}, {"mean", all[o].mean}};

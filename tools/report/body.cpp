@@ -105,29 +105,43 @@ std::string motion_words(const Robot& robot, const BodyMotion& motion) {
 }
 
 namespace {
+
 /// What a joint's motor must turn at [rad/s]: its reference's rate, or its own.
 double speed_of(const Motion& motion, const JointDemands& d) {
   return std::max(peak_reference_rate(motion), d.motor_speed);
 }
+
+/// A demand of a joint beyond its rating.
+struct Beyond {
+  const Joint* joint;
+  double value, rating;
+  const char *unit, *at;  ///< "rad/s", "at"; "Nm", "with"
+};
+std::vector<Beyond> beyond_ratings(const Robot& robot, const BodyMotion& motion, const BodyLanding& l) {
+  std::vector<Beyond> out;
+  for (std::size_t i = 0; i < l.demands.size(); ++i) {
+    const Joint& joint = robot.joints[i];
+    if (!joint.driven()) continue;
+    const double speed = speed_of(motion[i], l.demands[i]), torque = l.demands[i].motor_torque;
+    if (joint.speed_max && speed > *joint.speed_max) out.push_back({&joint, speed, *joint.speed_max, "rad/s", "at"});
+    if (joint.motor_torque_max && torque > *joint.motor_torque_max)
+      out.push_back({&joint, torque, *joint.motor_torque_max, "Nm", "with"});
+  }
+  return out;
+}
+
 }  // namespace
 
 Check within_ratings(const Robot& robot, const BodyMotion& motion, const BodyLanding& l) {
   constexpr const char* kWhat = "within ratings";
   if (l.demands.empty()) return {Check::State::kUnknown, kWhat, "the landing was not played"};
-  bool unknown = false;
   std::vector<std::string> beyond;
-  for (std::size_t i = 0; i < l.demands.size(); ++i) {
-    const Joint& joint = robot.joints[i];
-    if (!joint.driven()) continue;
-    const double speed = speed_of(motion[i], l.demands[i]), torque = l.demands[i].motor_torque;
-    unknown = unknown || !joint.speed_max || !joint.motor_torque_max;
-    if (joint.speed_max && speed > *joint.speed_max)
-      beyond.push_back(fmt::format("{} {:.3g} of {:.3g} rad/s", joint.name, speed, *joint.speed_max));
-    if (joint.motor_torque_max && torque > *joint.motor_torque_max)
-      beyond.push_back(fmt::format("{} {:.3g} of {:.3g} Nm", joint.name, torque, *joint.motor_torque_max));
-  }
+  for (const Beyond& b : beyond_ratings(robot, motion, l))
+    beyond.push_back(fmt::format("{} {:.3g} of {:.3g} {}", b.joint->name, b.value, b.rating, b.unit));
   if (!beyond.empty()) return {Check::State::kBad, kWhat, fmt::format("{}", fmt::join(beyond, ", "))};
-  return {unknown ? Check::State::kUnknown : Check::State::kGood, kWhat, unknown ? "rating unknown" : ""};
+  const bool known = std::all_of(robot.joints.begin(), robot.joints.end(),
+                                 [](const Joint& j) { return !j.driven() || (j.speed_max && j.motor_torque_max); });
+  return {known ? Check::State::kGood : Check::State::kUnknown, kWhat, known ? "" : "rating unknown"};
 }
 
 Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l, Run& run) {
@@ -139,18 +153,14 @@ Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLan
     Json& j = out[joint.name] = {
         {"kind", name(joint.kind)}, {"phi_deg", {d.phi_min * kDegrees, d.phi_max * kDegrees}}, {"torque", d.torque}};
     if (!joint.driven()) continue;
-    const double rate = peak_reference_rate(motion[i]);
-    j["peak_reference_rate"] = rate, j["motor_speed"] = d.motor_speed, j["speed_max"] = number(joint.speed_max);
+    j["peak_reference_rate"] = peak_reference_rate(motion[i]);
+    j["motor_speed"] = d.motor_speed, j["speed_max"] = number(joint.speed_max);
     j["motor_torque"] = d.motor_torque, j["motor_torque_max"] = number(joint.motor_torque_max);
     j["tau_max"] = number(joint.sea.tau_max);
-    const double speed = speed_of(motion[i], d);
-    if (joint.speed_max && speed > *joint.speed_max)
-      run.warn(fmt::format("the robot could not follow: {} at {:.3g} rad/s; rated {:.3g} rad/s", joint.name, speed,
-                           *joint.speed_max));
-    if (joint.motor_torque_max && d.motor_torque > *joint.motor_torque_max)
-      run.warn(fmt::format("the robot could not follow: {} with {:.3g} Nm; rated {:.3g} Nm", joint.name, d.motor_torque,
-                           *joint.motor_torque_max));
   }
+  for (const Beyond& b : beyond_ratings(scene.robot, motion, l))
+    run.warn(fmt::format("the robot could not follow: {} {} {:.3g} {}; rated {:.3g} {}", b.joint->name, b.at, b.value,
+                         b.unit, b.rating, b.unit));
   return out;
 }
 

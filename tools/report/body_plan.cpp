@@ -8,6 +8,7 @@
 #include "landing/model/scatter_file.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/results.hpp"
 #include "tools/report/risk.hpp"
 #include "tools/report/scatter.hpp"
 
@@ -177,7 +178,6 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
 
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
            const Exports& exports, Run& run) {
-  constexpr double kShort = 2;  // gnuplot takes some 0.1 s: a short deadline is for the search [s]
   const Robot& robot = scene.robot;
   const std::string goal = goal_words(scene, options);
   if (!plan.message.empty()) run.warn(plan.message);
@@ -203,7 +203,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
       run.warn("plotjuggler.csv is not written: the deadline leaves no time for the landing's rows");
     run.add("progress.csv", progress_csv(run, plan));
     Report report("Best landing: " + scene.name);
-    const bool drawn = !options.deadline || *options.deadline >= kShort;
+    const bool drawn = !options.deadline || *options.deadline >= kDrawnFrom;
     if (drawn) show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
     if (!scene.loads.empty()) {
       summary["loads"] = report_loads(scene, plan.landing, "", &report, run);

@@ -74,6 +74,12 @@ DrivenRobot read_driven_robot(const std::string& path) {
   return out;
 }
 
+std::vector<const DropLog*> logs_of(const std::vector<RobotTrial>& trials) {
+  std::vector<const DropLog*> out;
+  for (const RobotTrial& t : trials) out.push_back(&t.log);
+  return out;
+}
+
 double number_of(const DrivenRobot& robot, const std::string& name) {
   if (!begins(name, kCommand)) return design_number(robot.scene, name);
   CommandPath path = robot.path;

@@ -33,6 +33,7 @@ struct RobotTrial {
   double origin = 0;     ///< what the log's clock read there [s]
   std::shared_ptr<const landing::Commands> commands;
 };
+std::vector<const landing::DropLog*> logs_of(const std::vector<RobotTrial>& trials);
 /// phi_JOINT, dphi_JOINT and torque_JOINT of every joint; torque of driven ones alone.
 std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
 

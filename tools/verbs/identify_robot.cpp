@@ -62,12 +62,6 @@ void set_options(const IdentifyArguments& a, const CommonOptions& common, RobotF
   o.restarts = a.starts, o.threads = common.threads;
 }
 
-std::vector<const DropLog*> logs_of(const std::vector<RobotTrial>& trials) {
-  std::vector<const DropLog*> out;
-  for (const RobotTrial& t : trials) out.push_back(&t.log);
-  return out;
-}
-
 std::vector<std::pair<std::string, double>> fitted_values(const identify::Estimates& fit) {
   std::vector<std::pair<std::string, double>> out;
   for (const identify::Estimate& e : fit.parameters)
