@@ -113,9 +113,12 @@ class Objective {
   /// Counts landings that were played outside of this objective for the search.
   void spend(long work) { work_ += work; }
   bool exhausted() const { return work_ >= granted_; }
+  /// From now on the deadline has no say before so much processor time is used, whatever else the machine does [s].
+  void grant_time(double seconds) { grace_ = seconds, used_.restart(); }
   /// True once the deadline has passed, the work is spent or somebody has asked to stop: landings are cut off.
   bool late() const {
-    return exhausted() || (std::isfinite(deadline) && watch.seconds() >= deadline) || (stop && stop());
+    const bool passed = std::isfinite(deadline) && watch.seconds() >= deadline && used_.seconds() >= grace_;
+    return exhausted() || passed || (stop && stop());
   }
   /// late() in the form that a landing's options take.
   const std::function<bool()>* over() const { return &over_; }
@@ -142,6 +145,8 @@ class Objective {
   std::array<long, kExecutionPoints> failures_{};  ///< how often each gave a value or ended a motion
   long motions_ = 0, landings_ = 0, flights_ = 0, work_ = 0, granted_ = kUnbounded;
   double landing_time_ = 0;
+  Stopwatch used_{Stopwatch::Time::kProcess};
+  double grace_ = 0;  ///< [s]
   struct Scattered;
   std::shared_ptr<Scattered> scattered_;  ///< memory of the races under scatter
   const std::function<bool()> over_ = [this] { return late(); };

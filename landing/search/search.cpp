@@ -10,7 +10,7 @@ namespace ukemi::landing {
 namespace {
 constexpr std::size_t kContenders = 12;  ///< contenders that an answer is chosen from
 constexpr double kSame = 1e-3;           ///< of the box: of neighbours only the best is kept
-constexpr double kLast = 3e-3;           ///< what an answer may take where there is none yet, however late it is [s]
+constexpr double kLast = 3e-3;  ///< processor time for an answer where there is none yet, however late it is [s]
 }  // namespace
 
 long work_allowed(long landings, long motions) {
@@ -45,10 +45,9 @@ void Search::hold() {
   const auto holding = [&](double phi) { return Candidate{space.place(*space.holding(phi))}; };
   if (budget_.hold <= 0 || !space.holding(low)) return;
   held_ = holding(scene.release ? scene.release->phi : std::midpoint(low, high));
-  const double deadline = objective_.deadline;
-  objective_.deadline = std::max(deadline, objective_.watch.seconds() + kLast);
+  objective_.grant_time(kLast);
   judge_held(held_);
-  objective_.deadline = deadline;
+  objective_.grant_time(0);
   if (scene.release) return;
   // Postures on a grid by the peak, then between the best one's neighbours; the best of all is judged.
   const double most = std::min(double(budget_.motions), kInLanes * budget_.seconds / objective_.landing_time());
@@ -75,12 +74,14 @@ void Search::judge_held(Candidate p) {
 
 /// Plays what was only screened, where nothing that was played is better than holding.
 void Search::play_screened(double deadline) {
-  objective_.deadline = contenders_.empty() ? std::max(deadline, objective_.watch.seconds() + kLast) : deadline;
+  objective_.deadline = deadline;
+  if (contenders_.empty()) objective_.grant_time(kLast);
   for (Candidate p : screened_) {
     if (best().value < held_.value || p.value >= best().value) continue;
     p.bound = best().value;
     play({&p, 1});
   }
+  objective_.grant_time(0);
 }
 
 double Search::share() const {
