@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/journal.hpp"
 #include "landing/atlas/atlas.hpp"
 
 namespace ukemi::landing {
@@ -71,29 +72,20 @@ class MappedAtlas {
   std::size_t size_ = 0;
 };
 
-/// Cells as they are planned, on the disk before the next one is begun. A kill at any moment costs no cell that is in
-/// it; one process at a time has it.
+/// Cells as they are planned, on the disk before the next one is begun.
 class AtlasJournal {
  public:
-  /// Takes what an earlier run left there into `cells`, else begins; makes the folder. Throws InputError where it is of
-  /// an atlas with another identity, another process has it, or it cannot be written.
+  /// Takes what an earlier run left there into `cells`, else begins. Throws InputError as Journal.
   AtlasJournal(const std::string& path, const std::string& identity, std::span<AtlasCell> cells);
-  ~AtlasJournal();
-  AtlasJournal(const AtlasJournal&) = delete;
-  AtlasJournal& operator=(const AtlasJournal&) = delete;
 
   /// Throws InputError with the system's reason.
   void add(std::size_t drop, const AtlasCell& cell);
   std::size_t taken() const { return taken_; }  ///< cells of an earlier run
   /// All that it holds.
-  std::string bytes() const;
+  std::string bytes() const { return journal_.bytes(); }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const;
-  void read_cells(const std::string& identity, std::span<AtlasCell> cells);
-
-  std::string path_;
-  int file_ = -1;
+  Journal journal_;
   std::size_t taken_ = 0;
 };
 

@@ -57,6 +57,23 @@ void add_drive(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i
   own("parallel_rest_deg", &Joint::parallel_rest, kDegree);
 }
 
+/// drive.*.KEY: a number that every driven joint has.
+void add_all_drives(std::vector<DesignNumber>& out, const Robot& robot) {
+  std::vector<std::string> keys = {"speed_max", "motor_torque_max"};
+  for (const ActuatorConstant& c : actuator_constants()) keys.push_back(c.key);
+  for (const std::string& key : keys) {
+    std::vector<DesignNumber> all;
+    for (const Joint& j : robot.joints)
+      if (j.driven())
+        all.push_back(
+            *std::find_if(out.begin(), out.end(), [&](auto& n) { return n.name == "drive." + j.name + "." + key; }));
+    if (all.empty()) return;
+    out.push_back({"drive.*." + key, all.front().get, [all](BodyScene& s, double x) {
+                     for (const DesignNumber& n : all) n.set(s, x);
+                   }});
+  }
+}
+
 void add_link(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
   const std::string to = "robot.link." + robot.links[i].name + ".";
   out.push_back(number(to + "mass", [i](BodyScene& s) -> double& { return s.robot.links[i].mass; }));
@@ -89,6 +106,7 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
   std::vector<DesignNumber> out;
   const Robot& robot = scene.robot;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) add_drive(out, robot, i);
+  add_all_drives(out, robot);
   for (std::size_t i = 0; i < robot.links.size(); ++i) add_link(out, robot, i);
   for (const std::string key : kContactKeys) {
     for (const ContactPoint& c : robot.contacts)

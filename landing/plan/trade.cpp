@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "landing/body/load.hpp"
 #include "landing/plan/body_goal.hpp"
 #include "landing/plan/design_numbers.hpp"
 
@@ -33,20 +34,32 @@ class Trader {
     }
     judges_.resize(count);
     for (const TradeAxis& axis : axes) out.middle = out.middle * axis.values.size() + axis.values.size() / 2;
+    first_ = count * options.part.index / options.part.count;
+    last_ = count * (options.part.index + 1) / options.part.count;
+    for (std::size_t k = 0; k < std::min(count, options.known.size()); ++k) {
+      std::vector<double> at = std::move(out.points[k].at);
+      if (options.known[k].plans > 0) out.points[k] = options.known[k];
+      out.points[k].at = std::move(at);
+    }
+  }
+
+  /// A motion that a design may play; kept where it keeps the limits.
+  void know(std::size_t k, const BodyMotion& motion, const Edges& edges) {
+    if (out_.points[k].plans > 0) return;
+    if (const double v = value(k, motion); v < kNoMotion) accept(k, motion, v, edges);
   }
 
   void run() {
-    const std::size_t n = out_.points.size(), middle = out_.middle;
-    plan_at(middle, {}, 1);
-    for (std::size_t k = middle + 1; k < n; ++k) plan_at(k, neighbours(k), 1);
-    for (std::size_t k = middle; k-- > 0;) plan_at(k, neighbours(k), 1);
-    for (std::size_t k = 0; k < n; ++k)
-      if (k != middle) plan_at(k, neighbours(k), kAgain);
+    const std::size_t middle = std::clamp(out_.middle, first_, last_ - 1);
+    plan_at(middle, 1);
+    for (std::size_t k = middle + 1; k < last_; ++k) plan_at(k, 1);
+    for (std::size_t k = middle; k-- > first_;) plan_at(k, 1);
+    for (std::size_t k = first_; k < last_; ++k) plan_at(k, 2);
     while (exchange()) {
     }
-    const TradePoint& m = out_.points[middle];
-    for (std::size_t k = 0; m.found() && k < n; ++k)
-      out_.points[k].unchanged = k == middle ? m.planned : value(k, m.motion);
+    const TradePoint& m = out_.points[out_.middle];
+    for (std::size_t k = first_; m.found() && k < last_; ++k)
+      out_.points[k].unchanged = k == out_.middle ? m.planned : value(k, m.motion);
   }
 
  private:
@@ -69,8 +82,18 @@ class Trader {
     return out;
   }
 
+  /// The plan of a design with this number, if it is not made: from all its neighbours' motions. A design that was
+  /// planned before its neighbours is planned again from what they found since.
+  void plan_at(std::size_t k, int number) {
+    TradePoint& point = out_.points[k];
+    if (point.plans >= number) return;
+    search(k, neighbours(k), number == 1 ? 1 : kAgain);
+    if (options_.monitor.stopped()) return;
+    point.plans = number;
+    if (options_.done) options_.done(k, point);
+  }
   /// Searches from the motions of some designs and its own, and keeps what is better than what is known.
-  void plan_at(std::size_t k, const std::vector<std::size_t>& from, double part) {
+  void search(std::size_t k, const std::vector<std::size_t>& from, double part) {
     if (options_.monitor.stopped()) return;
     TradePoint& point = out_.points[k];
     BodyPlanOptions search = options_.search;
@@ -82,7 +105,7 @@ class Trader {
     for (const std::size_t i : from) search.starts.push_back(out_.points[i].motion);
     const BodyPlan best = plan(scenes_[k], search);
     ++out_.plans;
-    options_.monitor.progress(out_.plans, std::max(long(2 * out_.points.size() - 1), out_.plans));
+    options_.monitor.progress(out_.plans, std::max(long(TradePoint::kPlans * (last_ - first_)), out_.plans));
     if (best.held_value > 0 && best.held_keeps_limits) point.held = best.held_value;
     if (best.found && best.value < point.planned) accept(k, best.motion, best.value, best.edges);
   }
@@ -95,7 +118,7 @@ class Trader {
   /// Plays every neighbour's motion; searches from those that are better than a design's own. False: there was none.
   bool exchange() {
     bool better = false;
-    for (std::size_t k = 0; k < out_.points.size(); ++k)
+    for (std::size_t k = first_; k < last_; ++k)
       for (const std::size_t i : neighbours(k)) {
         if (options_.monitor.stopped()) return false;
         const TradePoint& other = out_.points[i];
@@ -103,7 +126,7 @@ class Trader {
         if (!(v < std::min(kNoMotion, out_.points[k].planned * (1 - kBetter)))) continue;
         better = true;
         accept(k, other.motion, v, other.edges);
-        plan_at(k, {i}, kAgain);
+        search(k, {i}, kAgain);
       }
     return better;
   }
@@ -119,10 +142,106 @@ class Trader {
   const TradeOptions& options_;
   Trade& out_;
   std::vector<BodyScene> scenes_;
-  std::vector<BodyGoal> judges_;  ///< of the designs that neighbours' motions were played on
+  std::size_t first_ = 0, last_ = 0;  ///< the designs of this part: from one to before the other
+  std::vector<BodyGoal> judges_;      ///< of the designs that neighbours' motions were played on
 };
 
+void check(const std::vector<TradeAxis>& axes, const TradeOptions& options) {
+  std::size_t count = 1;
+  for (const TradeAxis& axis : axes) count *= axis.values.size();
+  const TradePart& part = options.part;
+  if (!(part.index < part.count && part.count <= count))
+    throw InputError(
+        fmt::format("part {} of {}: 1 to {} of as many at most are needed", part.index + 1, part.count, count));
+  if (!options.known.empty() && options.known.size() != count)
+    throw InputError(fmt::format("{} known designs: {} are needed", options.known.size(), count));
+}
+
+/// A scene with a load that has this name.
+std::size_t load_of(BodyScene& scene, const std::string& name) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+    if (scene.loads[i].name == name && scene.loads[i].kind != Load::Kind::kTouch) return i;
+    if (scene.loads[i].kind != Load::Kind::kTouch) names.push_back(scene.loads[i].name);
+  }
+  constexpr const char* kPeak = "peak";
+  if (std::find(names.begin(), names.end(), kPeak) == names.end()) names.push_back(kPeak);
+  if (name != kPeak) throw InputError("front: " + one_of(name, names));
+  scene.loads.push_back(
+      {.name = kPeak, .kind = Load::Kind::kAcceleration, .index = scene.robot.peak_link, .at = scene.robot.peak});
+  return scene.loads.size() - 1;
+}
+
+/// A scene that has both loads of a front, neither of them a limit.
+BodyScene with_both(BodyScene scene, const std::string& cost, const std::string& limited) {
+  if (cost == limited) throw InputError("front: " + quoted(cost) + ": two loads are needed");
+  scene.loads[load_of(scene, cost)].limit = false;
+  scene.loads[load_of(scene, limited)].limit = false;
+  return scene;
+}
+
+/// A scene whose plans make one load small, in its own unit, and keep the limits of the others.
+BodyScene alone(BodyScene scene, const std::string& name) {
+  for (Load& l : scene.loads)
+    if (l.name == name) l.limit = false, l.rating = 1;
+  std::erase_if(scene.loads, [&](const Load& l) { return l.name != name && !l.limit; });
+  return scene;
+}
+
+/// The options by which a load is worth what a limit of it would have to be: as limits are kept, in the whole execution
+/// box, under scatter in a share of the drops.
+void as_kept(BodyPlanOptions& search) {
+  if (search.measure) {
+    const double share = search.share.value_or(search.measure->share());
+    search.measure = share < 1 ? Measure{Measure::Kind::kQuantile, share} : Measure{Measure::Kind::kWorst};
+  } else if (search.goal != Goal::kTolerant) {
+    constexpr long kBox = 8;  // landings of it, of which many are cut short
+    search.goal = Goal::kTolerant;
+    if (search.evaluations) search.evaluations = std::max(1L, *search.evaluations / kBox);
+  }
+}
+
 }  // namespace
+
+void check_front(const BodyScene& scene, const std::string& cost, const std::string& limited) {
+  (void)with_both(scene, cost, limited);
+}
+
+Front pareto(const BodyScene& scene, const std::string& cost, const std::string& limited, std::size_t count,
+             const TradeOptions& options) {
+  constexpr double kRoom = 1e-3;  // a limit that only one motion just keeps is no limit to plan within
+  scene.validate(), options.search.validate();
+  if (count < 2) throw InputError("front: two designs or more are needed");
+  const BodyScene both = with_both(scene, cost, limited);
+  Front out{alone(both, cost), {}};
+  BodyScene other = alone(both, limited);
+  if (options.prepare) options.prepare(other), options.prepare(out.scene);
+
+  BodyPlanOptions search = options.search;
+  search.fresh = 0, search.rate = 0, search.deadline.reset(), search.starts.clear();
+  search.monitor = {{}, options.monitor.stop};
+  const BodyPlan of_cost = plan(out.scene, search);
+  as_kept(search);
+  const BodyPlan of_other = plan(other, search);
+  if (!of_cost.found || !of_other.found) throw InputError("front: " + of_cost.message + of_other.message);
+  const double low = of_other.value,
+               high = judged(plan_goals(other, search, 1, judging_drops(search)).judge, of_cost.motion, search).value;
+
+  const Load kept =
+      *std::find_if(both.loads.begin(), both.loads.end(), [&](const Load& l) { return l.name == limited; });
+  out.scene.loads.push_back(kept), out.scene.loads.back().limit = true;
+  TradeAxis axis{"load." + limited + ".rating", {low * (1 + kRoom)}};
+  for (std::size_t i = 1; low < high && i < count; ++i)
+    axis.values.push_back((low + (high - low) * double(i) / double(count - 1)) * (1 + kRoom));
+  TradeOptions along = options;
+  if (axis.values.size() < count) along.known.clear(), along.part = {};
+  check({axis}, along);
+  Trader trader(out.scene, {axis}, along, out.trade);
+  trader.know(0, of_other.motion, of_other.edges);
+  trader.know(axis.values.size() - 1, of_cost.motion, of_cost.edges);
+  trader.run();
+  return out;
+}
 
 Trade trade(const BodyScene& scene, const std::vector<TradeAxis>& axes, const TradeOptions& options) {
   scene.validate(), options.search.validate();
@@ -132,6 +251,7 @@ Trade trade(const BodyScene& scene, const std::vector<TradeAxis>& axes, const Tr
     if (axis.values.size() < 2 || falls != axis.values.end())
       throw InputError(axis.name + ": two values or more that rise are needed");
   }
+  check(axes, options);
   Trade out;
   Trader(scene, axes, options, out).run();
   return out;

@@ -36,9 +36,11 @@ VERBS = {  # what is run, and by what the earlier run differed
                    "--motion", DATA / "drops/hold.toml"], ["--height-of", "drop_1=0.3"]),
     "atlas": (["atlas", *LANDING, "--height", "0.3:0.6:4", "--speed", "0:1:3", "--pitch-deg", "-20:20:3", "--evaluations",
                "300", "--threads", "1"], None),
+    "trade": (["trade", DATA / "scenes/hopper.toml", "--vary", "drive.knee.k_p=20:100:4", "--evaluations", "800"], SEED),
 }
 
 
+GOES_ON = {"atlas": ("atlas.csv", "atlas.bin"), "trade": ("trade.csv",)}  # from where it was; what it ends with
 SILENT = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
@@ -71,9 +73,9 @@ def differences(a, b):
 
 
 def result(name, folder):
-    """What the next run must end with; an atlas' report tells how much was left to do."""
+    """What the next run must end with; a run that goes on tells how much was left to do."""
     files = contents(folder)
-    return {f: files[f] for f in ("atlas.csv", "atlas.bin")} if name == "atlas" else files
+    return {f: files[f] for f in GOES_ON[name]} if name in GOES_ON else files
 
 
 def try_verb(name, command, other, work):
@@ -98,7 +100,7 @@ def try_verb(name, command, other, work):
         left = contents(folder) if folder.exists() else {}
         state = next((s for s, files in whole.items() if not differences(left, files)), "under way")
         found[state] += 1
-        if state == "under way" and name != "atlas":  # it alone goes on where it was
+        if state == "under way" and name not in GOES_ON:
             sys.exit(f"{name}: kill {k} left neither run: {sorted(left)}; differ: {differences(left, whole['new'])}")
         if k % 10 == 0 or k == KILLS - 1 or state == "under way":
             subprocess.run(ukemi(command, folder), check=True, **SILENT)

@@ -189,7 +189,7 @@ TEST_CASE("trade shows what a number of a design buys") {
   const Folder f;
   const Result r =
       done(f, {"trade", kHopper, "--vary", "drive.knee.k_p=20:100:3", "--evaluations", "800", "-o", "out"});
-  CHECK_THAT(r.out, Contains("lowest: "));
+  CHECK_THAT(r.out, Contains("Lowest: "));
   const Json s = summary(f);
   REQUIRE(s["points"].size() == 3);
   CHECK(s["middle"] == Json({60}));
@@ -211,10 +211,50 @@ TEST_CASE("trade shows what a number of a design buys") {
   check_refused(f, {"trade", kPaper, "--vary", "drop.height=0.2:0.3"}, {"paper.toml", "a robot of links is needed"});
 }
 
+TEST_CASE("trade: shards are put together, Ctrl-C is gone on from") {
+  const Folder f;
+  const Arguments base = {"trade", kHopper, "--vary", "drive.knee.k_p=20:100:4", "--evaluations", "2000", "--quiet"};
+  const auto rows = [&](const std::string& folder) {
+    const std::string text = read(f.at(folder + "/trade.csv"));
+    return text.substr(text.find("drive.knee.k_p,"));
+  };
+  for (const std::string k : {"1", "2"}) {
+    done(f, base + Arguments{"--shard", k + "/2", "-o", "s" + k});
+    CHECK(summary(f, "s" + k)["points"].size() == 2);
+    CHECK(fs::exists(f.at("s" + k + "/trade.part")));
+  }
+  done(f, base + Arguments{"--merge", "s2", "s1", "-o", "all"});
+  CHECK(summary(f, "all")["points"].size() == 4);
+  CHECK_FALSE(fs::exists(f.at("all/trade.part")));
+  const auto refused = [&](const Arguments& more, const Arguments& what) { check_refused(f, base + more, what); };
+  refused({"--merge", "s1", "-o", "bad"}, {"--merge: 2 of 4 designs are in none of the folders"});
+  refused({"--merge", "s1", "none", "-o", "bad"}, {"none/trade.part: there is none"});
+  refused({"--merge", "s1", "s2", "--seed", "2", "-o", "bad"}, {"s1/trade.part: begun for another trade"});
+  refused({"--shard", "5/5", "-o", "bad"}, {"--shard: '5/5'", "N up to 4"});
+  refused({"--pareto", "peak,knee"}, {"--vary or --pareto"});
+
+  const Interrupted r = interrupted_after(0.5, base + Arguments{"--threads", "1", "-o", "out"}, f.at(""));
+  CHECK(r.code == 130);
+  CHECK(summary(f)["interrupted"] == true);
+  CHECK(fs::exists(f.at("out/trade.part")));
+  done(f, base + Arguments{"-o", "out"});
+  done(f, base + Arguments{"-o", "whole"});
+  CHECK(rows("out") == rows("whole"));
+  CHECK_FALSE(fs::exists(f.at("out/trade.part")));
+}
+
+TEST_CASE("ratings of a robot of links is a trade of what its drives are rated") {
+  const Folder f;
+  done(f, {"ratings", kHopper, "--motor-speed", "2:20:3", "--evaluations", "1500", "-o", "out"});
+  const Json points = summary(f)["points"];
+  REQUIRE(points.size() == 3);
+  CHECK(points[0]["drive.*.speed_max"] == 2);
+  CHECK(points[2]["planned"].get<double>() <= points[0]["planned"].get<double>());
+}
+
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot",
-                    two = "a robot of links: `ukemi simulate`";
+  const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot";
   check_refused(f, {"optimize", kHopper, "--drops", "x.csv"}, {"--drops: ", can});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
@@ -234,7 +274,6 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
   check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv:1"}, {"--drop-from: ", can});
   check_refused(f, {"risk", kHopper, "--forbid", "kne"}, {"--forbid: 'kne'", "did you mean"});
   check_refused(f, {"risk", kHopper, "--hold", "-45"}, {"--hold: '-45': ", "NAME=VALUE"});
-  check_refused(f, {"ratings", kHopper, "--actuator", kTable2, "--motor-speed", "1:2:2"}, {two});
   check_refused(f, {"risk", kPaper, "--hold", "-45"}, {"--actuator is required"});
   check_refused(f, {"simulate", kHopper, "--hold", "35"}, {"--hold: '35': ", "NAME=VALUE"});
   check_refused(f, {"simulate", kHopper, "--hold", "hop=35"}, {"--hold: 'hop': ", "hip or knee"});

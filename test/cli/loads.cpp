@@ -102,3 +102,16 @@ TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadli
   done(f, {"risk", "scene.toml", "--motion", "out/motion.toml", "--samples", "128", "-o", "risk", "--no-report"});
   CHECK(summary(f, "risk")["ratings"].contains("load_foot"));
 }
+
+TEST_CASE("trade --pareto shows what one load costs in another") {
+  const Folder f;
+  write_scene(f, kKnee);
+  const Result front =
+      done(f, {"trade", "scene.toml", "--pareto", "peak,knee:3", "--evaluations", "1500", "-o", "front"});
+  CHECK_THAT(front.out, Contains("m/s^2 where") && Contains("Nm are kept"));
+  const Json points = summary(f, "front")["points"];
+  REQUIRE(points.size() == 3);
+  CHECK(points[0]["planned"].get<double>() >= points[2]["planned"].get<double>());
+  check_refused(f, {"trade", "scene.toml", "--pareto", "peak,nee"}, {"front: 'nee'", "knee"});
+  check_refused(f, {"trade", "scene.toml", "--pareto", "knee"}, {"--pareto: 'knee': A,B"});
+}

@@ -129,6 +129,32 @@ def test_trade(hopper, tmp_path):
             ukemi.trade(hopper, wrong)
 
 
+def test_loads_and_designs(tmp_path):
+    text = pathlib.Path(ukemi.dataset("scenes/hopper.toml")).read_text()
+    path = tmp_path / "scene.toml"
+    path.write_text(text.replace("../robots", str(pathlib.Path(ukemi.dataset("scenes/hopper.toml")).parents[1] / "robots"))
+                    + '\n[[load]]\nname = "knee"\nkind = "torque"\njoint = "knee"\nrating = 12\n')
+    scene = ukemi.read_robot_scene(path)
+    assert scene.loads == {"knee": {"kind": "torque", "of": "knee", "rating": 12, "unit": "Nm", "limit": False}}
+    landing = ukemi.simulate(scene, scene.held())
+    knee = landing.loads["knee"]
+    assert knee["value"] == 12 and knee["ratio"] == 1 and 0 < knee["t"] < 1  # its motor gives no more
+    stronger = scene.with_design({"load.knee.rating": 24, "drive.*.tau_max": 24})
+    assert stronger.design("load.knee.rating") == 24 and scene.design("load.knee.rating") == 12
+    assert ukemi.simulate(stronger, stronger.held()).loads["knee"]["value"] > 12
+    with pytest.raises(ukemi.InputError):
+        scene.with_design({"drive.knee.k_q": 1})
+    front = ukemi.trade(scene, pareto=("peak", "knee"), designs=3, evaluations=800)
+    same(front, tmp_path, "trade", path, "--pareto", "peak,knee:3", "--evaluations", 800)
+    planned = [p["planned"] for p in front.points]
+    assert planned == sorted(planned, reverse=True)
+    answer = ukemi.RobotPlanner(scene).plan(height=0.3, deadline=0.3)
+    assert answer["loads"]["knee"]["ratio"] == pytest.approx(answer["loads"]["knee"]["value"] / 12)
+    for wrong in ({"pareto": ("peak", "peak")}, {"pareto": ("peak", "knee"), "vary": {"drop.height": [0.1, 0.2]}}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.trade(scene, **wrong)
+
+
 def test_atlas_and_its_reader(scene, actuator, tmp_path):
     grid = dict(height=(0.3, 0.5, 2), forward_speed=(0, 1, 2), pitch=(0, math.radians(20), 2))
     atlas = ukemi.atlas(scene, actuator, **grid, evaluations=300)

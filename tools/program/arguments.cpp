@@ -47,6 +47,12 @@ std::uint64_t to_seed(const std::string& option, const std::string& text) {
                                std::numeric_limits<std::uint64_t>::max()));
 }
 
+std::pair<std::uint64_t, std::uint64_t> part_of(const std::string& option, const std::string& text) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) throw InputError(option + ": " + quoted(text) + ": K/N is needed, as in 1/3");
+  return {to_seed(option, text.substr(0, slash)), to_seed(option, text.substr(slash + 1))};
+}
+
 Assignment assignment(const std::string& option, const std::string& item) {
   const std::size_t equals = item.rfind('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == item.size())

@@ -35,6 +35,9 @@ struct NumberRange {
 };
 NumberRange number_range(const std::string& option, const std::string& text, bool counted);
 
+/// K/N, both from 1: part K of N.
+std::pair<std::uint64_t, std::uint64_t> part_of(const std::string& option, const std::string& text);
+
 /// Index of `text` in `choices`, of which there are few; the error names them all, and the nearest.
 std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices);
 /// The value of the choice.

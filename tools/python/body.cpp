@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "landing/body/load.hpp"
+#include "landing/plan/design_numbers.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
 
@@ -47,6 +49,32 @@ std::vector<std::string> names_of(const std::vector<Named>& all) {
   return out;
 }
 
+}  // namespace
+
+py::dict loads_of_scene(const BodyScene& scene) {
+  py::dict out;
+  for (const Load& l : scene.loads) {
+    py::dict load;
+    load["kind"] = name(l.kind), load["of"] = place_of(l, scene.robot), load["rating"] = l.rating;
+    load["unit"] = unit(l.kind), load["limit"] = l.limit;
+    out[l.name.c_str()] = load;
+  }
+  return out;
+}
+py::dict loads_of_landing(const BodyScene& scene, const BodyLanding& landing) {
+  py::dict out = loads_of_scene(scene);
+  const std::vector<LoadPeak> peaks = loads_of(scene, landing);
+  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+    const Load& l = scene.loads[i];
+    py::object load = out[l.name.c_str()];
+    load["value"] = peaks[i].value, load["t"] = peaks[i].t;
+    load["ratio"] = l.rating > 0 ? py::cast(peaks[i].value / l.rating) : py::none();
+  }
+  return out;
+}
+
+namespace {
+
 void bind_robot_scene(py::module_& m) {
   py::class_<BodyScene> c(m, "RobotScene", "A robot of links, its floor, its drop, and what a plan may be.");
   c.def_readonly("name", &BodyScene::name, "What it is called.")
@@ -86,6 +114,18 @@ void bind_robot_scene(py::module_& m) {
           py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
           py::arg("pitch_rate") = py::none(),
           "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].")
+      .def_property_readonly("loads", loads_of_scene,
+                             "What its parts bear, by name: a dict of kind, of, rating, unit and limit.")
+      .def_property_readonly("design_names", design_names, "Every number of the design that has a name, see `design`.")
+      .def("design", design_number, py::arg("name"),
+           "A number by the way to it in the files, as \"drive.knee.k_sea\", in their unit; NaN: there is none.")
+      .def(
+          "with_design",
+          [](BodyScene s, const std::map<std::string, double>& numbers) {
+            for (const auto& [name, value] : numbers) set_design_number(s, name, value);
+            return s;
+          },
+          py::arg("numbers"), "The same scene with other numbers: a dict of names and values, see `design`.")
       .def(
           "held", [](const BodyScene& s) { return by_joint(s.robot, held_posture(s)); },
           "The posture that it holds without a plan: a Motion for each driven joint by its name.")
@@ -204,6 +244,11 @@ void bind_body_landing(py::module_& m) {
       .def_property_readonly(
           "motions", [](const BodyPlayed& p) { return by_joint(p.checked.scene.robot, p.checked.motion); },
           "What was played: a Motion of each driven joint by its name.")
+      .def_property_readonly(
+          "loads", [](const BodyPlayed& p) { return loads_of_landing(p.checked.scene, p.checked.landing); },
+          "The largest value of each load of the scene, by name: a dict of value, t [s], ratio (value / rating) and "
+          "what "
+          "RobotScene.loads has.")
       .def_property_readonly(
           "energy_residual", [](const BodyPlayed& p) { return p.checked.landing.energy_residual; },
           "Mismatch of the energy check over the energy turned over [1].")

@@ -15,6 +15,10 @@ landing::BodyMotion motions_of(const landing::BodyScene& scene, const JointMotio
 /// Those of the driven joints, in the robot's order.
 py::dict by_joint(const landing::Robot& robot, const landing::BodyMotion& motion);
 
+/// The loads of a scene by name: kind, of, rating, unit, limit; of a landing also value, t [s] and ratio.
+py::dict loads_of_scene(const landing::BodyScene& scene);
+py::dict loads_of_landing(const landing::BodyScene& scene, const landing::BodyLanding& landing);
+
 /// The scene with limits beside its stops.
 landing::BodyScene limited(landing::BodyScene scene, const std::vector<std::string>& forbidden, bool ratings);
 /// What optimize and trade have in common; checked for the scene.

@@ -183,6 +183,7 @@ py::dict dict_of(const PythonBodyPlanner& p, const BodyAnswer& a) {
   out["motions"] = a.found() ? py::object(by_joint(p.scene().robot, a.plan.motion)) : py::none();
   out["goal"] = p.goal(), out["value"] = a.found() ? py::cast(a.plan.value) : py::none();
   out["held_value"] = a.found() ? py::cast(a.plan.held_value) : py::none();
+  out["loads"] = a.found() ? py::object(loads_of_landing(p.scene(), a.plan.landing)) : py::none();
   return out;
 }
 
@@ -204,8 +205,8 @@ void bind_body_planner(py::module_& m) {
           py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
           py::arg("deadline") = 0.1, py::arg("seed") = 1,
           "The best motions for a drop from rest by the deadline [s]: a dict of status, found, wrong, motions (by "
-          "joint), "
-          "goal, value and held_value [m/s^2]. height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].")
+          "joint), goal, value and held_value [m/s^2], loads as RobotLanding.loads. height [m], forward_speed [m/s], "
+          "pitch [rad], pitch_rate [rad/s].")
       .def(
           "plan_in_air",
           [](PythonBodyPlanner& p, double height, const std::map<std::string, std::pair<double, double>>& joints,

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
 #include "landing/plan/design_numbers.hpp"
 #include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
@@ -14,11 +15,7 @@ using namespace landing;
 
 namespace {
 
-struct TradeResult {
-  BodyScene scene;
-  Trade trade;
-  BodyPlanOptions search;
-};
+using tools::TradeResult;
 
 py::object worth(double value) { return value < kNoMotion ? py::cast(value) : py::none(); }
 
@@ -62,15 +59,16 @@ void bind_trade(py::module_& m) {
       });
   bind_value(c);
   bind_report(
-      c, tools::kTradeOutputs,
-      [](const TradeResult& r, tools::Run& run) { return report(r.scene, r.trade, r.search, run); },
+      c, tools::kTradeOutputs, [](const TradeResult& r, tools::Run& run) { return report(r, run); },
       [](const TradeResult& r) { return r.search.seed; });
   m.def(
       "trade",
       [](const BodyScene& scene, const py::dict& vary, std::uint64_t seed, const std::string& objective,
          std::optional<long> evaluations, const std::optional<std::string>& robust,
          const std::optional<std::string>& scatter, double inflate, long samples, int threads,
-         const std::vector<std::string>& forbidden, bool ratings) {
+         const std::vector<std::string>& forbidden, bool ratings,
+         const std::optional<std::pair<std::string, std::string>>& front, std::size_t designs) {
+        if (front.has_value() == !vary.empty()) throw InputError("vary or pareto is needed, and not both");
         const BodyScene kept = limited(scene, forbidden, false);
         TradeOptions options{
             .search = plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads)};
@@ -78,16 +76,22 @@ void bind_trade(py::module_& m) {
         const std::vector<TradeAxis> axes = axes_of(kept, vary);
         return long_call([&](const std::function<bool()>& stop) {
           options.monitor.stop = stop;
-          return TradeResult{kept, trade(kept, axes, options), options.search};
+          if (!front) return TradeResult{.scene = kept, .trade = trade(kept, axes, options), .search = options.search};
+          Front f = pareto(kept, front->first, front->second, designs, options);
+          return TradeResult{.scene = std::move(f.scene),
+                             .trade = std::move(f.trade),
+                             .search = options.search,
+                             .of = TradeResult::Of::kFront};
         });
       },
-      py::arg("scene"), py::arg("vary"), py::arg("seed") = 1, py::arg("objective") = "peak",
+      py::arg("scene"), py::arg("vary") = py::dict(), py::arg("seed") = 1, py::arg("objective") = "peak",
       py::arg("evaluations") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
       py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("threads") = 0,
       py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
+      py::arg("pareto") = py::none(), py::arg("designs") = 9,
       "What numbers of a robot's design buy: vary is a dict of one or two names, as \"drive.knee.k_sea\", each with "
-      "the "
-      "values that rise, in the units of the files.");
+      "the values that rise, in the units of the files. Or what one load costs in another: pareto is a pair of names "
+      "of loads, or \"peak\"; the first is made small for so many values (designs) that the second may have.");
 }
 
 }  // namespace ukemi::python

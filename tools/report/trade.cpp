@@ -11,7 +11,7 @@
 
 namespace ukemi::tools {
 
-const Outputs kTradeOutputs{"trade", {"trade.csv"}, {"trade"}};
+const Outputs kTradeOutputs{"trade", {"trade.csv", kTradeJournal}, {"trade"}};
 
 using namespace landing;
 
@@ -19,24 +19,55 @@ namespace {
 
 Json worth(double value) { return value < kNoMotion ? Json(value) : Json(); }
 
-Quantities<TradePoint> trade_quantities(const BodyScene& scene, const Trade& trade, const std::string& goal) {
-  const std::string unit = fmt::format(" [{}]", worth_unit(rated(scene)));
+/// What a load is measured in.
+std::string unit_of(const Load& l) { return unit(l.kind); }
+
+/// The load that a front makes small, in its own unit.
+const Load& cost_of(const BodyScene& scene) {
+  return *std::find_if(scene.loads.begin(), scene.loads.end(), [](auto& l) { return !l.limit; });
+}
+
+/// A trade and how it is told.
+struct Told {
+  explicit Told(const TradeResult& r) : of(r) {
+    const bool front = r.of == TradeResult::Of::kFront;
+    const std::string goal = goal_words(r.scene, r.search);
+    unit = front ? unit_of(cost_of(r.scene)) : worth_unit(rated(r.scene));
+    what = front ? cost_of(r.scene).name : goal;
+    for (const TradeAxis& axis : r.trade.axes) axes.push_back(axis.name);
+    if (front) axes[0] = fmt::format("{} at most [{}]", r.scene.loads.back().name, unit_of(r.scene.loads.back()));
+    std::copy_if(r.trade.points.begin(), r.trade.points.end(), std::back_inserter(points),
+                 [](auto& p) { return p.plans > 0 || p.found(); });
+  }
+  const TradeResult& of;
+  std::string what, unit;          ///< that is made small
+  std::vector<std::string> axes;   ///< what stands along them
+  std::vector<TradePoint> points;  ///< that were planned
+};
+
+Quantities<TradePoint> trade_quantities(const Told& t) {
+  const BodyScene& scene = t.of.scene;
+  const Trade& trade = t.of.trade;
+  const std::string unit = fmt::format(" [{}]", t.unit);
   Quantities<TradePoint> out;
   for (std::size_t a = 0; a < trade.axes.size(); ++a)
-    out.push_back({trade.axes[a].name, trade.axes[a].name, trade.axes[a].name, "{:.4g}",
+    out.push_back({trade.axes[a].name, trade.axes[a].name, t.axes[a], "{:.4g}",
                    [a](const TradePoint& p) { return Json(p.at[a]); }});
   out.push_back({"held", "held", "held" + unit, "{:.4g}", [](auto& p) { return worth(p.held); }});
   out.push_back(
       {"unchanged", "unchanged", "the middle's motion" + unit, "{:.4g}", [](auto& p) { return worth(p.unchanged); }});
-  out.push_back({"planned", "planned", goal + ", planned" + unit, "{:.4g}", [](auto& p) { return worth(p.planned); }});
+  out.push_back(
+      {"planned", "planned", t.what + ", planned" + unit, "{:.4g}", [](auto& p) { return worth(p.planned); }});
   out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.4g}", [](auto& p) { return worth(p.peak); }});
-  const auto found = std::find_if(trade.points.begin(), trade.points.end(), [](auto& p) { return p.found(); });
-  if (found != trade.points.end())
+  const auto found = std::find_if(t.points.begin(), t.points.end(), [](auto& p) { return p.found(); });
+  if (found != t.points.end())
     append(out, "motion/", motion_quantities(scene.robot, found->motion), &TradePoint::motion, &TradePoint::found);
   return out;
 }
 
-void draw(const Trade& trade, const std::string& goal, Report& page) {
+void draw(const Told& t, Report& page) {
+  const Trade& trade = t.of.trade;
+  const std::string what = fmt::format("{} [{}]", t.what, t.unit);
   const auto curve = [&](const char* name, auto&& of) {
     Series s{.name = name};
     for (const TradePoint& p : trade.points)
@@ -45,63 +76,94 @@ void draw(const Trade& trade, const std::string& goal, Report& page) {
   };
   const auto planned = [](const TradePoint& p) { return p.planned; };
   if (trade.axes.size() == 1) {
-    page.plot("trade", trade.axes[0].name, goal,
+    page.plot("trade", t.axes[0], what,
               {curve("planned for each", planned), curve("the middle's motion", [](auto& p) { return p.unchanged; }),
                curve("held", [](auto& p) { return p.held; })});
     return;
   }
-  Heatmap map{trade.axes[0].name, trade.axes[1].name, trade.axes[0].values, trade.axes[1].values, {}};
+  Heatmap map{t.axes[0], t.axes[1], trade.axes[0].values, trade.axes[1].values, {}};
   for (std::size_t y = 0; y < map.y.size(); ++y)
     for (std::size_t x = 0; x < map.x.size(); ++x) {
       const double v = planned(trade.points[x * map.y.size() + y]);
       map.values.push_back(v < kNoMotion ? v : std::numeric_limits<double>::quiet_NaN());
     }
-  page.heading("Planned for each design: " + goal);
+  page.heading("Planned for each design: " + what);
   page.heatmap(map);
 }
 
 /// Designs, with their values: "drive.knee.k_sea 20".
-std::string design_words(const Trade& trade, const TradePoint& p) {
+std::string design_words(const Told& t, const TradePoint& p) {
   std::vector<std::string> parts;
-  for (std::size_t a = 0; a < trade.axes.size(); ++a)
-    parts.push_back(fmt::format("{} {:.4g}", trade.axes[a].name, p.at[a]));
+  for (std::size_t a = 0; a < t.axes.size(); ++a) parts.push_back(fmt::format("{} {:.4g}", t.axes[a], p.at[a]));
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+bool less(const TradePoint* best, const TradePoint& p) { return p.found() && (!best || p.planned < best->planned); }
+
+/// "acceleration from 41.1 m/s^2 (knee at most 14.2 Nm) to 80 m/s^2 (9.1 Nm)": what is gained and given.
+std::string sentence(const Told& t) {
+  const TradePoint *best = nullptr, *first = nullptr;
+  for (const TradePoint& p : t.points) {
+    if (less(best, p)) best = &p;
+    if (!first && p.found()) first = &p;
+  }
+  if (!best) return "No motion was found.";
+  if (t.of.of == TradeResult::Of::kDesigns)
+    return fmt::format("Lowest: {:.4g} {} at {}.", best->planned, t.unit, design_words(t, *best));
+  const std::string limited = unit_of(t.of.scene.loads.back());
+  if (first == best)
+    return fmt::format("No conflict: {:.4g} {} with {}.", best->planned, t.unit, design_words(t, *best));
+  return fmt::format("{}: {:.4g} {} where {:.4g} {} are kept, {:.4g} {} where {:.4g} {} are.", t.what, best->planned,
+                     t.unit, best->at[0], limited, first->planned, t.unit, first->at[0], limited);
+}
+
+FirstScreen first_screen(const Told& t, long missing, long edges) {
+  const std::size_t n = t.of.trade.points.size();
+  FirstScreen out{.sentence = sentence(t)};
+  out.checks = {
+      check(missing == 0, "planned", fmt::format("{} of {} designs have a motion", n - std::size_t(missing), n)),
+      check(edges == 0, "within search ranges", fmt::format("{} of {} motions lie on an edge", edges, n))};
+  out.next = "Put the value that you choose into the robot's file, and plan with `ukemi optimize`.";
+  return out;
 }
 
 }  // namespace
 
-int report(const BodyScene& scene, const Trade& trade, const BodyPlanOptions& search, Run& run) {
-  const std::string goal = goal_words(scene, search);
-  const TradePoint* best = nullptr;
-  long missing = 0, edges = 0;
-  for (const TradePoint& p : trade.points) {
-    missing += !p.found();
+int report(const TradeResult& r, Run& run) {
+  const Told t(r);
+  const Trade& trade = r.trade;
+  long edges = 0;
+  for (const TradePoint& p : t.points)
     edges += std::any_of(p.edges.begin(), p.edges.end(), [](auto e) { return e != 0; });
-    if (p.found() && (!best || p.planned < best->planned)) best = &p;
-  }
+  const long found = std::count_if(t.points.begin(), t.points.end(), [](auto&p) { return p.found(); }),
+             missing = long(t.points.size()) - found;
   if (missing > 0)
-    run.warn(fmt::format("{} of {} designs: no motion was found{}", missing, trade.points.size(),
-                         scene.limits.any() ? " that keeps the limits" : ""));
+    run.warn(fmt::format("{} of {} designs: no motion was found{}", missing, t.points.size(),
+                         r.scene.limits.any() ? " that keeps the limits" : ""));
   if (edges > 0)
     run.warn(fmt::format("{} of {} motions lie on an edge of their search range: beyond it may be better", edges,
-                         trade.points.size()));
-  Report page("What a design buys: " + scene.name);
+                         t.points.size()));
+  Report page((r.of == TradeResult::Of::kFront ? "What one load costs in another: " : "What a design buys: ") +
+              r.scene.name);
+  page.answer(first_screen(t, long(trade.points.size()) - found, edges), run.warnings());
+  draw(t, page);
   page.paragraph(
       "For each value the best motion that was found for it, beside the held posture and the motion that is best for "
-      "the "
-      "middle value, unchanged.");
-  const Table table(trade_quantities(scene, trade, goal), trade.points);
-  Json summary = {{"goal", goal}, {"plans", trade.plans}};
+      "the middle value, unchanged.");
+  const Table table(trade_quantities(t), t.points);
+  Json summary = {{"goal", t.what}, {"unit", t.unit}, {"plans", trade.plans}};
   summary["points"] = add_table(table, page, run, "trade.csv", "Values as in the files; m/s^2, deg, s.");
-  if (best) {
-    run.say(fmt::format("lowest: {} at {}", worth_words(best->planned, rated(scene)), design_words(trade, *best)));
-    summary["best"] = {{"planned", best->planned}, {"at", best->at}};
-  }
+  run.say(sentence(t));
+  const TradePoint* best = nullptr;
+  for (const TradePoint& p : t.points)
+    if (less(best, p)) best = &p;
+  if (best) summary["best"] = {{"planned", best->planned}, {"at", best->at}};
   summary["middle"] = trade.points[trade.middle].at;
-  draw(trade, fmt::format("{} [{}]", goal, worth_unit(rated(scene))), page);
+  if (!r.shard.empty()) summary["shard"] = r.shard;
+  if (!r.journal.empty()) run.add(kTradeJournal, r.journal);
   page.distrust(run.warnings());
   page.write(run);
-  return run.finish(summary, missing == long(trade.points.size()) ? kNumbers : kDone);
+  return run.finish(summary, found == 0 ? kNumbers : kDone);
 }
 
 }  // namespace ukemi::tools

@@ -53,13 +53,6 @@ AtlasAxis axis_of(const std::string& option, const std::string& text, double uni
   return {r.lower / unit, r.upper / unit, std::uint64_t(r.count)};
 }
 
-/// Shard K of N as text: "2/3".
-AtlasShard shard_of(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  if (slash == std::string::npos) throw InputError("--shard: " + quoted(text) + ": K/N is needed, as in 1/3");
-  return {to_seed("--shard", text.substr(0, slash)), to_seed("--shard", text.substr(slash + 1))};
-}
-
 /// What an atlas is of.
 struct Subject {
   std::unique_ptr<AtlasRobot> robot;
@@ -141,7 +134,10 @@ AtlasGrid grid_of(const AtlasArguments& a, const Subject& subject) {
 AtlasOptions options_of(const AtlasArguments& a, const CommonOptions& common, const Subject& subject) {
   AtlasOptions out;
   out.grid = grid_of(a, subject);
-  if (!a.shard.empty()) out.shard = shard_of(a.shard);
+  if (!a.shard.empty()) {
+    const auto [part, parts] = part_of("--shard", a.shard);
+    out.shard = {part, parts};
+  }
   out.search.goal = a.goal, out.search.evaluations = a.evaluations;
   out.search.seed = common.seed, out.search.threads = common.threads;
   out.robust = subject.robust;

@@ -58,6 +58,11 @@ struct MapArguments {
   FreedomArguments freedom;
   int polish = landing::MapOptions().polished;
 };
+struct TradeArguments {
+  OptimizeArguments plan;  ///< of each design
+  std::vector<std::string> vary, merge;
+  std::string pareto, shard;
+};
 /// Their --samples, checked.
 long samples_of(const RiskArguments& arguments);
 /// Whether a scene's robot is in the long form; the file is an input of the run.
@@ -66,6 +71,7 @@ int simulate_body(const SimulateArguments& arguments, const CommonOptions& commo
 int risk_body(const RiskArguments& arguments, const CommonOptions& common);
 int optimize_body(const OptimizeArguments& arguments, const CommonOptions& common);
 int map_body(const MapArguments& arguments, const CommonOptions& common);
+int run_trade(const TradeArguments& arguments, const CommonOptions& common);
 int compare_body(const CompareArguments& arguments, const CommonOptions& common);
 
 }  // namespace ukemi::tools

@@ -9,6 +9,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/results.hpp"
+#include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 
 namespace ukemi::tools {
@@ -18,7 +19,8 @@ using namespace landing;
 namespace {
 
 struct RatingsArguments {
-  std::string scene, actuator, speed;
+  std::string scene, speed;
+  std::vector<std::string> actuators;
   std::optional<std::string> torque;
   std::optional<long> evaluations;
   FreedomArguments freedom;
@@ -32,17 +34,29 @@ std::vector<double> points_of(const std::string& option, const std::string& text
   return out;
 }
 
+/// Of a robot of links: a trade of what all its drives are rated.
+int ratings_of_links(const RatingsArguments& a, const CommonOptions& common) {
+  TradeArguments t;
+  t.plan.scene = a.scene, t.plan.actuators = a.actuators, t.plan.evaluations = a.evaluations,
+  t.plan.freedom = a.freedom;
+  t.plan.ratings = OptimizeArguments::Ratings::kRespect;
+  t.vary = {"drive.*.speed_max=" + a.speed};
+  if (a.torque) t.vary.push_back("drive.*.motor_torque_max=" + *a.torque);
+  return run_trade(t, common);
+}
+
 int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
+  if (is_body(a.scene)) return ratings_of_links(a, common);
   Run run(kRatingsOutputs, common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
-  const Actuator actuator = landing_actuator_of(a.actuator, run);
+  const Actuator actuator = landing_actuator_of(only_actuator(a.actuators), run);
   RatingOptions options;
   options.speeds = points_of("--motor-speed", a.speed);
   if (a.torque)
     options.torques = points_of("--motor-torque", *a.torque);
   else
     options.torques = {actuator.motor_torque_max.value_or(std::numeric_limits<double>::infinity())};
-  if (!a.torque && !actuator.motor_torque_max) warn_of_unknown_ratings(actuator, a.actuator, run);
+  if (!a.torque && !actuator.motor_torque_max) warn_of_unknown_ratings(actuator, a.actuators[0], run);
   options.search.evaluations = a.evaluations;
   options.search.seed = common.seed, options.search.threads = common.threads;
   options.search.tolerance_samples = 0;
@@ -54,7 +68,10 @@ int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
 void add_ratings(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<RatingsArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML)")->required();
+  verb->add_option(
+          "--actuator", args->actuators,
+          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
+      ->allow_extra_args(false);
   verb->add_option("--motor-speed", args->speed, "LO:HI:N, rated speeds [rad/s]")->required();
   verb->add_option("--motor-torque", args->torque,
                    "LO:HI:N, rated torques [Nm] [the actuator's motor_torque_max; else no limit]");

@@ -1,12 +1,17 @@
 // ukemi trade.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "common/error.hpp"
+#include "common/files.hpp"
 #include "landing/plan/design_numbers.hpp"
-#include "landing/plan/trade.hpp"
+#include "landing/plan/trade_journal.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/interrupt.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/trade.hpp"
 #include "tools/verbs/body.hpp"
@@ -17,10 +22,7 @@ using namespace landing;
 
 namespace {
 
-struct TradeArguments {
-  OptimizeArguments plan;  ///< of each design
-  std::vector<std::string> vary;
-};
+constexpr int kCurve = 9, kMap = 5;  // designs along an axis, where nobody says how many
 
 /// KEY=LO:HI[:N].
 TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
@@ -41,23 +43,116 @@ TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
   return out;
 }
 
+std::vector<TradeAxis> axes_of(const TradeArguments& a, const BodyScene& scene) {
+  if (a.vary.size() > 2) throw InputError(fmt::format("--vary: {} times: once or twice is needed", a.vary.size()));
+  std::vector<TradeAxis> out;
+  for (const std::string& text : a.vary) out.push_back(axis_of(text, a.vary.size() == 1 ? kCurve : kMap, scene));
+  return out;
+}
+
+/// COST,LIMITED[:N].
+struct FrontArguments {
+  std::string cost, limited;
+  std::size_t count = kCurve;
+};
+FrontArguments front_of(const std::string& text) {
+  const std::string option = "--pareto";
+  const std::size_t comma = text.find(','), colon = text.rfind(':');
+  if (comma == std::string::npos)
+    throw InputError(option + ": " + quoted(text) + ": A,B or A,B:N is needed, names of loads");
+  FrontArguments out{text.substr(0, comma), text.substr(comma + 1, colon - comma - 1)};
+  if (colon == std::string::npos) return out;
+  out.count = to_seed(option, text.substr(colon + 1));
+  if (out.count < 2 || out.count > 1000)
+    throw InputError(option + ": " + quoted(text) + ": 2 to 1000 designs are needed");
+  return out;
+}
+
+TradePart trade_part(const std::string& text, std::size_t designs) {
+  const auto [part, parts] = part_of("--shard", text);
+  if (part < 1 || part > parts || parts > designs)
+    throw InputError(
+        fmt::format("--shard: {}: K/N with K from 1 to N is needed, and N up to {}", quoted(text), designs));
+  return {part - 1, parts};
+}
+
+/// What makes two trades the same: what was read, and what was asked for.
+std::string identity_of(const TradeArguments& a, const BodyPlanOptions& search, const Run& run) {
+  std::vector<std::string> parts = {UKEMI_VERSION, a.pareto, fmt::format("{}", fmt::join(a.vary, " "))};
+  for (const auto& [key, value] : run.provenance())
+    if (key.rfind("checksum", 0) == 0) parts.push_back(value);
+  const FreedomArguments& f = a.plan.freedom;
+  parts.push_back(fmt::format("{} {} {} {} {} {} {} {}", int(search.goal), a.plan.robust.value_or(""),
+                              search.share.value_or(0), search.inflate, search.samples, search.evaluations.value_or(0),
+                              search.seed, a.plan.ratings == OptimizeArguments::Ratings::kRespect));
+  parts.push_back(fmt::format("{} {} {} {} {}", a.plan.scatter.scatter.value_or(""), f.bumps.value_or(-1),
+                              f.gains.value_or(""), fmt::join(a.plan.forbid, ","), a.plan.scatter.drops));
+  parts.push_back(fmt::format("{}", fmt::join(a.plan.actuators, " ")));
+  return checksum(fmt::format("{}", fmt::join(parts, "\n")));
+}
+
+std::string in(const std::string& folder) { return (std::filesystem::path(folder) / kTradeJournal).string(); }
+
+/// What the folders of --merge hold.
+std::vector<TradePoint> merged(const std::vector<std::string>& folders, const std::string& identity,
+                               std::size_t designs, const Robot& robot) {
+  std::vector<TradePoint> out(designs);
+  for (const std::string& folder : folders) {
+    if (std::error_code ec; !std::filesystem::exists(in(folder), ec))
+      throw InputError({in(folder)}, "there is none: a folder of a trade that ran with --shard is needed");
+    (void)TradeJournal(in(folder), identity, robot.joints.size(), out);
+  }
+  const auto open = std::count_if(out.begin(), out.end(), [](auto& p) { return p.plans < TradePoint::kPlans; });
+  if (open > 0)
+    throw InputError(
+        fmt::format("--merge: {} of {} designs are in none of the folders: a shard is missing", open, designs));
+  return out;
+}
+
+}  // namespace
+
 int run_trade(const TradeArguments& a, const CommonOptions& common) {
   Run run(kTradeOutputs, common);
   if (!is_body(a.plan.scene))
     throw InputError(
         Location{a.plan.scene},
         "trade: a robot of links is needed, [[robot.link]]; the paper's stands in datasets/robots/paper.toml");
+  if (a.vary.empty() == a.pareto.empty()) throw InputError("trade: --vary or --pareto is needed, and not both");
+  if (!a.merge.empty() && !a.shard.empty()) throw InputError("--merge: --shard has no say: the parts say it");
   const BodyScene scene = scene_to_plan(a.plan, run);
-  constexpr int kCurve = 9, kMap = 5;  // designs along an axis
-  std::vector<TradeAxis> axes;
-  for (const std::string& text : a.vary) axes.push_back(axis_of(text, a.vary.size() == 1 ? kCurve : kMap, scene));
-  if (axes.size() > 2) throw InputError(fmt::format("--vary: {} times: once or twice is needed", axes.size()));
   TradeOptions options{.search = plan_options(a.plan, common, scene, run)};
   if (a.plan.ratings == OptimizeArguments::Ratings::kRespect)
     options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
   options.monitor = run.monitor("trade, plans");
-  return report(scene, trade(scene, axes, options), options.search, run);
+  const std::vector<TradeAxis> axes = axes_of(a, scene);
+  const std::optional<FrontArguments> front = a.pareto.empty() ? std::nullopt : std::optional(front_of(a.pareto));
+  if (front) check_front(scene, front->cost, front->limited);  // before anything is written
+  std::size_t designs = front ? front->count : 1;
+  for (const TradeAxis& axis : axes) designs *= axis.values.size();
+
+  if (!a.shard.empty()) options.part = trade_part(a.shard, designs);
+
+  TradeResult out{.scene = scene, .search = options.search, .shard = a.shard};
+  const std::string identity = identity_of(a, options.search, run);
+  options.known = std::vector<TradePoint>(designs);
+  std::optional<TradeJournal> journal;
+  if (a.merge.empty()) {
+    journal.emplace(in(run.folder()), identity, scene.robot.joints.size(), options.known);
+    options.done = [&](std::size_t design, const TradePoint& point) { journal->add(design, point); };
+  } else {
+    options.known = merged(a.merge, identity, designs, scene.robot);
+  }
+  if (front) {
+    Front f = pareto(scene, front->cost, front->limited, front->count, options);
+    out.scene = std::move(f.scene), out.trade = std::move(f.trade), out.of = TradeResult::Of::kFront;
+  } else {
+    out.trade = trade(scene, axes, options);
+  }
+  if (journal && (interrupted() || !a.shard.empty())) out.journal = journal->bytes();
+  return report(out, run);
 }
+
+namespace {
 
 void add_trade(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<TradeArguments>();
@@ -69,8 +164,9 @@ void add_trade(CLI::App* verb, Action& chosen) {
           "--vary", args->vary,
           "KEY=LO:HI[:N], once or twice: drive.JOINT.KEY, robot.link.LINK.KEY, robot.contact.CONTACT.KEY (* for "
           "all), floor.KEY, drop.KEY, with the keys and units of the files [N: 9, of two 5 each]")
-      ->required()
       ->allow_extra_args(false);
+  verb->add_option("--pareto", args->pareto,
+                   "A,B[:N], names of loads, or peak: the smallest A for N values that B may have [9]");
   add_objective(*verb, plan.goal);
   verb->add_option("--robust", plan.robust,
                    "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst");
@@ -82,6 +178,9 @@ void add_trade(CLI::App* verb, Action& chosen) {
   verb->add_flag_callback(
       "--respect-ratings", [&plan] { plan.ratings = OptimizeArguments::Ratings::kRespect; },
       "keep the references' rates, the motors' speeds and torques within the drives' ratings");
+  verb->add_option("--shard", args->shard, "K/N: only part K of N of the designs");
+  verb->add_option("--merge", args->merge,
+                   "folders of all shards of a trade with the same options: puts them together");
   add_freedom(*verb, plan.freedom);
   add_action<TradeArguments>(*verb, args, "ukemi trade scene.toml --vary drive.knee.k_sea=20:500:9 -o out", chosen,
                              run_trade);
