@@ -80,7 +80,8 @@ Scene read_scene(const std::string& path) {
   scene.name = std::filesystem::path(path).stem().string();
 
   constexpr const char* kLinks =
-      "a robot of links: `ukemi simulate`, `optimize`, `risk`, `compare`, `map`, `trade` and `robot` take it; here the paper's "
+      "a robot of links: `ukemi simulate`, `optimize`, `risk`, `compare`, `map`, `trade` and `robot` take it; here the "
+      "paper's "
       "two "
       "links are needed, "
       "link_length, mass and inertia_com";

@@ -119,7 +119,7 @@ bool same(const TradePoint& a, const TradePoint& b) {
 
 }  // namespace
 
-TEST_CASE("legs: a trade goes on from where it was stopped, and ends as if it had not been; parts make a whole") {
+TEST_CASE("legs: a trade goes on from where it was stopped, and ends as if it had not been, and parts make a whole") {
   const BodyScene scene = legs::shipped("hopper");
   const std::vector<TradeAxis> axes = {{"drive.knee.k_p", {25, 50, 100, 200}}};
   const test::Folder f;
