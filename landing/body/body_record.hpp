@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "landing/body/body_run.hpp"
-#include "landing/body/body_system.hpp"
+#include "landing/body/load_value.hpp"
 #include "landing/run/touch_log.hpp"
 
 namespace ukemi::landing {
@@ -13,22 +13,7 @@ namespace ukemi::landing {
 /// Of a driven joint: |speed| of its motor at the output [rad/s] and |torque| [Nm].
 template <class System>
 std::pair<double, double> motor_demand(const System& s, int i, double t, const SeaState<double>& q) {
-  const auto& drive = s.drive[i];
-  const bool geared = drive.kind == DriveKind::kGeared;
-  const double torque = geared
-                            ? limited_torque<System::kSea>(drive.sea, s.geared_torque(i, t, q), s.joint[i].saturation)
-                            : motor_torque<System::kSea>(drive.sea, q, s.reference(i, t));
-  return {std::abs(geared ? q.dphi : q.dphi_m), std::abs(torque)};
-}
-
-/// Normal and tangential force of contact i on the robot, in the floor's frame [N].
-template <class System>
-Vec2<double> contact_force(const System& s, int i, const typename System::Pose& p, const typename System::State& y) {
-  const PointMode& m = s.contact[i];
-  if (!m.touching) return {0, 0};
-  const auto at = s.point_at(i, p);
-  const double normal = normal_force(s.point[i], m, at.y, at.v, 0.0).value;
-  return {-tangential_force(s.point[i], m, s.held(i, y, at), normal), normal};
+  return {std::abs(s.drive[i].kind == DriveKind::kGeared ? q.dphi : q.dphi_m), std::abs(torque_of_motor(s, i, t, q))};
 }
 
 /// Collects touches, peaks, demands, the energy check and the trajectory; without kReport nothing.

@@ -56,20 +56,24 @@ BodyGradients some_gradients(const BodyScene& scene, const BodyMotion& motion,
 
 /// The derivatives of `more` behind those of `out`. The runs step by their own derivatives too, so that one maximum of
 /// both is told by its time; what is no maximum of both is dropped.
-void join(BodyGradients& out, const BodyGradients& more) {
+void join(std::vector<BodyPeakGradient>& out, const std::vector<BodyPeakGradient>& more) {
   constexpr double kOneTime = 1e-6;  // [s]
   std::vector<BodyPeakGradient> both;
-  for (BodyPeakGradient& p : out.peaks) {
-    const auto same = std::find_if(more.peaks.begin(), more.peaks.end(), [&](const BodyPeakGradient& q) {
+  for (BodyPeakGradient& p : out) {
+    const auto same = std::find_if(more.begin(), more.end(), [&](const BodyPeakGradient& q) {
       return q.kind == p.kind && std::abs(q.t - p.t) < kOneTime;
     });
-    if (same == more.peaks.end()) continue;
+    if (same == more.end()) continue;
     const Eigen::Index n = p.d.size();
     p.d.conservativeResize(n + same->d.size());
     p.d.tail(same->d.size()) = same->d;
     both.push_back(p);
   }
-  out.peaks = std::move(both);
+  out = std::move(both);
+}
+void join(BodyGradients& out, const BodyGradients& more) {
+  join(out.peaks, more.peaks);
+  for (std::size_t i = 0; i < out.loads.size(); ++i) join(out.loads[i], more.loads[i]);
   if (out.end != End::kFailed) out.end = more.end, out.status = more.status;
 }
 
@@ -156,7 +160,11 @@ BodyGradients gradients(const BodyScene& scene, const BodyMotion& motion, std::s
       join(out, some);
     from += count;
   } while (from < parameters.size());
-  if (out.peaks.size() > std::size_t(std::max(1, most))) out.peaks.resize(std::size_t(std::max(1, most)));
+  const std::size_t kept = std::size_t(std::max(1, most));
+  const auto cut = [&](std::vector<BodyPeakGradient>& peaks) {
+    if (peaks.size() > kept) peaks.resize(kept);
+  };
+  cut(out.peaks), std::for_each(out.loads.begin(), out.loads.end(), cut);
   return out;
 }
 

@@ -32,17 +32,19 @@ std::vector<BodyParameter> parameters_of(const BodyScene& scene, const BodyMotio
 /// The same number itself.
 double& number(BodyScene& scene, BodyMotion& motion, const BodyParameter& parameter);
 
-/// One local maximum, and its derivative by each parameter, in their order [m/s^2 per unit].
+/// One local maximum, and its derivative by each parameter, in their order [its unit per theirs].
 struct BodyPeakGradient {
   double t;      ///< from release [s]
-  double value;  ///< [m/s^2]
+  double value;  ///< [m/s^2]; of a load in the unit of its kind
   Eigen::VectorXd d;
   PeakKind kind;
 };
 
 struct BodyGradients {
   std::vector<BodyPeakGradient> peaks;  ///< the largest first; the first is the landing's peak
-  double t_end = 0;                     ///< from release [s]
+  /// Of each of BodyScene::loads, as `peaks`; an impulse at the end of its touch, of a touch none.
+  std::vector<std::vector<BodyPeakGradient>> loads;
+  double t_end = 0;  ///< from release [s]
   End end = End::kFailed;
   integrate::Status status = integrate::Status::kStepped;  ///< with kFailed; an event met at no speed: kNotFinite
 };

@@ -34,6 +34,7 @@ class DifferentiatedBody {
   using System = typename Course::System;
   using Plain = BodySystem<kSize, false>;
   using State = typename System::State;
+  using DualSystem = BodySystem<kSize, false, Dual>;
   using Values = typename Plain::State;
   using Driver = integrate::Integrator<integrate::DormandPrince853, System>;
 
@@ -48,7 +49,7 @@ class DifferentiatedBody {
   DifferentiatedOutcome run(Observer& observer) {
     const State y = course_.released();
     plain_ = Plain(course_.system);
-    dual_ = BodySystem<kSize, false, Dual>(course_.system);
+    dual_ = DualSystem(course_.system);
     return follow_with_derivatives(*this, 0, y, observer);
   }
 
@@ -69,11 +70,19 @@ class DifferentiatedBody {
   Vec2<Jet> acceleration(const State& y, const State& dy) const { return of_peak(course_.system, y, dy); }
   /// The same with its rate.
   Vec2<Dual> acceleration_rate(double t, const Values& y, const Values& dy) const {
-    typename BodySystem<kSize, false, Dual>::State x, dx;
-    for (int k = 0; k < System::kStates; ++k) x[k] = Dual(y[k]), x[k].v[0] = dy[k];
-    dual_.derivative(Dual(t, 0), x, dx);
-    return of_peak(dual_, x, dx);
+    return along_motion(t, y, dy,
+                        [](const auto& s, const Dual&, const auto& x, const auto& dx) { return of_peak(s, x, dx); });
   }
+  /// f(system, t, y, dy) in scalars that carry the rate along the motion.
+  template <class F>
+  auto along_motion(double t, const Values& y, const Values& dy, F&& f) const {
+    typename DualSystem::State x, dx;
+    for (int k = 0; k < System::kStates; ++k) x[k] = Dual(y[k]), x[k].v[0] = dy[k];
+    const Dual time(t, 0);
+    dual_.derivative(time, x, dx);
+    return f(dual_, time, x, dx);
+  }
+  const auto& dual() const { return dual_; }
 
   // The course, as follow_with_derivatives asks for it.
   const SimulateOptions& options() const { return options_; }
@@ -167,7 +176,7 @@ class DifferentiatedBody {
   const SimulateOptions& options_;
   Course course_;
   Plain plain_;
-  BodySystem<kSize, false, Dual> dual_;
+  DualSystem dual_;
   Eigen::Array<double, P, 1> unit_ = Eigen::Array<double, P, 1>::Ones();
   int touchdowns_ = 0;
 };

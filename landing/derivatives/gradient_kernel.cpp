@@ -2,21 +2,43 @@
 #include "landing/derivatives/gradient_kernel.hpp"
 
 #include "landing/derivatives/differentiated_body.hpp"
-#include "landing/derivatives/peak_observer.hpp"
+#include "landing/derivatives/load_peaks.hpp"
 
 namespace ukemi::landing {
+
+namespace {
+
+/// Of a run in the units of its derivatives, as many as there are parameters.
+template <class Peaks, class Unit>
+std::vector<BodyPeakGradient> in_units(const Peaks& peaks, const Unit& unit, std::size_t parameters) {
+  std::vector<BodyPeakGradient> out;
+  for (const auto& p : peaks)
+    out.push_back({p.t, p.value, (p.d.array() / unit).matrix().head(Eigen::Index(parameters)), p.kind});
+  return out;
+}
+
+}  // namespace
 
 template <Capacity kSize>
 BodyGradients gradients_in_kernel(const BodyScene& scene, const BodyMotion& motion,
                                   std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
   using Differentiated = DifferentiatedBody<kAtOnce, kSize>;
   Differentiated landing(scene, motion, parameters, options);
-  PeakObserver<Differentiated> observer(most);
-  const DifferentiatedOutcome outcome = landing.run(observer);
-  BodyGradients out{.peaks = {}, .t_end = outcome.t_end, .end = outcome.end, .status = outcome.status};
-  for (const auto& p : observer.peaks)
-    out.peaks.push_back(
-        {p.t, p.value, (p.d.array() / landing.unit()).matrix().head(Eigen::Index(parameters.size())), p.kind});
+  const auto told = [](const DifferentiatedOutcome& o) {
+    return BodyGradients{.t_end = o.t_end, .end = o.end, .status = o.status};
+  };
+  const std::size_t n = parameters.size();
+  if (scene.loads.empty()) {
+    PeakObserver<Differentiated> observer(most);
+    BodyGradients out = told(landing.run(observer));
+    out.peaks = in_units(observer.peaks, landing.unit(), n);
+    return out;
+  }
+  LoadPeaks<Differentiated> observer(scene, most);
+  BodyGradients out = told(landing.run(observer));
+  out.peaks = in_units(observer.own.peaks, landing.unit(), n);
+  for (std::size_t i = 0; i < scene.loads.size(); ++i)
+    out.loads.push_back(in_units(observer.peaks(i), landing.unit(), n));
   return out;
 }
 template BodyGradients gradients_in_kernel<UKEMI_KERNEL>(const BodyScene&, const BodyMotion&,

@@ -15,9 +15,27 @@ struct Square {
   double value, rate;
 };
 
-/// Collects the local maxima of |ddr_0| of a landing in scalars with derivatives; it is an observer of
-/// follow_with_derivatives.
+/// What is largest: |ddr_0|.
 template <class Landing>
+struct OfAcceleration {
+  using Jet = typename Landing::Jet;
+  static Square square(const Landing& l, double t, const typename Landing::Values& y,
+                       const typename Landing::Values& dy) {
+    const auto a = l.acceleration_rate(t, y, dy);
+    const auto q = a.x() * a.x() + a.y() * a.y();
+    return {q.a, q.v[0]};
+  }
+  /// With its derivatives at a fixed time.
+  static Jet magnitude(const Landing& l, double, const typename Landing::State& y, const typename Landing::State& dy) {
+    using std::sqrt;
+    const auto a = l.acceleration(y, dy);
+    return sqrt(a.x() * a.x() + a.y() * a.y());
+  }
+};
+
+/// Collects the local maxima of |ddr_0| of a landing in scalars with derivatives, or of another `Of`; it is an observer
+/// of follow_with_derivatives.
+template <class Landing, class Of = OfAcceleration<Landing>>
 class PeakObserver {
   using Jet = typename Landing::Jet;
   using Derivatives = typename Landing::Derivatives;
@@ -34,7 +52,7 @@ class PeakObserver {
   };
 
  public:
-  explicit PeakObserver(int most) : most_(std::size_t(std::max(1, most))) {}
+  explicit PeakObserver(int most, Of of = {}) : most_(std::size_t(std::max(1, most))), of_(std::move(of)) {}
 
   void flight(const Landing& l, const State&, double) {
     const double g = l.scene().robot.gravity;
@@ -62,25 +80,18 @@ class PeakObserver {
   }
   void finish(const Landing&) { join(); }
   double running() const { return running_; }
+  double last() const { return last_.value; }  ///< at the end of the last step, squared
 
   std::vector<PeakGradient<Jet::DIMENSION>> peaks;  ///< the largest first; derivatives by the landing's units
 
  private:
-  static Jet magnitude(const Vec2<Jet>& a) {
-    using std::sqrt;
-    return sqrt(a.x() * a.x() + a.y() * a.y());
-  }
-  static Square square(const Landing& l, double t, const Values& y, const Values& dy) {
-    const auto a = l.acceleration_rate(t, y, dy);
-    const auto q = a.x() * a.x() + a.y() * a.y();
-    return {q.a, q.v[0]};
-  }
+  Square square(const Landing& l, double t, const Values& y, const Values& dy) const { return of_.square(l, t, y, dy); }
 
   /// The limit at a state on the side of the present mode; its time moves by `shift`.
-  static Limit limit_of(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
+  Limit limit_of(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) const {
     const Square q = square(l, t, Landing::values(y), Landing::values(dy));
-    Jet a = magnitude(l.acceleration(y, dy));
-    a.v += 0.5 * q.rate / a.a * shift;
+    Jet a = of_.magnitude(l, t, y, dy);
+    if (a.a > 0) a.v += 0.5 * q.rate / a.a * shift;
     return {t, l.touchdowns() - 1, q, a};
   }
 
@@ -122,7 +133,7 @@ class PeakObserver {
             sa, left.rate, sb, right.rate, [&](double x) { return at(x).rate; }, kResolution);
         const State y = driver.dense().at(s);
         const double t = step.t + s * step.h;
-        add(t, magnitude(l.acceleration(y, l.system().derivative(t, y))), PeakKind::kInside, l.touchdowns() - 1);
+        add(t, of_.magnitude(l, t, y, l.system().derivative(t, y)), PeakKind::kInside, l.touchdowns() - 1);
       }
       left = right;
     }
@@ -140,6 +151,7 @@ class PeakObserver {
   }
 
   std::size_t most_;
+  Of of_;
   double running_ = 0;  ///< the running peak, squared
   Square last_{0, 0};   ///< at the end of the last step, or behind the last event
   bool joint_ = true;   ///< events, or the release, stand between the last step and the next

@@ -19,7 +19,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
   using Base = Lockstep<BatchEngine, System, W>;
   friend Base;
   using Base::abandon_square_, Base::active_, Base::stale_, Base::accepted_, Base::kStates;
-  using Base::system_, Base::step_, Base::h_next_, Base::stop_, Base::square_, Base::t_peak_, Base::steps_;
+  using Base::system_, Base::step_, Base::h_next_, Base::stop_, Base::peak_, Base::steps_;
   using typename Base::M, typename Base::State, typename Base::T;
 
  public:
@@ -95,7 +95,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
       hand_over(i);
     } else {
       if (end == End::kFailed) out.failure = Failure::kSteps;
-      out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
+      out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(peak_.square[i]), out.t_peak = peak_.t[i];
       out.work.steps = long(steps_[i]), out.joint_lost = lost_[i];
       for (int k = 0; k < kMechanical; ++k) out.state[std::size_t(k)] = step_.y[k][i];
       source_.done(i, out);
@@ -146,6 +146,9 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
     const Vec2<T> a = thigh_acceleration(s.link, s.pose(y), {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
     return a.x() * a.x() + a.y() * a.y();
   }
+  void start_beside(const M&) {}
+  void look_beside() {}
+  UKEMI_INLINE M beyond(const M& where) const { return where & (peak_.square > abandon_square_); }
   void peak_moved(int i) { out_[i].peak_contact = out_[i].contacts.size() - 1; }
   UKEMI_INLINE T longest_step() const {
     return select(system_.phase.moving, motion_part_, T(std::numeric_limits<double>::infinity()));
@@ -156,7 +159,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
     return where & options_.limits.broken_by(System::sea_state(step_.y), system_.motor_torque_of(step_.t, step_.y));
   }
   /// Lanes at rest, of those whose step ended at no event.
-  UKEMI_INLINE M resting(const M& plain) const { return plain & at_rest(system_, step_.y, square_, rest_scale_); }
+  UKEMI_INLINE M resting(const M& plain) const { return plain & at_rest(system_, step_.y, peak_.square, rest_scale_); }
 
   BatchSource& source_;
   const BatchOptions options_;

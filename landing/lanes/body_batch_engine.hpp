@@ -5,6 +5,7 @@
 #include "landing/body/body_course.hpp"
 #include "landing/body/body_rest.hpp"
 #include "landing/body/load.hpp"
+#include "landing/body/load_value.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/lanes/body_batch_entry.hpp"
 #include "landing/lanes/body_lane_mode.hpp"
@@ -19,8 +20,9 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   using Engine = Lockstep<BodyBatchEngine, System, W>;
   friend Engine;
   using Engine::abandon_square_, Engine::active_, Engine::stale_, Engine::kStates;
-  using Engine::system_, Engine::step_, Engine::h_next_, Engine::stop_, Engine::square_, Engine::t_peak_,
-      Engine::steps_;
+  using Engine::system_, Engine::step_, Engine::h_next_, Engine::stop_, Engine::peak_, Engine::steps_,
+      Engine::accepted_;
+  using typename Engine::Largest;
   using typename Engine::M, typename Engine::State, typename Engine::T;
   using Values = typename Course::State;
 
@@ -43,7 +45,9 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       Course& course = course_[i].emplace(*c.scene, *c.motion);
       const Values y = course.released();
       if (system_.links == 0) system_.take_structure(course.system);
-      if (!system_.same_structure(course.system) || course.step_accuracy(options_.accuracy) < options_.accuracy) {
+      if (!any(active_)) loads_ = loads_of_lanes(*c.scene);
+      if (!system_.same_structure(course.system) || !same_loads(*c.scene) ||
+          course.step_accuracy(options_.accuracy) < options_.accuracy) {
         hand_over(i);
         continue;
       }
@@ -53,12 +57,15 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       asked_[i] = 0, impact_[i] = impact_energy(course.system), per_square_.set(i, impact_[i]);
       const double abandon = c.abandon_above * own_rating(*c.scene);
       abandon_square_.set(i, abandon * abandon);
-      follow(i);
+      bear(i);
+      enter(i);
       return;
     }
   }
   static bool suits(const BodyScene& scene) {
-    if (observed(scene) || !scene.touches() || !scene.limits.joints.empty() || !fits(scene.robot, kSize)) return false;
+    if (!scene.touches() || !fits(scene.robot, kSize)) return false;
+    for (const Load& l : scene.loads)
+      if (l.kind == Load::Kind::kImpulse) return false;
     for (const ContactPoint& c : scene.robot.contacts)
       if (c.law.hunt_crossley) return false;
     for (const Joint& j : scene.robot.joints)
@@ -83,11 +90,12 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     } else {
       BodyLanding& out = out_[i];
       if (end == End::kFailed) out.failure = Failure::kSteps;
-      out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(square_[i]), out.t_peak = t_peak_[i];
+      out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(peak_.square[i]), out.t_peak = peak_.t[i];
       out.first_touchdown = course_[i]->first_touchdown(), out.work.steps = long(steps_[i]);
       const Values y = values(i);
       const bool free = case_[i].scene->robot.base == Base::kFree;
       out.base = {y[System::kX], free ? y[System::kY] : 0}, out.speed = {y[System::kVx], free ? y[System::kVy] : 0};
+      tell_loads(i);
       source_.done(i, out);
     }
     load(i);
@@ -99,7 +107,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     return y;
   }
   /// The lane into the mode of its course.
-  void follow(int i) {
+  void enter(int i) {
     const Course& course = *course_[i];
     system_.set_lane(i, course.system);
     System::for_each_played(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
@@ -116,10 +124,11 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     const typename Course::Crossing crossing = course.cross(g, t, y);
     for (int k = System::kSlip; k < kStates; ++k) step_.y[k].set(i, y[k]);
     const std::vector<bool>& forbidden = case_[i].scene->limits.forbidden;
-    if (crossing.touched >= 0 && !forbidden.empty() && forbidden[std::size_t(crossing.touched)] && !out_[i].broken)
-      out_[i].broken = {BrokenLimit::Kind::kForbidden, crossing.touched, t};
-    if (crossing.lands) course.land(t);
-    follow(i);
+    if (crossing.touched >= 0 && !forbidden.empty() && forbidden[std::size_t(crossing.touched)])
+      broken(i, {BrokenLimit::Kind::kForbidden, crossing.touched, t});
+    if (crossing.touched >= 0) touched(i, crossing.touched);
+    if (crossing.lands) land(i);
+    enter(i);
     return !(out_[i].broken && case_[i].scene->limits.broken == BodyLimits::Broken::kEnds);
   }
 
@@ -129,25 +138,163 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     Course& course = *course_[i];
     const double t = step_.t[i];
     if (t + kRounding >= course.limit()) return course.touched() ? End::kTimeLimit : End::kNoContact;
-    if (course.lands_at(t)) course.land(t);
+    if (course.lands_at(t)) land(i);
     course.advance(t);
-    follow(i);
+    enter(i);
     return std::nullopt;
   }
 
+  // --- loads, and the limits of joints, as load_observer.hpp ---
+
+  /// One that has its value at every state, of all lanes.
+  struct alignas(8 * W) LaneLoad {  // for what is compiled for wider registers than the allocation
+    LoadValue<System> of;
+    int index;                                            ///< of BodyScene::loads; -1: a limit of a joint
+    BrokenLimit::Kind broken = BrokenLimit::Kind::kLoad;  ///< which
+    bool limit = false, own = false;
+    Largest largest{};
+    T most{0.0};  ///< square of what is tracked beyond which a limit is broken, or the landing worse than is asked for
+    const Load& load() const { return of.load(); }
+  };
+  std::vector<LaneLoad> loads_of_lanes(const BodyScene& scene) const {
+    std::vector<LaneLoad> out;
+    for (std::size_t k = 0; k < scene.loads.size(); ++k) {
+      const Load& l = scene.loads[k];
+      if (l.kind != Load::Kind::kTouch)
+        out.push_back({.of{l, system_}, .index = int(k), .limit = l.limit, .own = own(l, scene.robot)});
+    }
+    for (std::size_t j = 0; j < scene.limits.joints.size(); ++j) {
+      if (!scene.robot.joints[j].driven()) continue;
+      const auto add = [&](Load::Kind kind, BrokenLimit::Kind broken, double rating) {
+        if (rating < BodyLimits::kNone)
+          out.push_back(
+              {.of{{.kind = kind, .index = int(j), .phi = scene.limits.joints[j].phi, .rating = rating}, system_},
+               .index = -1,
+               .broken = broken,
+               .limit = true});
+      };
+      const BodyLimits::Joint& most = scene.limits.joints[j];
+      if (most.stops()) add(Load::Kind::kAngle, BrokenLimit::Kind::kStop, 0);
+      add(Load::Kind::kMotorSpeed, BrokenLimit::Kind::kMotorSpeed, most.motor_speed);
+      add(Load::Kind::kMotorTorque, BrokenLimit::Kind::kMotorTorque, most.motor_torque);
+    }
+    return out;
+  }
+  /// Whether a scene's loads differ from those of the other lanes by their ratings alone.
+  bool same_loads(const BodyScene& scene) const {
+    if (loads_.empty() && scene.loads.empty() && scene.limits.joints.empty()) return true;
+    const std::vector<LaneLoad> other = loads_of_lanes(scene);
+    return std::equal(loads_.begin(), loads_.end(), other.begin(), other.end(), [](auto& a, auto& b) {
+      const Load &x = a.load(), &y = b.load();
+      return x.kind == y.kind && x.index == y.index && x.phi == y.phi && x.at.along == y.at.along &&
+             x.at.across == y.at.across && a.index == b.index && a.limit == b.limit;
+    });
+  }
+  /// The loads of a landing that begins in a lane.
+  void bear(int i) {
+    const BodyScene& scene = *case_[i].scene;
+    const std::vector<LaneLoad> these = loads_.empty() ? std::vector<LaneLoad>{} : loads_of_lanes(scene);
+    for (std::size_t k = 0; k < loads_.size(); ++k) {
+      LaneLoad& x = loads_[k];
+      x.of.take_arms(LoadValue<typename Course::System>(x.load(), course_[i]->system),
+                     [i](T& lanes, double number) { lanes.set(i, number); });
+      const double rating = these[k].load().rating,
+                   most = x.of.tracked(x.limit ? rating : case_[i].abandon_above * rating);
+      x.most.set(i, most * most);
+      x.largest.square.set(i, 0), x.largest.t.set(i, 0), x.largest.start.set(i, 0);
+    }
+    out_[i].loads.assign(scene.loads.size(), {});
+  }
+  void tell_loads(int i) {
+    for (const LaneLoad& x : loads_)
+      if (x.index >= 0)
+        out_[i].loads[std::size_t(x.index)] =
+            x.own ? LoadPeak{out_[i].peak, out_[i].t_peak}
+                  : LoadPeak{x.of.value(std::sqrt(x.largest.square[i])), x.largest.t[i]};
+  }
+  void touched(int i, int contact) {
+    const std::vector<Load>& loads = case_[i].scene->loads;
+    for (std::size_t k = 0; k < loads.size(); ++k) {
+      if (loads[k].kind != Load::Kind::kTouch || loads[k].index != contact) continue;
+      if (out_[i].loads[k].value == 0) out_[i].loads[k] = {1, step_.t[i]};
+      if (loads[k].rating < 1) broken(i, {BrokenLimit::Kind::kLoad, int(k), step_.t[i]});
+    }
+  }
+  /// The landing motions start; a reference that is too fast breaks its limit here.
+  void land(int i) {
+    Course& course = *course_[i];
+    const double t = step_.t[i];
+    for (std::size_t j = 0; j < case_[i].scene->limits.joints.size(); ++j)
+      if (case_[i].scene->robot.joints[j].driven() &&
+          peak_reference_rate((*case_[i].motion)[j], t) > case_[i].scene->limits.joints[j].reference_rate)
+        broken(i, {BrokenLimit::Kind::kReferenceRate, int(j), t});
+    course.land(t);
+  }
+  void broken(int i, const BrokenLimit& what) {
+    if (!out_[i].broken) out_[i].broken = what;
+  }
+  double rest_square(int i) const {
+    double square = peak_.square[i];
+    bool near = false;
+    for (const LaneLoad& x : loads_) {
+      if (x.own || x.index < 0 || x.largest.square[i] == 0) continue;
+      if (x.load().kind == Load::Kind::kAcceleration)
+        square = std::min(square, x.largest.square[i]);
+      else
+        near = near || x.largest.start[i] > kNearLargest * x.largest.square[i];
+    }
+    return near ? kFinerRest * square : square;
+  }
+
   // --- every lane at once ---
+
+  void start_beside(const M& where) {
+    if (!loads_.empty()) start_loads(where);
+  }
+  void look_beside() {
+    if (!loads_.empty()) look_at_loads();
+  }
+  UKEMI_BATCH_STAGE void start_loads(const M& where) {
+    for (LaneLoad& x : loads_)
+      if (!x.own) this->follow_start(x.largest, where, x.of.square(system_, step_.t, step_.y, step_.slope));
+  }
+  UKEMI_BATCH_STAGE void look_at_loads() {
+    for (LaneLoad& x : loads_)
+      if (!x.own)
+        this->follow(x.largest, [this, &x](const T& t, const State& y, const State& dy)
+                                    UKEMI_INLINE_LAMBDA { return x.of.square(system_, t, y, dy); });
+  }
+  M beyond(const M& where) const {
+    M out = where & (peak_.square > abandon_square_);
+    for (const LaneLoad& x : loads_)
+      if (!x.limit && !x.own) out |= where & (x.largest.square > x.most);
+    return out;
+  }
+  /// Lanes whose landing ends there.
+  M breaking(const M& where) {
+    M out(false);
+    for (const LaneLoad& x : loads_) {
+      if (!x.limit) continue;
+      const M more = where & ((x.own ? peak_.square : x.largest.square) > x.most);
+      if (!any(more)) continue;
+      for (int i = 0; i < W; ++i)
+        if (more[i]) broken(i, {x.broken, x.index < 0 ? x.load().index : x.index, step_.t[i]});
+    }
+    for (int i = 0; i < W && !loads_.empty(); ++i)
+      if (where[i] && out_[i].broken && case_[i].scene->limits.broken == BodyLimits::Broken::kEnds) out.set(i, true);
+    return out;
+  }
 
   UKEMI_INLINE static T peak_square(const System& s, const State& y, const State& dy) { return s.peak_square(y, dy); }
   void peak_moved(int) {}
   UKEMI_INLINE const T& longest_step() const { return longest_; }
   void stepped() {}
-  M breaking(const M&) const { return M(false); }
   /// Lanes at rest, where the step ended at no event: the rule of body_rest.hpp, where the kinetic energy allows it.
   UKEMI_INLINE M resting(const M& plain) {
     auto p = system_.pose(step_.y);
     if (system_.body.base == Base::kFree) p.vx = T(0.0);
     constexpr long kAsked = 8;  // steps of a lane between two questions, which cost as much as the steps of all lanes
-    M out = plain & (kinetic_energy(system_.body, p) <= per_square_ * square_);
+    M out = plain & (kinetic_energy(system_.body, p) <= per_square_ * peak_.square);
     if (!any(out)) return out;
     for (int i = 0; i < W; ++i)
       if (out[i]) {
@@ -159,7 +306,8 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
   [[gnu::noinline]] bool rests(int i) const {
     const Course& course = *course_[i];
-    return course.touched() && !course.waits() && at_rest(course.system, step_.t[i], values(i), square_[i], impact_[i]);
+    return course.touched() && !course.waits() &&
+           at_rest(course.system, step_.t[i], values(i), rest_square(i), impact_[i]);
   }
 
   BodyBatchSource& source_;
@@ -170,6 +318,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   std::array<std::optional<Course>, W> course_{};
   std::array<BodyBatchCase, W> case_{};
   std::array<BodyLanding, W> out_{};
+  std::vector<LaneLoad> loads_;  ///< of the landings in the lanes
 };
 
 }  // namespace ukemi::landing

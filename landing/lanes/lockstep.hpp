@@ -35,8 +35,11 @@ namespace ukemi::landing {
 ///   peak_moved(i)        its largest value has just become larger
 ///   longest_step()       of all lanes [s]
 ///   stepped()            all accepted steps have ended
-///   breaking(where), resting(where)  lanes of those that break a limit; that may end
+///   breaking(where), resting(where), beyond(where)  lanes of those that break a limit; that may end; whose landing
+///                        is worse than is asked for
 ///   peak_square(s, y, dy)  what is largest, of all lanes
+///   start_beside(where), look_beside()  of what else is followed, by follow_start and follow: where lanes start
+///                        afresh; in the accepted steps
 template <class Landing, class System, int W>
 class Lockstep {
  protected:
@@ -71,7 +74,7 @@ class Lockstep {
   void begin(int i, double t, const Values& y, double first_step, double square, Unit&& unit) {
     for (int k = 0; k < kStates; ++k) step_.y[k].set(i, y[k]), unit_[k].set(i, unit(k));
     step_.t.set(i, t), h_next_.set(i, first_step);
-    square_.set(i, square), t_peak_.set(i, 0), steps_.set(i, 0);
+    peak_.square.set(i, square), peak_.t.set(i, 0), steps_.set(i, 0);
     active_.set(i, true), stale_.set(i, true), cut_.set(i, false), rejected_.set(i, false);
     t_event_[i] = -1, immediate_[i] = 0, cuts_[i] = 0;
   }
@@ -140,12 +143,22 @@ class Lockstep {
 
   // --- every lane at once ---
 
-  UKEMI_INLINE void consider(const M& where, const T& q, const T& t) {
-    const M higher = where & (q > square_);
+  /// The largest square of something, when it was, and the square at the start of the step.
+  struct Largest {
+    T square{0.0}, t{0.0}, start{0.0};
+  };
+  UKEMI_INLINE void consider(Largest& x, const M& where, const T& q, const T& t) {
+    const M higher = where & (q > x.square);
     if (!any(higher)) return;
-    assign(square_, higher, q), assign(t_peak_, higher, t);
+    assign(x.square, higher, q), assign(x.t, higher, t);
+    if (&x != &peak_) return;
     for (int i = 0; i < W; ++i)
       if (higher[i]) landing().peak_moved(i);
+  }
+  /// Behind an event, or at the start.
+  UKEMI_INLINE void follow_start(Largest& x, const M& where, const T& q) {
+    assign(x.start, where, q);
+    consider(x, where, q, step_.t);
   }
 
   /// The field where it has jumped, and the events that take no time.
@@ -162,9 +175,8 @@ class Lockstep {
         violated |= stale_ & (g.value[k] <= T(0.0)) & (g.rate[k] < T(0.0));
       }
       const M settled = stale_ & !violated;
-      const T q = Landing::peak_square(system_, step_.y, dy);
-      assign(q_start_, settled, q);
-      consider(settled, q, step_.t);
+      follow_start(peak_, settled, Landing::peak_square(system_, step_.y, dy));
+      landing().start_beside(settled);
       stale_ = M(false);
       if (!any(violated)) return;
       for (int i = 0; i < W; ++i)
@@ -237,31 +249,38 @@ class Lockstep {
     accepted_ &= !cut;
   }
 
-  /// The peak at the end of the accepted steps, and inside those that could hold a higher one.
   UKEMI_BATCH_STAGE void look() {
-    const T q_rate = Landing::peak_square(system_, step_.y_end, step_.slope_end);
-    const T q_end = select(event_, q_rate + (q_rate - q_start_) * shift_ / max(step_.h, T(1e-12)), q_rate);
-    consider(accepted_, q_end, step_.t + step_.h + shift_);
+    follow(peak_, [this](const T&, const State& y, const State& dy)
+                      UKEMI_INLINE_LAMBDA { return Landing::peak_square(system_, y, dy); });
+    landing().look_beside();
+  }
+  /// The largest value at the end of the accepted steps, and inside those that could hold a higher one.
+  /// square_of(t, y, dy): of all lanes.
+  template <class SquareOf>
+  UKEMI_INLINE void follow(Largest& x, SquareOf&& square_of) {
+    const T q_rate = square_of(T(step_.t + step_.h), step_.y_end, step_.slope_end);
+    const T q_end = select(event_, q_rate + (q_rate - x.start) * shift_ / max(step_.h, T(1e-12)), q_rate);
+    consider(x, accepted_, q_end, step_.t + step_.h + shift_);
     constexpr double kInside = 0.5, kNear = 0.9;  // as squares; see peak_tracker.hpp
-    const M inside = accepted_ & (max(q_start_, q_end) > T(kInside) * square_);
+    const M inside = accepted_ & (max(x.start, q_end) > T(kInside) * x.square);
     if (any(inside)) {
       const auto at = [&](const T& s) UKEMI_INLINE_LAMBDA {
         const State y = step_.at(s);
         State dy;
         const T t = step_.t + s * step_.h;
         field(t, y, dy);
-        return Landing::peak_square(system_, y, dy);
+        return square_of(t, y, dy);
       };
-      T a(0.0), b(0.5), c(1.0), qa = q_start_, qb = at(b), qc = q_rate;
-      consider(inside, qb, step_.t + b * step_.h);
+      T a(0.0), b(0.5), c(1.0), qa = x.start, qb = at(b), qc = q_rate;
+      consider(x, inside, qb, step_.t + b * step_.h);
       for (int n = 0; n < 3; ++n) {
         const T u = (qb - qa) / (b - a), v = (qc - qb) / (c - b), bend = (v - u) / (c - a);
         const T top = T(0.5) * (a + b - u / bend);
         const M open = inside & (bend < T(0.0)) & (top > a) & (top < c) & (abs(top - b) > T(1e-4)) &
-                       (max(qa, max(qb, qc)) > T(kNear) * square_);
+                       (max(qa, max(qb, qc)) > T(kNear) * x.square);
         if (!any(open)) break;
         const T s = select(open, top, b), q = at(s);
-        consider(open, q, step_.t + s * step_.h);
+        consider(x, open, q, step_.t + s * step_.h);
         const M left = (s < b), better = (q > qb);
         assign(a, open & (left & (!better)), s), assign(qa, open & (left & (!better)), q);
         assign(c, open & ((!left) & (!better)), s), assign(qc, open & ((!left) & (!better)), q);
@@ -270,7 +289,7 @@ class Lockstep {
         assign(b, open & better, s), assign(qb, open & better, q);
       }
     }
-    assign(q_start_, accepted_, q_end);
+    assign(x.start, accepted_, q_end);
   }
 
   /// Begins the next step of every lane where this one ended, or the next landing.
@@ -290,7 +309,7 @@ class Lockstep {
       for (int i = 0; i < W; ++i)
         if (at_deadline[i]) end[i] = landing().reached(i);
     landing().stepped();
-    const M abandoned = accepted_ & (square_ > abandon_square_), broken = landing().breaking(accepted_),
+    const M abandoned = landing().beyond(accepted_), broken = landing().breaking(accepted_),
             rest = landing().resting(plain);
     const M tiny = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
     steps_ += select(active_, T(1.0), T(0.0));
@@ -319,7 +338,8 @@ class Lockstep {
   integrate::Step<integrate::DormandPrince54, T, kStates> step_;
   typename System::GuardValues start_, end_;
   T h_next_{0.0}, cut_h_{0.0}, shift_{0.0}, stop_{0.0}, abandon_square_{0.0};
-  T square_{0.0}, t_peak_{0.0}, q_start_{0.0}, steps_{0.0};
+  Largest peak_;
+  T steps_{0.0};
   M active_, stale_, cut_, rejected_, accepted_, event_, last_;
   std::array<T, kStates> unit_;
   std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step

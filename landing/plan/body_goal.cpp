@@ -145,16 +145,25 @@ void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coo
     parallel_for(int(goal.counted), threads, [&](int drop_index) {
       const auto k = std::size_t(drop_index);
       const BodyDrop& drop = goal.drops[k];
-      const double rating = own_rating(drop.scene);
       const BodyGradients g =
           gradients(drop.scene, drop.played(motion), parameters, {.accuracy = kSearchAccuracy}, each);
-      for (std::size_t i = 0; i < g.peaks.size(); ++i) {
-        if (!g.peaks[i].d.allFinite()) continue;
+      std::vector<std::pair<double, const BodyPeakGradient*>> rows;  // with their ratings, the nearest to it first
+      if (!rated(drop.scene))
+        for (const BodyPeakGradient& p : g.peaks) rows.push_back({1, &p});
+      for (std::size_t i = 0; i < g.loads.size(); ++i)
+        for (const BodyPeakGradient& p : g.loads[i])
+          if (!drop.scene.loads[i].limit) rows.push_back({drop.scene.loads[i].rating, &p});
+      std::erase_if(rows, [](const auto& row) { return !row.second->d.allFinite(); });
+      std::stable_sort(rows.begin(), rows.end(), [](const auto& one, const auto& other) {
+        return one.second->value / one.first > other.second->value / other.first;
+      });
+      for (std::size_t i = 0; i < std::min(rows.size(), std::size_t(each)); ++i) {
+        const auto [rating, peak] = rows[i];
         const std::size_t row = k * std::size_t(each) + i;
-        a[row] = g.peaks[i].value / rating;
+        a[row] = peak->value / rating;
         for (int j = 0; j < n; ++j) {
           const Variable& v = space.variables()[std::size_t(j)];
-          slopes[row * std::size_t(n) + std::size_t(j)] = g.peaks[i].d[j] * (v.upper - v.lower) / rating;
+          slopes[row * std::size_t(n) + std::size_t(j)] = peak->d[j] * (v.upper - v.lower) / rating;
         }
       }
     });

@@ -261,7 +261,7 @@ class BodySearch {
   /// Where the largest peak counts and nothing limits it, by its gradients; a place that they do not better is refined
   /// by a narrow distribution.
   void refine(const Candidate& best) {
-    if (final_.worst() && !scene_.limited() && !observed(scene_) && best.u != refined_) {
+    if (final_.worst() && !scene_.limited() && best.u != refined_) {
       refined_ = best.u;
       descend_by_gradient(final_, space_, best.u, best.value, options_.threads, [&](const Coordinates& u) {
         Candidate p{u};

@@ -31,7 +31,8 @@ TEST_CASE("report: figures as files of their own, each named by the summary") {
     return std::find(files.begin(), files.end(), name) != files.end();
   };
   const std::pair<std::string, std::string> kinds[] = {{".svg", "<?xml"}, {".pdf", "%PDF"}, {".png", "\x89PNG"}};
-  for (const std::string figure : {"postures", "acceleration", "components", "joint", "torque", "speed", "energy"})
+  for (const std::string figure :
+       {"fall", "postures", "acceleration", "components", "joint", "torque", "speed", "energy"})
     for (const auto& [ending, first] : kinds) {
       INFO(figure << ending);
       CHECK(listed(figure + ending));

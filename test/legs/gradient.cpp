@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "landing/body/load.hpp"
 #include "landing/derivatives/body_gradient.hpp"
 #include "landing/model/motion.hpp"
 #include "test/legs/robots.hpp"
@@ -36,8 +37,13 @@ struct Tally {
   int right = 0, wrong = 0, unsure = 0;
 };
 
-/// The gradient's share of one parameter against its quotient, as a part of the whole gradient's size.
-Answer judge(const Case& c, const BodyParameter& p, double derivative, double peak, double size) {
+double peak_of(const BodyLanding& l) { return l.peak; }
+
+/// The gradient's share of one parameter against its quotient, as a part of the whole gradient's size; of the largest
+/// value that `read` takes from a landing.
+template <class Read = double (*)(const BodyLanding&)>
+Answer judge(const Case& c, const BodyParameter& p, double derivative, double peak, double size,
+             Read&& read = peak_of) {
   Case moved = c;
   double& x = number(moved.scene, moved.motion, p);
   const double x0 = x;
@@ -45,7 +51,7 @@ Answer judge(const Case& c, const BodyParameter& p, double derivative, double pe
   const double unit = constant && x0 != 0 ? std::abs(x0) : 1;
   const auto f = [&](double by) {
     x = x0 + by;
-    return peak_acceleration(moved.scene, moved.motion, kTight).peak;
+    return read(peak_acceleration(moved.scene, moved.motion, kTight));
   };
   constexpr double kNear = 1e-6;
   const double kink = (f(kNear * unit) - 2 * peak + f(-kNear * unit)) / kNear;
@@ -146,4 +152,69 @@ TEST_CASE("legs: gradients through what only plans have: a delay, shape terms, g
   CHECK(name(all[2], c.scene.robot) == "duration_" + c.scene.robot.joints[0].name);
   CHECK_THROWS_AS(gradients(c.scene, c.motion, std::array{BodyParameter{BodyParameter::Of::kContact, 7, 0}}, kTight),
                   InputError);
+}
+
+TEST_CASE("legs: gradients of every kind of load against difference quotients") {
+  using Kind = Load::Kind;
+  for (const std::string stem : {"three_links", "hopper", "foot"}) {
+    Case c{.scene = legs::shipped(stem), .motion = {}};
+    const int joint = int(c.scene.robot.joints.size()) - 1;
+    for (const Kind k : {Kind::kTorque, Kind::kDeflection, Kind::kMotorSpeed, Kind::kMotorTorque, Kind::kAngle,
+                         Kind::kForce, Kind::kImpulse, Kind::kAcceleration, Kind::kTouch}) {
+      const Joint& last = c.scene.robot.joints[std::size_t(joint)];
+      if (k == Kind::kDeflection && last.kind != DriveKind::kElastic) continue;
+      if ((k == Kind::kMotorSpeed || k == Kind::kMotorTorque) && !last.driven()) continue;
+      const bool of_contact = k == Kind::kForce || k == Kind::kImpulse || k == Kind::kTouch;
+      c.scene.loads.push_back({.name = landing::name(k),
+                               .kind = k,
+                               .index = of_contact ? int(c.scene.robot.contacts.size()) - 1 : joint,
+                               .at = {0.05, 0.01},
+                               .phi = {-1.2, -0.9},
+                               .limit = k == Kind::kTouch});
+    }
+    c.scene.t_end = 0.6;
+    if (stem == "foot") c.scene.drop.pitch += 0.05;  // heel and toe touch one after the other
+    c.motion = held_posture(c.scene);
+    for (Motion& m : c.motion) m.phi_f += 0.3, m.duration = 0.25;
+    const std::vector<BodyParameter> all = parameters_of(c.scene, c.motion);
+    const BodyGradients g = gradients(c.scene, c.motion, all, kTight, 2);
+    const BodyLanding l = peak_acceleration(c.scene, c.motion, kTight);
+    REQUIRE(g.loads.size() == c.scene.loads.size());
+    for (std::size_t i = 0; i < c.scene.loads.size(); ++i) {
+      const double value = l.loads[i].value;
+      INFO(stem << ": " << c.scene.loads[i].name << " " << value << " at " << l.loads[i].t << " s");
+      const bool stands = [&] {  // on the limit of its drive: a plateau, and no maximum that is one
+        const Kind k = c.scene.loads[i].kind;
+        const double most = c.scene.robot.joints[std::size_t(joint)].sea.tau_max;
+        return (k == Kind::kTorque || k == Kind::kMotorTorque) && value == most;
+      }();
+      if (stands) continue;
+      if (c.scene.loads[i].kind == Kind::kTouch) {
+        CHECK(g.loads[i].empty());
+        continue;
+      }
+      REQUIRE(!g.loads[i].empty());
+      const BodyPeakGradient& peak = g.loads[i][0];
+      CHECK(peak.value == Approx(value).epsilon(1e-8));
+      UNSCOPED_INFO("kind " << int(peak.kind) << " t " << peak.t << " first " << l.first_touchdown);
+      CHECK(peak.t == Approx(l.loads[i].t).margin(1e-5));
+      const auto share = [&](std::size_t k) {
+        Case copy = c;
+        const bool constant = all[k].of == BodyParameter::Of::kDrive || all[k].of == BodyParameter::Of::kContact;
+        const double x = std::abs(number(copy.scene, copy.motion, all[k]));
+        return peak.d[Eigen::Index(k)] * (constant && x != 0 ? x : 1);
+      };
+      double size = 0;
+      for (std::size_t k = 0; k < all.size(); ++k) size = std::max(size, std::abs(share(k)));
+      int right = 0, unsure = 0;
+      for (std::size_t k = i % 3; k < all.size(); k += 3) {
+        INFO(name(all[k], c.scene.robot));
+        const Answer a = judge(c, all[k], peak.d[Eigen::Index(k)], value, size,
+                               [i](const BodyLanding& of) { return of.loads[i].value; });
+        CHECK(a != Answer::kWrong);
+        right += a == Answer::kRight, unsure += a == Answer::kUnsure;
+      }
+      CHECK(right > 2 * unsure);
+    }
+  }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/random.hpp"
+#include "landing/body/load.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/scatter/sampler.hpp"
@@ -144,7 +145,7 @@ TEST_CASE("legs: a lane's landing is abandoned, forbidden to touch, or handed ov
   CHECK(compare() > 0);
   scene.limits.broken = BodyLimits::Broken::kTold;
   CHECK(compare() == 0);
-  scene.limits.joints.resize(scene.robot.joints.size());  // the scalar path's
+  scene.limits.joints.resize(scene.robot.joints.size());
   scene.limits.joints[0].motor_speed = 5;
   compare();
   for (ContactPoint& c : scene.robot.contacts) c.law.hunt_crossley = true, c.law.dissipation = 0.3;
@@ -152,4 +153,97 @@ TEST_CASE("legs: a lane's landing is abandoned, forbidden to touch, or handed ov
   const std::function<bool()> over = [] { return true; };
   body_batch_peaks(cases, landings, {.over = &over});
   for (const BodyLanding& l : landings) CHECK(l.end == End::kStopped);
+}
+
+TEST_CASE("legs: loads and limits in lanes are those of the scalar path") {
+  using Kind = Load::Kind;
+  for (const std::string name : {"hopper", "three_links", "foot"}) {
+    BodyScene scene = legs::shipped(name);
+    const int joint = 0, contact = int(scene.robot.contacts.size()) - 1;
+    const auto add = [&](Kind kind, int index, double rating, bool limit = false) {
+      scene.loads.push_back({.name = landing::name(kind),
+                             .kind = kind,
+                             .index = index,
+                             .phi = {0.2, 0.5},
+                             .rating = rating,
+                             .limit = limit});
+      scene.loads.back().at = {0.05, 0.01};
+    };
+    for (const Kind k : {Kind::kTorque, Kind::kMotorSpeed, Kind::kMotorTorque, Kind::kAngle}) add(k, joint, 1);
+    if (scene.robot.joints[0].kind == DriveKind::kElastic) add(Kind::kDeflection, joint, 1);
+    add(Kind::kForce, contact, 1), add(Kind::kAcceleration, 1, 1), add(Kind::kTouch, 0, 0, true);
+    scene.loads.push_back({.name = "own",
+                           .kind = Kind::kAcceleration,
+                           .index = scene.robot.peak_link,
+                           .at = scene.robot.peak,
+                           .rating = 1});
+    const std::vector<BodyMotion> motions = motions_of(scene, 40, 3);
+    std::vector<BodyLanding> scalar;
+    for (const BodyMotion& m : motions) scalar.push_back(peak_acceleration(scene, m, {.accuracy = 1e-9}));
+    const auto close = [](double a, double b) { return std::abs(a - b) <= 1e-3 * std::abs(b) + 1e-6; };
+    for (const InstructionSet set : {InstructionSet::kBaseline, InstructionSet::kAvx2}) {
+      INFO(name << ", set " << int(set));
+      std::vector<BodyLanding> lanes(motions.size());
+      std::vector<BodyBatchCase> all;
+      for (const BodyMotion& m : motions) all.push_back({&scene, &m});
+      body_batch_peaks(all, lanes, {.accuracy = 1e-7}, 1, set);
+      std::vector<int> off(scene.loads.size(), 0);
+      for (std::size_t k = 0; k < motions.size(); ++k)
+        for (std::size_t i = 0; i < scene.loads.size(); ++i)
+          off[i] += !close(lanes[k].loads[i].value, scalar[k].loads[i].value);
+      for (std::size_t i = 0; i < off.size(); ++i) {
+        INFO(scene.loads[i].name);
+        CHECK(off[i] <= 1);  // one that stands beside a cliff
+      }
+    }
+    // As limits, at the median of what the motions take: the same are broken, by the same.
+    for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+      std::vector<double> values;
+      for (const BodyLanding& l : scalar) values.push_back(l.loads[i].value);
+      std::nth_element(values.begin(), values.begin() + 20, values.end());
+      BodyScene limited = scene;
+      limited.loads = {scene.loads[i]};
+      limited.loads[0].limit = true, limited.loads[0].rating = values[20] * (1 + 1e-6);
+      if (scene.loads[i].kind == Kind::kTouch) continue;
+      limited.limits.broken = BodyLimits::Broken::kEnds;
+      std::vector<BodyLanding> lanes(motions.size());
+      std::vector<BodyBatchCase> cases;
+      for (const BodyMotion& m : motions) cases.push_back({&limited, &m});
+      body_batch_peaks(cases, lanes, {.accuracy = 1e-7}, 1, quickest_instruction_set(motions.size()));
+      int differ = 0, broken = 0;
+      for (std::size_t k = 0; k < motions.size(); ++k) {
+        const BodyLanding one = peak_acceleration(limited, motions[k], {.accuracy = 1e-9});
+        differ += bool(one.broken) != bool(lanes[k].broken), broken += bool(one.broken);
+      }
+      INFO(name << ": " << scene.loads[i].name);
+      CHECK(differ <= 2);
+      const auto beyond =
+          std::count_if(values.begin(), values.end(), [&](double v) { return v > limited.loads[0].rating; });
+      CHECK(std::abs(broken - int(beyond)) <= 1);
+    }
+  }
+}
+
+TEST_CASE("legs: limits of joints in lanes are those of the scalar path") {
+  BodyScene scene = legs::shipped("hopper");
+  scene.limits.joints.resize(scene.robot.joints.size());
+  scene.limits.joints[1].motor_speed = 12, scene.limits.joints[0].motor_torque = 11;
+  scene.limits.joints[1].phi = {-2.4, -0.1}, scene.limits.joints[0].reference_rate = 20;
+  for (const auto how : {BodyLimits::Broken::kEnds, BodyLimits::Broken::kTold}) {
+    scene.limits.broken = how;
+    const std::vector<BodyMotion> motions = motions_of(scene, 200, 5);
+    std::vector<BodyLanding> lanes(motions.size());
+    std::vector<BodyBatchCase> cases;
+    for (const BodyMotion& m : motions) cases.push_back({&scene, &m});
+    body_batch_peaks(cases, lanes, {.accuracy = 1e-7}, 1, quickest_instruction_set(motions.size()));
+    std::array<int, 3> count{};  // kept by both, broken in both, otherwise
+    for (std::size_t k = 0; k < motions.size(); ++k) {
+      const BodyLanding one = peak_acceleration(scene, motions[k], {.accuracy = 1e-9});
+      ++count[one.broken && lanes[k].broken ? 1 : one.broken || lanes[k].broken ? 2 : 0];
+      if (one.broken && lanes[k].broken) CHECK(one.end == lanes[k].end);
+    }
+    CAPTURE(count[0], count[1], count[2]);
+    CHECK((count[0] > 10 && count[1] > 10));
+    CHECK(count[2] <= 4);  // between the quarters of steps, at which the scalar path looks
+  }
 }

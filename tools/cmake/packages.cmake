@@ -16,10 +16,20 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-ukemi)
 # What is linked is asked of the binaries; the static libraries leave it to whoever links them.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox")  # figures of the reports
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, ukemi (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), libceres-dev (>= 2.1), libnlopt-dev (>= 2.7), libfmt-dev (>= 9)")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "identify a series elastic actuator, plan the landing it should make")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "ukemi's libraries for C++20: headers and static libraries")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "ukemi for Python 3 and NumPy")
+# As Debian has them: the licence of each package, the pages with the program's; the links between them hold.
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ukemi COMPONENT program RENAME copyright)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libukemi-dev COMPONENT library RENAME copyright)
+if(UKEMI_PYTHON)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-ukemi COMPONENT python RENAME copyright)
+endif()
+install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ukemi COMPONENT program)
+install(DIRECTORY tools/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ukemi/tools COMPONENT program
+        FILES_MATCHING PATTERN *.md PATTERN *.svg PATTERN *.png)
 include(CPack)

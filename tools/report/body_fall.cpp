@@ -254,6 +254,8 @@ void show(const BodyScene& scene, std::vector<BodyFall> falls, const std::string
   postures.caption = "The robot at the acceleration peaks, with the contact that began each.";
   report.figure(postures);
   report.figure(acceleration(falls));
+  if (!numbered(falls[0].landing->peaks).empty())
+    report.figure(fall_picture(postures_of(scene, falls[0]), acceleration({falls[0]})));
   const BodyLanding& first = *falls[0].landing;
   Figure joint = per_joint(scene, "joint", "[deg]", [&](std::size_t j) {
     std::vector<Series> out{curve("angle", first, [j](auto& s) { return s.phi[j] * kDegrees; })};

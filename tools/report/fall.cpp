@@ -27,6 +27,13 @@ void add_marks(Panel& panel, const std::vector<Peak>& all, int colour) {
     panel.marks.push_back({peaks[n].t, peaks[n].acceleration, circled(n + 1), colour});
 }
 
+Figure fall_picture(Panel postures, Figure acceleration) {
+  Figure out = std::move(acceleration);
+  out.name = "fall", out.in = Figure::In::kFile, out.panel_height = 240, out.cursor = Figure::Cursor::kNone;
+  out.panels.insert(out.panels.begin(), std::move(postures));
+  return out;
+}
+
 namespace {
 
 /// The rows that the animation needs: no more than the eye sees, and every peak.
@@ -194,6 +201,10 @@ void show(const Falls& given, Report& report) {
   postures.caption = "The robot at the acceleration peaks, with the contact that began each; thigh dark, shank blue.";
   report.figure(postures);
   report.figure(acceleration(f));
+  Falls alone = f;
+  alone.falls.resize(1, f.falls[0]);
+  if (!numbered(f.falls[0].landing->peaks).empty())
+    report.figure(fall_picture(postures_of(f.falls[0], length), acceleration(alone)));
   report.figure(components(f.falls[0]));
   report.figure(joint(f.falls[0]));
   report.figure(against_rating(f, "torque", "spring torque [Nm]", &Sample::tau_sea, f.actuator.sea.tau_max, "limit"));
@@ -203,7 +214,7 @@ void show(const Falls& given, Report& report) {
 }
 
 std::vector<std::string> fall_figures() {
-  return {"postures", "acceleration", "components", "joint", "torque", "speed", "energy"};
+  return {"fall", "postures", "acceleration", "components", "joint", "torque", "speed", "energy"};
 }
 
 }  // namespace ukemi::tools

@@ -44,6 +44,10 @@ const Sample& row_at(const std::vector<Sample>& rows, double t) {
   return after == rows.end() ? rows.back() : *after;
 }
 
+/// Fig. 6 and 7 of [1] in one picture, as a file: the postures at the peaks above the acceleration, on which their
+/// numbers stand.
+Figure fall_picture(Panel postures, Figure acceleration);
+
 /// Kinetic and gravitational energy of both links, at a row of a trajectory [J].
 double link_energy(const landing::Scene& scene, const landing::Sample& sample);
 

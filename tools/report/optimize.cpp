@@ -21,7 +21,8 @@ const Outputs kOptimizeOutputs = Outputs{
     "optimize",
     {"motion.toml", "motion.csv", "solvers.csv", "progress.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
      "plotjuggler.csv"},
-    {"search", "histogram"}}.with(fall_figures());
+    {"search", "histogram",
+     "deviations"}}.with(fall_figures());
 
 using namespace landing;
 
@@ -209,6 +210,48 @@ Falls::Figures figures_of(const Answer& a) {
   return deadline && *deadline < kDrawnFrom ? Falls::Figures::kLeaveOut : Falls::Figures::kDraw;
 }
 
+/// What each deviation makes of the peak, beside the plan and the held posture.
+Panel deviation_panel(const Answer& a) {
+  std::vector<std::pair<std::string, double>> bars{{"as planned", a.peak()}};
+  for (const Quantity<Evidence>& q : deviation_quantities())
+    if (const double peak = q.value(*a.evidence).get<double>(); std::isfinite(peak)) bars.push_back({q.words, peak});
+  bars.push_back({held_words(a), a.held_peak()});
+  Panel out;
+  out.x_label = "peak [m/s^2]";
+  Series of{"", {}, {}, Series::Look::kBars, 0};
+  for (const auto& [name, peak] : bars) {
+    of.x.push_back(peak), of.y.push_back(double(bars.size() - out.rows.size()));
+    out.rows.push_back(name);
+  }
+  out.series = {of};
+  return out;
+}
+
+/// How far each number of the motion may move, as a part of its search range.
+Panel room_panel(const Answer& a) {
+  const std::vector<Variable> variables = ReferenceSpace(a.scene, a.actuator.sea).variables();
+  Panel out;
+  out.x_label = fmt::format("room before the peak rises by {:g} % [% of the search range]", 100 * Evidence::kRise);
+  Series of{"", {}, {}, Series::Look::kIntervals, 0};
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    const double percent = 100 / (variables[k].upper - variables[k].lower);
+    of.x.push_back(0), of.y.push_back(double(variables.size() - k));
+    of.low.push_back(-a.evidence->width[k][0] * percent), of.high.push_back(a.evidence->width[k][1] * percent);
+    out.rows.push_back(variables[k].words);
+  }
+  out.series = {of};
+  return out;
+}
+
+Figure deviations(const Answer& a) {
+  Figure out{.name = "deviations", .panels = {deviation_panel(a), room_panel(a)}, .columns = 2};
+  out.width = Figure::Width::kWhole;
+  out.panel_height = 80 + 26.0 * double(std::max(out.panels[0].rows.size(), out.panels[1].rows.size()));
+  out.caption =
+      "What one thing that is not as planned makes of the peak, and how far each number of the motion may be off.";
+  return out;
+}
+
 /// An axis of a slice: what is varied, and how it is shown.
 struct Along {
   const char* label;
@@ -267,6 +310,10 @@ Report page_of(const Answer& a, const Run& run) {
        report);
   report.distrust(run.warnings());
   report.folded("All numbers", Table::of(answer_quantities(a), a).turned());
+  if (figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) {
+    report.heading("When something is not as planned");
+    report.figure(deviations(a));
+  }
   if (figures_of(a) == Falls::Figures::kDraw) show_scatter(a, report);
   const bool page = run.options().report == CommonOptions::Report::kWrite;
   if (page && figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) show_slices(a, report);

@@ -158,9 +158,11 @@ void Report::figure(Figure f) {
   for (Panel& p : f.panels)
     for (Series& s : p.series)
       if (s.low.empty()) s = thinned(s, std::clamp(kMost / lines, kFewest, kEnough));
-  if (!in_figures_) html_ += "<div class=\"figures\">\n";
-  in_figures_ = true;
-  html_ += placeholder(figures_.size());
+  if (f.in == Figure::In::kPageAndFile) {
+    if (!in_figures_) html_ += "<div class=\"figures\">\n";
+    in_figures_ = true;
+    html_ += placeholder(figures_.size());
+  }
   figures_.push_back(std::move(f));
 }
 void Report::plot(const std::string& name, const std::string& x_label, const std::string& y_label,
@@ -181,7 +183,9 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
     if (std::find(formats.begin(), formats.end(), f) == formats.end()) formats.push_back(f);
   if (!page_wanted && formats.empty()) return {};
   std::string why;
-  const std::vector<Drawing> drawings = draw(figures_, formats, why);
+  std::vector<Figure> wanted = figures_;
+  if (formats.empty()) std::erase_if(wanted, [](const Figure& f) { return f.in == Figure::In::kFile; });
+  const std::vector<Drawing> drawings = draw(wanted, formats, why);
   const auto provenance = run.provenance();
   std::string printed, list;
   for (std::size_t i = 0; i < std::min(provenance.size(), kMostRows); ++i) {
@@ -192,9 +196,13 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
     list += fmt::format("<li>{} more: summary.json</li>", provenance.size() - kMostRows);
   std::map<std::string, std::string> out;
   std::string text = answer_ + html_ + (in_figures_ ? kEnd : "");
-  for (std::size_t i = 0; i < figures_.size(); ++i) {
+  for (std::size_t i = 0, drawn = 0; i < figures_.size(); ++i) {
+    const bool file_only = figures_[i].in == Figure::In::kFile;
+    if (file_only && formats.empty()) continue;
+    const std::size_t k = drawn++;
+    if (file_only) continue;
     const std::string mark = placeholder(i);
-    text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[i]));
+    text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[k]));
   }
   for (const Drawing& d : drawings)
     for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, printed);

@@ -32,7 +32,8 @@ struct RiskStudy;
 struct Comparison;
 enum class Doubt;
 
-/// Results by a shorter deadline have no curves [s]: gnuplot takes some 0.2 s, and several times that on a busy machine.
+/// Results by a shorter deadline have no curves [s]: gnuplot takes some 0.2 s, and several times that on a busy
+/// machine.
 inline constexpr double kDrawnFrom = 2;
 
 /// `held`: the landing of the held reference on the same drop, to stand beside it.

@@ -70,18 +70,25 @@ std::string Table::csv(const Run& run, const std::string& comment) const {
   return csv.text();
 }
 
+std::vector<std::size_t> Table::columns() const {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    const auto tells = [&](const std::vector<Json>& row) { return !names_[i].format(row[i]).empty(); };
+    if (!names_[i].words.empty() && (rows_.empty() || std::any_of(rows_.begin(), rows_.end(), tells))) out.push_back(i);
+  }
+  return out;
+}
 std::vector<std::string> Table::headings() const {
   std::vector<std::string> out;
-  for (const Names& h : names_)
-    if (!h.words.empty()) out.push_back(h.words);
+  for (const std::size_t i : columns()) out.push_back(names_[i].words);
   return out;
 }
 std::vector<std::vector<std::string>> Table::shown() const {
+  const std::vector<std::size_t> columns = this->columns();
   std::vector<std::vector<std::string>> out;
   for (const std::vector<Json>& row : rows_) {
     out.emplace_back();
-    for (std::size_t i = 0; i < names_.size(); ++i)
-      if (!names_[i].words.empty()) out.back().push_back(names_[i].format(row[i]));
+    for (const std::size_t i : columns) out.back().push_back(names_[i].format(row[i]));
   }
   return out;
 }
@@ -105,8 +112,7 @@ std::vector<std::string> Table::lines() const {
   cells.insert(cells.begin(), headings());
   std::vector<std::size_t> width(cells.front().size(), 0);
   std::vector<bool> left;  // text; numbers stand at the right
-  for (std::size_t i = 0; i < names_.size(); ++i)
-    if (!names_[i].words.empty()) left.push_back(!rows_.empty() && rows_.front()[i].is_string());
+  for (const std::size_t i : columns()) left.push_back(!rows_.empty() && rows_.front()[i].is_string());
   for (const auto& row : cells)
     for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], length(row[i]));
   std::vector<std::string> out;

@@ -87,7 +87,7 @@ class Table {
   Json object(std::size_t row = 0) const;  ///< one row
   Json keyed() const;                      ///< an object, a key a row: the text of its first quantity
   std::string csv(const Run& run, const std::string& comment = "") const;
-  std::vector<std::string> headings() const;
+  std::vector<std::string> headings() const;            ///< of what a reader sees: what no row has is left out
   std::vector<std::vector<std::string>> shown() const;  ///< as `headings`
   std::vector<std::string> lines() const;               ///< headings and rows, aligned
   std::string line(std::size_t row = 0) const;          ///< one row: "words value; ..."
@@ -95,6 +95,7 @@ class Table {
 
  private:
   Table() = default;
+  std::vector<std::size_t> columns() const;  ///< that are shown
   std::vector<Names> names_;
   std::vector<std::vector<Json>> rows_;
 };

@@ -65,8 +65,9 @@ struct Figure {
   std::vector<Panel> panels;
   int columns = 1;
   enum class Width { kHalf, kWhole } width = Width::kHalf;
-  double panel_height = 250;                                  ///< [px]
-  enum class Cursor { kNone, kTime } cursor = Cursor::kNone;  ///< kTime: x is the time of the animation [s]
+  double panel_height = 250;                                    ///< [px]
+  enum class Cursor { kNone, kTime } cursor = Cursor::kNone;    ///< kTime: x is the time of the animation [s]
+  enum class In { kPageAndFile, kFile } in = In::kPageAndFile;  ///< kFile: drawn where files of figures are asked for
   /// Whether there is anything to draw.
   bool empty() const;
 };
