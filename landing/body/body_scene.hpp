@@ -112,9 +112,13 @@ struct GivenDrive {
 /// Whether a scene's or a robot's file holds a robot in the long form: links of its own, or the name of a file.
 bool has_links(const std::string& path);
 /// Reads scene.toml whose robot is in the long form, here or in the file that robot = "FILE" names, relative to this
-/// one: tools/docs/files.md. Throws InputError with file:line:column. Tests: test/legs.
+/// one: tools/docs/files.md. Its drives are those behind [command], see CommandPath. Throws InputError with
+/// file:line:column. Tests: test/legs.
 BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives = {});
-/// The same of a file that may be a robot alone, without a drop.
+/// The same, dropped from another height [m]; the file may be a robot alone. Without [floor] each contact's own law
+/// holds.
+BodyScene read_dropped(const std::string& path, double height, const std::vector<GivenDrive>& drives = {});
+/// The same of a file that may be a robot alone, without a drop, as it is driven: [command] is not applied.
 BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& drives = {});
 
 /// Reads motion.toml of several joints, [motion.JOINT] and [reposition.JOINT], of one driven joint also [motion]; a

@@ -108,24 +108,33 @@ void read_stops(TomlSection& s, const Robot& robot, BodyLimits& limits) {
   });
 }
 
-BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, bool alone) {
+/// Of contacts that say nothing, where there is no floor.
+constexpr ContactLaw kNoFloor{.stiffness = 1};
+
+/// What a file is read for: a landing, whose drop it has or not, or a robot that is driven.
+enum class For { kLanding, kDrop, kDriven };
+
+BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, For what) {
   TomlFile file(path);
   BodyScene out;
   out.name = std::filesystem::path(path).stem().string();
-  ContactLaw law{.stiffness = 1};  // of contacts where there is no floor
+  ContactLaw law = kNoFloor;
   read_floor(file, out, law);
+  CommandPath commands;
   if (const auto name = file.optional_text("robot")) {
     out.robot_file = (std::filesystem::path(path).parent_path() / *name).string();
     TomlFile other(out.robot_file);
     read_robot_tables(other, &file, law, drives, out);
-    (void)read_command_path(other, out.robot);
+    commands = read_command_path(other, out.robot);
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
-    (void)read_command_path(file, out.robot);
+    commands = read_command_path(file, out.robot);
   }
+  if (what != For::kDriven) apply(commands, out.robot);
   out.search.resize(out.robot.joints.size());
-  if (auto drop = alone ? file.optional("drop") : file.require("drop")) read_drop(*drop, out.robot, out.drop);
+  if (auto drop = what == For::kLanding ? file.require("drop") : file.optional("drop"))
+    read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);
   if (auto release = file.optional("release")) read_release(*release, out.robot, out);
   if (auto stops = file.optional("joint")) read_stops(*stops, out.robot, out.limits);
@@ -267,10 +276,23 @@ bool has_links(const std::string& path) {
 }
 
 BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives) {
-  return read(path, drives, false);
+  return read(path, drives, For::kLanding);
 }
 BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& drives) {
-  return read(path, drives, true);
+  return read(path, drives, For::kDriven);
+}
+BodyScene read_dropped(const std::string& path, double height, const std::vector<GivenDrive>& drives) {
+  BodyScene out = read(path, drives, For::kDrop);
+  if (out.robot.base == Base::kPinned) throw InputError(Location{path}, "a pinned robot is not dropped");
+  out.drop.height = height;
+  if (!out.floor) {
+    for (const ContactPoint& c : out.robot.contacts)
+      if (c.law.stiffness == kNoFloor.stiffness)
+        throw InputError(Location{path}, "contact " + c.name + " has no stiffness: its own, or [floor], is needed");
+    out.floor = true;
+  }
+  out.validate();
+  return out;
 }
 
 }  // namespace ukemi::landing

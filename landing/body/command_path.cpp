@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace ukemi::landing {
 
 namespace {
@@ -48,6 +50,16 @@ CommandPath read_command_path(TomlFile& file, const Robot& robot) {
     }
   }
   return out;
+}
+
+void apply(const CommandPath& path, Robot& robot) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    Joint& joint = robot.joints[i];
+    if (joint.kind != DriveKind::kGeared) continue;
+    const CommandPath::Joint& c = path.joints[i];
+    joint.sea.k_p *= c.torque_gain, joint.sea.k_d *= c.torque_gain;
+    joint.sea.tau_max = c.torque_gain * std::min(-c.torque_low, c.torque_high);
+  }
 }
 
 }  // namespace ukemi::landing

@@ -39,4 +39,8 @@ double* command_number(CommandPath& path, const Robot& robot, const std::string&
 /// is -+ tau_max of the joint's drive.
 CommandPath read_command_path(TomlFile& file, const Robot& robot);
 
+/// The drives as a landing has them, behind the same path: of a geared motor gains and limit are torque_gain times as
+/// large, the limit that of the level that is nearer to zero. Delays are left out.
+void apply(const CommandPath& path, Robot& robot);
+
 }  // namespace ukemi::landing

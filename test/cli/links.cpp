@@ -252,6 +252,36 @@ TEST_CASE("ratings of a robot of links is a trade of what its drives are rated")
   CHECK(points[2]["planned"].get<double>() <= points[0]["planned"].get<double>());
 }
 
+TEST_CASE("a landing from another height, of a robot alone, with the drives behind its commands") {
+  const Folder f;
+  const auto peak = [&](const Arguments& arguments) {
+    done(f, Arguments{"simulate"} + arguments + Arguments{"-o", "out", "--no-report"});
+    return summary(f)["peak_acceleration"].get<double>();
+  };
+  f.write("low.toml", replaced(replaced(read(kHopper), "\"../robots/hopper.toml", "\"" + dataset("robots/hopper.toml")),
+                               "height = 0.3 ", "height = 0.2 "));
+  CHECK(peak({kHopper, "--height", "0.2"}) == peak({"low.toml"}));
+  CHECK(peak({kPaper, "--actuator", kTable2, "--hold", "-45", "--height", "0.2"}) <
+        peak({kPaper, "--actuator", kTable2, "--hold", "-45"}));
+
+  const std::string hopper = dataset("robots/hopper.toml"), robot = read(hopper);
+  check_refused(f, {"optimize", hopper, "--height", "0.2"}, {"hopper.toml: contact slider has no stiffness"});
+  check_refused(f, {"optimize", kHopper, "--height", "-1"}, {"--height: -1"});
+  std::string alone = robot;
+  for (std::size_t at = 0; (at = alone.find("[[robot.contact]]", at)) != std::string::npos; at += 20)
+    alone.insert(at + 17, "\nstiffness = 20000\ndamping_normal = 120");
+  f.write("alone.toml", alone);
+  f.write("commanded.toml", alone + "\n[command.knee]\ntorque_gain = 0.5\ntorque_low = -9\ntorque_high = 11\n");
+  f.write("by_hand.toml", alone.substr(0, alone.find("[drive.knee]")) +
+                              "[drive.knee]\nkind = \"geared\"\nk_p = 25\n"
+                              "k_d = 1\ni_motor = 0.006\ntau_max = 4.5\n");
+  const Arguments hold = {"--hold", "hip=35,knee=-70", "--height", "0.2"};
+  CHECK(peak(Arguments{"commanded.toml"} + hold) == Approx(peak(Arguments{"by_hand.toml"} + hold)).epsilon(1e-12));
+  CHECK(std::abs(peak(Arguments{"commanded.toml"} + hold) - peak(Arguments{"alone.toml"} + hold)) > 0.1);
+  done(f, {"optimize", "commanded.toml", "--height", "0.2", "--evaluations", "300", "-o", "plan", "--no-report"});
+  CHECK(summary(f, "plan")["peak_acceleration"].get<double>() > 0);
+}
+
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
   const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot";

@@ -10,7 +10,7 @@ import pytest
 
 import ukemi
 
-NO_VALUES = {"InputError", "Planner", "RobotPlanner", "Player", "AtlasReader", "Feedback"}  # they are asked, or are an enumeration
+NO_VALUES = {"InputError", "Planner", "RobotPlanner", "Player", "AtlasReader", "RobotAtlasReader", "Feedback"}  # they are asked, or are an enumeration
 CLASSES = {n: c for n, c in vars(ukemi).items() if inspect.isclass(c)}
 
 
@@ -37,6 +37,7 @@ def examples(scene, actuator, hopper, driven):
         ratings.plans[0], comparison, comparison.constants[0], comparison.motions[0], comparison.plans[0], design,
         design.hits[0], atlas, ukemi.Planner(scene, actuator).plan(0.4), ukemi.simulate(hopper),
         ukemi.optimize(hopper, evaluations=20), ukemi.risk(hopper, {}, samples=20), entry_of(atlas, scene, actuator),
+        ukemi.atlas(hopper, height=(0.2, 0.3, 2), evaluations=100),
         ukemi.trade(hopper, {"drop.height": [0.2, 0.3]}, evaluations=20), driven[0], driven[1][0],
         ukemi.predict_robot(driven[0], driven[1]))}
 

@@ -180,6 +180,23 @@ def test_atlas_and_its_reader(scene, actuator, tmp_path):
         ukemi.atlas(scene, actuator, **{**grid, "height": (0.5, 0.3, 2)})
 
 
+def test_atlas_of_links_and_its_reader(hopper, tmp_path):
+    atlas = ukemi.atlas(hopper, height=(0.2, 0.4, 3), evaluations=600)
+    same(atlas, tmp_path, "atlas", ukemi.dataset("scenes/hopper.toml"), "--height", "0.2:0.4:3", "--evaluations", 600)
+    assert (tmp_path / "mine/atlas.bin").read_bytes() == (tmp_path / "its/atlas.bin").read_bytes()
+    assert atlas.value.shape == (3, 1, 1) and set(atlas.motion((1, 0, 0))) == {"hip", "knee"}
+    atlas.save(tmp_path / "a.bin")
+    reader = ukemi.RobotAtlasReader(tmp_path / "a.bin", hopper, objective="peak", deadline=1)
+    entry = reader.at(0.3)
+    assert entry["found"] and entry["inside"] and entry["goal"] == "peak"
+    played = ukemi.simulate(hopper.dropped(0.3), entry["motions"]).peak
+    assert entry["value"] == pytest.approx(played, rel=1e-3) and played <= atlas.value[1, 0, 0] * 1.001
+    with pytest.raises(ukemi.InputError):
+        ukemi.atlas(hopper, height=(0.2, 0.4, 3), pitch=(0, 0.1, 2))
+    with pytest.raises(ukemi.InputError):
+        atlas.motion((3, 0, 0))
+
+
 def test_calibrate(scene, actuator, tmp_path):
     hold = ukemi.dataset("drops/hold.toml")
     logs = [ukemi.dataset(f"drops/drop_{i}.csv") for i in (1, 2)]

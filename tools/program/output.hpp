@@ -30,7 +30,7 @@ struct CommonOptions {
   enum class Report { kWrite, kSkip } report = Report::kWrite;
   std::vector<std::string> figures;  ///< of svg, pdf, png: the report's figures as files of their own
   enum class Stdout { kText, kJson, kSilent } out = Stdout::kText;
-  enum class Lines { kAnswer, kAll } lines = Lines::kAnswer;  ///< of text on stdout
+  enum class Lines { kAnswer, kAll } lines = Lines::kAnswer;                ///< of text on stdout
   enum class Messages { kShow, kQuiet, kNone } messages = Messages::kShow;  ///< kNone: not even warnings
 };
 

@@ -4,8 +4,12 @@
 #include <mutex>
 
 #include "landing/atlas/atlas_reader.hpp"
+#include "landing/atlas/body_atlas.hpp"
+#include "landing/atlas/body_atlas_reader.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/plan/body_space.hpp"
+#include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/atlas.hpp"
 
@@ -33,8 +37,12 @@ struct AtlasPlan {
   Scene scene;
   Actuator actuator;
   std::uint64_t seed = 1;
-
-  const std::vector<AtlasCell>& cells() const { return result.atlas.cells; }
+};
+/// Of a robot of links.
+struct BodyAtlasPlan {
+  tools::AtlasResult result;
+  BodyScene scene;
+  std::uint64_t seed = 1;
 };
 
 using Axis = std::tuple<double, double, std::uint64_t>;
@@ -45,12 +53,8 @@ AtlasAxis axis_of(const char* what, const Axis& axis) {
 
 const char* goal_name(std::uint64_t goal) { return Goal(goal) == Goal::kPeak ? "peak" : "tolerant peak"; }
 
-AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& options) {
-  options.validate();
-  const TwoLinkAtlas robot(scene, actuator);
-  AtlasPlan out{{.scene = scene.name, .variables = robot.variables()}, scene, actuator, options.search.seed};
-  tools::AtlasResult& r = out.result;
-  r.scene_toml = to_toml(scene, ""), r.actuator_toml = to_toml(actuator);
+void plan_all(const AtlasRobot& robot, AtlasOptions& options, tools::AtlasResult& r) {
+  options.validate(), robot.validate(options.grid);
   r.drops = options.shard.drops(options.grid);
   r.atlas.header = atlas_header(robot, options);
   r.atlas.cells.resize(options.grid.size());
@@ -62,46 +66,73 @@ AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& op
       r.atlas.header.safest = safest_motion(robot, options.grid, r.atlas.cells, options.search.threads, {{}, stop});
     return true;
   });
+}
+AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& options) {
+  const TwoLinkAtlas robot(scene, actuator);
+  AtlasPlan out{{.scene = scene.name, .variables = robot.variables()}, scene, actuator, options.search.seed};
+  out.result.scene_toml = to_toml(scene, ""), out.result.actuator_toml = to_toml(actuator);
+  plan_all(robot, options, out.result);
+  return out;
+}
+BodyAtlasPlan planned(const BodyScene& scene, AtlasOptions& options) {
+  const BodyAtlas robot(scene);
+  BodyAtlasPlan out{{.scene = scene.name, .variables = robot.variables()}, scene, options.search.seed};
+  plan_all(robot, options, out.result);
   return out;
 }
 
 /// A number of every cell, in the grid's shape.
 template <class Of>
-py::array_t<double> column_of(const AtlasPlan& p, Of of) {
+py::array_t<double> column_of(const Atlas& atlas, Of of) {
   std::vector<py::ssize_t> shape;
-  for (const AtlasAxis& a : p.result.atlas.header.grid.axes) shape.push_back(py::ssize_t(a.count));
+  for (const AtlasAxis& a : atlas.header.grid.axes) shape.push_back(py::ssize_t(a.count));
   py::array_t<double> out(shape);
-  for (std::size_t i = 0; i < p.cells().size(); ++i)
-    out.mutable_data()[i] = p.cells()[i].planned() ? of(p.cells()[i]) : std::nan("");
+  for (std::size_t i = 0; i < atlas.cells.size(); ++i)
+    out.mutable_data()[i] = atlas.cells[i].planned() ? of(atlas.cells[i]) : std::nan("");
   return out;
 }
 
-std::optional<PlannedMotion> motion_at(const AtlasPlan& p, const std::array<std::size_t, AtlasGrid::kAxes>& place) {
-  const AtlasHeader& h = p.result.atlas.header;
+/// The cell of a drop by its indices; null: it has no motion.
+const AtlasCell* cell_at(const Atlas& atlas, const std::array<std::size_t, AtlasGrid::kAxes>& place) {
+  const AtlasHeader& h = atlas.header;
   for (std::size_t k = 0; k < place.size(); ++k)
     if (place[k] >= h.grid.axes[k].count)
       throw InputError(fmt::format("index {}: {}: 0 to {} is needed", k, place[k], h.grid.axes[k].count - 1));
-  const AtlasCell& cell = p.cells()[h.grid.index(place)];
-  if (!cell.planned()) return std::nullopt;
+  const AtlasCell& cell = atlas.cells[h.grid.index(place)];
+  return cell.planned() ? &cell : nullptr;
+}
+using Indices = std::array<std::size_t, AtlasGrid::kAxes>;
+std::optional<PlannedMotion> motion_at(const AtlasPlan& p, const Indices& place) {
+  const AtlasCell* const cell = cell_at(p.result.atlas, place);
+  if (!cell) return std::nullopt;
   const ReferenceSpace space(p.scene, p.actuator.sea);
-  return PlannedMotion{space.play(cell.coordinates(space.dimension())).motion, goal_name(h.goal), cell.value};
+  return PlannedMotion{space.play(cell->coordinates(space.dimension())).motion, goal_name(p.result.atlas.header.goal),
+                       cell->value};
+}
+py::object motion_at(const BodyAtlasPlan& p, const Indices& place) {
+  const AtlasCell* const cell = cell_at(p.result.atlas, place);
+  if (!cell) return py::none();
+  const BodySpace space(p.scene);
+  return by_joint(p.scene.robot, space.motion(space.unit(cell->coordinates(space.dimension()))));
 }
 
-void bind_atlas_class(py::module_& m) {
-  py::class_<AtlasPlan> c(m, "Atlas", "The best motion for every drop of a grid: the table that a robot carries.");
+template <class Plan>
+void bind_atlas_class(py::module_& m, const char* name, const char* words, const char* motion) {
+  using Motion = decltype(motion_at(std::declval<const Plan&>(), Indices{}));
+  py::class_<Plan> c(m, name, words);
   c.def_property_readonly(
-       "value", [](const AtlasPlan& p) { return column_of(p, [](const AtlasCell& x) { return x.value; }); },
+       "value", [](const Plan& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.value; }); },
        "The goal of each drop [m/s^2], axes height, forward_speed, pitch; NaN: no motion.")
       .def_property_readonly(
-          "peak", [](const AtlasPlan& p) { return column_of(p, [](const AtlasCell& x) { return x.peak; }); },
+          "peak", [](const Plan& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.peak; }); },
           "The peak of each drop itself [m/s^2].")
       .def_property_readonly(
           "tolerant_peak",
-          [](const AtlasPlan& p) { return column_of(p, [](const AtlasCell& x) { return x.tolerant_peak; }); },
+          [](const Plan& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.tolerant_peak; }); },
           "The same within the execution tolerance [m/s^2].")
       .def_property_readonly(
           "axes",
-          [](const AtlasPlan& p) {
+          [](const Plan& p) {
             const char* const names[] = {"height", "forward_speed", "pitch"};
             py::dict out;
             for (std::size_t k = 0; k < AtlasGrid::kAxes; ++k) {
@@ -113,18 +144,19 @@ void bind_atlas_class(py::module_& m) {
             return out;
           },
           "The grid's values along height [m], forward_speed [m/s], pitch [rad].")
-      .def("motion", &motion_at, py::arg("index"), "The motion of a drop by its indices along the axes, or None.")
+      .def("motion", static_cast<Motion (*)(const Plan&, const Indices&)>(&motion_at), py::arg("index"), motion)
       .def(
-          "save", [](const AtlasPlan& p, const Path& path) { write_file(path, atlas_bytes(p.result.atlas)); },
+          "save", [](const Plan& p, const Path& path) { write_file(path, atlas_bytes(p.result.atlas)); },
           py::arg("path"), "Writes atlas.bin, which AtlasReader opens.")
-      .def("__repr__", [](const AtlasPlan& p) {
-        return fmt::format("<ukemi.Atlas of {} drops, {} planned for the {}>", p.cells().size(),
-                           p.result.atlas.planned(), goal_name(p.result.atlas.header.goal));
+      .def("__repr__", [](const Plan& p) {
+        const Atlas& atlas = p.result.atlas;
+        return fmt::format("<ukemi.Atlas of {} drops, {} planned for the {}>", atlas.cells.size(), atlas.planned(),
+                           goal_name(atlas.header.goal));
       });
   bind_value(c);
   bind_report(
-      c, tools::kAtlasOutputs, [](const AtlasPlan& p, tools::Run& run) { return report(p.result, run); },
-      [](const AtlasPlan& p) { return p.seed; });
+      c, tools::kAtlasOutputs, [](const Plan& p, tools::Run& run) { return report(p.result, run); },
+      [](const Plan& p) { return p.seed; });
 }
 
 /// What a reader found, with the goal's name.
@@ -150,6 +182,52 @@ class PythonReader {
   std::string goal_;
   std::mutex asked_;
 };
+
+/// The same of a robot of links.
+class PythonBodyReader {
+ public:
+  PythonBodyReader(const Path& path, const BodyScene& scene, const AtlasReader::Options& options)
+      : scene_(scene), reader_(path, scene, options), goal_(goal_name(std::uint64_t(options.goal))) {}
+  py::dict at(const Drop& drop) {
+    const std::unique_lock lock(asked_, std::try_to_lock);
+    if (!lock) throw std::runtime_error("the reader is asked by another thread already");
+    const BodyAtlasEntry e = [&] {
+      const py::gil_scoped_release release;
+      return reader_.at(drop);
+    }();
+    py::dict out;
+    out["found"] = e.found, out["inside"] = e.inside, out["wrong"] = e.wrong, out["goal"] = goal_;
+    out["motions"] = e.found ? py::object(by_joint(scene_.robot, e.motion)) : py::none();
+    out["value"] = e.found ? py::cast(e.value) : py::none();
+    return out;
+  }
+
+ private:
+  const BodyScene scene_;
+  BodyAtlasReader reader_;
+  std::string goal_;
+  std::mutex asked_;
+};
+
+void bind_body_reader(py::module_& m) {
+  py::class_<PythonBodyReader>(m, "RobotAtlasReader", "An atlas in the control program of a robot of links.")
+      .def(py::init([](const Path& path, const BodyScene& scene, const std::string& objective, double deadline) {
+             AtlasReader::Options options{.goal = goal_of(objective)};
+             options.deadline = checked("deadline", deadline, Range::positive());
+             return std::make_unique<PythonBodyReader>(path, scene, options);
+           }),
+           "path: atlas.bin; scene: that of the atlas; objective: peak or tolerant, by which motions are compared; "
+           "deadline for playing them [s].",
+           py::arg("path"), py::arg("scene"), py::arg("objective") = "tolerant", py::arg("deadline") = 0.03)
+      .def(
+          "at",
+          [](PythonBodyReader& r, double height, double forward_speed, double pitch, double pitch_rate) {
+            return r.at(dropped({}, {height, forward_speed, pitch, pitch_rate}));
+          },
+          py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
+          "For a drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s]. A dict of found, inside (the "
+          "grid reaches so far), motions (by joint), value (the goal at this very drop [m/s^2]), goal and wrong.");
+}
 
 void bind_reader(py::module_& m) {
   py::class_<NamedEntry> entry(m, "AtlasEntry", "What an atlas has for a drop.");
@@ -203,7 +281,11 @@ void bind_reader(py::module_& m) {
 }  // namespace
 
 void bind_atlas(py::module_& m) {
-  bind_atlas_class(m), bind_reader(m);
+  bind_atlas_class<AtlasPlan>(m, "Atlas", "The best motion for every drop of a grid: the table that a robot carries.",
+                              "The motion of a drop by its indices along the axes, or None.");
+  bind_atlas_class<BodyAtlasPlan>(m, "RobotAtlas", "The same of a robot of links.",
+                                  "The motions of a drop, by joint, by its indices along the axes, or None.");
+  bind_reader(m), bind_body_reader(m);
   m.def(
       "atlas",
       [](const Scene& scene, const Actuator& actuator, const Axis& height, const Axis& forward_speed, const Axis& pitch,
@@ -224,6 +306,29 @@ void bind_atlas(py::module_& m) {
       py::arg("seed") = 1, py::arg("threads") = 0,
       "The best motion for every drop of a grid, as `ukemi atlas`. height [m], forward_speed [m/s], pitch [rad]: "
       "(lowest, highest, how many); the rest as of `optimize`, for each drop. Shards and resumption: the program.");
+  m.def(
+      "atlas",
+      [](const BodyScene& scene, const std::optional<Axis>& height, const std::optional<Axis>& forward_speed,
+         const std::optional<Axis>& pitch, const std::string& objective, std::optional<long> evaluations,
+         const std::optional<std::string>& robust, const std::optional<std::string>& scatter, double inflate,
+         long samples, std::uint64_t seed, int threads) {
+        AtlasOptions options;
+        const auto axis = [](const char* what, const std::optional<Axis>& given, double own) {
+          return given ? axis_of(what, *given) : AtlasAxis{own, own, 1};
+        };
+        options.grid.axes = {axis("height", height, scene.drop.height),
+                             axis("forward_speed", forward_speed, scene.drop.forward_speed),
+                             axis("pitch", pitch, scene.drop.pitch)};
+        options.search.goal = goal_of(objective), options.search.evaluations = evaluations;
+        options.search.seed = seed, options.search.threads = threads;
+        options.robust = robust_of(robust, scatter, inflate, samples);
+        return planned(scene, options);
+      },
+      py::arg("scene"), py::arg("height") = py::none(), py::arg("forward_speed") = py::none(),
+      py::arg("pitch") = py::none(), py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
+      py::arg("robust") = py::none(), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
+      py::arg("samples") = BodyPlanOptions().samples, py::arg("seed") = 1, py::arg("threads") = 0,
+      "The same of a robot of links; an axis that is not given stands where the scene does.");
 }
 
 }  // namespace ukemi::python

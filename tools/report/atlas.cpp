@@ -156,7 +156,7 @@ int report(const AtlasResult& r, Run& run) {
     run.say(fmt::format("the safest motion over all drops: worst peak {:.1f} m/s^2", h.safest.worst));
   }
   run.add("atlas.csv", atlas_csv(r, run));
-  run.add("scene.toml", r.scene_toml);
+  if (!r.scene_toml.empty()) run.add("scene.toml", r.scene_toml);
   if (!r.actuator_toml.empty()) run.add("actuator.toml", r.actuator_toml);
   if (finished)
     run.add("atlas.bin", atlas_bytes(atlas));

@@ -233,6 +233,38 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
 }
 
+namespace {
+
+FirstScreen robot_screen(const BodyScene& scene) {
+  const Robot& robot = scene.robot;
+  const auto count = [&](auto&& of) { return std::count_if(robot.joints.begin(), robot.joints.end(), of); };
+  const auto driven = count([](const Joint&j) { return j.driven(); }),
+             locked = count([](const Joint&j) { return j.kind == DriveKind::kLocked; }),
+             unrated = count([](const Joint&j) { return j.driven() && !j.speed_max && !j.motor_torque_max; });
+  const std::size_t wrong = doubts(robot).size();
+  FirstScreen out{.sentence = fmt::format(
+                      "{} links of {:.4g} kg in all reach {:.3g} m; {} of {} joints are driven; base {}.",
+                      robot.links.size(), robot.mass(), reach(robot), driven, robot.joints.size(), base_words(robot))};
+  out.checks = {check(wrong == 0, "plausible",
+                      wrong == 0 ? "masses, inertias and contacts are those of such links"
+                                 : fmt::format("{} of its numbers look wrong", wrong))};
+  if (robot.base != Base::kPinned)
+    out.checks.push_back(
+        check(!robot.contacts.empty(), "can touch", fmt::format("{} contacts", robot.contacts.size())));
+  if (locked > 0)
+    out.checks.push_back({Check::State::kCaution, "free to move", fmt::format("{} joints are locked", locked)});
+  if (unrated > 0)
+    out.checks.push_back({Check::State::kUnknown, "rated",
+                          fmt::format("{} drives have no speed_max and no "
+                                      "motor_torque_max",
+                                      unrated)});
+  out.next = driven > 0 ? "Plan a landing: `ukemi optimize`, of a scene that names this file, or with --height."
+                        : "Give a joint a drive: without one there is nothing to plan.";
+  return out;
+}
+
+}  // namespace
+
 int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& notes, Run& run) {
   const Robot& robot = scene.robot;
   for (const std::string& doubt : doubts(robot)) run.warn(doubt);
@@ -267,8 +299,9 @@ int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& not
   }
   summary["locked"] = locked, summary["doubts"] = doubts(robot);
   Report report("Robot: " + scene.name);
-  report.distrust(run.warnings());
+  report.answer(robot_screen(scene), run.warnings());
   report.figure(drawing(scene));
+  report.distrust(run.warnings());
   robot_tables(scene, report);
   if (!texts.empty()) report.heading("From its description"), report.table({"", "name", "what became of it"}, texts);
   report.write(run);

@@ -89,9 +89,16 @@ void refuse(bool given, const char* option) {
   if (given) throw InputError(fmt::format("{}: {}", option, kCan));
 }
 
+std::optional<double> checked_height(const std::optional<double>& height) {
+  if (height && !(*height >= 0 && *height <= 1e4))
+    throw InputError(fmt::format("--height: {}: 0 to 1e4 m is needed", *height));
+  return height;
+}
+
 BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
-                  const std::string& option) {
-  BodyScene scene = read_body_scene(path, drives_of(actuators, option));
+                  const std::string& option, const std::optional<double>& height) {
+  const std::vector<GivenDrive> drives = drives_of(actuators, option);
+  BodyScene scene = checked_height(height) ? read_dropped(path, *height, drives) : read_body_scene(path, drives);
   note_files(scene, path, run);
   for (const std::string& doubt : doubts(scene.robot)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
@@ -207,7 +214,7 @@ bool is_body(const std::string& scene) { return has_links(scene); }
 int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   Run run(kSimulateOutputs, common);
   refuse(!a.drop_from.empty(), "--drop-from");
-  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  const BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height);
   check_exports(a.exports, scene.robot);
   const BodyMotion motion = motion_of(scene, a.motion, run);
   const double rate = rate_of(a.rate.value_or(1000));
@@ -223,7 +230,7 @@ BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
   refuse(!a.scatter.drops.empty(), "--drops");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
-  BodyScene scene = body_of(a.scene, a.actuators, run);
+  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height);
   apply_freedom(a.freedom, scene);
   forbid(scene, a.forbid, "--forbid");
   return scene;

@@ -18,9 +18,12 @@ std::string only_actuator(const std::vector<std::string>& given, const std::stri
 /// FILE, or JOINT=FILE; the text before '=' is a joint's name, not a path.
 std::vector<landing::GivenDrive> drives_of(const std::vector<std::string>& given,
                                            const std::string& option = "--actuator");
-/// The scene with the drives that are given; its files are inputs of the run, which warns of what looks wrong.
+/// --height, checked.
+std::optional<double> checked_height(const std::optional<double>& height);
+/// The scene with the drives that are given, dropped from `height` where one is given; its files are inputs of the run,
+/// which warns of what looks wrong.
 landing::BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
-                           const std::string& option = "--actuator");
+                           const std::string& option = "--actuator", const std::optional<double>& height = {});
 /// Throws InputError where an option is given that a robot of links does not have; the message lists what it has.
 void refuse(bool given, const char* option);
 /// Likewise a release of the joint, which a robot of links does not have; else what else a plan may have.
@@ -37,6 +40,7 @@ double inflate_of(const ScatterArguments& arguments, const landing::BodyScene& s
 
 struct SimulateArguments {
   std::string scene, drop_from;
+  std::optional<double> height;
   std::vector<std::string> actuators;
   MotionArguments motion;
   std::optional<double> rate, accuracy;

@@ -84,7 +84,8 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const std::string file = only_actuator(a.actuators);
   const Clock clock;
   Run run(kOptimizeOutputs, common);
-  const Scene scene = scene_of(a.scene, a.freedom, run);
+  Scene scene = scene_of(a.scene, a.freedom, run);
+  scene.drop.height = checked_height(a.height).value_or(scene.drop.height);
   const Actuator actuator = rated_actuator_of(file, run);
   if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
   AnswerOptions options = options_of(a, common, actuator, run);
@@ -113,6 +114,7 @@ void add_optimize(CLI::App* verb, Action& chosen) {
           "--actuator", args->actuators,
           "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
       ->allow_extra_args(false);
+  verb->add_option("--height", args->height, "drop from this height instead [m]; SCENE may be a robot of links alone");
   std::string names;
   for (const std::string& n : solver_names()) names += n + ", ";
   verb->add_option("--solver", args->solver,

@@ -47,6 +47,7 @@ int identify_robot(const IdentifyArguments& arguments, const CommonOptions& comm
 struct OptimizeArguments {
   std::string scene;
   std::vector<std::string> actuators;
+  std::optional<double> height;  ///< of the drop, instead of the scene's
   std::string solver = "auto";
   landing::Goal goal = landing::Goal::kPeak;
   std::optional<long> evaluations;

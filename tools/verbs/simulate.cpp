@@ -41,6 +41,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   const std::string file = only_actuator(a.actuators);
   Run run(kSimulateOutputs, common);
   Scene scene = scene_of(a.scene, run);
+  scene.drop.height = checked_height(a.height).value_or(scene.drop.height);
   Actuator actuator = rated_actuator_of(file, run);
   Motion motion = motion_of(a.motion, "simulate", run);
   const double rate = a.rate.value_or(1000);
@@ -68,6 +69,7 @@ void add_simulate(CLI::App* verb, Action& chosen) {
       ->allow_extra_args(false);
   add_motion(*verb, args->motion);
   verb->add_option("--drop-from", args->drop_from, "FILE:ROW, a drop as risk.csv has it in place of the scene's");
+  verb->add_option("--height", args->height, "drop from this height instead [m]; SCENE may be a robot of links alone");
   verb->add_option("--rate", args->rate, "rows of trajectory.csv a second [1000 Hz]");
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of each step [1e-9]");
   add_export(*verb, args->exports, landing_exports());

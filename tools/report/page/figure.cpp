@@ -226,6 +226,13 @@ double tick_step(const std::array<double, 2>& range, double pixels, double apart
   return 10 * power;
 }
 
+/// A name in place of a tick, whose text gnuplot takes for a format.
+std::string tick_of(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += c == '%' ? "%%" : std::string(1, c);
+  return words_of(out);
+}
+
 std::string axes_of(const Panel& p, const Pixels& to) {
   if (p.scale == Panel::Scale::kBare) return "unset border\nunset xtics\nunset ytics\nunset grid\n";
   const bool log = p.axes == Axes::kLogarithmic;
@@ -239,7 +246,7 @@ std::string axes_of(const Panel& p, const Pixels& to) {
   else {
     out += "set ytics nomirror scale 0 (";
     for (std::size_t i = 0; i < p.rows.size(); ++i)
-      out += fmt::format("{}{} {}", i ? ", " : "", words_of(p.rows[i]), p.rows.size() - i);
+      out += fmt::format("{}{} {}", i ? ", " : "", tick_of(p.rows[i]), p.rows.size() - i);
     out += ")\n";
   }
   return (log ? "set logscale xy\n" : "unset logscale\n") + out;
