@@ -53,6 +53,15 @@ struct BodyUnderScatter {
   std::vector<long> exceeded;       ///< of BodyScene::loads, the plan's drops beyond the rating
 };
 
+/// Where no motion keeps the ratings of the drives: the one that breaks them least over the execution box.
+struct BodyLeastBreaking {
+  BodyMotion motion;
+  int joint;                                        ///< of Robot::joints, whose rating it breaks most
+  Load::Kind kind;                                  ///< kMotorSpeed or kMotorTorque
+  double demand, limit;                             ///< on it, and what the rating allows [rad/s, Nm]
+  double excess() const { return demand / limit; }  ///< [1]
+};
+
 struct BodyPlan {
   BodyMotion motion;      ///< the best; holding where nothing was better
   BodyLanding landing;    ///< of it, at BodyPlanOptions::accuracy
@@ -65,10 +74,11 @@ struct BodyPlan {
   std::vector<Variable> variables;
   Edges edges{};  ///< of the ranges that the motion lies on
   long evaluations = 0;
-  double seconds = 0;                  ///< from the call to the answer, without `under`
-  bool found = false;                  ///< false: not even holding could be followed to the floor
-  std::string message;                 ///< why nothing was found, or why the search ended early
-  std::vector<BodyProgress> progress;  ///< in the search's own accuracy
+  double seconds = 0;                               ///< from the call to the answer, without `under`
+  bool found = false;                               ///< false: not even holding could be followed to the floor
+  std::string message;                              ///< why nothing was found, or why the search ended early
+  std::optional<BodyLeastBreaking> least_breaking;  ///< where nothing was found that keeps ratings, without a deadline
+  std::vector<BodyProgress> progress;               ///< in the search's own accuracy
 };
 
 /// The motion with the smallest goal that keeps BodyScene::limits and the loads that are limits: in every landing of

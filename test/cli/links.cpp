@@ -243,6 +243,22 @@ TEST_CASE("trade: shards are put together, Ctrl-C is gone on from") {
   CHECK_FALSE(fs::exists(f.at("out/trade.part")));
 }
 
+TEST_CASE("optimize --respect-ratings of a robot of links tells what breaks the ratings least where none keeps them") {
+  const Folder f;
+  std::string robot = read(dataset("robots/hopper.toml"));
+  for (std::size_t at = 0; (at = robot.find("tau_max = 12", at)) != std::string::npos; at += 20)
+    robot.insert(at, "speed_max = 0.5\n");
+  f.write("hopper.toml", robot);
+  f.write("scene.toml", replaced(read(kHopper), "\"../robots/hopper.toml", "\"hopper.toml"));
+  const Result r = run({"optimize", "scene.toml", "--respect-ratings", "--evaluations", "500", "-o", "out"}, f.at(""));
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("breaks them least") && Contains("motor speed of") && Contains("times the 0.5 allowed"));
+  const Json l = summary(f)["least_breaking"];
+  CHECK(l["rating"] == "motor_speed");
+  CHECK(l["demand"].get<double>() > 0.5);
+  CHECK(l["motion"].contains("knee"));
+}
+
 TEST_CASE("ratings of a robot of links is a trade of what its drives are rated") {
   const Folder f;
   done(f, {"ratings", kHopper, "--motor-speed", "2:20:3", "--evaluations", "1500", "-o", "out"});

@@ -4,6 +4,7 @@
 
 #include "common/degrees.hpp"
 #include "common/random.hpp"
+#include "landing/body/load.hpp"
 #include "landing/model/motion_space.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_space.hpp"
@@ -234,4 +235,28 @@ TEST_CASE("legs: what looks wrong with a robot is said") {
   Robot pinned = good;
   pinned.base = Base::kPinned, pinned.pin_height = 0.7;
   CHECK(doubts(pinned).size() == 3);  // only heel and toe are lower
+}
+
+TEST_CASE("legs: where no motion keeps the ratings, the one that breaks them least is told") {
+  BodyScene scene = legs::shipped("hopper");
+  for (Joint& j : scene.robot.joints) j.speed_max = 0.5, j.motor_torque_max = 100;
+  CHECK(respect_ratings(scene).empty());
+  const BodyPlan p = plan(scene, {.evaluations = 1000});
+  REQUIRE_FALSE(p.found);
+  REQUIRE(p.least_breaking);
+  const BodyLeastBreaking& l = *p.least_breaking;
+  CHECK(l.kind == Load::Kind::kMotorSpeed);
+  CHECK(l.limit == 0.5);
+  CHECK(l.excess() > 1);
+  // In its own drop it demands no more than that, and less than holding does.
+  BodyScene told = scene;
+  told.limits = {};
+  for (const int j : {0, 1})
+    told.loads.push_back({.name = "speed", .kind = Load::Kind::kMotorSpeed, .index = j, .rating = 0.5});
+  const double own = worth(told, peak_acceleration(told, l.motion));
+  CHECK(own <= l.excess() * (1 + 1e-6));
+  CHECK(own < worth(told, peak_acceleration(told, held_posture(told))));
+  for (Joint& j : scene.robot.joints) j.speed_max = 1000;
+  CHECK(respect_ratings(scene).empty());
+  CHECK_FALSE(plan(scene, {.evaluations = 1000}).least_breaking);
 }

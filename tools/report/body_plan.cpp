@@ -176,6 +176,24 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
       risk, texts, [] { return std::string(); }, run);
 }
 
+namespace {
+
+/// The motion that breaks the ratings least, where none keeps them.
+void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& run, Json& summary) {
+  const std::string& joint = robot.joints[std::size_t(l.joint)].name;
+  std::string rating = name(l.kind);
+  summary["least_breaking"] = {{"joint", joint},     {"rating", rating}, {"unit", unit(l.kind)},
+                               {"demand", l.demand}, {"limit", l.limit}, {"motion", Json::object()}};
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].driven()) summary["least_breaking"]["motion"][robot.joints[i].name] = motion_json(l.motion[i]);
+  std::replace(rating.begin(), rating.end(), '_', ' ');
+  run.warn(
+      fmt::format("the motion that breaks them least: {}; the {} of {} is {:.4g} {}, {:.3g} times the {:.4g} allowed",
+                  motion_words(robot, l.motion), rating, joint, l.demand, unit(l.kind), l.excess(), l.limit));
+}
+
+}  // namespace
+
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
            const Exports& exports, Run& run) {
   const Robot& robot = scene.robot;
@@ -231,6 +249,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     report.write(run);
   } else {
     summary = {{"motion", nullptr}, {"evaluations", plan.evaluations}};
+    if (plan.least_breaking) report_least_breaking(scene.robot, *plan.least_breaking, run, summary);
   }
   summary["solver"] = "auto", summary["objective"] = kGoalNames[std::size_t(options.goal)],
   summary["seed"] = options.seed;
