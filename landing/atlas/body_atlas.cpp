@@ -56,6 +56,7 @@ void list_robot(const BodyScene& s, Listing& add) {
   for (const BodyLimits::Joint& j : s.limits.joints)
     add("limits")(j.phi)(j.motor_speed)(j.motor_torque)(j.reference_rate);
   for (const bool forbidden : s.limits.forbidden) add(forbidden);
+  for (const Load& l : s.loads) add("load")(double(l.kind))(l.index)(l.at)(l.phi)(l.rating)(l.limit);
 }
 
 /// What else a plan depends on.
@@ -102,7 +103,7 @@ class BodyTrial : public AtlasTrial {
     body_batch_peaks(cases_, landings_, {.accuracy = kAccuracy, .over = &over_}, threads_);
     for (std::size_t k = 0; k < drops.size(); ++k) {
       const BodyLanding& l = landings_[k];
-      peaks[k] = no_landing(l.end) || l.broken || l.end == End::kStopped ? kNoMotion : l.peak;
+      peaks[k] = no_landing(l.end) || l.broken || l.end == End::kStopped ? kNoMotion : worth(scenes_[k], l);
     }
   }
 
@@ -160,7 +161,7 @@ AtlasCell cell_of(const BodyScene& scene, const BodySpace& space, const BodyPlan
   } else {
     const std::vector<double> peaks = peaks_over(execution_drops(scene), best.motion, kSearchAccuracy, 1).peaks;
     const double worst = *std::max_element(peaks.begin(), peaks.end());
-    out.tolerant_peak = std::isfinite(worst) ? std::max(worst, out.peak) : std::nan("");
+    out.tolerant_peak = std::isfinite(worst) ? std::max(worst, worth(scene, best.landing)) : std::nan("");
   }
   const Coordinates values = space.values(space.unit(best.motion));
   std::copy(values.begin(), values.end(), out.values.begin());
@@ -192,7 +193,7 @@ void BodyAtlas::validate(const AtlasGrid& grid) const {
   constexpr std::array<const char*, AtlasGrid::kAxes> kWhy = {"the base keeps this robot from falling",
                                                               "the base of this robot has no forward speed",
                                                               "a robot on a rail keeps the pitch of its scene"};
-  scene_.validate(), refuse_loads(scene_, "atlas");
+  scene_.validate();
   const Drop& d = scene_.drop;
   const std::array<double, AtlasGrid::kAxes> own = {d.height, d.forward_speed, d.pitch};
   const auto has = axes_of(scene_.robot);

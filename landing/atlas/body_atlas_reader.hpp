@@ -20,9 +20,8 @@ struct BodyAtlasEntry {
   std::string wrong;  ///< what was measured and cannot be, and its rule: nothing is found then
 };
 
-/// As AtlasReader, of whose options `limits` has no say: a scene has its own. It allocates. In the air the references
-/// stand at the measured angles until the deadline, then move to phi_I. Throws as AtlasReader. Tests:
-/// test/legs/atlas.cpp.
+/// As AtlasReader, of whose options `limits` has no say. It allocates. In the air the references stand at the measured
+/// angles until the deadline, then move to phi_I. Throws as AtlasReader. Tests: test/legs/atlas.cpp.
 class BodyAtlasReader {
  public:
   BodyAtlasReader(const std::string& path, const BodyScene& scene, const AtlasReaderOptions& = {.deadline = 0.03});

@@ -1,5 +1,4 @@
-// The best landing of a robot of any joints: for the scene's own drop, within the execution tolerance, or over drops
-// that scatter. Ours.
+// The best landing of a robot of any joints: in its own drop, played inexactly, or over drops that scatter. Ours.
 #pragma once
 
 #include <cstdint>
@@ -53,15 +52,6 @@ struct BodyUnderScatter {
   std::vector<long> exceeded;       ///< of BodyScene::loads, the plan's drops beyond the rating
 };
 
-/// Where no motion keeps the ratings of the drives: the one that breaks them least over the execution box.
-struct BodyLeastBreaking {
-  BodyMotion motion;
-  int joint;                                        ///< of Robot::joints, whose rating it breaks most
-  Load::Kind kind;                                  ///< kMotorSpeed or kMotorTorque
-  double demand, limit;                             ///< on it, and what the rating allows [rad/s, Nm]
-  double excess() const { return demand / limit; }  ///< [1]
-};
-
 struct BodyPlan {
   BodyMotion motion;      ///< the best; holding where nothing was better
   BodyLanding landing;    ///< of it, at BodyPlanOptions::accuracy
@@ -74,18 +64,16 @@ struct BodyPlan {
   std::vector<Variable> variables;
   Edges edges{};  ///< of the ranges that the motion lies on
   long evaluations = 0;
-  double seconds = 0;                               ///< from the call to the answer, without `under`
-  bool found = false;                               ///< false: not even holding could be followed to the floor
-  std::string message;                              ///< why nothing was found, or why the search ended early
-  std::optional<BodyLeastBreaking> least_breaking;  ///< where nothing was found that keeps ratings, without a deadline
-  std::vector<BodyProgress> progress;               ///< in the search's own accuracy
+  double seconds = 0;                  ///< from the call to the answer, without `under`
+  bool found = false;                  ///< false: not even holding could be followed to the floor
+  std::string message;                 ///< why nothing was found, or why the search ended early
+  std::vector<BodyProgress> progress;  ///< in the search's own accuracy
 };
 
-/// The motion with the smallest goal that keeps BodyScene::limits and the loads that are limits: in every landing of
-/// the execution box, with a measure in `share` of the drops. The held posture comes first, and where it keeps them the
-/// answer is never worse. The search for a tolerant peak begins with the peak, that under scatter with the mean of a
-/// few drops. The same for a seed and a number of evaluations whatever the number of threads; with a deadline the clock
-/// decides. Throws InputError as `simulate`. Tests: test/legs/plans.cpp, scatter.cpp, loads.cpp.
+/// The motion with the smallest goal that keeps BodyScene::limits and the loads that are limits: in the whole execution
+/// box, with a measure in `share` of the drops. Never worse than the held posture, where that keeps them. The same for
+/// a seed and a number of evaluations whatever the threads; with a deadline the clock decides. Throws InputError as
+/// `simulate`. Tests: test/legs/plans.cpp, scatter.cpp, loads.cpp.
 [[nodiscard]] BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options = {});
 
 }  // namespace ukemi::landing

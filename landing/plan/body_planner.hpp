@@ -43,8 +43,7 @@ class BodyPlanner {
   [[nodiscard]] BodyAnswer plan(const BodyFallState& state, double deadline, std::uint64_t seed = 1);
   /// The next plan tries these motions before all others, as an atlas has them, and not the last plan.
   void start(std::vector<BodyMotion> motions) { starts_ = std::move(motions); }
-  /// A new fall: the last plan is forgotten.
-  void forget() { last_.clear(); }
+  void forget() { last_.clear(); }  ///< a new fall: the last plan has no say
 
  private:
   BodyAnswer search(const BodyScene& scene, double deadline, std::uint64_t seed);

@@ -216,6 +216,14 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
                                  gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
   }
   summary["times"] = times, summary["seeds"] = arguments.seeds;
+  const Json leads = summary[kGoalNames[0]].value("auto_leads", Json());
+  report.answer(
+      {leads.empty() ? fmt::format("{} solvers on ten scenes.", cases.solvers.size())
+                     : fmt::format("For the peak auto leads, or is level, on {} of ten scenes after {:g} s of a core.",
+                                   leads.back().get<int>(), times.back()),
+       {},
+       "The gap of each solver after a time: the figures; of each search: optimizers.csv."},
+      run.warnings());
   report.write(run, {"svg"});
   return run.finish(summary, kDone);
 }

@@ -123,6 +123,14 @@ int bench_stability(const BenchArguments& a, const CommonOptions& common) {
   const Json of_landings = landings(a, run, report), of_fits = stability_of_fits(run, report);
   const int wrong = of_landings["wrong"].get<int>() + of_fits["wrong"].get<int>();
   if (wrong > 0) run.warn(fmt::format("{} cases are silently wrong", wrong));
+  const int cases = of_landings["cases"].get<int>(), pass = of_landings["pass"].get<int>();
+  report.answer(
+      {fmt::format(
+           "{} of {} stiff and extreme landings pass, {} are refused or called sensitive, {} are silently wrong.", pass,
+           cases, cases - pass - of_landings["wrong"].get<int>(), of_landings["wrong"].get<int>()),
+       {check(wrong == 0, "never silently wrong", fmt::format("{} landings and fits are", wrong))},
+       "What is refused says why; a sensitive landing stands beside a cliff of its scene."},
+      run.warnings());
   report.write(run);
   return run.finish({{"landings", of_landings}, {"fits", of_fits}}, wrong > 0 ? kNumbers : kDone);
 }

@@ -7,6 +7,7 @@
 #include "landing/atlas/body_atlas.hpp"
 #include "landing/atlas/body_atlas_reader.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
+#include "landing/body/load.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_space.hpp"
 #include "tools/python/body.hpp"
@@ -76,7 +77,9 @@ AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& op
 }
 BodyAtlasPlan planned(const BodyScene& scene, AtlasOptions& options) {
   const BodyAtlas robot(scene);
-  BodyAtlasPlan out{{.scene = scene.name, .variables = robot.variables()}, scene, options.search.seed};
+  BodyAtlasPlan out{{.scene = scene.name, .variables = robot.variables(), .unit = tools::worth_unit(rated(scene))},
+                    scene,
+                    options.search.seed};
   plan_all(robot, options, out.result);
   return out;
 }

@@ -25,7 +25,8 @@ std::string goal_of(const AtlasHeader& h) {
 std::string atlas_csv(const AtlasResult& r, const Run& run) {
   const AtlasHeader& h = r.atlas.header;
   CsvWriter csv = run.csv();
-  csv.comment("goal: " + goal_of(h) + " [m/s^2]; a drop without a motion: none was found that can be followed.");
+  csv.comment("goal: " + goal_of(h) + " [" + r.unit +
+              "]; a drop without a motion: none was found that can be followed.");
   std::vector<std::string> header = {"height", "forward_speed", "pitch_deg"};
   std::vector<double> factor;
   for (const Variable& v : r.variables) {
@@ -109,7 +110,8 @@ Json range_json(const AtlasResult& r) {
 }
 
 /// A map at each of some heights; of fewer axes one map, or a line.
-void picture(Report& page, const Atlas& atlas) {
+void picture(Report& page, const AtlasResult& r) {
+  const Atlas& atlas = r.atlas;
   constexpr std::size_t kPictures = 6;
   const auto& axes = atlas.header.grid.axes;
   std::vector<std::size_t> moving;
@@ -118,16 +120,16 @@ void picture(Report& page, const Atlas& atlas) {
   const std::string what = goal_of(atlas.header);
   if (moving.size() == 1) {
     page.heading(fmt::format("The {} of each drop", what));
-    page.plot("goal", kAxisWords[moving[0]].label, what + " [m/s^2]", {along(atlas, moving[0])});
+    page.plot("goal", kAxisWords[moving[0]].label, fmt::format("{} [{}]", what, r.unit), {along(atlas, moving[0])});
   } else if (moving.size() == 2) {
-    page.heading(fmt::format("The {} of each drop [m/s^2]", what));
+    page.heading(fmt::format("The {} of each drop [{}]", what, r.unit));
     page.heatmap(over(atlas, {}, moving[1], moving[0]));
   } else if (moving.size() == 3) {
     const AtlasAxis& heights = axes[0];
     const std::size_t n = std::min<std::size_t>(kPictures, heights.count);
     for (std::size_t p = 0; p < n; ++p) {
       const std::size_t i = p * (heights.count - 1) / (n - 1);
-      page.heading(fmt::format("Dropped from {:.3g} m: {} [m/s^2]", heights.at(i), what));
+      page.heading(fmt::format("Dropped from {:.3g} m: {} [{}]", heights.at(i), what, r.unit));
       page.heatmap(over(atlas, {i, 0, 0}, 2, 1));
     }
   }
@@ -153,7 +155,7 @@ int report(const AtlasResult& r, Run& run) {
   if (safe) {
     summary["safest"] = drop_json(h.grid.drop(h.safest.drop));
     summary["safest"]["worst_peak"] = h.safest.worst;
-    run.say(fmt::format("the safest motion over all drops: worst peak {:.1f} m/s^2", h.safest.worst));
+    run.say(fmt::format("the safest motion over all drops: worst peak {:.4g} {}", h.safest.worst, r.unit));
   }
   run.add("atlas.csv", atlas_csv(r, run));
   if (!r.scene_toml.empty()) run.add("scene.toml", r.scene_toml);
@@ -166,11 +168,12 @@ int report(const AtlasResult& r, Run& run) {
   Report page("Atlas of landings: " + r.scene);
   page.paragraph(said + ". White: no motion, or not planned here.");
   if (safe)
-    page.paragraph(fmt::format("The safest motion over all drops has a worst peak of {:.1f} m/s^2.", h.safest.worst));
-  picture(page, atlas);
+    page.paragraph(
+        fmt::format("The safest motion over all drops has a worst peak of {:.4g} {}.", h.safest.worst, r.unit));
+  picture(page, r);
   page.answer({fmt::format("{} of {} drops have a planned landing{}", atlas.planned(), r.drops.size(),
-                           safe ? fmt::format("; the safest motion over all of them has a worst peak of {:.4g} m/s^2.",
-                                              h.safest.worst)
+                           safe ? fmt::format("; the safest motion over all of them has a worst peak of {:.4g} {}.",
+                                              h.safest.worst, r.unit)
                                 : "."),
                {check(finished, "finished", finished ? "" : "the same command goes on with it"),
                 check(atlas.none() == 0, "every drop has a motion", fmt::format("{} without", atlas.none()))},
@@ -189,8 +192,8 @@ int report(const AskedAtlas& a, Run& run) {
     run.warn(none), page.paragraph(none);
   } else {
     if (!a.inside) run.warn("the grid does not reach this drop: the motion that is safest over all of its own");
-    const std::string said = fmt::format("{}: {} {} m/s^2, peak {}; held {}", a.motion_words, a.goal,
-                                         peak_words(a.value), peak_words(a.peak), peak_words(a.held));
+    const std::string said = fmt::format("{}: {} {:.4g} {}, peak {} m/s^2; held {}", a.motion_words, a.goal, a.value,
+                                         a.unit, peak_words(a.peak), peak_words(a.held));
     run.say(said), page.paragraph(said + ".");
     summary["planned_for"] = drop_json(a.planned);
     summary["motion"] = a.motion, summary["objective"] = a.goal, summary["goal"] = a.value;

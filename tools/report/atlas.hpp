@@ -20,6 +20,7 @@ struct AtlasResult {
   std::vector<std::size_t> drops;            ///< of the shard, in the grid's order
   std::string shard;                         ///< "2/3"; empty: the whole
   std::size_t resumed = 0;                   ///< drops that an earlier run had planned
+  std::string unit = "m/s^2";                ///< of what is made small
   std::string journal;                       ///< where it was interrupted: what the next run goes on from
 };
 
@@ -29,9 +30,10 @@ struct AskedAtlas {
   landing::Drop drop;     ///< that was asked for
   landing::Drop planned;  ///< of the grid, for which the motion was planned
   bool inside = false, found = false;
-  std::string goal;           ///< by which the motions around were compared
-  double value = 0;           ///< of it at this drop [m/s^2]
-  double peak = 0, held = 0;  ///< of the motion and of the held posture, accurately [m/s^2]
+  std::string goal;            ///< by which the motions around were compared
+  double value = 0;            ///< of it at this drop
+  std::string unit = "m/s^2";  ///< of that
+  double peak = 0, held = 0;   ///< of the motion and of the held posture, accurately [m/s^2]
   Json motion;
   std::string motion_words, motion_toml;
 };

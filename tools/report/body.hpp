@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_map.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
@@ -45,6 +46,8 @@ Json joints_json(const landing::BodyScene& scene, const landing::BodyMotion& mot
 Check within_ratings(const landing::Robot& robot, const landing::BodyMotion& motion,
                      const landing::BodyLanding& landing);
 std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanOptions& options);
+/// Of what a plan of the scene makes small: "m/s^2", or of loads "of the rating".
+std::string unit_of(const landing::BodyScene& scene);
 /// What each load of the scene came to, for a summary; told to the terminal and a report where there is one, which
 /// warns of limits that do not hold. `whose`: "", ", held".
 Json report_loads(const landing::BodyScene& scene, const landing::BodyLanding& landing, const std::string& whose,
@@ -55,9 +58,9 @@ void robot_tables(const landing::BodyScene& scene, Report& report);
 /// Each returns the exit code. `held`: the landing of the held posture on the same drop, to stand beside it.
 int report(const landing::CheckedBody& checked, const std::optional<landing::BodyLanding>& held, const Exports& exports,
            Run& run);
-/// `rate`: rows of motion.csv a second [Hz].
+/// `rate`: rows of motion.csv a second [Hz]; `least`: where no motion keeps the ratings.
 int report(const landing::BodyScene& scene, const landing::BodyPlan& plan, const landing::BodyPlanOptions& options,
-           double rate, const Exports& exports, Run& run);
+           double rate, const Exports& exports, Run& run, const std::optional<landing::BodyLeastBreaking>& least = {});
 int report(const landing::BodyScene& scene, const landing::BodyMotion& motion, const landing::BodyRisk& risk,
            const landing::BodyRiskOptions& options, Run& run);
 /// `names`: what each set is, as its options have it.

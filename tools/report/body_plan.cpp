@@ -152,6 +152,7 @@ void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std
 std::string goal_words(const BodyScene& scene, const BodyPlanOptions& options) {
   return (rated(scene) ? "largest value / rating, " : "") + goal_words(options.goal, options.measure);
 }
+std::string unit_of(const BodyScene& scene) { return worth_unit(rated(scene)); }
 
 int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
            Run& run) {
@@ -195,7 +196,7 @@ void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& 
 }  // namespace
 
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
-           const Exports& exports, Run& run) {
+           const Exports& exports, Run& run, const std::optional<BodyLeastBreaking>& least) {
   const Robot& robot = scene.robot;
   const std::string goal = goal_words(scene, options);
   if (!plan.message.empty()) run.warn(plan.message);
@@ -249,7 +250,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     report.write(run);
   } else {
     summary = {{"motion", nullptr}, {"evaluations", plan.evaluations}};
-    if (plan.least_breaking) report_least_breaking(scene.robot, *plan.least_breaking, run, summary);
+    if (least) report_least_breaking(scene.robot, *least, run, summary);
   }
   summary["solver"] = "auto", summary["objective"] = kGoalNames[std::size_t(options.goal)],
   summary["seed"] = options.seed;

@@ -20,7 +20,7 @@ namespace {
 Json worth(double value) { return value < kNoMotion ? Json(value) : Json(); }
 
 /// What a load is measured in.
-std::string unit_of(const Load& l) { return unit(l.kind); }
+std::string load_unit(const Load& l) { return unit(l.kind); }
 
 /// The load that a front makes small, in its own unit.
 const Load& cost_of(const BodyScene& scene) {
@@ -32,10 +32,10 @@ struct Told {
   explicit Told(const TradeResult& r) : of(r) {
     const bool front = r.of == TradeResult::Of::kFront;
     const std::string goal = goal_words(r.scene, r.search);
-    unit = front ? unit_of(cost_of(r.scene)) : worth_unit(rated(r.scene));
+    unit = front ? load_unit(cost_of(r.scene)) : unit_of(r.scene);
     what = front ? cost_of(r.scene).name : goal;
     for (const TradeAxis& axis : r.trade.axes) axes.push_back(axis.name);
-    if (front) axes[0] = fmt::format("{} at most [{}]", r.scene.loads.back().name, unit_of(r.scene.loads.back()));
+    if (front) axes[0] = fmt::format("{} at most [{}]", r.scene.loads.back().name, load_unit(r.scene.loads.back()));
     std::copy_if(r.trade.points.begin(), r.trade.points.end(), std::back_inserter(points),
                  [](auto& p) { return p.plans > 0 || p.found(); });
   }
@@ -100,7 +100,7 @@ std::string design_words(const Told& t, const TradePoint& p) {
 
 bool less(const TradePoint* best, const TradePoint& p) { return p.found() && (!best || p.planned < best->planned); }
 
-/// "acceleration from 41.1 m/s^2 (knee at most 14.2 Nm) to 80 m/s^2 (9.1 Nm)": what is gained and given.
+/// "peak: 41.1 m/s^2 with knee at most 8.6 Nm, 172 m/s^2 with at most 1.3 Nm": what is gained and given.
 std::string sentence(const Told& t) {
   const TradePoint *best = nullptr, *first = nullptr;
   for (const TradePoint& p : t.points) {
@@ -110,11 +110,12 @@ std::string sentence(const Told& t) {
   if (!best) return "No motion was found.";
   if (t.of.of == TradeResult::Of::kDesigns)
     return fmt::format("Lowest: {:.4g} {} at {}.", best->planned, t.unit, design_words(t, *best));
-  const std::string limited = unit_of(t.of.scene.loads.back());
+  const std::string limited = load_unit(t.of.scene.loads.back());
   if (first == best)
     return fmt::format("No conflict: {:.4g} {} with {}.", best->planned, t.unit, design_words(t, *best));
-  return fmt::format("{}: {:.4g} {} where {:.4g} {} are kept, {:.4g} {} where {:.4g} {} are.", t.what, best->planned,
-                     t.unit, best->at[0], limited, first->planned, t.unit, first->at[0], limited);
+  return fmt::format("{}: {:.4g} {} with {} at most {:.4g} {}, {:.4g} {} with at most {:.4g} {}.", t.what,
+                     best->planned, t.unit, t.of.scene.loads.back().name, best->at[0], limited, first->planned, t.unit,
+                     first->at[0], limited);
 }
 
 FirstScreen first_screen(const Told& t, long missing, long edges) {
@@ -122,7 +123,8 @@ FirstScreen first_screen(const Told& t, long missing, long edges) {
   FirstScreen out{.sentence = sentence(t)};
   out.checks = {
       check(missing == 0, "planned", fmt::format("{} of {} designs have a motion", n - std::size_t(missing), n)),
-      check(edges == 0, "within search ranges", fmt::format("{} of {} motions lie on an edge", edges, n))};
+      Check{edges == 0 ? Check::State::kGood : Check::State::kCaution, "within search ranges",
+            fmt::format("{} of {} motions lie on an edge", edges, n)}};
   out.next = "Put the value that you choose into the robot's file, and plan with `ukemi optimize`.";
   return out;
 }

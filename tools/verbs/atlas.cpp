@@ -18,6 +18,7 @@
 #include "tools/program/interrupt.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/atlas.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/body_scene_text.hpp"
 #include "tools/verbs/atlas_ask.hpp"
 #include "tools/verbs/body.hpp"
@@ -60,6 +61,7 @@ struct Subject {
   RobustOptions robust;
   std::array<bool, AtlasGrid::kAxes> axes{true, true, true};  ///< that its base has
   Drop drop;                                                  ///< of the scene, where the others stand
+  std::string unit = "m/s^2";                                 ///< of what is made small
 };
 
 /// The measure and its samples, where they are asked for, `samples` where nobody says how many.
@@ -106,7 +108,8 @@ Subject body_subject(const AtlasArguments& a, Run& run) {
   Subject out{.name = scene.name,
               .robust = robust_of(a, BodyPlanOptions().samples),
               .axes = axes_of(scene.robot),
-              .drop = scene.drop};
+              .drop = scene.drop,
+              .unit = unit_of(scene)};
   out.robot = std::make_unique<BodyAtlas>(scene);
   if (scene.touches())
     out.scene_toml = scene_files(a.scene, scene, "", run.folder(), drives_of(a.actuators)).at("scene.toml");
@@ -169,8 +172,11 @@ void find_safest(AtlasResult& r, const AtlasRobot& robot, const CommonOptions& c
 std::vector<std::size_t> all_drops(const AtlasGrid& grid) { return AtlasShard().drops(grid); }
 
 AtlasResult result_of(const Subject& s) {
-  return {
-      .scene = s.name, .variables = s.robot->variables(), .scene_toml = s.scene_toml, .actuator_toml = s.actuator_toml};
+  return {.scene = s.name,
+          .variables = s.robot->variables(),
+          .scene_toml = s.scene_toml,
+          .actuator_toml = s.actuator_toml,
+          .unit = s.unit};
 }
 
 int run_plan(const AtlasArguments& a, const CommonOptions& common) {

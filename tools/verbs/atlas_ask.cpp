@@ -41,6 +41,7 @@ int ask_body(const Asked& a, Run& run) {
   const BodyAtlasEntry entry = reader.at(scene.drop);
   if (!entry.wrong.empty()) throw InputError("--ask: " + entry.wrong);
   AskedAtlas out = found_of(scene.name, scene.drop, entry, a);
+  out.unit = unit_of(scene);
   if (!entry.found) return report(out, run);
   out.peak = simulate(scene, entry.motion).peak, out.held = simulate(scene, held_posture(scene)).peak;
   out.motion = Table::of(motion_quantities(scene.robot, entry.motion), entry.motion).object();

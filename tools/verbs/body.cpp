@@ -12,10 +12,12 @@
 #include "common/files.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/model/scatter_file.hpp"
+#include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/interrupt.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
@@ -276,7 +278,10 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
                        BodySpace(scene).dimension(), limit, options.seed));
   const BodyPlan best = plan(scene, options);
   options.deadline = a.deadline;
-  return report(scene, best, options, rate, a.exports, run);
+  std::optional<BodyLeastBreaking> least;
+  if (!best.found && !a.deadline && !interrupted() && a.ratings == OptimizeArguments::Ratings::kRespect)
+    least = least_breaking(scene, options);
+  return report(scene, best, options, rate, a.exports, run, least);
 }
 
 int risk_body(const RiskArguments& a, const CommonOptions& common) {
