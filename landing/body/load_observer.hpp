@@ -76,19 +76,14 @@ class LoadObserver {
       if (items_[i].of.load().limit && items_[i].peak.value > items_[i].of.load().rating) return int(i);
     return -1;
   }
-  /// The square by which a run is judged to rest: of the smallest acceleration that is asked for; where another load
-  /// stands near its largest value, of a ten-thousandth of it; while a touch still gathers its impulse never.
-  double rest_square(double square) const {
-    bool near = false;
+  /// See RestSquare; while a touch still gathers its impulse a run never rests.
+  double rest_square(double own) const {
+    RestSquare out(own);
     for (const Item& x : items_) {
       if (x.down) return -1;
-      if (x.own || x.tracker.square == 0) continue;
-      if (x.kind() == Kind::kAcceleration)
-        square = std::min(square, x.tracker.square);
-      else
-        near = near || x.last > kNearLargest * x.tracker.square;
+      if (!x.own) out.add(x.kind(), x.tracker.square, x.last);
     }
-    return near ? kFinerRest * square : square;
+    return out.value();
   }
 
  private:

@@ -40,8 +40,26 @@ inline constexpr std::array<std::array<double, 2>, 5> kImpulseNodes = {{{0.5, 0.
                                                                         {0.04691007703066802, 0.11846344252809454},
                                                                         {0.9530899229693319, 0.11846344252809454}}};
 
-/// A load near its largest value, as squares; the part of the usual motion that is left at rest then, likewise.
-inline constexpr double kNearLargest = 0.81, kFinerRest = 1e-8;
+/// The square by which a run with loads is judged to rest: of the smallest acceleration that is asked for; where
+/// another load stands near its largest value, of a ten-thousandth of it.
+class RestSquare {
+ public:
+  explicit RestSquare(double own) : square_(own) {}  ///< of the acceleration that counts
+  /// The largest square of a load so far, and that at the end of the last step.
+  void add(Load::Kind kind, double largest, double last) {
+    constexpr double kNear = 0.81;
+    if (largest == 0) return;
+    if (kind == Load::Kind::kAcceleration)
+      square_ = std::min(square_, largest);
+    else
+      near_ = near_ || last > kNear * largest;
+  }
+  double value() const { return near_ ? 1e-8 * square_ : square_; }
+
+ private:
+  double square_;
+  bool near_ = false;
+};
 
 /// A load on a system: one that has its value at every state, neither a touch nor an impulse.
 template <class System>

@@ -73,13 +73,13 @@ class DifferentiatedBody {
     return along_motion(t, y, dy,
                         [](const auto& s, const Dual&, const auto& x, const auto& dx) { return of_peak(s, x, dx); });
   }
-  /// f(system, t, y, dy) in scalars that carry the rate along the motion.
+  /// f(system, t, y, dy) in scalars that carry the rate along the motion; `accelerates`: it asks for dy.
   template <class F>
-  auto along_motion(double t, const Values& y, const Values& dy, F&& f) const {
+  auto along_motion(double t, const Values& y, const Values& dy, F&& f, bool accelerates = true) const {
     typename DualSystem::State x, dx;
     for (int k = 0; k < System::kStates; ++k) x[k] = Dual(y[k]), x[k].v[0] = dy[k];
     const Dual time(t, 0);
-    dual_.derivative(time, x, dx);
+    if (accelerates) dual_.derivative(time, x, dx);
     return f(dual_, time, x, dx);
   }
   const auto& dual() const { return dual_; }

@@ -22,9 +22,10 @@ class OfLoad {
   }
   Square square(const Landing& l, double t, const typename Landing::Values& y,
                 const typename Landing::Values& dy) const {
-    const auto q = l.along_motion(t, y, dy, [&](const auto& s, const auto& time, const auto& x, const auto& dx) {
-      return dual_.square(s, time, x, dx);
-    });
+    const auto q = l.along_motion(
+        t, y, dy,
+        [&](const auto& s, const auto& time, const auto& x, const auto& dx) { return dual_.square(s, time, x, dx); },
+        dual_.load().kind == Load::Kind::kAcceleration);
     return {q.a, q.v[0]};
   }
   Jet magnitude(const Landing& l, double t, const typename Landing::State& y, const typename Landing::State& dy) const {
@@ -69,9 +70,7 @@ class ImpulseObserver {
     const Jet q = sum_.squaredNorm();
     if (!(q.a > 0)) return;
     const Jet v = sqrt(q);
-    const auto place = std::find_if(peaks.begin(), peaks.end(), [&](const auto& p) { return p.value < v.a; });
-    peaks.insert(place, {t, v.a, v.v, PeakKind::kLeftLimit, contact_});
-    if (peaks.size() > most_) peaks.pop_back();
+    keep_largest(peaks, {t, v.a, v.v, PeakKind::kLeftLimit, contact_}, most_);
   }
   bool down() const { return down_; }
 
@@ -156,17 +155,12 @@ class LoadPeaks {
   }
   /// As LoadObserver::rest_square.
   double running() const {
-    double square = own.running();
-    bool near = false;
+    RestSquare out(own.running());
     for (const Item& x : items_) {
       if (x.impulse && x.impulse->down()) return -1;
-      if (!x.values || x.values->running() == 0) continue;
-      if (x.load->kind == Load::Kind::kAcceleration)
-        square = std::min(square, x.values->running());
-      else
-        near = near || x.values->last() > kNearLargest * x.values->running();
+      if (x.values) out.add(x.load->kind, x.values->running(), x.values->last());
     }
-    return near ? kFinerRest * square : square;
+    return out.value();
   }
   /// Of a load: the largest values first; of a touch none.
   std::vector<PeakGradient<Jet::DIMENSION>> peaks(std::size_t load) const {

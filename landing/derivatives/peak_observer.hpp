@@ -15,6 +15,13 @@ struct Square {
   double value, rate;
 };
 
+/// Adds a maximum to the largest so many, the largest first.
+template <int P>
+void keep_largest(std::vector<PeakGradient<P>>& peaks, const PeakGradient<P>& p, std::size_t most) {
+  peaks.insert(std::find_if(peaks.begin(), peaks.end(), [&](const auto& other) { return other.value < p.value; }), p);
+  if (peaks.size() > most) peaks.pop_back();
+}
+
 /// What is largest: |ddr_0|.
 template <class Landing>
 struct OfAcceleration {
@@ -144,10 +151,7 @@ class PeakObserver {
   void add(const Limit& limit, PeakKind kind) { add(limit.t, limit.acceleration, kind, limit.contact); }
   void add(double t, const Jet& a, PeakKind kind, int contact) {
     running_ = std::max(running_, a.a * a.a);
-    const auto place = std::find_if(peaks.begin(), peaks.end(), [&](const auto& p) { return p.value < a.a; });
-    if (std::size_t(place - peaks.begin()) >= most_) return;
-    peaks.insert(place, {t, a.a, a.v, kind, contact});
-    if (peaks.size() > most_) peaks.pop_back();
+    keep_largest(peaks, {t, a.a, a.v, kind, contact}, most_);
   }
 
   std::size_t most_;

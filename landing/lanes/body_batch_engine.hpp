@@ -45,8 +45,9 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       Course& course = course_[i].emplace(*c.scene, *c.motion);
       const Values y = course.released();
       if (system_.links == 0) system_.take_structure(course.system);
-      if (!any(active_)) loads_ = loads_of_lanes(*c.scene);
-      if (!system_.same_structure(course.system) || !same_loads(*c.scene) ||
+      const std::vector<LaneLoad> loads = loads_of_lanes(*c.scene);
+      if (!any(active_)) loads_ = loads;
+      if (!system_.same_structure(course.system) || !same_loads(loads) ||
           course.step_accuracy(options_.accuracy) < options_.accuracy) {
         hand_over(i);
         continue;
@@ -57,7 +58,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       asked_[i] = 0, impact_[i] = impact_energy(course.system), per_square_.set(i, impact_[i]);
       const double abandon = c.abandon_above * own_rating(*c.scene);
       abandon_square_.set(i, abandon * abandon);
-      bear(i);
+      bear(i, loads);
       enter(i);
       return;
     }
@@ -180,10 +181,8 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     }
     return out;
   }
-  /// Whether a scene's loads differ from those of the other lanes by their ratings alone.
-  bool same_loads(const BodyScene& scene) const {
-    if (loads_.empty() && scene.loads.empty() && scene.limits.joints.empty()) return true;
-    const std::vector<LaneLoad> other = loads_of_lanes(scene);
+  /// Whether loads differ from those of the other lanes by their ratings alone.
+  bool same_loads(const std::vector<LaneLoad>& other) const {
     return std::equal(loads_.begin(), loads_.end(), other.begin(), other.end(), [](auto& a, auto& b) {
       const Load &x = a.load(), &y = b.load();
       return x.kind == y.kind && x.index == y.index && x.phi == y.phi && x.at.along == y.at.along &&
@@ -191,9 +190,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     });
   }
   /// The loads of a landing that begins in a lane.
-  void bear(int i) {
-    const BodyScene& scene = *case_[i].scene;
-    const std::vector<LaneLoad> these = loads_.empty() ? std::vector<LaneLoad>{} : loads_of_lanes(scene);
+  void bear(int i, const std::vector<LaneLoad>& these) {
     for (std::size_t k = 0; k < loads_.size(); ++k) {
       LaneLoad& x = loads_[k];
       x.of.take_arms(LoadValue<typename Course::System>(x.load(), course_[i]->system),
@@ -203,7 +200,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       x.most.set(i, most * most);
       x.largest.square.set(i, 0), x.largest.t.set(i, 0), x.largest.start.set(i, 0);
     }
-    out_[i].loads.assign(scene.loads.size(), {});
+    out_[i].loads.assign(case_[i].scene->loads.size(), {});
   }
   void tell_loads(int i) {
     for (const LaneLoad& x : loads_)
@@ -234,16 +231,10 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     if (!out_[i].broken) out_[i].broken = what;
   }
   double rest_square(int i) const {
-    double square = peak_.square[i];
-    bool near = false;
-    for (const LaneLoad& x : loads_) {
-      if (x.own || x.index < 0 || x.largest.square[i] == 0) continue;
-      if (x.load().kind == Load::Kind::kAcceleration)
-        square = std::min(square, x.largest.square[i]);
-      else
-        near = near || x.largest.start[i] > kNearLargest * x.largest.square[i];
-    }
-    return near ? kFinerRest * square : square;
+    RestSquare out(peak_.square[i]);
+    for (const LaneLoad& x : loads_)
+      if (!x.own && x.index >= 0) out.add(x.load().kind, x.largest.square[i], x.largest.start[i]);
+    return out.value();
   }
 
   // --- every lane at once ---

@@ -14,6 +14,14 @@ namespace ukemi::landing {
 
 namespace {
 
+/// Of a search that is one of many.
+BodyPlanOptions one_of_many(const TradeOptions& options) {
+  BodyPlanOptions out = options.search;
+  out.fresh = 0, out.rate = 0, out.deadline.reset(), out.starts.clear();
+  out.monitor = {{}, options.monitor.stop};
+  return out;
+}
+
 class Trader {
  public:
   Trader(const BodyScene& scene, const std::vector<TradeAxis>& axes, const TradeOptions& options, Trade& out)
@@ -96,9 +104,7 @@ class Trader {
   void search(std::size_t k, const std::vector<std::size_t>& from, double part) {
     if (options_.monitor.stopped()) return;
     TradePoint& point = out_.points[k];
-    BodyPlanOptions search = options_.search;
-    search.fresh = 0, search.rate = 0, search.deadline.reset(), search.starts.clear();
-    search.monitor = {{}, options_.monitor.stop};
+    BodyPlanOptions search = one_of_many(options_);
     const long budget = search.evaluations.value_or(search.default_evaluations(scenes_[k]));
     search.evaluations = std::max(1L, std::lround(part * double(budget)));
     if (point.found()) search.starts.push_back(point.motion);
@@ -217,15 +223,15 @@ Front pareto(const BodyScene& scene, const std::string& cost, const std::string&
   BodyScene other = alone(both, limited);
   if (options.prepare) options.prepare(other), options.prepare(out.scene);
 
-  BodyPlanOptions search = options.search;
-  search.fresh = 0, search.rate = 0, search.deadline.reset(), search.starts.clear();
-  search.monitor = {{}, options.monitor.stop};
+  BodyPlanOptions search = one_of_many(options);
   const BodyPlan of_cost = plan(out.scene, search);
   as_kept(search);
   const BodyPlan of_other = plan(other, search);
-  if (!of_cost.found || !of_other.found) throw InputError("front: " + of_cost.message + of_other.message);
-  const double low = of_other.value,
-               high = judged(plan_goals(other, search, 1, judging_drops(search)).judge, of_cost.motion, search).value;
+  const bool stopped = options.monitor.stopped();
+  if (!stopped && (!of_cost.found || !of_other.found)) throw InputError("front: " + of_cost.message + of_other.message);
+  const double low = of_other.value;
+  double high = low;  // where it was stopped: before its ends are known
+  if (!stopped) high = judged(plan_goals(other, search, 1, judging_drops(search)).judge, of_cost.motion, search).value;
 
   const Load kept =
       *std::find_if(both.loads.begin(), both.loads.end(), [&](const Load& l) { return l.name == limited; });
@@ -237,6 +243,7 @@ Front pareto(const BodyScene& scene, const std::string& cost, const std::string&
   if (axis.values.size() < count) along.known.clear(), along.part = {};
   check({axis}, along);
   Trader trader(out.scene, {axis}, along, out.trade);
+  if (stopped) return out;
   trader.know(0, of_other.motion, of_other.edges);
   trader.know(axis.values.size() - 1, of_cost.motion, of_cost.edges);
   trader.run();

@@ -111,6 +111,10 @@ TEST_CASE("trade --pareto shows what one load costs in another") {
   const Json points = summary(f, "front")["points"];
   REQUIRE(points.size() == 3);
   CHECK(points[0]["planned"].get<double>() >= points[2]["planned"].get<double>());
+  const Interrupted early =
+      interrupted_after(0.2, {"trade", "scene.toml", "--pareto", "peak,knee", "-o", "early"}, f.at(""));
+  CHECK(early.code == 130);
+  CHECK(summary(f, "early")["points"].empty());
   check_refused(f, {"trade", "scene.toml", "--pareto", "peak,nee"}, {"front: 'nee'", "knee"});
   check_refused(f, {"trade", "scene.toml", "--pareto", "knee"}, {"--pareto: 'knee': A,B"});
 }

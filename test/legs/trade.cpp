@@ -188,6 +188,9 @@ TEST_CASE("legs: a front falls, each of its motions keeps the limit, and its end
     }
   }
   TradeOptions options;
+  options.monitor.stop = [] { return true; };  // before the ends are known nothing is told
+  const Front none = pareto(scene, "peak", "knee", 4, options);
+  CHECK(std::none_of(none.trade.points.begin(), none.trade.points.end(), [](auto& p) { return p.found(); }));
   CHECK_THROWS_WITH(pareto(scene, "knee", "knee", 4, options), Contains("two loads"));
   CHECK_THROWS_WITH(pareto(scene, "nee", "peak", 4, options), Contains("did you mean \"knee\""));
 }

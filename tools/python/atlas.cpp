@@ -7,12 +7,12 @@
 #include "landing/atlas/body_atlas.hpp"
 #include "landing/atlas/body_atlas_reader.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
-#include "landing/body/load.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_space.hpp"
 #include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/atlas.hpp"
+#include "tools/report/body.hpp"
 
 namespace ukemi::python {
 
@@ -77,9 +77,8 @@ AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& op
 }
 BodyAtlasPlan planned(const BodyScene& scene, AtlasOptions& options) {
   const BodyAtlas robot(scene);
-  BodyAtlasPlan out{{.scene = scene.name, .variables = robot.variables(), .unit = tools::worth_unit(rated(scene))},
-                    scene,
-                    options.search.seed};
+  BodyAtlasPlan out{
+      {.scene = scene.name, .variables = robot.variables(), .unit = tools::unit_of(scene)}, scene, options.search.seed};
   plan_all(robot, options, out.result);
   return out;
 }

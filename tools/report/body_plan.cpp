@@ -40,7 +40,7 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
        {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(p.landing.peaks, contact_name(robot)); }},
        {"", "evaluations", landings ? "landings" : "motions evaluated", {}, &BodyPlan::evaluations}});
   if (goal != "peak") {
-    const std::string unit = fmt::format(" [{}]", worth_unit(rated(scene)));
+    const std::string unit = fmt::format(" [{}]", unit_of(scene));
     out.push_back({"", "value", goal + unit, peak_words, [](auto& p) { return p.value; }});
     out.push_back({"", "hold/value", "the same, held" + unit, peak_words, [](auto& p) { return p.held_value; }});
   }
@@ -239,8 +239,8 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     report.folded("All numbers", table.turned());
     if (drawn) {
       report.heading("The search");
-      report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, worth_unit(rated(scene))),
-                  {descent(plan)}, Axes::kLogarithmic);
+      report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, unit_of(scene)), {descent(plan)},
+                  Axes::kLogarithmic);
     } else {
       report.paragraph(
           "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "

@@ -150,19 +150,19 @@ void Report::matrix(const std::vector<std::string>& names, const std::vector<std
 
 void Report::figure(Figure f) {
   if (f.empty()) return;
-  for (const Figure& other : figures_)
-    if (other.name == f.name) throw std::logic_error(f.name + ": two figures of one name");
+  for (const std::vector<Figure>* const all : {&figures_, &in_files_})
+    for (const Figure& other : *all)
+      if (other.name == f.name) throw std::logic_error(f.name + ": two figures of one name");
   constexpr std::size_t kMost = 6000, kFewest = 100, kEnough = 700;  // of parts, of a figure and of a line
   std::size_t lines = 0;
   for (const Panel& p : f.panels) lines += p.series.size();
   for (Panel& p : f.panels)
     for (Series& s : p.series)
       if (s.low.empty()) s = thinned(s, std::clamp(kMost / lines, kFewest, kEnough));
-  if (f.in == Figure::In::kPageAndFile) {
-    if (!in_figures_) html_ += "<div class=\"figures\">\n";
-    in_figures_ = true;
-    html_ += placeholder(figures_.size());
-  }
+  if (f.in == Figure::In::kFile) return in_files_.push_back(std::move(f));
+  if (!in_figures_) html_ += "<div class=\"figures\">\n";
+  in_figures_ = true;
+  html_ += placeholder(figures_.size());
   figures_.push_back(std::move(f));
 }
 void Report::plot(const std::string& name, const std::string& x_label, const std::string& y_label,
@@ -184,7 +184,7 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
   if (!page_wanted && formats.empty()) return {};
   std::string why;
   std::vector<Figure> wanted = figures_;
-  if (formats.empty()) std::erase_if(wanted, [](const Figure& f) { return f.in == Figure::In::kFile; });
+  if (!formats.empty()) wanted.insert(wanted.end(), in_files_.begin(), in_files_.end());
   const std::vector<Drawing> drawings = draw(wanted, formats, why);
   const auto provenance = run.provenance();
   std::string printed, list;
@@ -196,13 +196,9 @@ std::map<std::string, std::string> Report::files(const Run& run, std::vector<std
     list += fmt::format("<li>{} more: summary.json</li>", provenance.size() - kMostRows);
   std::map<std::string, std::string> out;
   std::string text = answer_ + html_ + (in_figures_ ? kEnd : "");
-  for (std::size_t i = 0, drawn = 0; i < figures_.size(); ++i) {
-    const bool file_only = figures_[i].in == Figure::In::kFile;
-    if (file_only && formats.empty()) continue;
-    const std::size_t k = drawn++;
-    if (file_only) continue;
+  for (std::size_t i = 0; i < figures_.size(); ++i) {
     const std::string mark = placeholder(i);
-    text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[k]));
+    text.replace(text.find(mark), mark.size(), drawings.empty() ? "" : element(figures_[i], drawings[i]));
   }
   for (const Drawing& d : drawings)
     for (const auto& [name, content] : d.files) out[name] = with_origin(name, content, printed);

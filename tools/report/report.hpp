@@ -65,7 +65,7 @@ class Report {
   std::string& body();  ///< to add something that is no figure
 
   std::string title_, answer_, html_;
-  std::vector<Figure> figures_;
+  std::vector<Figure> figures_, in_files_;  ///< of the page; of files alone
   bool in_figures_ = false;
 };
 

@@ -98,19 +98,23 @@ std::string design_words(const Told& t, const TradePoint& p) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-bool less(const TradePoint* best, const TradePoint& p) { return p.found() && (!best || p.planned < best->planned); }
+/// The best of those that were planned; null: none has a motion.
+const TradePoint* best_of(const Told& t) {
+  const TradePoint* out = nullptr;
+  for (const TradePoint& p : t.points)
+    if (p.found() && (!out || p.planned < out->planned)) out = &p;
+  return out;
+}
 
 /// "peak: 41.1 m/s^2 with knee at most 8.6 Nm, 172 m/s^2 with at most 1.3 Nm": what is gained and given.
 std::string sentence(const Told& t) {
-  const TradePoint *best = nullptr, *first = nullptr;
-  for (const TradePoint& p : t.points) {
-    if (less(best, p)) best = &p;
-    if (!first && p.found()) first = &p;
-  }
+  const TradePoint* const best = best_of(t);
+  if (t.points.empty()) return "Nothing is planned yet.";
   if (!best) return "No motion was found.";
   if (t.of.of == TradeResult::Of::kDesigns)
     return fmt::format("Lowest: {:.4g} {} at {}.", best->planned, t.unit, design_words(t, *best));
   const std::string limited = load_unit(t.of.scene.loads.back());
+  const TradePoint* const first = &*std::find_if(t.points.begin(), t.points.end(), [](auto& p) { return p.found(); });
   if (first == best)
     return fmt::format("No conflict: {:.4g} {} with {}.", best->planned, t.unit, design_words(t, *best));
   return fmt::format("{}: {:.4g} {} with {} at most {:.4g} {}, {:.4g} {} with at most {:.4g} {}.", t.what,
@@ -156,10 +160,7 @@ int report(const TradeResult& r, Run& run) {
   Json summary = {{"goal", t.what}, {"unit", t.unit}, {"plans", trade.plans}};
   summary["points"] = add_table(table, page, run, "trade.csv", "Values as in the files; m/s^2, deg, s.");
   run.say(sentence(t));
-  const TradePoint* best = nullptr;
-  for (const TradePoint& p : t.points)
-    if (less(best, p)) best = &p;
-  if (best) summary["best"] = {{"planned", best->planned}, {"at", best->at}};
+  if (const TradePoint* const best = best_of(t)) summary["best"] = {{"planned", best->planned}, {"at", best->at}};
   summary["middle"] = trade.points[trade.middle].at;
   if (!r.shard.empty()) summary["shard"] = r.shard;
   if (!r.journal.empty()) run.add(kTradeJournal, r.journal);

@@ -46,8 +46,6 @@ struct AtlasArguments {
   std::optional<long> samples;
 };
 
-std::string in(const std::string& folder, const char* name) { return (std::filesystem::path(folder) / name).string(); }
-
 AtlasAxis axis_of(const std::string& option, const std::string& text, double unit) {
   if (text.empty()) throw InputError(option + ": LO:HI:N is needed");
   const NumberRange r = number_range(option, text, true);

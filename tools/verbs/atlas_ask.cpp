@@ -1,7 +1,5 @@
 #include "tools/verbs/atlas_ask.hpp"
 
-#include <filesystem>
-
 #include "common/error.hpp"
 #include "landing/atlas/atlas_file.hpp"
 #include "landing/atlas/atlas_reader.hpp"
@@ -69,8 +67,7 @@ int ask_two_link(const Asked& a, Run& run) {
 }  // namespace
 
 int ask_atlas(const std::string& folder, Goal goal, const std::function<Drop(const Drop& own)>& drop, Run& run) {
-  const auto in = [&](const char* name) { return (std::filesystem::path(folder) / name).string(); };
-  const Asked asked{in("atlas.bin"), in("scene.toml"), in("actuator.toml"), goal, drop};
+  const Asked asked{in(folder, "atlas.bin"), in(folder, "scene.toml"), in(folder, "actuator.toml"), goal, drop};
   run.input(asked.atlas);
   return is_body(asked.scene) ? ask_body(asked, run) : ask_two_link(asked, run);
 }

@@ -2,6 +2,7 @@
 // found.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,11 @@ int run_identify(const IdentifyArguments& arguments, const CommonOptions& common
 enum class Predicts { kNo, kYes };
 /// The same of a robot of links.
 int identify_robot(const IdentifyArguments& arguments, const CommonOptions& common, Predicts predicts);
+
+/// A file of a folder.
+inline std::string in(const std::string& folder, const char* name) {
+  return (std::filesystem::path(folder) / name).string();
+}
 
 struct OptimizeArguments {
   std::string scene;

@@ -91,16 +91,15 @@ std::string identity_of(const TradeArguments& a, const BodyPlanOptions& search, 
   return checksum(fmt::format("{}", fmt::join(parts, "\n")));
 }
 
-std::string in(const std::string& folder) { return (std::filesystem::path(folder) / kTradeJournal).string(); }
-
 /// What the folders of --merge hold.
 std::vector<TradePoint> merged(const std::vector<std::string>& folders, const std::string& identity,
                                std::size_t designs, const Robot& robot) {
   std::vector<TradePoint> out(designs);
   for (const std::string& folder : folders) {
-    if (std::error_code ec; !std::filesystem::exists(in(folder), ec))
-      throw InputError({in(folder)}, "there is none: a folder of a trade that ran with --shard is needed");
-    (void)TradeJournal(in(folder), identity, robot.joints.size(), out);
+    if (std::error_code ec; !std::filesystem::exists(in(folder, kTradeJournal), ec))
+      throw InputError({in(folder, kTradeJournal)},
+                       "there is none: a folder of a trade that ran with --shard is needed");
+    (void)TradeJournal(in(folder, kTradeJournal), identity, robot.joints.size(), out);
   }
   const auto open = std::count_if(out.begin(), out.end(), [](auto& p) { return p.plans < TradePoint::kPlans; });
   if (open > 0)
@@ -137,7 +136,7 @@ int run_trade(const TradeArguments& a, const CommonOptions& common) {
   options.known = std::vector<TradePoint>(designs);
   std::optional<TradeJournal> journal;
   if (a.merge.empty()) {
-    journal.emplace(in(run.folder()), identity, scene.robot.joints.size(), options.known);
+    journal.emplace(in(run.folder(), kTradeJournal), identity, scene.robot.joints.size(), options.known);
     options.done = [&](std::size_t design, const TradePoint& point) { journal->add(design, point); };
   } else {
     options.known = merged(a.merge, identity, designs, scene.robot);
