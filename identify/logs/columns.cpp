@@ -19,9 +19,25 @@ const std::vector<Unit>& units_of(Quantity quantity) {
   static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", kDegree}, {"_mrad", 1e-3}},
                                  force = {{"_N", 1}, {"_kN", 1e3}}, torque = {{"_Nm", 1}, {"_mNm", 1e-3}};
   static const std::vector<Unit> none;
-  if (quantity == Quantity::kCommand) return none;
-  if (quantity == Quantity::kTorque) return torque;
-  return quantity == Quantity::kTime ? time : quantity == Quantity::kForce ? force : angle;
+  static const std::vector<Unit> acceleration = {{"_g", 9.80665}}, length = {{"_mm", 1e-3}};
+  switch (quantity) {
+    case Quantity::kTime:
+      return time;
+    case Quantity::kForce:
+      return force;
+    case Quantity::kTorque:
+      return torque;
+    case Quantity::kAcceleration:
+      return acceleration;
+    case Quantity::kLength:
+      return length;
+    case Quantity::kCommand:
+      return none;
+    case Quantity::kAngle:
+    case Quantity::kRate:
+      break;
+  }
+  return angle;
 }
 
 double unit_of(const std::string& column, Quantity quantity) {

@@ -10,8 +10,8 @@
 namespace ukemi::identify {
 
 /// What a column holds; its name's suffix says in which unit: time _ms; angle and rate _deg, _mrad; force _N, _kN;
-/// torque _Nm, _mNm; command as it is.
-enum class Quantity { kTime, kAngle, kRate, kForce, kTorque, kCommand };
+/// torque _Nm, _mNm; acceleration _g, 9.80665 m/s^2; length _mm; command as it is.
+enum class Quantity { kTime, kAngle, kRate, kForce, kTorque, kAcceleration, kLength, kCommand };
 
 struct Column {
   std::string name;

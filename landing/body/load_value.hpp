@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "landing/body/body_scene.hpp"
 #include "landing/body/body_system.hpp"
 
 namespace ukemi::landing {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "landing/body/body_system.hpp"
+#include "landing/body/load_value.hpp"
 
 namespace ukemi::landing {
 
@@ -25,6 +26,8 @@ class DrivenRun {
 
   void start(const DrivenStart& from, double t, DrivenRollout* out = nullptr) {
     t_ = t, y_ = State::Zero();
+    const bool free = system_.body.base == Base::kFree;
+    if (free) y_[System::kTheta] = from.pitch - system_.body.offset[0], y_[System::kOmega] = from.pitch_rate;
     for (int i = 0; i < system_.body.joints; ++i) {
       const JointPlace& at = system_.body.joint[i];
       const JointStart& s = from.joint[std::size_t(at.joint)];
@@ -34,26 +37,32 @@ class DrivenRun {
       if (system_.drive[i].kind == DriveKind::kElastic)
         y_[System::kPhiM + i] = s.phi + s.spring, y_[System::kOmegaM + i] = s.dphi;
     }
-    if (system_.body.base == Base::kRail) stand(from);
+    if (system_.body.base != Base::kPinned) stand(from);
     for (int i = 0; i < system_.body.contacts; ++i)
       if (gap(i) < 0) cross(System::kOfContact * i + System::kSurface, out);
     row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
+    sampled_ = row_ > 0 ? row_ - 1 : 0;
+    ask(sampled_++);
     read_row(row_ > 0 ? row_ - 1 : 0);
   }
   /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
   bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
     const long n = long(std::ceil((until - t_) / options.step - 1e-9));
     while (true) {
-      const double edge =
-          row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : std::numeric_limits<double>::infinity();
-      const double to = std::min(until, edge);
+      constexpr double kNever = std::numeric_limits<double>::infinity();
+      const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : kNever;
+      const double asks = commands_.controller && sampled_ < commands_.t.size() ? commands_.t[sampled_] : kNever;
+      const double to = std::min({until, edge, asks});
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
         steps(length / double(n), n, out);
         t_ = to;
       }
-      if (edge >= until) break;
-      read_row(row_++);
+      if (to >= until) break;
+      if (asks <= to)
+        ask(sampled_++);
+      else
+        read_row(row_++);
     }
     return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
   }
@@ -63,6 +72,21 @@ class DrivenRun {
       const SeaState<double> s = system_.joint_state(i, y_);
       to[kAngle].push_back(s.phi), to[kRate].push_back(s.dphi);
       to[kTorque].push_back(of(i).report_gain * asked(i, s));
+    }
+    if (system_.body.base != Base::kFree) return;
+    const Vec2<double> origin = position(system_.body.first, system_.pose(y_), system_.body.bodies);
+    const double base[kBaseSensed] = {origin.x(), origin.y(), y_[System::kTheta] + system_.body.offset[0],
+                                      y_[System::kOmega]};
+    for (int q = 0; q < kBaseSensed; ++q) out.base[std::size_t(q)].push_back(base[q]);
+  }
+  void sample_loads(DrivenRollout& out) {
+    const auto pose = system_.pose(y_);
+    const auto a = acceleration(system_.body.peak, pose, system_.accelerations_of(derivative(y_)), system_.body.bodies);
+    const double parts[kBodySensed] = {a.norm(), a.x(), a.y()};
+    for (int q = 0; q < kBodySensed; ++q) out.acceleration[std::size_t(q)].push_back(parts[q]);
+    for (int i = 0; i < system_.body.contacts; ++i) {
+      const Vec2<double> f = contact_force(system_, i, pose, y_);
+      for (int q : {0, 1}) out.force[std::size_t(i)][std::size_t(q)].push_back(f[q]);
     }
   }
   /// See stable_step.
@@ -104,14 +128,26 @@ class DrivenRun {
 
  private:
   double gap(int i) const { return system_.point_at(i, system_.pose(y_)).y - system_.point[i].thickness; }
+  int lowest_contact() const {
+    int out = -1;
+    for (int i = 0; i < system_.body.contacts; ++i)
+      if (out < 0 || gap(i) < gap(out)) out = i;
+    return out;
+  }
+  /// The base, which is at 0 and at rest, moved to where it starts; a free one is the centre of mass.
   void stand(const DrivenStart& from) {
     const auto pose = system_.pose(y_);
-    int lowest = -1;
-    for (int i = 0; i < system_.body.contacts; ++i)
-      if (lowest < 0 || gap(i) < gap(lowest)) lowest = i;
-    if (lowest < 0) return void(y_[System::kVx] = from.speed / system_.body.rail[1]);
-    y_[System::kX] = (from.height - gap(lowest)) / system_.body.rail[1];
-    y_[System::kVx] = (from.speed - system_.point_at(lowest, pose).v) / system_.body.rail[1];
+    const bool free = system_.body.base == Base::kFree;
+    const Vec2<double> origin = position(system_.body.first, pose, system_.body.bodies),
+                       rate = velocity(system_.body.first, pose, system_.body.bodies);
+    if (free) y_[System::kX] = from.x - origin.x(), y_[System::kVx] = from.forward_speed - rate.x();
+    double height = from.height, speed = from.speed;
+    if (from.y)
+      height += (*from.y)[0] - origin.y(), speed += (*from.y)[1] - rate.y();
+    else if (const int lowest = lowest_contact(); lowest >= 0)
+      height -= gap(lowest), speed -= system_.point_at(lowest, pose).v;
+    const double up = free ? 1 : system_.body.rail[1];
+    y_[free ? System::kY : System::kX] = height / up, y_[free ? System::kVy : System::kVx] = speed / up;
   }
   /// A drive under one row's command.
   struct Now {
@@ -119,6 +155,21 @@ class DrivenRun {
   };
   const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
 
+  /// What the controller asks for by the state now, in the row that is logged now.
+  void ask(std::size_t row) {
+    if (!commands_.controller) return;
+    std::array<double, kMostJoints> phi{}, dphi{};
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const SeaState<double> s = system_.joint_state(i, y_);
+      const auto joint = std::size_t(system_.body.joint[i].joint);
+      phi[joint] = s.phi, dphi[joint] = s.dphi;
+    }
+    const std::size_t joints = commands_.joint.size();
+    told_.resize(std::max(told_.size(), row + 1));
+    told_[row] = {};
+    commands_.controller(commands_.t[row], std::span(phi).first(joints), std::span(dphi).first(joints),
+                         std::span(told_[row]).first(joints));
+  }
   void read_row(std::size_t row) {
     row -= std::min(row, std::size_t(path_.rows));
     for (int i = 0; i < system_.body.joints; ++i) {
@@ -134,6 +185,7 @@ class DrivenRun {
                               at(kDphiRef, 0),
                               at(kTorqueFf, 0),
                               at(kOn, 1)};
+      if (row < told_.size()) now_[std::size_t(i)].ff += told_[row][std::size_t(system_.body.joint[i].joint)];
     }
   }
   double asked(int i, const SeaState<double>& s) const {
@@ -219,7 +271,8 @@ class DrivenRun {
   std::vector<Now> now_;
   State y_;
   double t_ = 0;
-  std::size_t row_ = 0;  ///< whose command is the next
+  std::size_t row_ = 0, sampled_ = 0;                  ///< whose command is the next; at which the controller is asked
+  std::vector<std::array<double, kMostJoints>> told_;  ///< by the controller, row by row [Nm]
 };
 
 }  // namespace
@@ -237,11 +290,13 @@ DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const 
                              const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options) {
   DrivenRollout out;
   out.joint.resize(robot.joints.size());
+  if (options.loads) out.force.resize(robot.contacts.size());
   DrivenRun<kSize> run(robot, path, commands);
   run.start(start, times.front(), &out);
   for (const double t : times) {
     if (!run.advance(t, options, out)) return out;
     run.sample(out);
+    if (options.loads) run.sample_loads(out);
   }
   out.complete = true;
   return out;

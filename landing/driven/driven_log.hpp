@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,9 +18,15 @@ enum CommandColumn { kPhiRef, kDphiRef, kTorqueFf, kKp, kKd, kOn, kTold };
 /// `on`: the share of the torque that acts, 0: the drive is switched off.
 inline constexpr std::array<const char*, kTold> kToldNames = {"phi_ref", "dphi_ref", "torque_ff", "k_p", "k_d", "on"};
 
+/// A controller in the loop, by the state at a row: adds to `torque` what it asks of each driven joint [Nm]. All are of
+/// Robot::joints; t of the log's clock [s], angles [rad], rates [rad/s]. Called from several threads at once.
+using Controller =
+    std::function<void(double t, std::span<const double> phi, std::span<const double> dphi, std::span<double> torque)>;
+
 /// The commands of a log; each is held from its row to the next.
 struct Commands {
   std::vector<double> t;  ///< of the rows [s], increasing
+  Controller controller;  ///< its torque comes beside what the columns ask, through the same path; if set
   /// Of Robot::joints, then by CommandColumn: one a row, or none at all.
   std::vector<std::array<std::vector<double>, kTold>> joint;
 };
@@ -27,23 +36,38 @@ enum Sensed { kAngle, kRate, kTorque, kSensed };
 inline constexpr std::array<const char*, kSensed> kSensedNames = {"phi", "dphi", "torque"};
 inline constexpr std::array<const char*, kSensed> kSensedUnits = {"rad", "rad/s", "Nm"};
 
+/// What is measured of the first link of a free base: its origin, absolute angle and its rate.
+enum BaseSensed { kOriginX, kOriginY, kPitch, kPitchRate, kBaseSensed };
+inline constexpr std::array<const char*, kBaseSensed> kBaseSensedNames = {"x", "y", "theta", "dtheta"};
+inline constexpr std::array<const char*, kBaseSensed> kBaseSensedUnits = {"m", "m", "rad", "rad/s"};
+
+/// What is measured of the whole robot, as its landings have it: acceleration of the point that counts, its norm and
+/// parts along and across the floor.
+enum BodySensed { kNorm, kAlong, kAcross, kBodySensed };
+inline constexpr std::array<const char*, kBodySensed> kBodySensedNames = {"acc", "ax", "ay"};
+/// And of each contact: the floor's force on the robot, along and across the floor.
+inline constexpr std::array<const char*, 2> kForceNames = {"_x", "_y"};
+
 /// Angle and rate of a joint, and of the motor behind a spring.
 struct JointStart {
   double phi = 0, dphi = 0, spring = 0;  ///< spring: phi_m - phi, the motor's rate is the joint's
 };
 
-/// Where a trial starts. A base on a rail stands so that the lowest contact is `height` over its surface [m] and
-/// rises with `speed` [m/s].
+/// Where a trial starts. A base that is not pinned stands so that the lowest contact is `height` over its surface [m]
+/// and rises with `speed` [m/s]; where `y` says how high the first link's origin is, and rises, both are added to that.
 struct DrivenStart {
   std::vector<JointStart> joint;  ///< of Robot::joints
   double height = 0, speed = 0;
+  double x = 0, forward_speed = 0;         ///< of a free base: its first link's origin [m], [m/s]
+  double pitch = 0, pitch_rate = 0;        ///< and its absolute angle [rad], [rad/s]
+  std::optional<std::array<double, 2>> y;  ///< [m], [m/s]
 };
 
 /// How far a robot on a rail reaches below its base, along the rail, at each row of joint angles (of Robot::joints)
 /// [m].
 std::vector<double> extensions(const Robot& robot, const std::vector<std::vector<double>>& phi);
 
-/// Throws InputError where the fit of trials has no law for a robot: a free base, a pinned first link without a joint.
+/// Throws InputError where the fit of trials has no law for a robot: a pinned first link without a joint.
 void check_driven(const Robot& robot);
 
 }  // namespace ukemi::landing

@@ -10,8 +10,6 @@
 namespace ukemi::landing {
 
 void check_driven(const Robot& robot) {
-  if (robot.base == Base::kFree)
-    throw InputError("base: trials need a robot that is pinned or on a rail: base = \"pinned\" or \"rail\"");
   if (robot.base == Base::kPinned && !robot.joint_of(0))
     throw InputError("link " + quoted(robot.links[0].name) +
                      ": trials need the angle of every link: the first link needs a joint of its own, its pin");

@@ -15,6 +15,7 @@ namespace ukemi::landing {
 struct DrivenOptions {
   double step = 0;        ///< longest [s], > 0; 0: that of stable_step
   long most = 2'000'000;  ///< steps of one run
+  bool loads = false;     ///< accelerations and forces are sampled too, at a derivative a time
 };
 
 /// A step over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
@@ -26,13 +27,16 @@ struct DrivenOptions {
 struct DrivenRollout {
   /// Of Robot::joints, then by Sensed: one a time.
   std::vector<std::array<std::vector<double>, kSensed>> joint;
-  std::vector<ContactChange> changes;  ///< in their order; those that touch at the start first
+  std::array<std::vector<double>, kBaseSensed> base;          ///< of a free base, one a time
+  std::array<std::vector<double>, kBodySensed> acceleration;  ///< likewise [m/s^2]; empty: not sampled
+  std::vector<std::array<std::vector<double>, 2>> force;      ///< of Robot::contacts, on the robot [N]; likewise
+  std::vector<ContactChange> changes;                         ///< in their order; those that touch at the start first
   bool complete = false;  ///< every time has its values: no state left the range of numbers or of the joints
   long steps = 0;
 };
 
-/// From `start`, at times.front() to the last of `times` [the clock of `commands`, increasing]. The
-/// torque at a time is that of the command in force before it.
+/// From `start`, at times.front() to the last of `times` [the clock of `commands`, increasing]. Torque, acceleration
+/// and forces at a time are those of the command in force before it.
 [[nodiscard]] DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
                                         const DrivenStart& start, const std::vector<double>& times,
                                         const DrivenOptions& options = {});

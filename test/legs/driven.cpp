@@ -267,46 +267,167 @@ TEST_CASE("a prediction fits nothing but the starts", "[driven]") {
   CHECK(predict_robot(c.robot, wrong.trials, c.options).rms[kAngle] > 1e-3);
 }
 
-TEST_CASE("a leg on a rail that follows a log's commands lands as the landing of the same reference does", "[driven]") {
-  // The landing: another integrator (eighth order, steps of its own), events on the dense output.
-  BodyScene scene = read_body_scene(UKEMI_DATASETS "/scenes/hopper.toml");
-  const Robot& robot = scene.robot;
-  const BodyMotion held = held_posture(scene);
-  const BodyLanding landing = simulate(scene, held, {.accuracy = 1e-10}, 500);
-  REQUIRE(landing.touches.size() >= 2);
+TEST_CASE("a controller in the loop acts by the state at its row, a delay later", "[driven]") {
+  Pendulum p;
+  p.k_p = p.k_d = 0, p.delay = 0.0013;
+  const auto law = [](double t, const double* phi, const double* dphi, double* torque) {
+    torque[0] = 5 * (0.5 * std::sin(4 * t) - phi[0]) - 0.2 * dphi[0];
+    torque[1] = 3 * (0.7 * std::sin(6 * t) - phi[1]) - 0.1 * dphi[1] + 0.2 * phi[0];
+  };
+  const Case c(p, 1, 1, 0, kFree, 0);
+  DrivenRobot robot = c.robot;
+  robot.path.delay = p.delay;
+  Commands commands;
+  commands.joint.resize(2);
+  constexpr int kRows = 400;
+  std::vector<std::array<double, 2>> truth;
+  Pendulum::State y{0.1, -0.2, 0, 0};
+  const double still[2] = {0, 0};
+  double acts[2];
+  law(0, &y[0], &y[2], acts);
+  for (int k = 0; k < kRows; ++k) {
+    commands.t.push_back(0.004 * k), truth.push_back({y[0], y[1]});
+    double next[2];
+    law(0.004 * k, &y[0], &y[2], next);
+    p.advance(y, still, acts, p.delay);
+    p.advance(y, still, next, 0.004 - p.delay);
+    std::copy(next, next + 2, acts);
+  }
+  commands.controller = [&](double t, auto phi, auto dphi, auto torque) {
+    law(t, phi.data(), dphi.data(), torque.data());
+  };
+  const DrivenRollout r =
+      roll_driven(robot.scene.robot, robot.path, commands, {{{0.1, 0, 0}, {-0.2, 0, 0}}}, commands.t);
+  REQUIRE(r.complete);
+  for (std::size_t k = 0; k < kRows; ++k)
+    for (std::size_t j = 0; j < 2; ++j) CHECK(r.joint[j][kAngle][k] == Approx(truth[k][j]).margin(5e-5));
+}
+
+namespace {
+
+/// A landing with its joints held, by the run of a landing: another integrator (eighth order, steps of its own), events
+/// on the dense output; and what a log of it tells the drives.
+struct HeldLanding {
+  static constexpr double kRate = 500;  // [Hz]
+  BodyScene scene;
+  BodyLanding landing;
   Commands commands;
   CommandPath path;
   DrivenStart start;
-  start.height = scene.drop.height;
-  commands.t = {0, 10};
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    commands.joint.emplace_back();
-    commands.joint.back()[kPhiRef] = {held[i].phi_i, held[i].phi_i};
-    commands.joint.back()[kDphiRef] = {0, 0};
-    start.joint.push_back({held[i].phi_i, 0, 0});
-    path.joints.push_back({.torque_low = -robot.joints[i].sea.tau_max, .torque_high = robot.joints[i].sea.tau_max});
-  }
   std::vector<double> times;
   std::vector<const BodySample*> rows;
-  for (const BodySample& row : landing.trajectory)
-    if (times.empty() || row.t > times.back() + 1e-4) times.push_back(row.t), rows.push_back(&row);
+
+  explicit HeldLanding(const std::string& name) : scene(read_body_scene(UKEMI_DATASETS "/scenes/" + name + ".toml")) {
+    const Robot& robot = scene.robot;
+    const BodyMotion held = held_posture(scene);
+    landing = simulate(scene, held, {.accuracy = 1e-10}, kRate);
+    start.height = scene.drop.height;
+    start.pitch = scene.drop.pitch, start.forward_speed = robot.base == Base::kFree ? scene.drop.forward_speed : 0;
+    commands.t = {0, 10};
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+      const double most = robot.joints[i].kind == DriveKind::kGeared ? robot.joints[i].sea.tau_max : 1e9;
+      commands.joint.emplace_back();
+      commands.joint.back()[kPhiRef] = {held[i].phi_i, held[i].phi_i};
+      commands.joint.back()[kDphiRef] = {0, 0};
+      start.joint.push_back({held[i].phi_i, 0, 0});
+      path.joints.push_back({.torque_low = -most, .torque_high = most});
+    }
+    for (const BodySample& row : landing.trajectory)
+      if (times.empty() || row.t > times.back() + 1e-4) times.push_back(row.t), rows.push_back(&row);
+  }
+  /// Not at an event, where accelerations jump.
+  bool is_smooth(const DrivenRollout& r, double t) const {
+    const bool on_grid = std::abs(t * kRate - std::round(t * kRate)) < 1e-6;
+    return on_grid &&
+           std::none_of(r.changes.begin(), r.changes.end(), [&](auto& c) { return std::abs(c.t - t) < 1e-3; });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a leg that follows a log's commands lands as the landing of the same reference does", "[driven]") {
+  const HeldLanding held("hopper");
+  REQUIRE(held.landing.touches.size() >= 2);
   const auto worst = [&](double step) {
-    const DrivenRollout r = roll_driven(robot, path, commands, start, times, {.step = step});
+    const DrivenRollout r =
+        roll_driven(held.scene.robot, held.path, held.commands, held.start, held.times, {.step = step, .loads = true});
     REQUIRE(r.complete);
     double out = 0;
-    for (std::size_t j = 0; j < robot.joints.size(); ++j)
-      for (std::size_t k = 0; k < times.size(); ++k)
-        out = std::max(out, std::abs(r.joint[j][kAngle][k] - rows[k]->phi[j]));
+    for (std::size_t j = 0; j < held.scene.robot.joints.size(); ++j)
+      for (std::size_t k = 0; k < held.times.size(); ++k)
+        out = std::max(out, std::abs(r.joint[j][kAngle][k] - held.rows[k]->phi[j]));
     REQUIRE(r.changes.size() >= 2);
     CHECK(r.changes[0].touches);
-    CHECK(r.changes[0].contact == landing.touches[0].point);
-    CHECK(r.changes[0].t == Approx(landing.first_touchdown).margin(1e-5));
+    CHECK(r.changes[0].contact == held.landing.touches[0].point);
+    CHECK(r.changes[0].t == Approx(held.landing.first_touchdown).margin(1e-5));
+    for (std::size_t k = 0; k < held.times.size(); ++k) {
+      if (!held.is_smooth(r, held.times[k])) continue;
+      CHECK(r.acceleration[kAcross][k] == Approx(held.rows[k]->acc_y).margin(0.01));
+      for (std::size_t c = 0; c < held.scene.robot.contacts.size(); ++c)
+        CHECK(r.force[c][1][k] == Approx(held.rows[k]->force_y[c]).margin(0.05));
+    }
     return out;
   };
   const double coarse = worst(2e-4), fine = worst(5e-5);
   INFO("coarse " << coarse << ", fine " << fine);
   CHECK(coarse < 1e-5);
   CHECK(fine < 1e-7);
+}
+
+TEST_CASE("a thrown robot that follows a log's commands lands as the landing of the same reference does", "[driven]") {
+  const HeldLanding held("foot");
+  const Robot& robot = held.scene.robot;
+  const DrivenRollout r =
+      roll_driven(robot, held.path, held.commands, held.start, held.times, {.step = 2e-5, .loads = true});
+  REQUIRE(r.complete);
+  for (std::size_t k = 0; k < held.times.size(); ++k) {
+    const BodySample& row = *held.rows[k];
+    INFO("at " << row.t << " s");
+    CHECK(r.base[kPitch][k] == Approx(row.theta[0]).margin(1e-5));
+    CHECK(r.base[kOriginX][k] - r.base[kOriginX][0] == Approx(row.x[0] - held.rows[0]->x[0]).margin(1e-5));
+    CHECK(r.base[kOriginY][k] == Approx(row.y[0]).margin(1e-5));
+    for (std::size_t j = 0; j < robot.joints.size(); ++j)
+      CHECK(r.joint[j][kAngle][k] == Approx(row.phi[j]).margin(1e-5));
+    if (!held.is_smooth(r, row.t)) continue;
+    CHECK(r.acceleration[kAlong][k] == Approx(row.acc_x).margin(0.1));
+    CHECK(r.acceleration[kAcross][k] == Approx(row.acc_y).margin(0.1));
+  }
+}
+
+TEST_CASE("constants of a thrown robot come back from its accelerometer, its pitch and its joints", "[driven]") {
+  const HeldLanding held("three_links");
+  const test::Folder folder;
+  Random random(kSeed, 77);
+  std::string log = "t", rows;
+  for (const Joint& j : held.scene.robot.joints) log += fmt::format(",phi_{0},phi_ref_{0},dphi_ref_{0}", j.name);
+  log += fmt::format(",theta_{},ax,ay\n", held.scene.robot.links[0].name);
+  for (const BodySample* row : held.rows) {
+    log += fmt::format("{:.9g}", row->t);
+    for (std::size_t j = 0; j < held.scene.robot.joints.size(); ++j)
+      log += fmt::format(",{:.9g},{:.17g},0", row->phi[j] + 3e-4 * random.normal(), held.commands.joint[j][kPhiRef][0]);
+    log += fmt::format(",{:.9g},{:.9g},{:.9g}\n", row->theta[0] + 3e-4 * random.normal(),
+                       row->acc_x + 0.2 * random.normal(), row->acc_y + 0.2 * random.normal());
+  }
+  DrivenRobot robot{.scene = held.scene, .path = held.path};
+  std::map<std::string, double> truth;
+  const std::string foot = "robot.contact." + held.scene.robot.contacts.back().name + ".";
+  for (const std::string& name : {foot + "stiffness", foot + "damping_normal", std::string("drive.knee.k_sea")})
+    truth[name] = number_of(robot, name);
+  const auto trials = read_robot_trials(folder.write("fall.csv", log), held.scene.robot, {.columns = ""});
+  RobotFitOptions options;
+  options.terms = robot_terms(robot, trials), options.threads = 2;
+  for (const auto& [name, value] : truth)
+    options.terms.free.push_back(name), set_in(robot, options.terms[name], 1.15 * value);
+  const RobotFit fit = fit_robot(robot, trials, options);
+  INFO(fit.message);
+  REQUIRE(fit.converged);
+  for (const identify::Estimate& e : fit.parameters) {
+    if (!e.free) continue;
+    INFO(e.name << " " << e.value << ", true " << truth.at(e.name));
+    REQUIRE(e.std);
+    CHECK(std::abs(e.value - truth.at(e.name)) < 4 * *e.std);
+    CHECK(*e.std < 0.1 * e.value);
+  }
 }
 
 TEST_CASE("a log of an encoder's steps has at least the noise of its steps", "[driven]") {

@@ -63,8 +63,9 @@ struct Leg {
     for (std::size_t i = 0; i < kLinks; ++i) out[i] = kP * (ref[i] - phi[i]) - kD * rate[i];
     return out;
   }
-  /// dv, and the slip's rate.
-  Vector acceleration(const State& s, const std::array<double, kLinks>& ref, double& dslip) const {
+  /// dv, the slip's rate, and the floor's force on the toe, along and across it.
+  Vector acceleration(const State& s, const std::array<double, kLinks>& ref, double& dslip,
+                      Eigen::Vector2d* floor = nullptr) const {
     Eigen::Matrix<double, 1 + kLinks, 1 + kLinks> m = Eigen::Matrix<double, 1 + kLinks, 1 + kLinks>::Zero();
     Vector force = Vector::Zero();
     m(0, 0) = slider, force[0] = -slider * kGravity;
@@ -98,6 +99,7 @@ struct Leg {
                    held = k_t * s.slip + c_t * rate_of_toe[0], along = std::clamp(held, -mu * push, mu * push);
       dslip = std::abs(held) <= mu * push ? rate_of_toe[0] : (along - k_t * s.slip) / c_t;
       force += j.transpose() * Eigen::Vector2d(-along, push);
+      if (floor) *floor = {-along, push};
     }
     return m.ldlt().solve(force);
   }
@@ -123,11 +125,14 @@ std::array<double, kLinks> reference(double t, double phase) {
           0.7 + 0.3 * std::sin(13 * t + 3 * phase)};
 }
 
-/// A log that begins with the toe at rest on the floor.
-std::string log_of(const Leg& leg, int rows, double phase, std::uint64_t draw) {
+/// A log that begins with the toe at rest on the floor; with `loads` of the slider's accelerometer and a force plate
+/// too; `reported`: what the columns of reported torques are called.
+std::string log_of(const Leg& leg, int rows, double phase, std::uint64_t draw, bool loads = false,
+                   const std::string& reported = "torque") {
   Random random(kSeed, draw);
-  std::string out =
-      "t,phi_hip,phi_knee,phi_ankle,torque_hip,torque_knee,torque_ankle,phi_ref_hip,phi_ref_knee,phi_ref_ankle\n";
+  std::string out = fmt::format(
+      "t,phi_hip,phi_knee,phi_ankle,{0}_hip,{0}_knee,{0}_ankle,phi_ref_hip,phi_ref_knee,phi_ref_ankle", reported);
+  out += loads ? ",ay,f_toe_x,f_toe_y\n" : "\n";
   Leg::State s;
   const auto first = reference(0, phase);
   s.v.setZero(), s.q << 0, first[0], first[0] + first[1], first[0] + first[1] + first[2];
@@ -140,6 +145,13 @@ std::string log_of(const Leg& leg, int rows, double phase, std::uint64_t draw) {
     for (const double x : phi) out += fmt::format(",{:.9g}", x + 5e-4 * random.normal());
     for (const double x : torque) out += fmt::format(",{:.9g}", x + 0.02 * random.normal());
     for (const double x : ref) out += fmt::format(",{:.17g}", x);
+    if (loads) {
+      double slip;
+      Eigen::Vector2d floor(0, 0);
+      const double up = leg.acceleration(s, in_force, slip, &floor)[0];
+      out += fmt::format(",{:.9g},{:.9g},{:.9g}", up + 0.05 * random.normal(), floor[0] + 0.1 * random.normal(),
+                         floor[1] + 0.1 * random.normal());
+    }
     out += "\n";
     leg.advance(s, in_force, leg.delay);
     leg.advance(s, ref, kRow - leg.delay);
@@ -231,4 +243,47 @@ TEST_CASE("constants of a leg of three joints on a rail come back within their e
   INFO("rms z " << rms << " of " << n << " trusted constants in " << draws << " draws");
   CHECK(rms < spread);
   if (draws >= 30) WARN("rms z " << rms << " of " << n << " trusted constants in " << draws << " draws");
+}
+
+TEST_CASE("an accelerometer and a force plate tell what angles leave open", "[driven]") {
+  Leg leg;
+  leg.slider = 1.05, leg.mu = 0.6;
+  const test::Folder folder;
+  std::string file = robot_of(leg, 1.1);
+  const std::string mass = "mass = 1.05";
+  file.replace(file.find(mass), mass.size(), "mass = 1.15");
+  const DrivenRobot robot = read_driven_robot(folder.write("robot.toml", file));
+  auto truth = truths(leg);
+  truth["robot.link.slider.mass"] = leg.slider, truth["command.hip.torque_gain"] = 1;
+  const auto fitted = [&](bool loads) {
+    const auto trials = read_robot_trials(folder.write("log.csv", log_of(leg, 400, 1.3, 1, loads, "unread")),
+                                          robot.scene.robot, {.columns = ""});
+    RobotFitOptions options;
+    options.terms = robot_terms(robot, trials), options.threads = 2;
+    for (const auto& [name, value] : truth) options.terms.free.push_back(name);
+    return fit_robot(robot, trials, options);
+  };
+  const RobotFit without = fitted(false), with = fitted(true);
+  REQUIRE(with.converged);
+  for (const identify::Estimate& e : with.parameters) {
+    if (!e.free) continue;
+    INFO(e.name << " " << e.value << ", true " << truth.at(e.name));
+    REQUIRE(e.std);
+    CHECK(std::abs(e.value - truth.at(e.name)) < 4 * *e.std);
+  }
+  const auto error = [](const RobotFit& fit, const std::string& name) {
+    for (const identify::Estimate& e : fit.parameters)
+      if (e.name == name) return e.std.value_or(std::numeric_limits<double>::infinity());
+    return 0.0;
+  };
+  for (const char* name : {"robot.link.slider.mass", "command.hip.torque_gain", "robot.contact.toe.friction"}) {
+    INFO(name << ": " << error(without, name) << " without, " << error(with, name) << " with");
+    CHECK(error(with, name) < 0.5 * error(without, name));
+  }
+  for (std::size_t o = 0; o < with.channels.size(); ++o) {
+    const double noise = with.channels[o].name == "ay" ? 0.05 : with.channels[o].unit == "N" ? 0.1 : 0;
+    if (noise == 0 || with.channels[o].name == "ax" || with.channels[o].name == "acc") continue;
+    INFO(with.channels[o].name);
+    CHECK(with.rms[o] == Approx(noise).epsilon(0.15));
+  }
 }

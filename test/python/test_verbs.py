@@ -251,6 +251,14 @@ def test_driven_robots(driven, hopper, tmp_path):
     for pieces in ("often", -1.0, [2.0, 1.0], "auto"):
         with pytest.raises(ukemi.InputError):
             ukemi.read_robot_trials(trials[0].name, robot, pieces=pieces)
+    push = ukemi.predict_robot(robot, trials, controller=lambda t, phi, dphi: [0.2 * math.sin(9 * t) - 0.01 * dphi[0]])
+    assert push.rms["phi_servo"] > 10 * found.rms["phi_servo"]
+    nothing = ukemi.predict_robot(robot, trials, controller=lambda t, phi, dphi: phi * 0)
+    assert nothing.rms == ukemi.predict_robot(robot, trials).rms
+    with pytest.raises(ukemi.InputError, match="controller: 2 torques"):
+        ukemi.predict_robot(robot, trials, controller=lambda t, phi, dphi: [0, 0])
+    with pytest.raises(ZeroDivisionError):
+        ukemi.identify_robot(robot, trials, ["drive.servo.friction"], controller=lambda t, phi, dphi: [1 / 0])
     leg = ukemi.read_driven_robot(ukemi.dataset("scenes/hopper.toml"))
     rows = ["t,phi_hip,phi_knee,phi_ref_hip,phi_ref_knee"] + [f"{0.002 * k},0.6,-1.2,0.6,-1.2" for k in range(50)]
     (tmp_path / "leg.csv").write_text("\n".join(rows) + "\n")

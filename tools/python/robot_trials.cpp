@@ -104,7 +104,7 @@ void bind_result(py::module_& m) {
               if (std::isfinite(r.fit.noise[o])) out[r.fit.channels[o].name] = r.fit.rms[o];
             return out;
           },
-          "Residual of each output that was measured, by its name [rad, rad/s or Nm].")
+          "Residual of each output that was measured, by its name [its SI unit].")
       .def_property_readonly(
           "baselines",
           [](const RobotIdentified& r) {
@@ -117,7 +117,7 @@ void bind_result(py::module_& m) {
           },
           "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
           "trials (NaN: fewer than three) [rad, rad/s or Nm].")
-      .def("outputs", outputs_of, py::arg("trial"), "Simulated angles, rates and torques of a trial, by name.")
+      .def("outputs", outputs_of, py::arg("trial"), "Simulated outputs of a trial, by name.")
       .def(
           "contacts",
           [](const RobotIdentified& r, std::size_t trial) {
@@ -136,10 +136,36 @@ void bind_result(py::module_& m) {
   bind_value(c);
 }
 
-RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
+/// f(t, phi, dphi), or None.
+using PyController = std::optional<py::function>;
+
+/// The trials with a Python function in their loop.
+std::vector<RobotTrial> controlled(std::vector<RobotTrial> trials, const PyController& controller) {
+  if (!controller) return trials;
+  const Controller in_loop = [f = *controller](double t, std::span<const double> phi, std::span<const double> dphi,
+                                               std::span<double> torque) {
+    const py::gil_scoped_acquire lock;
+    const auto array = [](std::span<const double> x) { return py::array_t<double>(py::ssize_t(x.size()), x.data()); };
+    const auto asked = f(t, array(phi), array(dphi)).cast<std::vector<double>>();
+    if (asked.size() != torque.size())
+      throw InputError(
+          fmt::format("controller: {} torques: {} are needed, one of each joint", asked.size(), torque.size()));
+    std::copy(asked.begin(), asked.end(), torque.begin());
+  };
+  for (RobotTrial& t : trials) {
+    auto commands = std::make_shared<Commands>(*t.commands);
+    commands->controller = in_loop;
+    t.commands = std::move(commands);
+  }
+  return trials;
+}
+
+RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTrial>& given,
                            const std::optional<std::vector<std::string>>& free, const Priors& priors,
-                           const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads) {
-  if (trials.empty()) throw InputError("trials: at least one is needed");
+                           const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
+                           const PyController& controller) {
+  if (given.empty()) throw InputError("trials: at least one is needed");
+  const std::vector<RobotTrial> trials = controlled(given, controller);
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
   o.threads = threads, o.seed = seed, o.restarts = starts;
@@ -147,7 +173,7 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
   if (free) o.terms = choose(std::move(o.terms), free, starts_of_trials, priors, lower, upper);
   return long_call([&](const std::function<bool()>& stop) {
     o.monitor.stop = stop;
-    return RobotIdentified{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), trials};
+    return RobotIdentified{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), given};
   });
 }
 
@@ -158,19 +184,26 @@ void bind_robot_trials(py::module_& m) {
   m.def(
       "identify_robot",
       [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const std::vector<std::string>& free,
-         const Priors& priors, const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed,
-         int threads) { return identified(robot, trials, free, priors, lower, upper, starts, seed, threads); },
+         const Priors& priors, const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
+         const PyController& controller) {
+        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller);
+      },
       py::arg("robot"), py::arg("trials"), py::arg("free"), py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
       py::arg("upper") = Bounds{}, py::arg("starts") = 0, py::arg("seed") = 1, py::arg("threads") = 0,
+      py::arg("controller") = py::none(),
       "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
-      "names as \"drive.hip.friction\"; starts: further ones, drawn.");
+      "names as \"drive.hip.friction\"; starts: further ones, drawn. controller: f(t, phi, dphi) -> torques, asked at "
+      "each row of a log for what it adds to the torque of each joint [Nm], from the log's clock [s], the angles [rad] "
+      "and rates [rad/s] of all joints of the file; it acts as a row's command does.");
   m.def(
       "predict_robot",
-      [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, int threads) {
-        return identified(robot, trials, std::nullopt, {}, {}, {}, 0, 1, threads);
+      [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, int threads, const PyController& controller) {
+        return identified(robot, trials, std::nullopt, {}, {}, {}, 0, 1, threads, controller);
       },
-      py::arg("robot"), py::arg("trials"), py::arg("threads") = 0,
-      "The trials for the robot's constants, as `ukemi predict --robot`; only how each starts is fitted.");
+      py::arg("robot"), py::arg("trials"), py::arg("threads") = 0, py::arg("controller") = py::none(),
+      "The trials for the robot's constants, as `ukemi predict --robot`; only how each starts is fitted. controller: "
+      "as "
+      "of identify_robot.");
 }
 
 }  // namespace ukemi::python

@@ -20,6 +20,26 @@ constexpr Quantity kSensedQuantity[kSensed] = {Quantity::kAngle, Quantity::kRate
 constexpr Quantity kToldQuantity[kTold] = {Quantity::kAngle,   Quantity::kRate,    Quantity::kTorque,
                                            Quantity::kCommand, Quantity::kCommand, Quantity::kCommand};
 
+/// What is not of a joint.
+std::vector<DropChannel> body_channels_of(const Robot& robot) {
+  std::vector<DropChannel> out;
+  for (std::size_t q = 0; q < kBaseSensed && robot.base == Base::kFree; ++q)
+    out.push_back({std::string(kBaseSensedNames[q]) + "_" + robot.links[0].name, kBaseSensedUnits[q]});
+  for (const char* name : kBodySensedNames) out.push_back({name, "m/s^2", true});
+  for (const ContactPoint& c : robot.contacts)
+    for (const char* part : kForceNames) out.push_back({"f_" + c.name + part, "N", true});
+  return out;
+}
+
+Quantity quantity_of(const std::string& unit) {
+  static const std::map<std::string, Quantity> of = {{"m", Quantity::kLength},
+                                                     {"rad", Quantity::kAngle},
+                                                     {"rad/s", Quantity::kRate},
+                                                     {"m/s^2", Quantity::kAcceleration},
+                                                     {"N", Quantity::kForce}};
+  return of.at(unit);
+}
+
 std::vector<identify::Column> known_columns(const Robot& robot) {
   std::vector<identify::Column> out = {{"t", Quantity::kTime}};
   for (const Joint& j : robot.joints) {
@@ -29,6 +49,7 @@ std::vector<identify::Column> known_columns(const Robot& robot) {
     for (int q = 0; j.driven() && q < kTold; ++q)
       out.push_back({std::string(kToldNames[std::size_t(q)]) + "_" + j.name, kToldQuantity[q]});
   }
+  for (const DropChannel& c : body_channels_of(robot)) out.push_back({c.name, quantity_of(c.unit)});
   return out;
 }
 
@@ -146,6 +167,7 @@ std::vector<DropChannel> sensed_channels(const Robot& robot) {
   for (const Joint& j : robot.joints)
     for (std::size_t q = 0; q < kSensed; ++q)
       out.push_back({std::string(kSensedNames[q]) + "_" + j.name, kSensedUnits[q]});
+  for (DropChannel& c : body_channels_of(robot)) out.push_back(std::move(c));
   return out;
 }
 
@@ -159,7 +181,8 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
     throw InputError({path, log.table().line.back()},
                      fmt::format("{} rows: at least {} are needed", commands->t.size(), kLeast));
   commands->joint.resize(robot.joints.size());
-  std::vector<std::vector<double>> measured(sensed_channels(robot).size());
+  const std::vector<DropChannel> channels = sensed_channels(robot);
+  std::vector<std::vector<double>> measured(channels.size());
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& j = robot.joints[i];
     if (j.kind == DriveKind::kLocked) continue;
@@ -170,6 +193,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
     for (std::size_t q = 0; q < kTold; ++q)
       commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
   }
+  for (std::size_t o = kSensed * robot.joints.size(); o < channels.size(); ++o) measured[o] = log.get(channels[o].name);
   const bool hops = options.cuts == RobotLogOptions::Cuts::kHops;
   if (hops && robot.base != Base::kRail)
     throw InputError("--pieces: auto: base = \"rail\" is needed: a log is cut where a robot on a rail pushes off");

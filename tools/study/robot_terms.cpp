@@ -107,6 +107,12 @@ class TableOf {
     add_start("height", "m", "of the lowest contact over its surface at the start", 0.01);
     add_start("speed", "m/s", "at which it rises there", 0.1);
   }
+  void add_free_start() {
+    add_start("pitch", "rad", "added to the first link's angle that the log starts with", 0.01);
+    add_start("pitch_rate", "rad/s", "added to its rate", 0.1);
+    add_start("forward_speed", "m/s", "added to its speed", 0.1);
+    add_start("x", "m", "added to its place along the floor", 0.01);
+  }
   void add_contact(const ContactPoint& c) {
     const std::string to = "robot.contact." + c.name + ".";
     const bool hunt = c.law.hunt_crossley;
@@ -133,6 +139,12 @@ bool has_column(const std::vector<RobotTrial>& trials, std::size_t joint, Comman
 bool sensed(const std::vector<RobotTrial>& trials, std::size_t joint, Sensed what) {
   return std::any_of(trials.begin(), trials.end(),
                      [&](auto& t) { return !t.log.output[kSensed * joint + what].empty(); });
+}
+
+/// Whether the place of a free base along the floor is measured: nothing else tells it.
+bool sees_place(const Robot& robot, const std::vector<RobotTrial>& trials) {
+  const std::size_t x = kSensed * robot.joints.size() + kOriginX;
+  return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.log.output[x].empty(); });
 }
 
 void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const std::vector<RobotTrial>& trials) {
@@ -172,9 +184,10 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
   identify::Terms<DropTerm> out;
   for (const Joint& j : r.joints)
     if (j.kind != DriveKind::kLocked) table.add_start(j);
-  if (r.base == Base::kRail) table.add_base_start();
+  if (r.base != Base::kPinned) table.add_base_start();
+  if (r.base == Base::kFree) table.add_free_start();
   for (const DropTerm& t : table.out)
-    if (!t.is_constant()) out.nuisance.push_back(t.name);
+    if (!t.is_constant() && (t.name != "start.x" || sees_place(r, trials))) out.nuisance.push_back(t.name);
   out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table.out));
   return out;
 }

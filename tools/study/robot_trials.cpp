@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "common/error.hpp"
 #include "landing/plan/design_numbers.hpp"
@@ -19,10 +20,15 @@ const std::string kCommand = "command.", kStart = "start.";
 
 bool begins(const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; }
 
-/// The joint and the key of "start.JOINT.KEY".
+/// The number of "start.JOINT.KEY", or "start.KEY" of the base.
 double& number_in(DrivenStart& start, const Robot& robot, const std::string& name) {
   const std::size_t dot = name.rfind('.');
-  if (dot < kStart.size()) return name == kStart + "height" ? start.height : start.speed;
+  if (dot < kStart.size()) {
+    const std::map<std::string, double*> base = {{"height", &start.height}, {"speed", &start.speed},
+                                                 {"x", &start.x},           {"forward_speed", &start.forward_speed},
+                                                 {"pitch", &start.pitch},   {"pitch_rate", &start.pitch_rate}};
+    return *base.at(name.substr(kStart.size()));
+  }
   const std::string joint = name.substr(kStart.size(), dot - kStart.size()), key = name.substr(dot + 1);
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].name == joint)
@@ -30,22 +36,51 @@ double& number_in(DrivenStart& start, const Robot& robot, const std::string& nam
   throw InputError(name + ": no such start");
 }
 
-/// Angle and rate by a line through the first rows that are measured; 0 where none is.
-JointStart start_of(const DropLog& log, std::size_t joint) {
+/// A value and its rate by a line through the first rows that are measured; 0 where none is. A measured rate counts.
+std::array<double, 2> start_of(const std::vector<double>& t, const std::vector<double>& x,
+                               const std::vector<double>& rate = {}) {
   constexpr double kSpan = 0.01;  // [s]
   constexpr long kLeast = 3;
-  const std::vector<double>&phi = log.output[kSensed * joint + kAngle], &dphi = log.output[kSensed * joint + kRate];
-  double n = 0, st = 0, sp = 0, stt = 0, stp = 0;
-  for (std::size_t i = 0; i < phi.size() && (log.t[i] <= kSpan || n < kLeast); ++i) {
-    if (!std::isfinite(phi[i])) continue;
-    n += 1, st += log.t[i], sp += phi[i], stt += log.t[i] * log.t[i], stp += log.t[i] * phi[i];
+  double n = 0, st = 0, sx = 0, stt = 0, stx = 0;
+  for (std::size_t i = 0; i < x.size() && (t[i] <= kSpan || n < kLeast); ++i) {
+    if (!std::isfinite(x[i])) continue;
+    n += 1, st += t[i], sx += x[i], stt += t[i] * t[i], stx += t[i] * x[i];
   }
-  JointStart out;
+  std::array<double, 2> out{};
   const double spread = n * stt - st * st;
-  if (n > 0) out.phi = sp / n;
-  if (spread > 0) out.dphi = (n * stp - st * sp) / spread, out.phi = (sp - out.dphi * st) / n;
-  const auto first = std::find_if(dphi.begin(), dphi.end(), [](double x) { return std::isfinite(x); });
-  if (first != dphi.end()) out.dphi = *first;
+  if (n > 0) out[0] = sx / n;
+  if (spread > 0) out[1] = (n * stx - st * sx) / spread, out[0] = (sx - out[1] * st) / n;
+  const auto first = std::find_if(rate.begin(), rate.end(), [](double v) { return std::isfinite(v); });
+  if (first != rate.end()) out[1] = *first;
+  return out;
+}
+DrivenStart start_of(const DropLog& log, const Robot& robot) {
+  DrivenStart out;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const auto* of = &log.output[kSensed * i];
+    const auto [phi, dphi] = start_of(log.t, of[kAngle], of[kRate]);
+    out.joint.push_back({phi, dphi, 0});
+  }
+  if (robot.base != Base::kFree) return out;
+  const auto* base = &log.output[kSensed * robot.joints.size()];
+  const auto [x, forward_speed] = start_of(log.t, base[kOriginX]);
+  const auto [pitch, pitch_rate] = start_of(log.t, base[kPitch], base[kPitchRate]);
+  out.x = x, out.forward_speed = forward_speed, out.pitch = pitch, out.pitch_rate = pitch_rate;
+  if (!base[kOriginY].empty()) out.y = start_of(log.t, base[kOriginY]);
+  return out;
+}
+
+/// Sum over the channels of the square of what is left, in parts of what is measured.
+double misfit(const DropLog& log, const FollowedDrop& d) {
+  double out = 0;
+  for (std::size_t o = 0; o < log.output.size(); ++o) {
+    double left = 0, mean = 0, square = 0, n = 0;
+    for (std::size_t i = 0; i < log.output[o].size(); ++i)
+      if (const double x = log.output[o][i]; std::isfinite(x))
+        left += std::pow(d.value[o][i] - x, 2), mean += x, square += x * x, n += 1;
+    const double spread = n > 0 ? square - mean * mean / n : 0;
+    if (spread > 0) out += left / spread;
+  }
   return out;
 }
 
@@ -97,14 +132,26 @@ void set_in(DrivenRobot& robot, const DropTerm& term, double value) {
 RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
                          const RobotFitOptions& options)
     : robot_(robot), trials_(trials), options_(options), channels_(sensed_channels(robot.scene.robot)) {
-  for (const RobotTrial& t : trials) {
-    DrivenStart start;
-    for (std::size_t i = 0; i < robot.scene.robot.joints.size(); ++i) start.joint.push_back(start_of(t.log, i));
-    start_.push_back(std::move(start));
-  }
+  for (const RobotTrial& t : trials) start_.push_back(start_of(t.log, robot.scene.robot));
   for (const DropTerm& t : *options.terms.table)
     for (const std::string& name : t.moves)
       if (!begins(name, kCommand) && !begins(name, kStart)) setters_[name] = design_setter(robot.scene, name);
+  for (std::size_t m = 0; m < trials.size() && robot.scene.robot.base == Base::kFree; ++m)
+    if (!start_[m].y) guess_height(m);
+}
+
+/// Of a thrown robot whose height is not logged the one that fits best, of some from the floor to kHighest.
+void RobotTrials::guess_height(std::size_t m) {
+  constexpr int kHeights = 40;
+  constexpr double kLowest = 0.005, kHighest = 3;  // [m]
+  double least = std::numeric_limits<double>::infinity(), best = 0;
+  for (int k = 0; k <= kHeights; ++k) {
+    const double height = k == 0 ? 0 : kLowest * std::pow(kHighest / kLowest, double(k - 1) / (kHeights - 1));
+    start_[m].height = height;
+    const FollowedDrop d = roll(m, {}, trials_[m].log.t, 0);
+    if (const double off = d.complete ? misfit(trials_[m].log, d) : least; off < least) least = off, best = height;
+  }
+  start_[m].height = best;
 }
 
 std::vector<double> RobotTrials::parts() const {
@@ -147,12 +194,22 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const st
   for (double& t : clock) t += trials_[m].origin;
   DrivenOptions options = options_.roll;
   if (step > 0) options.step = step;
+  const auto& measured = trials_[m].log.output;
+  const bool free = posed->robot.scene.robot.base == Base::kFree;
+  const auto loads = measured.begin() + long(kSensed * posed->start.joint.size() + (free ? kBaseSensed : 0));
+  options.loads = std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
   DrivenRollout rolled =
       roll_driven(posed->robot.scene.robot, posed->robot.path, *trials_[m].commands, posed->start, clock, options);
   out.complete = rolled.complete, out.steps = rolled.steps, out.changes = std::move(rolled.changes);
   for (ContactChange& c : out.changes) c.t -= trials_[m].origin, out.jumps.push_back(c.t);
   for (auto& joint : rolled.joint)
     for (auto& values : joint) out.value.push_back(std::move(values));
+  if (free)
+    for (auto& values : rolled.base) out.value.push_back(std::move(values));
+  for (auto& values : rolled.acceleration) out.value.push_back(std::move(values));
+  for (auto& contact : rolled.force)
+    for (auto& values : contact) out.value.push_back(std::move(values));
+  out.value.resize(channels_.size());
   return out;
 }
 

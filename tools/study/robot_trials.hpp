@@ -34,7 +34,8 @@ struct RobotTrial {
   std::shared_ptr<const landing::Commands> commands;
 };
 std::vector<const landing::DropLog*> logs_of(const std::vector<RobotTrial>& trials);
-/// phi_JOINT, dphi_JOINT and torque_JOINT of every joint; torque of driven ones alone.
+/// phi_JOINT, dphi_JOINT and torque_JOINT of every joint, torque of driven ones alone; of a free base x_LINK, y_LINK,
+/// theta_LINK and dtheta_LINK of the first link; then acc, ax, ay, and f_CONTACT_x, f_CONTACT_y of every contact.
 std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
 
 struct RobotLogOptions {
@@ -48,15 +49,16 @@ struct RobotLogOptions {
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;
 };
 /// Reads a log (CSV): t [s], phi_JOINT [rad] of every joint that is not locked; where they are logged dphi_JOINT,
-/// torque_JOINT (reported), and of driven joints the commands phi_ref_JOINT, dphi_ref_JOINT, torque_ff_JOINT,
-/// k_p_JOINT, k_d_JOINT, on_JOINT. A measured cell may be empty, a command's not. Throws InputError with
-/// file:line:column.
+/// torque_JOINT (reported) and the other sensed_channels, and of driven joints the commands phi_ref_JOINT,
+/// dphi_ref_JOINT, torque_ff_JOINT, k_p_JOINT, k_d_JOINT, on_JOINT. A measured cell may be empty, a command's not.
+/// Throws InputError with file:line:column.
 std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing::Robot& robot,
                                           const RobotLogOptions& options);
 
 /// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
 /// robot.gravity, command.delay, command.JOINT.KEY; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
-/// start.JOINT.spring, added to what the log says, and of a base on a rail start.height and start.speed (DrivenStart).
+/// start.JOINT.spring, added to what the log says, and of a base that is not pinned those of DrivenStart: start.height
+/// and start.speed; of a free one start.pitch, start.pitch_rate, start.forward_speed and start.x too.
 /// Chosen: no constant, every start. A centre of mass stays within its link, an inertia below that of all its mass at
 /// the link's ends.
 identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vector<RobotTrial>& trials);
@@ -98,6 +100,7 @@ class RobotTrials : public DropSimulator {
     DrivenRobot robot;
     landing::DrivenStart start;
   };
+  void guess_height(std::size_t m);
   std::optional<Posed> pose(std::size_t m, const Settings& settings) const;
   FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times, double step) const;
 
