@@ -40,11 +40,11 @@ BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
     add(i, 0, {"phi_i_" + name, "phi_I of " + name, "rad", phi[0], phi[1]});
     add(i, 1, {"phi_f_" + name, "phi_F of " + name, "rad", phi[0], phi[1]});
   });
-  const auto& [shortest, longest] = scene.duration;
-  if (!scene.own_durations) add(-1, 2, {"duration", "duration", "s", shortest, longest});
+  const std::array<double, 2>& range = scene.duration;
+  if (!scene.own_durations) add(-1, 2, {"duration", "duration", "s", range[0], range[1]});
   const Freedom& free = scene.freedom;
   each([&](int i, const std::string& name, auto&) {
-    if (scene.own_durations) add(i, 2, {"duration_" + name, "duration of " + name, "s", shortest, longest});
+    if (scene.own_durations) add(i, 2, {"duration_" + name, "duration of " + name, "s", range[0], range[1]});
     for (int k = 0; k < free.bumps; ++k)
       add(i, kBumpSlot + k,
           {fmt::format("b{}_{}", k, name), fmt::format("b_{} of {}", k, name), "rad", free.bump[0], free.bump[1], 0.0});

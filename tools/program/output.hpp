@@ -6,7 +6,6 @@
 #include <ctime>
 #include <map>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,10 +14,9 @@
 #include "common/degrees.hpp"
 #include "common/monitor.hpp"
 #include "common/result_folder.hpp"
+#include "tools/program/json.hpp"
 
 namespace ukemi::tools {
-
-using Json = nlohmann::ordered_json;
 
 /// Exit codes of the program.
 enum Exit : int { kDone = 0, kNumbers = 1, kBadInput = 2, kInterrupted = 130 };

@@ -73,9 +73,6 @@ const Quantities<CheckedBody> kQuantities = {
 
 }  // namespace
 
-PointName contact_name(const Robot& robot) {
-  return [&robot](int contact) { return robot.contacts[std::size_t(contact)].name; };
-}
 Quantities<Touch> contact_quantities(const Robot& robot) { return contact_quantities(contact_name(robot), "|a|"); }
 
 Quantities<BodyMotion> motion_quantities(const Robot& robot, const BodyMotion& like) {

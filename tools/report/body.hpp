@@ -31,8 +31,7 @@ Figure drawing(const landing::BodyScene& scene);
 
 RowColumns<landing::BodySample> trajectory_columns(const landing::Robot& robot);
 std::string trajectory_csv(const landing::BodyScene& scene, const landing::BodyLanding& landing, const Run& run);
-/// Names of the robot's contacts, which must outlive it.
-PointName contact_name(const landing::Robot& robot);
+/// Of the robot's contacts; it must outlive them.
 Quantities<landing::Touch> contact_quantities(const landing::Robot& robot);
 /// phi_i_JOINT_deg ..., in JSON JOINT.phi_i_deg.
 Quantities<landing::BodyMotion> motion_quantities(const landing::Robot& robot, const landing::BodyMotion& like);

@@ -14,97 +14,11 @@ using namespace landing;
 
 namespace {
 
-/// A link as it is drawn: through its places, closed where they are not in a line; a body of no length as a small
-/// square.
-std::vector<landing::Place> outline(const Robot& robot, int link) {
-  constexpr double kSquare = 0.02, kFlat = 1e-6;  // [m], [m^2]
-  std::vector<landing::Place> all = places(robot, link);
-  if (all.size() == 1)
-    return {{-kSquare, -kSquare}, {-kSquare, kSquare}, {kSquare, kSquare}, {kSquare, -kSquare}, {-kSquare, -kSquare}};
-  double area = 0;
-  landing::Place middle;
-  for (const landing::Place& p : all)
-    middle.along += p.along / double(all.size()), middle.across += p.across / double(all.size());
-  for (const landing::Place& p : all)
-    for (const landing::Place& q : all)
-      area = std::max(area, std::abs((p.along - middle.along) * (q.across - middle.across) -
-                                     (p.across - middle.across) * (q.along - middle.along)));
-  const auto angle = [&](const landing::Place& p) {
-    return std::atan2(p.across - middle.across, p.along - middle.along);
-  };
-  const auto along = [&](const landing::Place& p) {
-    const landing::Place &a = all.front(), &b = all.back();
-    return (p.along - a.along) * (b.along - a.along) + (p.across - a.across) * (b.across - a.across);
-  };
-  if (area < kFlat) {
-    std::vector<std::pair<double, landing::Place>> order;
-    for (const landing::Place& p : all) order.push_back({along(p), p});
-    std::sort(order.begin(), order.end(), [](auto& a, auto& b) { return a.first < b.first; });
-    all.clear();
-    for (const auto& [at, p] : order) all.push_back(p);
-    return all;
-  }
-  std::sort(all.begin(), all.end(),
-            [&](const landing::Place& a, const landing::Place& b) { return angle(a) < angle(b); });
-  all.push_back(all.front());
-  return all;
-}
-
 /// Where a place of a link is.
 std::array<double, 2> at(const BodySample& s, int link, const landing::Place& p) {
   const std::size_t k = std::size_t(link);
   const double sine = std::sin(s.theta[k]), cosine = std::cos(s.theta[k]);
   return {s.x[k] + p.along * sine + p.across * cosine, s.y[k] - p.along * cosine + p.across * sine};
-}
-
-/// The rows that the animation needs: no more than the eye sees, and every peak.
-std::vector<std::size_t> frames_of(const BodyLanding& l) {
-  constexpr std::size_t kMost = 600;
-  std::vector<double> acc, force;
-  for (const BodySample& s : l.trajectory) {
-    acc.push_back(s.acc);
-    double sum = 0;
-    for (const double f : s.force_y) sum += f;
-    force.push_back(sum);
-  }
-  return kept_rows({&acc, &force}, kMost);
-}
-
-Json place_json(const landing::Place& p) { return {p.along, p.across}; }
-
-Json animation_of(const BodyScene& scene, const BodyFall& f) {
-  const Robot& robot = scene.robot;
-  const std::vector<std::size_t> frames = frames_of(*f.landing);
-  const auto column = [&](const std::function<double(const BodySample&)>& value, double unit) {
-    Json out = Json::array();
-    for (const std::size_t i : frames)
-      out.push_back(std::round(value(f.landing->trajectory[i]) / unit) / std::round(1 / unit));
-    return out;
-  };
-  Json out = {
-      {"name", f.name}, {"peaks", peaks_json(f.landing->peaks, contact_name(robot))}, {"slope", std::tan(scene.slope)}};
-  out["t"] = column([](auto& s) { return s.t; }, 1e-6);
-  out["acc"] = column([](auto& s) { return s.acc; }, 1e-2);
-  for (std::size_t k = 0; k < robot.links.size(); ++k) {
-    Json link = {{"points", Json::array()}};
-    for (const landing::Place& p : outline(robot, int(k))) link["points"].push_back(place_json(p));
-    link["x"] = column([k](auto& s) { return s.x[k]; }, 1e-5),
-    link["y"] = column([k](auto& s) { return s.y[k]; }, 1e-5);
-    link["theta"] = column([k](auto& s) { return s.theta[k]; }, 1e-5);
-    out["links"].push_back(link);
-  }
-  out["contacts"] = Json::array(), out["force"] = Json::array(), out["joints"] = Json::array();
-  for (std::size_t k = 0; k < robot.contacts.size(); ++k) {
-    const ContactPoint& c = robot.contacts[k];
-    out["contacts"].push_back({{"name", c.name}, {"link", c.link}, {"at", place_json(c.at)}});
-    out["force"].push_back(Json::array(
-        {column([k](auto& s) { return s.force_x[k]; }, 1e-2), column([k](auto& s) { return s.force_y[k]; }, 1e-2)}));
-  }
-  for (std::size_t k = 0; k < robot.joints.size(); ++k)
-    out["joints"].push_back({{"name", robot.joints[k].name}, {"phi", column([k](auto& s) { return s.phi[k]; }, 1e-4)}});
-  if (robot.base == Base::kRail) out["rail"] = {std::cos(robot.rail_direction), std::sin(robot.rail_direction)};
-  out["peak"] = {{"link", robot.peak_link}, {"at", place_json(robot.peak)}};
-  return out;
 }
 
 /// The links of a row, moved by so much in x.
@@ -245,7 +159,7 @@ void show(const BodyScene& scene, std::vector<BodyFall> falls, const std::string
   if (falls.empty()) return;
   report.heading("The fall");
   Json landings = Json::array();
-  for (const BodyFall& f : falls) landings.push_back(animation_of(scene, f));
+  for (const BodyFall& f : falls) landings.push_back(animation(f.name, scene, *f.landing));
   report.player({{"landings", landings}});
   Figure postures;
   postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;

@@ -36,49 +36,6 @@ Figure fall_picture(Panel postures, Figure acceleration) {
 
 namespace {
 
-/// The rows that the animation needs: no more than the eye sees, and every peak.
-std::vector<std::size_t> frames_of(const Landing& l) {
-  constexpr std::size_t kMost = 600;
-  std::vector<double> acc, hip;
-  for (const Sample& s : l.trajectory)
-    acc.push_back(s.acc),
-        hip.push_back(std::sqrt(s.force[kHip][0] * s.force[kHip][0] + s.force[kHip][1] * s.force[kHip][1]));
-  return kept_rows({&acc, &hip}, kMost);
-}
-
-/// A quantity in some rows of a landing, to whole units.
-Json column_of(const Landing& l, const std::vector<std::size_t>& frames,
-               const std::function<double(const Sample&)>& value, double unit) {
-  Json out = Json::array();
-  for (const std::size_t i : frames) out.push_back(std::round(value(l.trajectory[i]) / unit) / std::round(1 / unit));
-  return out;
-}
-
-/// Where the robot is in these rows.
-Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double unit) {
-  Json out;
-  const std::pair<const char*, double Sample::*> columns[] = {
-      {"t", &Sample::t}, {"x", &Sample::x0}, {"y", &Sample::y0}, {"phi_0", &Sample::phi0}, {"phi_1", &Sample::phi1}};
-  for (const auto& [name, member] : columns) out[name] = column_of(l, frames, member, unit);
-  return out;
-}
-
-Json animation_of(const Fall& f, double length) {
-  const std::vector<std::size_t> frames = frames_of(*f.landing);
-  // To as many digits as an eye can see.
-  const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
-    return column_of(*f.landing, frames, value, unit);
-  };
-  Json out = {{"name", f.name}, {"length", length}, {"peaks", peaks_json(f.landing->peaks)}};
-  out.update(motion_of(*f.landing, frames, 1e-6));
-  for (const Landing& ghost : f.ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
-  out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
-  for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
-    out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j][0]; }, 1e-2),
-                                        column([j](const Sample& s) { return s.force[j][1]; }, 1e-2)}));
-  return out;
-}
-
 /// The postures at the peaks beside each other, as far apart as they are long.
 Panel postures_of(const Fall& f, double length) {
   constexpr std::size_t kMost = 7;
@@ -190,7 +147,7 @@ void show(const Falls& given, Report& report) {
   const double length = f.scene.robot.link_length;
   report.heading("The fall");
   Json landings = Json::array();
-  for (const Fall& fall : f.falls) landings.push_back(animation_of(fall, length));
+  for (const Fall& fall : f.falls) landings.push_back(animation(fall.name, *fall.landing, fall.ghosts, length));
   report.player({{"landings", landings}});
   if (const std::size_t ghosts = f.falls[0].ghosts.size(); ghosts > 0)
     report.paragraph(fmt::format("Thin: the same motion in {} scattered drops.", ghosts));

@@ -98,13 +98,6 @@ Check under_scatter_check(double planned, double held, bool rated) {
                fmt::format("worst tenth of drops {}, holding still {:.4g}", worth_words(planned, rated), held));
 }
 
-std::string landing_sentence(double peak, double held) {
-  if (!std::isfinite(held)) return fmt::format("Lands with {:.4g} m/s^2.", peak);
-  const double less = 100 * (1 - peak / held);
-  return fmt::format("Lands with {:.4g} m/s^2 where holding still takes {:.4g}: {:.0f} % {}.", peak, held,
-                     std::abs(less), less < 0 ? "harder" : "softer");
-}
-
 FirstScreen first_screen(const landing::Answer& a) {
   FirstScreen out{.sentence = landing_sentence(a.peak(), a.held_peak())};
   out.checks = {check(a.best.verified, "verified", "judged at a tight accuracy after the search"),

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/report/landing_sentence.hpp"
+
 namespace ukemi::landing {
 struct Answer;
 struct Ratings;
@@ -46,9 +48,6 @@ std::string worth_words(double value, bool rated);
 const char* worth_unit(bool rated);
 /// The worst tenth of drops against that of holding still.
 Check under_scatter_check(double planned, double held, bool rated = false);
-/// "Lands with 195 m/s^2 where holding still takes 466: 58 % softer."; `held` is NaN where it is not known.
-std::string landing_sentence(double peak, double held);
-
 /// Of a plan of the two-link robot.
 FirstScreen first_screen(const landing::Answer& answer);
 

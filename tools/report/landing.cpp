@@ -62,7 +62,6 @@ Quantities<Motion> motion_quantities(const Motion& like) {
 Json motion_json(const Motion& motion) { return Table::of(motion_quantities(motion), motion).object(); }
 std::string motion_words(const Motion& motion) { return Table::of(motion_quantities(motion), motion).line(); }
 
-std::string point_name(int point) { return kPointNames[std::size_t(point)]; }
 Quantities<Touch> contact_quantities(const PointName& name, const std::string& acceleration) {
   return {
       {"point", "point", "point", {}, [name](auto& t) { return name(t.point); }},
@@ -74,18 +73,6 @@ Quantities<Touch> contact_quantities(const PointName& name, const std::string& a
 }
 Json contacts_json(const Landing& l) { return Table(contact_quantities(), l.touches).objects(); }
 
-std::vector<Peak> numbered(const std::vector<Peak>& peaks) {
-  std::vector<Peak> out;
-  for (const Peak& p : peaks)
-    if (p.point >= 0) out.push_back(p);
-  return out;
-}
-Json peaks_json(const std::vector<Peak>& peaks, const PointName& name) {
-  Json out = Json::array();
-  for (const Peak& p : numbered(peaks))
-    out.push_back({{"n", out.size() + 1}, {"t", p.t}, {"acceleration", p.acceleration}, {"contact", name(p.point)}});
-  return out;
-}
 std::string contact_order(const std::vector<Peak>& peaks, const PointName& name) {
   std::string s;
   for (const Peak& p : numbered(peaks)) s += (s.empty() ? "" : ", ") + name(p.point);

@@ -10,6 +10,7 @@
 #include "landing/judge/evidence.hpp"
 #include "landing/judge/map.hpp"
 #include "landing/judge/sensitivity.hpp"
+#include "tools/report/animation.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/table.hpp"
 
@@ -31,9 +32,6 @@ struct Display {
 Display display(const landing::Variable& variable, const std::string& middle = "");
 
 Quantities<landing::Motion> motion_quantities(const landing::Motion& like);
-/// Name of Touch::point and Peak::point.
-using PointName = std::function<std::string(int)>;
-std::string point_name(int point);  ///< of the paper's robot
 /// `acceleration`: how tables call the one that counts.
 Quantities<landing::Touch> contact_quantities(const PointName& name = point_name,
                                               const std::string& acceleration = "|ddr_0|");
@@ -48,9 +46,6 @@ Json motion_json(const landing::Motion& motion);
 /// A motion on one line.
 std::string motion_words(const landing::Motion& motion);
 Json contacts_json(const landing::Landing& landing);
-/// The peaks that a touchdown began.
-std::vector<landing::Peak> numbered(const std::vector<landing::Peak>& peaks);
-Json peaks_json(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
 /// "foot, knee, hip": the points in the order of their peaks; chatter left out.
 std::string contact_order(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
 /// Why there is no landing; `point`: what a robot meets the floor with.

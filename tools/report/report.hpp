@@ -52,7 +52,7 @@ class Report {
   /// Colours from the smallest value (dark) to the 90th percentile (light); the scale is printed beside it, and the
   /// page's script reads off the value under the pointer. Returns it as an SVG.
   std::string heatmap(const Heatmap& map);
-  /// The animation, for script.js: {"landings": [...]}, see landing.cpp.
+  /// The animation, for fall.js: {"landings": [...]}, see animation.hpp.
   void player(const Json& landings);
   /// The page, closed by the run's provenance, as report.html where one is wanted, and the figures as files of their
   /// own in the run's formats and in these. Where gnuplot draws none, the page says why, and so does `missing`.

@@ -1,4 +1,4 @@
-// The page's style and script, style.css and script.js of this folder, as the build puts them into the program.
+// The page's style and script, style.css and the scripts of this folder, as the build puts them into the program.
 #pragma once
 
 namespace ukemi::tools {

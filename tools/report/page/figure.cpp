@@ -13,6 +13,7 @@
 #include "common/text.hpp"
 #include "common/toml.hpp"
 #include "tools/report/page/gnuplot.hpp"
+#include "tools/report/page/kept_rows.hpp"
 #include "tools/report/page/page.hpp"
 
 namespace ukemi::tools {
@@ -359,25 +360,6 @@ bool Figure::empty() const {
            const auto x = shown_range(p, true), y = shown_range(p, false);
            return x[0] < x[1] && y[0] < y[1];
          });
-}
-
-std::vector<std::size_t> kept_rows(const std::vector<const std::vector<double>*>& columns, std::size_t most) {
-  std::vector<std::size_t> out;
-  const std::size_t n = columns.empty() ? 0 : columns.front()->size();
-  const bool all = n <= 3 * most;
-  for (std::size_t part = 0; part < (all ? n : most); ++part) {
-    const std::size_t begin = all ? part : n * part / most, end = all ? part + 1 : n * (part + 1) / most;
-    std::vector<std::size_t> kept = {begin};
-    for (const std::vector<double>* c : columns) {
-      const auto [low, high] = std::minmax_element(c->begin() + long(begin), c->begin() + long(end));
-      kept.push_back(std::size_t(low - c->begin())), kept.push_back(std::size_t(high - c->begin()));
-    }
-    std::sort(kept.begin(), kept.end());
-    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-    out.insert(out.end(), kept.begin(), kept.end());
-  }
-  if (n > 0 && out.back() != n - 1) out.push_back(n - 1);
-  return out;
 }
 
 Series thinned(const Series& line, std::size_t most) {

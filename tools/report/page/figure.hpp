@@ -99,8 +99,4 @@ std::string lines_svg(const std::string& x_label, const std::string& y_label, st
 /// so that no peak is lost. x rises.
 Series thinned(const Series& line, std::size_t most = 700);
 
-/// The indices of rows that stay where at most some (1 + 2 columns) `most` of them may: the first of each part, and the
-/// smallest and largest of every column.
-std::vector<std::size_t> kept_rows(const std::vector<const std::vector<double>*>& columns, std::size_t most);
-
 }  // namespace ukemi::tools

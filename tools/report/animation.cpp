@@ -1,0 +1,164 @@
+#include "tools/report/animation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/report/page/kept_rows.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+std::string point_name(int point) { return kPointNames[std::size_t(point)]; }
+PointName contact_name(const Robot& robot) {
+  return [&robot](int contact) { return robot.contacts[std::size_t(contact)].name; };
+}
+
+std::vector<Peak> numbered(const std::vector<Peak>& peaks) {
+  std::vector<Peak> out;
+  for (const Peak& p : peaks)
+    if (p.point >= 0) out.push_back(p);
+  return out;
+}
+Json peaks_json(const std::vector<Peak>& peaks, const PointName& name) {
+  Json out = Json::array();
+  for (const Peak& p : numbered(peaks))
+    out.push_back({{"n", out.size() + 1}, {"t", p.t}, {"acceleration", p.acceleration}, {"contact", name(p.point)}});
+  return out;
+}
+
+std::vector<landing::Place> outline(const Robot& robot, int link) {
+  constexpr double kSquare = 0.02, kFlat = 1e-6;  // [m], [m^2]
+  std::vector<landing::Place> all = places(robot, link);
+  if (all.size() == 1)
+    return {{-kSquare, -kSquare}, {-kSquare, kSquare}, {kSquare, kSquare}, {kSquare, -kSquare}, {-kSquare, -kSquare}};
+  double area = 0;
+  landing::Place middle;
+  for (const landing::Place& p : all)
+    middle.along += p.along / double(all.size()), middle.across += p.across / double(all.size());
+  for (const landing::Place& p : all)
+    for (const landing::Place& q : all)
+      area = std::max(area, std::abs((p.along - middle.along) * (q.across - middle.across) -
+                                     (p.across - middle.across) * (q.along - middle.along)));
+  const auto angle = [&](const landing::Place& p) {
+    return std::atan2(p.across - middle.across, p.along - middle.along);
+  };
+  const auto along = [&](const landing::Place& p) {
+    const landing::Place &a = all.front(), &b = all.back();
+    return (p.along - a.along) * (b.along - a.along) + (p.across - a.across) * (b.across - a.across);
+  };
+  if (area < kFlat) {
+    std::vector<std::pair<double, landing::Place>> order;
+    for (const landing::Place& p : all) order.push_back({along(p), p});
+    std::sort(order.begin(), order.end(), [](auto& a, auto& b) { return a.first < b.first; });
+    all.clear();
+    for (const auto& [at, p] : order) all.push_back(p);
+    return all;
+  }
+  std::sort(all.begin(), all.end(),
+            [&](const landing::Place& a, const landing::Place& b) { return angle(a) < angle(b); });
+  all.push_back(all.front());
+  return all;
+}
+
+namespace {
+
+/// Of the rows that the animation needs: no more than the eye sees, and every peak.
+constexpr std::size_t kMostFrames = 600;
+
+std::vector<std::size_t> frames_of(const Landing& l) {
+  std::vector<double> acc, hip;
+  for (const Sample& s : l.trajectory)
+    acc.push_back(s.acc),
+        hip.push_back(std::sqrt(s.force[kHip][0] * s.force[kHip][0] + s.force[kHip][1] * s.force[kHip][1]));
+  return kept_rows({&acc, &hip}, kMostFrames);
+}
+
+/// A quantity in some rows of a landing, to whole units.
+Json column_of(const Landing& l, const std::vector<std::size_t>& frames,
+               const std::function<double(const Sample&)>& value, double unit) {
+  Json out = Json::array();
+  for (const std::size_t i : frames) out.push_back(std::round(value(l.trajectory[i]) / unit) / std::round(1 / unit));
+  return out;
+}
+
+/// Where the robot is in these rows.
+Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double unit) {
+  Json out;
+  const std::pair<const char*, double Sample::*> columns[] = {
+      {"t", &Sample::t}, {"x", &Sample::x0}, {"y", &Sample::y0}, {"phi_0", &Sample::phi0}, {"phi_1", &Sample::phi1}};
+  for (const auto& [name, member] : columns) out[name] = column_of(l, frames, member, unit);
+  return out;
+}
+
+}  // namespace
+
+Json animation(const std::string& name, const Landing& landing, const std::vector<Landing>& ghosts, double length) {
+  const std::vector<std::size_t> frames = frames_of(landing);
+  // To as many digits as an eye can see.
+  const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
+    return column_of(landing, frames, value, unit);
+  };
+  Json out = {{"name", name}, {"length", length}, {"peaks", peaks_json(landing.peaks)}};
+  out.update(motion_of(landing, frames, 1e-6));
+  for (const Landing& ghost : ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
+  out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
+  for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
+    out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j][0]; }, 1e-2),
+                                        column([j](const Sample& s) { return s.force[j][1]; }, 1e-2)}));
+  return out;
+}
+
+namespace {
+
+std::vector<std::size_t> frames_of(const BodyLanding& l) {
+  std::vector<double> acc, force;
+  for (const BodySample& s : l.trajectory) {
+    acc.push_back(s.acc);
+    double sum = 0;
+    for (const double f : s.force_y) sum += f;
+    force.push_back(sum);
+  }
+  return kept_rows({&acc, &force}, kMostFrames);
+}
+
+Json place_json(const landing::Place& p) { return {p.along, p.across}; }
+
+}  // namespace
+
+Json animation(const std::string& name, const BodyScene& scene, const BodyLanding& landing) {
+  const Robot& robot = scene.robot;
+  const std::vector<std::size_t> frames = frames_of(landing);
+  const auto column = [&](const std::function<double(const BodySample&)>& value, double unit) {
+    Json out = Json::array();
+    for (const std::size_t i : frames)
+      out.push_back(std::round(value(landing.trajectory[i]) / unit) / std::round(1 / unit));
+    return out;
+  };
+  Json out = {
+      {"name", name}, {"peaks", peaks_json(landing.peaks, contact_name(robot))}, {"slope", std::tan(scene.slope)}};
+  out["t"] = column([](auto& s) { return s.t; }, 1e-6);
+  out["acc"] = column([](auto& s) { return s.acc; }, 1e-2);
+  for (std::size_t k = 0; k < robot.links.size(); ++k) {
+    Json link = {{"points", Json::array()}};
+    for (const landing::Place& p : outline(robot, int(k))) link["points"].push_back(place_json(p));
+    link["x"] = column([k](auto& s) { return s.x[k]; }, 1e-5),
+    link["y"] = column([k](auto& s) { return s.y[k]; }, 1e-5);
+    link["theta"] = column([k](auto& s) { return s.theta[k]; }, 1e-5);
+    out["links"].push_back(link);
+  }
+  out["contacts"] = Json::array(), out["force"] = Json::array(), out["joints"] = Json::array();
+  for (std::size_t k = 0; k < robot.contacts.size(); ++k) {
+    const ContactPoint& c = robot.contacts[k];
+    out["contacts"].push_back({{"name", c.name}, {"link", c.link}, {"at", place_json(c.at)}});
+    out["force"].push_back(Json::array(
+        {column([k](auto& s) { return s.force_x[k]; }, 1e-2), column([k](auto& s) { return s.force_y[k]; }, 1e-2)}));
+  }
+  for (std::size_t k = 0; k < robot.joints.size(); ++k)
+    out["joints"].push_back({{"name", robot.joints[k].name}, {"phi", column([k](auto& s) { return s.phi[k]; }, 1e-4)}});
+  if (robot.base == Base::kRail) out["rail"] = {std::cos(robot.rail_direction), std::sin(robot.rail_direction)};
+  out["peak"] = {{"link", robot.peak_link}, {"at", place_json(robot.peak)}};
+  return out;
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,116 @@
+#include "tools/web/lander.hpp"
+
+#include "common/actuator.hpp"
+#include "common/error.hpp"
+#include "landing/body/body_scene.hpp"
+#include "landing/judge/under_scatter.hpp"
+#include "landing/model/motion_space.hpp"
+#include "landing/model/scene_file.hpp"
+#include "landing/plan/body_plan.hpp"
+#include "landing/plan/body_space.hpp"
+#include "landing/search/optimize.hpp"
+#include "tools/report/animation.hpp"
+
+namespace ukemi::tools {
+
+using namespace landing;
+
+namespace {
+
+constexpr double kRate = 1000;  ///< rows of a trajectory [Hz]
+
+/// Empty for a landing.
+std::string failure_of(const RunEnd& run) {
+  if (run.end == End::kNoContact) return "Nothing touches the floor: there is no landing.";
+  return no_landing(run.end) ? std::string("The landing cannot be followed: ") + reason(run) + "." : "";
+}
+
+/// The paper's robot.
+class TwoLinkLander : public Lander {
+ public:
+  TwoLinkLander(Scene scene, SeaParameters<double> sea)
+      : scene_(std::move(scene)), sea_(std::move(sea)), space_(scene_, sea_) {}
+
+  std::vector<std::string> drop_keys() const override { return {"height", "pitch", "forward_speed", "pitch_rate"}; }
+  std::vector<Variable> variables() const override { return space_.variables(); }
+  MotionValues holding() const override { return space_.values_of(kHeld); }
+  std::string hold_arguments() const override { return "--hold -45"; }
+  std::string motion_toml(const MotionValues& values) const override {
+    return to_toml(space_.play(values).motion, "A motion of ukemi's page.");
+  }
+  Played held() const override { return played("held", kHeld); }
+  Played play(const std::string& file) const override { return played("this motion", read_motion(file)); }
+  std::optional<MotionValues> plan(double seconds, const MotionValues& start) const override {
+    const Optimum best =
+        optimize(scene_, space_, {.deadline = seconds, .starts = {start}, .threads = 1, .tolerance_samples = 0});
+    return best.found ? std::optional(best.values) : std::nullopt;
+  }
+
+ private:
+  Played played(const std::string& name, const Motion& motion) const {
+    const Landing l = simulate(scene_, sea_, motion, {}, kRate);
+    return {l.peak, failure_of(l), animation(name, l, {}, scene_.robot.link_length)};
+  }
+
+  Scene scene_;
+  SeaParameters<double> sea_;
+  ReferenceSpace space_;
+};
+
+/// A robot of links.
+class BodyLander : public Lander {
+ public:
+  explicit BodyLander(BodyScene scene) : scene_(std::move(scene)) {
+    const auto& joints = scene_.robot.joints;
+    if (std::any_of(joints.begin(), joints.end(), [](auto& j) { return j.driven(); })) space_.emplace(scene_);
+  }
+
+  std::vector<std::string> drop_keys() const override {
+    if (scene_.robot.base == Base::kRail) return {"height", "pitch"};
+    if (scene_.robot.base == Base::kPinned) return {"pitch"};
+    return {"height", "pitch", "forward_speed", "pitch_rate"};
+  }
+  std::vector<Variable> variables() const override { return space_ ? space_->variables() : std::vector<Variable>(); }
+  MotionValues holding() const override {
+    return space_ ? MotionValues(space_->values(space_->unit(held_posture(scene_)))) : MotionValues();
+  }
+  std::string hold_arguments() const override { return ""; }
+  std::string motion_toml(const MotionValues& values) const override {
+    return space_ ? body_motion_toml(space_->motion(space_->unit(Coordinates(values))), scene_.robot,
+                                     "A motion of ukemi's page.")
+                  : "";
+  }
+  Played held() const override { return played("held", held_posture(scene_)); }
+  Played play(const std::string& file) const override {
+    return played("this motion", read_body_motion(file, scene_.robot));
+  }
+  std::optional<MotionValues> plan(double seconds, const MotionValues& start) const override {
+    if (!space_) return std::nullopt;
+    const BodyMotion from = space_->motion(space_->unit(Coordinates(start)));
+    const BodyPlan best = landing::plan(scene_, {.deadline = seconds, .threads = 1, .starts = {from}});
+    return best.found ? std::optional(MotionValues(space_->values(space_->unit(best.motion)))) : std::nullopt;
+  }
+
+ private:
+  Played played(const std::string& name, const BodyMotion& motion) const {
+    const BodyLanding l = simulate(scene_, motion, {}, kRate);
+    return {l.peak, failure_of(l), animation(name, scene_, l)};
+  }
+
+  BodyScene scene_;
+  std::optional<BodySpace> space_;
+};
+
+}  // namespace
+
+std::unique_ptr<Lander> read_lander(const std::string& scene, const std::string& actuator) {
+  if (has_links(scene)) {
+    std::vector<GivenDrive> drives;
+    if (!actuator.empty()) drives.push_back({"", actuator, "the actuator"});
+    return std::make_unique<BodyLander>(read_body_scene(scene, drives));
+  }
+  if (actuator.empty()) throw InputError(Location{scene}, "an actuator file is needed for the paper's robot");
+  return std::make_unique<TwoLinkLander>(read_scene(scene), read_actuator(actuator).sea);
+}
+
+}  // namespace ukemi::tools

@@ -1,0 +1,217 @@
+// The page: which scene is open, what its numbers are, and what the engine answers.
+(() => {
+  const node = id => document.getElementById(id);
+  const {element} = fall;
+  const base = path => path.replace(/^.*[/\\]/, '');
+
+  // --- the engine, in a worker: one question after the other ---
+  const worker = new Worker(URL.createObjectURL(new Blob([node('engine').textContent], {type: 'text/javascript'})));
+  const waiting = [];
+  const ask = question => new Promise(answer => {
+    waiting.push({question, answer});
+    if (waiting.length === 1) worker.postMessage(question);
+  });
+  worker.onmessage = ({data}) => {
+    waiting.shift().answer(data);
+    if (waiting.length) worker.postMessage(waiting[0].question);
+  };
+  worker.onerror = event => fail('The engine cannot run here: ' + event.message + '. A newer browser is needed.');
+
+  // --- files: the shipped ones and those that were opened, by name ---
+  const shipped = new Map([...document.querySelectorAll('script.file')].map(s => [base(s.dataset.path), s.textContent]));
+  const kind = text => /^\s*\[drop\]/m.test(text) ? 'scene' : /^\s*\[\[robot\.link\]\]/m.test(text) ? 'robot'
+    : /^\s*\[actuator\]/m.test(text) ? 'actuator' : 'other';
+  const ofLinks = text => /^\s*robot\s*=/m.test(text) || /^\s*\[\[robot\.link\]\]/m.test(text);
+  const named = text => [...text.replace(/#.*$/gm, '').matchAll(/\b(?:robot|file)\s*=\s*"([^"]+)"/g)].map(m => m[1]);
+  // A file with all that it names, each at the path that it is named by. Throws for one that is not open.
+  const gathered = (path, files, out = {}) => {
+    const text = files.get(base(path));
+    if (text === undefined) throw new Error(`${base(path)} is missing: open it together with the file that names it.`);
+    out[path] = text;
+    for (const name of named(text)) gathered(name.startsWith('/') ? name : path.replace(/[^/]*$/, '') + name, files, out);
+    return out;
+  };
+  // A robot without a scene is dropped on a floor that is assumed.
+  const dropOf = (name, text) => `# ${name}, dropped on a floor that is assumed.
+robot = "${name}"
+
+[floor]
+stiffness = 20000          # N/m
+damping_normal = 120       # N/(m/s)
+friction = 0.6
+damping_tangential = 40    # N/(m/s)
+source = "assumed"
+
+[drop]
+${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n'}pitch_deg = 0
+`;
+
+  // --- what is open ---
+  let open = null;       // files, scene, actuator and its words, numbers that were moved, motion or null: held
+  let controls = null;   // what can be turned, as the engine told it
+  const question = (what, more) => ({...open, ...more, do: what});
+  const fail = text => { node('error').textContent = text; };
+  const settled = yes => { document.body.dataset.state = yes ? 'ready' : 'busy'; };
+
+  const begin = async (name, files, actuator) => {
+    settled(false);
+    fail('');
+    try {
+      const scene = {files: gathered(name, files), scene: name, actuator: '', actuatorWords: '', numbers: {}, motion: null};
+      if (actuator || !ofLinks(files.get(name))) {
+        scene.actuator = actuator || 'table2.toml';
+        scene.actuatorWords = actuator || 'datasets/actuators/table2.toml';
+        Object.assign(scene.files, gathered(scene.actuator, files));
+      }
+      const answer = await ask({...scene, do: 'open'});
+      if (answer.error) throw new Error(answer.error);
+      open = scene, controls = answer;
+      build();
+      await land();
+    } catch (error) {
+      fail(error.message);
+    }
+    settled(true);
+  };
+
+  const beginWith = async list => {
+    const opened = new Map(await Promise.all([...list].map(async file => [file.name, await file.text()])));
+    const first = wanted => [...opened.keys()].find(name => kind(opened.get(name)) === wanted);
+    const files = new Map([...shipped, ...opened]), robot = first('robot'), actuator = first('actuator');
+    let scene = first('scene');
+    if (!scene && robot) {
+      scene = robot.replace(/(\.toml)?$/, '_drop.toml');
+      files.set(scene, dropOf(robot, opened.get(robot)));
+    }
+    if (!scene && actuator && open) scene = open.scene;
+    // What is none of these is given to the reader, which says what it lacks.
+    scene = scene || [...opened.keys()][0];
+    const uses = files.has(scene) && named(files.get(scene)).concat(robot ? named(files.get(robot)) : []).map(base);
+    await begin(scene, files, actuator && !uses.includes(actuator) ? actuator : '');
+    if (scene !== node('scenes').value) node('scenes').value = '';
+  };
+
+  // --- numbers that can be turned ---
+  const degrees = unit => unit === 'rad' ? 180 / Math.PI : 1;
+  const shownUnit = unit => unit === 'rad' ? '°' : unit === 'deg' ? '°' : unit === '1' ? '' : ' ' + unit;
+  const shown = (value, unit) => Number((value * degrees(unit)).toPrecision(4)) + shownUnit(unit);
+  const words = name => {
+    const [, what, joint] = /^(phi_i|phi_f|duration|b\d|gain_p|gain_d|to)(?:_(.+))?$/.exec(name) || [null, name];
+    const of = joint || 'knee';
+    return {phi_i: `${of}, until the floor`, phi_f: `${of}, at the end`, duration: joint ? `time of ${joint}'s motion` : 'time of the motion',
+            gain_p: `${of}, factor of K_p`, gain_d: `${of}, factor of K_d`, to: 'end of the move in the air'}[what] || `${of}, shape term ${what}`;
+  };
+  // A slider over a range; on a logarithmic one equal ways are equal factors.
+  class Slider {
+    constructor(n, label, parent, moved) {
+      this.n = n;
+      const row = element('label', parent);
+      row.className = 'number';
+      element('span', row, label);
+      this.said = element('output', row);
+      this.input = element('input', row);
+      Object.assign(this.input, {type: 'range', min: 0, max: 1, step: 'any', name: n.name});
+      this.input.addEventListener('input', () => { this.say(this.value()); moved(this.value()); });
+      this.show(n.value);
+    }
+    value() {
+      const part = Number(this.input.value), {low, high, logarithmic} = this.n;
+      return logarithmic ? low * (high / low) ** part : low + part * (high - low);
+    }
+    say(value) { this.said.textContent = shown(value, this.n.unit); }
+    show(value) {
+      const {low, high, logarithmic} = this.n;
+      this.input.value = logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+      this.say(value);
+    }
+  }
+  let motionSliders = [];
+  const group = (title, numbers, form, add) => {
+    if (!numbers.length) return [];
+    const set = element('fieldset', form);
+    element('legend', set, title);
+    return numbers.map(n => add(n, set));
+  };
+  const build = () => {
+    const form = node('numbers');
+    form.replaceChildren();
+    const ofScene = (n, set) => new Slider(n, n.words, set, value => { open.numbers[n.name] = value; land(); });
+    motionSliders = group('Motion, from the touchdown on', controls.motion, form, (n, set) => new Slider(n, words(n.name), set, () => {
+      open.motion = motionSliders.map((s, k) => s.n.name === n.name ? s.value() : open.motion ? open.motion[k] : s.n.value);
+      land();
+    }));
+    group('Drop', controls.numbers.filter(n => n.name.startsWith('drop.')), form, ofScene);
+    group('Floor', controls.numbers.filter(n => n.name.startsWith('floor.')), form, ofScene);
+  };
+  const showMotion = () => motionSliders.forEach((s, k) => s.show(open.motion ? open.motion[k] : s.n.value));
+
+  // --- a landing: the latest that was asked for ---
+  let player = null, landing = false, again = false;
+  const show = answer => {
+    fail(answer.error || answer.failure || '');
+    if (answer.error) return;
+    const sentence = node('sentence');
+    sentence.textContent = answer.failure ? 'There is no landing.' : answer.sentence.replace('m/s^2', 'm/s²');
+    sentence.dataset.peak = answer.peak, sentence.dataset.held = answer.held;
+    const before = player;
+    if (before) before.pause();
+    node('player').replaceChildren();
+    player = new fall.Player(answer, node('player'));
+    if (before) player.speed.value = before.speed.value, player.pauses.checked = before.pauses.checked;
+    curves.show(node('curve'), answer.landings);
+    curves.time(player.t);
+    const motion = open.motion ? ' --motion motion.toml' : controls.hold && ' ' + controls.hold;
+    node('command').textContent = `ukemi simulate ${open.scene}${open.actuator && ' --actuator ' + open.actuatorWords}${motion}`;
+    node('save-motion').disabled = !open.motion;
+    node('plan').disabled = node('hold').disabled = !controls.motion.length;
+  };
+  const land = async () => {
+    again = true;
+    if (landing) return;
+    landing = true;
+    settled(false);
+    while (again) {
+      again = false;
+      show(await ask(question('land')));
+    }
+    landing = false;
+    settled(true);
+  };
+
+  // --- what is pressed ---
+  node('plan').addEventListener('click', async () => {
+    const button = node('plan'), before = button.textContent;
+    settled(false);
+    button.disabled = true, button.textContent = 'Planning …';
+    const answer = await ask(question('plan', {seconds: 1}));
+    button.disabled = false, button.textContent = before;
+    if (answer.motion) open.motion = answer.motion, showMotion();
+    await land();
+    if (!answer.motion) fail(answer.error || 'No motion was found that can be followed.');
+  });
+  node('hold').addEventListener('click', () => { open.motion = null; showMotion(); land(); });
+  node('reset').addEventListener('click', () => { open.numbers = {}, open.motion = null; build(); land(); });
+  const download = (name, text) => {
+    const link = element('a', document.body);
+    Object.assign(link, {href: URL.createObjectURL(new Blob([text], {type: 'application/toml'})), download: name});
+    link.click();
+    link.remove();
+  };
+  const save = async what => {
+    const answer = await ask(question('save'));
+    if (answer.error) return fail(answer.error);
+    download(what === 'scene' ? open.scene : 'motion.toml', answer[what]);
+  };
+  node('save').addEventListener('click', () => save('scene'));
+  node('save-motion').addEventListener('click', () => save('motion'));
+  node('open').addEventListener('change', async event => {
+    await beginWith(event.target.files);
+    event.target.value = '';  // so that the same file can be opened again
+  });
+
+  const scenes = node('scenes');
+  for (const [name, text] of shipped)
+    if (kind(text) === 'scene') Object.assign(element('option', scenes, name.replace('.toml', '')), {value: name});
+  scenes.addEventListener('change', () => begin(scenes.value, shipped, ''));
+  begin(scenes.value, shipped, '');
+})();

@@ -1,0 +1,42 @@
+// The page has neither NLopt nor derivatives: its plans are found by the searches that are ours. What the library would
+// ask them for.
+#include <stdexcept>
+
+#include "landing/derivatives/body_gradient.hpp"
+#include "landing/derivatives/gradient.hpp"
+#include "landing/search/nlopt_solver.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+[[noreturn]] void absent() { throw std::logic_error("the page has no NLopt"); }
+
+}  // namespace
+
+const std::vector<std::string>& nlopt_names() {
+  static const std::vector<std::string> none;
+  return none;
+}
+NloptResult minimize(const std::string&, const NloptProblem&, const NloptStop&, std::uint64_t) { absent(); }
+/// Looks at no point: where gradients better nothing, a plan is refined by a narrow distribution.
+int minimize_epigraph(const EpigraphProblem&, double) { return 0; }
+
+PeakGradients<kQuinticParameters> quintic_peaks(const Scene&, const SeaParameters<double>&, const Motion&,
+                                                const SimulateOptions&, int) {
+  absent();
+}
+PeakGradients<kMotionParameters> motion_peaks(const Scene&, const SeaParameters<double>&, const Motion&,
+                                              const SimulateOptions&, int) {
+  absent();
+}
+PeakGradients<kParameters> all_gradients(const Scene&, const SeaParameters<double>&, const Motion&,
+                                         const SimulateOptions&, int) {
+  absent();
+}
+BodyGradients gradients(const BodyScene&, const BodyMotion&, std::span<const BodyParameter>, const SimulateOptions&,
+                        int) {
+  absent();
+}
+
+}  // namespace ukemi::landing
