@@ -6,6 +6,7 @@
 
   // --- the engine, in a worker: one question after the other ---
   const worker = new Worker(URL.createObjectURL(new Blob([node('engine').textContent], {type: 'text/javascript'})));
+  worker.postMessage(node('wasm').textContent);
   const waiting = [];
   const ask = question => new Promise(answer => {
     waiting.push({question, answer});
@@ -17,18 +18,27 @@
   };
   worker.onerror = event => fail('The engine cannot run here: ' + event.message + '. A newer browser is needed.');
 
-  // --- files: the shipped ones and those that were opened, by name ---
-  const shipped = new Map([...document.querySelectorAll('script.file')].map(s => [base(s.dataset.path), s.textContent]));
+  // --- files: the shipped ones by their paths, those that were opened by their names ---
+  const shipped = new Map([...document.querySelectorAll('script.file')].map(s => [s.dataset.path, s.textContent]));
   const kind = text => /^\s*\[drop\]/m.test(text) ? 'scene' : /^\s*\[\[robot\.link\]\]/m.test(text) ? 'robot'
     : /^\s*\[actuator\]/m.test(text) ? 'actuator' : 'other';
   const ofLinks = text => /^\s*robot\s*=/m.test(text) || /^\s*\[\[robot\.link\]\]/m.test(text);
   const named = text => [...text.replace(/#.*$/gm, '').matchAll(/\b(?:robot|file)\s*=\s*"([^"]+)"/g)].map(m => m[1]);
+  // The text of what a scene's folder sees at a path.
+  const textAt = (path, opened, by) => {
+    const name = base(path);
+    if (opened.has(name) && name !== by) return opened.get(name);
+    const text = shipped.get(new URL(path, 'file:///scenes/').pathname.slice(1));
+    if (text === undefined) throw new Error(`${name} is missing: open it together with ${by}, which names it.`);
+    return text;
+  };
   // A file with all that it names, each at the path that it is named by. Throws for one that is not open.
-  const gathered = (path, files, out = {}) => {
-    const text = files.get(base(path));
-    if (text === undefined) throw new Error(`${base(path)} is missing: open it together with the file that names it.`);
-    out[path] = text;
-    for (const name of named(text)) gathered(name.startsWith('/') ? name : path.replace(/[^/]*$/, '') + name, files, out);
+  const gathered = (path, opened, by = '', out = {}) => {
+    out[path] = textAt(path, opened, by);
+    for (const name of named(out[path])) {
+      const next = name.startsWith('/') ? name : path.replace(/[^/]*$/, '') + name;
+      if (!(next in out)) gathered(next, opened, base(path), out);
+    }
     return out;
   };
   // A robot without a scene is dropped on a floor that is assumed.
@@ -53,16 +63,15 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
   const fail = text => { node('error').textContent = text; };
   const settled = yes => { document.body.dataset.state = yes ? 'ready' : 'busy'; };
 
-  const begin = async (name, files, actuator) => {
+  const begin = async (name, opened, actuator) => {
     settled(false);
     fail('');
     try {
-      const scene = {files: gathered(name, files), scene: name, actuator: '', actuatorWords: '', numbers: {}, motion: null};
-      if (actuator || !ofLinks(files.get(name))) {
-        scene.actuator = actuator || 'table2.toml';
-        scene.actuatorWords = actuator || 'datasets/actuators/table2.toml';
-        Object.assign(scene.files, gathered(scene.actuator, files));
-      }
+      const files = gathered(name, opened);
+      const scene = {files, scene: name, actuator, actuatorWords: actuator, numbers: {}, motion: null};
+      if (!actuator && !ofLinks(files[name]))
+        scene.actuator = '../actuators/table2.toml', scene.actuatorWords = 'datasets/actuators/table2.toml';
+      if (scene.actuator) Object.assign(files, gathered(scene.actuator, opened));
       const answer = await ask({...scene, do: 'open'});
       if (answer.error) throw new Error(answer.error);
       open = scene, controls = answer;
@@ -76,19 +85,18 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
 
   const beginWith = async list => {
     const opened = new Map(await Promise.all([...list].map(async file => [file.name, await file.text()])));
-    const first = wanted => [...opened.keys()].find(name => kind(opened.get(name)) === wanted);
-    const files = new Map([...shipped, ...opened]), robot = first('robot'), actuator = first('actuator');
-    let scene = first('scene');
+    const names = wanted => [...opened.keys()].filter(name => kind(opened.get(name)) === wanted);
+    const [robot] = names('robot');
+    let [scene] = names('scene');
     if (!scene && robot) {
       scene = robot.replace(/(\.toml)?$/, '_drop.toml');
-      files.set(scene, dropOf(robot, opened.get(robot)));
+      opened.set(scene, dropOf(robot, opened.get(robot)));
     }
-    if (!scene && actuator && open) scene = open.scene;
     // What is none of these is given to the reader, which says what it lacks.
     scene = scene || [...opened.keys()][0];
-    const uses = files.has(scene) && named(files.get(scene)).concat(robot ? named(files.get(robot)) : []).map(base);
-    await begin(scene, files, actuator && !uses.includes(actuator) ? actuator : '');
-    if (scene !== node('scenes').value) node('scenes').value = '';
+    const uses = [...opened.values()].flatMap(named).map(base);
+    await begin(scene, opened, names('actuator').find(name => !uses.includes(name)) || '');
+    scenes.value = '';
   };
 
   // --- numbers that can be turned ---
@@ -210,8 +218,8 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
   });
 
   const scenes = node('scenes');
-  for (const [name, text] of shipped)
-    if (kind(text) === 'scene') Object.assign(element('option', scenes, name.replace('.toml', '')), {value: name});
-  scenes.addEventListener('change', () => begin(scenes.value, shipped, ''));
-  begin(scenes.value, shipped, '');
+  for (const path of shipped.keys())
+    if (path.startsWith('scenes/')) Object.assign(element('option', scenes, base(path).replace('.toml', '')), {value: base(path)});
+  scenes.addEventListener('change', () => begin(scenes.value, new Map(), ''));
+  begin(scenes.value, new Map(), '');
 })();

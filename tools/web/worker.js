@@ -1,7 +1,12 @@
 
-// Answers one request after the other, away from the page.
-const engine = ukemiEngine();
+// Answers one request after the other, away from the page. The first message is the engine's code, packed.
+const unpacked = async text => {
+  const bytes = Uint8Array.from(atob(text.trim()), c => c.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
+};
+let engine;
 onmessage = async ({data}) => {
+  if (!engine) return void (engine = unpacked(data).then(wasmBinary => ukemiEngine({wasmBinary})));
   const {ccall} = await engine;
   postMessage(JSON.parse(ccall('ukemi_answer', 'string', ['string'], [JSON.stringify(data)])));
 };
