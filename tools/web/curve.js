@@ -9,7 +9,7 @@ const make = (name, attributes, parent) => {
 };
 // The acceleration over time, drawn here: its peaks are marked, and a press on it moves the animation (fall.js).
 const curves = (() => {
-  let landings = [], box, parent, cursor, told = () => {};
+  let landings = [], box, parent, cursor, now = 0, told = () => {};
   const step = (range, count) => {
     const raw = range / count, power = 10 ** Math.floor(Math.log10(raw));
     return power * ([1, 2, 5].find(m => m * power >= raw) || 10);
@@ -37,6 +37,10 @@ const curves = (() => {
     label(svg, `${landing.name}: ${peak.toPrecision(4)}`,
           {class: held ? 'held' : 'mine', x: x(at) + (right ? -8 : 8), y: y(peak) + 4, 'text-anchor': right ? 'end' : 'start'});
   };
+  const time = t => {
+    now = t;
+    if (cursor) for (const key of ['x1', 'x2']) cursor.setAttribute(key, x(t));
+  };
   const draw = () => {
     if (!landings.length) return;
     const width = Math.max(280, parent.clientWidth), height = 260;
@@ -46,6 +50,7 @@ const curves = (() => {
     axes(svg);
     [...landings].reverse().forEach(l => line(svg, l, l.name === 'held'));
     cursor = make('line', {class: 'cursor', y1: box.top, y2: box.bottom}, svg);
+    time(now);
     const press = event => {
       if (event.buttons !== 1 && event.type !== 'pointerdown') return;
       const shown = svg.getBoundingClientRect(), at = (event.clientX - shown.left) * width / shown.width;
@@ -59,6 +64,6 @@ const curves = (() => {
   return {
     show(node, of) { parent = node, landings = of; draw(); },
     onTime(tell) { told = tell; },
-    time(t) { if (cursor) for (const key of ['x1', 'x2']) cursor.setAttribute(key, x(t)); },
+    time,
   };
 })();

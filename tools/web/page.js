@@ -16,7 +16,6 @@
     waiting.shift().answer(data);
     if (waiting.length) worker.postMessage(waiting[0].question);
   };
-  worker.onerror = event => fail('The engine cannot run here: ' + event.message + '. A newer browser is needed.');
 
   // --- files: the shipped ones by their paths, those that were opened by their names ---
   const shipped = new Map([...document.querySelectorAll('script.file')].map(s => [s.dataset.path, s.textContent]));
@@ -106,7 +105,7 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
   const words = name => {
     const [, what, joint] = /^(phi_i|phi_f|duration|b\d|gain_p|gain_d|to)(?:_(.+))?$/.exec(name) || [null, name];
     const of = joint || 'knee';
-    return {phi_i: `${of}, until the floor`, phi_f: `${of}, at the end`, duration: joint ? `time of ${joint}'s motion` : 'time of the motion',
+    return {phi_i: `${of}, until the touchdown`, phi_f: `${of}, at the end`, duration: joint ? `time of ${joint}'s motion` : 'time of the motion',
             gain_p: `${of}, factor of K_p`, gain_d: `${of}, factor of K_d`, to: 'end of the move in the air'}[what] || `${of}, shape term ${what}`;
   };
   // A slider over a range; on a logarithmic one equal ways are equal factors.
@@ -144,7 +143,7 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
     const form = node('numbers');
     form.replaceChildren();
     const ofScene = (n, set) => new Slider(n, n.words, set, value => { open.numbers[n.name] = value; land(); });
-    motionSliders = group('Motion, from the touchdown on', controls.motion, form, (n, set) => new Slider(n, words(n.name), set, () => {
+    motionSliders = group('Motion', controls.motion, form, (n, set) => new Slider(n, words(n.name), set, () => {
       open.motion = motionSliders.map((s, k) => s.n.name === n.name ? s.value() : open.motion ? open.motion[k] : s.n.value);
       land();
     }));
@@ -167,7 +166,6 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
     player = new fall.Player(answer, node('player'));
     if (before) player.speed.value = before.speed.value, player.pauses.checked = before.pauses.checked;
     curves.show(node('curve'), answer.landings);
-    curves.time(player.t);
     const motion = open.motion ? ' --motion motion.toml' : controls.hold && ' ' + controls.hold;
     node('command').textContent = `ukemi simulate ${open.scene}${open.actuator && ' --actuator ' + open.actuatorWords}${motion}`;
     node('save-motion').disabled = !open.motion;

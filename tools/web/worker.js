@@ -7,6 +7,12 @@ const unpacked = async text => {
 let engine;
 onmessage = async ({data}) => {
   if (!engine) return void (engine = unpacked(data).then(wasmBinary => ukemiEngine({wasmBinary})));
-  const {ccall} = await engine;
-  postMessage(JSON.parse(ccall('ukemi_answer', 'string', ['string'], [JSON.stringify(data)])));
+  let answer;
+  try {
+    const {ccall} = await engine;
+    answer = JSON.parse(ccall('ukemi_answer', 'string', ['string'], [JSON.stringify(data)]));
+  } catch (error) {
+    answer = {error: `The engine cannot run here (${error.message}). A newer browser may do.`};
+  }
+  postMessage(answer);
 };
