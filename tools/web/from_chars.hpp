@@ -13,7 +13,8 @@ inline from_chars_result from_chars(const char* first, const char* last, double&
   const string text(first, last);
   const size_t sign = text.rfind('-', 0) == 0 ? 1 : 0;
   const bool begins = text.size() > sign && text.find_first_of("0123456789.iInN", sign) == sign;
-  if (!begins || text.compare(sign, 2, "0x") == 0 || text.compare(sign, 2, "0X") == 0) return {first, errc::invalid_argument};
+  if (!begins || text.compare(sign, 2, "0x") == 0 || text.compare(sign, 2, "0X") == 0)
+    return {first, errc::invalid_argument};
   char* end = nullptr;
   errno = 0;
   const double read = strtod(text.c_str(), &end);

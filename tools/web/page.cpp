@@ -22,8 +22,13 @@ namespace {
 constexpr const char* kMotionFile = "motion.toml";
 
 Json json_of(const SceneNumber& n) {
-  return {{"name", n.name}, {"words", n.words}, {"unit", n.unit},      {"value", n.value},
-          {"low", n.low},   {"high", n.high},   {"logarithmic", n.logarithmic}};
+  return {{"name", n.name},
+          {"words", n.words},
+          {"unit", n.unit},
+          {"value", n.value},
+          {"low", n.low},
+          {"high", n.high},
+          {"logarithmic", n.logarithmic}};
 }
 /// What the page can turn, as the files have it.
 Json opened(const Lander& lander, const std::string& scene) {
@@ -65,8 +70,7 @@ Json landed(const Lander& lander, const Json& motion) {
 /// What a time of searching finds, or null.
 Json planned(const Lander& lander, const Json& request) {
   const Json& from = request["motion"];
-  const auto best =
-      lander.plan(request["seconds"].get<double>(), from.is_null() ? lander.holding() : values_of(from));
+  const auto best = lander.plan(request["seconds"].get<double>(), from.is_null() ? lander.holding() : values_of(from));
   return {{"motion", best ? Json(std::vector<double>(best->begin(), best->end())) : Json()}};
 }
 

@@ -37,8 +37,13 @@ constexpr std::array<FloorNumber, 5> kFloor = {{{"stiffness", "stiffness", "N/m"
 SceneNumber of_drop(const DropNumber& n, TomlSection& drop) {
   const bool angle = n.unit == std::string("deg");
   const double value = angle ? drop.angle(n.key) * kDegrees : drop.optional_number(n.key, Range::any()).value_or(0);
-  return {std::string("drop.") + n.key + (angle ? "_deg" : ""), n.words,  n.unit, value, std::min(n.low, 2 * value),
-          std::max(n.high, 2 * value), false};
+  return {std::string("drop.") + n.key + (angle ? "_deg" : ""),
+          n.words,
+          n.unit,
+          value,
+          std::min(n.low, 2 * value),
+          std::max(n.high, 2 * value),
+          false};
 }
 SceneNumber of_floor(const FloorNumber& n, double value) {
   constexpr double kTimes = 10, kMost = 100;  // a number above 0 either way; one that is 0 up to so much
