@@ -48,9 +48,9 @@ const curves = (() => {
            most: 1.08 * Math.max(1e-9, ...landings.flatMap(l => l.acc))};
     const svg = make('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'acceleration over time'});
     axes(svg);
-    [...landings].reverse().forEach(l => line(svg, l, l.name === 'held'));
     cursor = make('line', {class: 'cursor', y1: box.top, y2: box.bottom}, svg);
     time(now);
+    [...landings].reverse().forEach(l => line(svg, l, l.name === 'held'));
     const press = event => {
       if (event.buttons !== 1 && event.type !== 'pointerdown') return;
       const shown = svg.getBoundingClientRect(), at = (event.clientX - shown.left) * width / shown.width;
