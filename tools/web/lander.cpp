@@ -1,5 +1,7 @@
 #include "tools/web/lander.hpp"
 
+#include <algorithm>
+
 #include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "landing/body/body_scene.hpp"
