@@ -21,7 +21,7 @@ using namespace landing;
 namespace {
 
 namespace fs = std::filesystem;
-using Place = TomlEdit::Place;
+using Path = TomlEdit::Place;
 
 /// Whether a constant has a say in a law.
 bool acts(const std::string& key, const ContactLaw& law) {
@@ -42,7 +42,7 @@ const ContactPoint* follower(const Robot& robot, const std::string& key) {
   return nullptr;
 }
 
-void write_law(const ContactLaw& law, TomlEdit& file, const Place& table) {
+void write_law(const ContactLaw& law, TomlEdit& file, const Path& table) {
   if (law.hunt_crossley)
     file.set(table, "law", std::string("hunt_crossley"));
   else
@@ -50,7 +50,7 @@ void write_law(const ContactLaw& law, TomlEdit& file, const Place& table) {
 }
 
 void write_floor(const Robot& robot, const std::string& source, TomlEdit& file) {
-  const Place table = {"floor"};
+  const Path table = {"floor"};
   for (auto constant = kLawConstants.rbegin(); constant != kLawConstants.rend(); ++constant) {
     const ContactPoint* c = follower(robot, constant->key);
     if (!c) continue;
@@ -67,7 +67,7 @@ void write_floor(const Robot& robot, const std::string& source, TomlEdit& file) 
 bool write_contact(const Robot& robot, std::size_t i, TomlEdit& file) {
   const ContactPoint& c = robot.contacts[i];
   const std::string before = file.text();
-  const Place table = {"robot", "contact", std::to_string(i)}, pad = {"robot", "contact", std::to_string(i), "pad"};
+  const Path table = {"robot", "contact", std::to_string(i)}, pad = {"robot", "contact", std::to_string(i), "pad"};
   for (const LawConstant& constant : kLawConstants) {
     const std::string key = constant.key;
     const ContactPoint* floor = follower(robot, key);
