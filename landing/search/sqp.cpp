@@ -133,6 +133,42 @@ void sample_average(Search& search) {
   }
 }
 
+/// Races in lanes, from anywhere and beside the best so far, and a descent from each of their best that lie apart,
+/// again and again: with many variables starts from anywhere are on cliffs.
+void descend_from_races(Search& search, const std::function<void(const Candidate&)>& descend) {
+  constexpr long kMotions = 1'500;
+  constexpr std::size_t kStarts = 16, kDescents = 6;
+  constexpr double kApart = 0.1, kAnywhere = 0.5, kPlain = 0.1;  // parts of the box; shares of the motions
+  constexpr double kNearest = -2, kFarthest = -0.6;              // powers of ten, beside an incumbent
+  const std::vector<Variable>& variables = search.objective().space().variables();
+  Random random(search.seed);
+  Archive starts(kStarts, kApart);
+  std::vector<Candidate> batch;
+  for (; !search.over(); starts.clear()) {
+    for (long n = 0; n < kMotions && !search.over(); n += kBatch) {
+      batch.assign(kBatch, search.nothing());
+      for (Candidate& p : batch) {
+        if (starts.empty() || random.uniform() < kAnywhere) {
+          p = point_of(random, variables, kPlain), p.bound = starts.bound();
+          continue;
+        }
+        const Candidate& incumbent = starts[low_index(random, starts.size())];
+        p = beside(incumbent, std::pow(10.0, random.uniform(kNearest, kFarthest)), random);
+        p.bound = incumbent.value;
+      }
+      search.evaluate(batch, Goal::kPeak);
+      for (const Candidate& p : batch)
+        if (p.value <= p.bound) starts.add(p);
+    }
+    for (std::size_t i = 0; i < std::min(kDescents, starts.size()) && !search.over(); ++i) {
+      Candidate start = starts[i];
+      start.bound = kNoMotion;
+      search.evaluate({&start, 1});
+      descend(start);
+    }
+  }
+}
+
 }  // namespace
 
 void sequential_quadratic(Search& search) {
@@ -165,11 +201,13 @@ void sequential_quadratic(Search& search) {
     }
     return !search.over();
   };
+  const auto descend = [&](const Candidate& start) { minimize_from(search, count, peaks, start); };
+  if (n > kPaperVariables) return descend_from_races(search, descend);
   for (std::uint64_t restart = 0; !search.over(); ++restart) {
     Random random(search.seed, restart);
     Candidate start = restart == 0 ? search.nothing() : random_point(random, n);
     search.evaluate({&start, 1});
-    minimize_from(search, count, peaks, start);
+    descend(start);
   }
 }
 

@@ -79,11 +79,11 @@ class Browser:
             raise RuntimeError(expression + ': ' + json.dumps(answer['exceptionDetails'])[:500])
         return answer['result'].get('value')
 
-    def picture(self, path):
+    def picture(self, path, most=12000):
         height = self.value('document.documentElement.scrollHeight')
         width = self.value('innerWidth')
         data = self.ask('Page.captureScreenshot', captureBeyondViewport=True,
-                        clip={'x': 0, 'y': 0, 'width': width, 'height': min(height, 12000), 'scale': 1})['data']
+                        clip={'x': 0, 'y': 0, 'width': width, 'height': min(height, most), 'scale': 1})['data']
         with open(path, 'wb') as f:
             f.write(base64.b64decode(data))
 

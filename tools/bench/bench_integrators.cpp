@@ -225,7 +225,7 @@ std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
       for (int i = 0; i < b.cases; ++i) (void)b.run(i, e.method, e.setting, work, nullptr);
       seconds[k].push_back(watch.seconds() / b.cases);
     }
-    run.progress(b.name, r + 1, repetitions);
+    run.progress(b.name, "repetitions", r + 1, repetitions);
   }
   for (std::size_t k = 0; k < entries.size(); ++k) entries[k].seconds = median(std::move(seconds[k]));
   return entries;

@@ -125,7 +125,7 @@ std::vector<Trial> searched(const Cases& cases, std::vector<Trial> earlier, cons
     Trial& t = trials[open[std::size_t(i)]];
     t.found = search(t, scenes[t.scene], actuator.sea);
     const std::lock_guard lock(mutex);
-    run.progress("searches", ++done, long(open.size()));
+    run.progress("bench", "searches", ++done, long(open.size()));
   });
   return trials;
 }

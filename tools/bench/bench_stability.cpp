@@ -72,7 +72,7 @@ std::vector<GridResult> grid_results(const BenchArguments& a, const Run& run) {
     (void)peak_acceleration(c.scene, c.sea, c.motion, {.max_steps = StabilityLimits{}.max_steps});
     r.seconds = watch.seconds();
     const std::lock_guard lock(mutex);
-    run.progress("stability", ++done, long(grid.size()));
+    run.progress("bench", "landings", ++done, long(grid.size()));
   });
   return out;
 }

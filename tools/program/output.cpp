@@ -87,7 +87,7 @@ void Run::info(const std::string& message) const {
 void Run::say(const std::string& line) const {
   if (options_.out == CommonOptions::Stdout::kText) print_line(line);
 }
-void Run::progress(const std::string& what, long done, long total) const {
+void Run::progress(const std::string& what, const std::string& unit, long done, long total) const {
   if (options_.messages != CommonOptions::Messages::kShow || total <= 0) return;
   constexpr double kBar = 0.1, kLine = 10;  // between two updates of it [s]
   const std::lock_guard lock(progress_mutex_);
@@ -96,19 +96,19 @@ void Run::progress(const std::string& what, long done, long total) const {
   if (elapsed - shown_ < (terminal ? kBar : kLine) && !(terminal && done >= total)) return;
   shown_ = elapsed;
   const double left = rate > 0 ? double(total - done) / rate : 0;
+  const std::string state = fmt::format("{} of {} {}, {:.3g}/s, {:.0f} s left", done, total, unit, rate, left);
   if (!terminal) {
-    print_message(fmt::format("{}: {} of {}, {:.3g}/s, {:.0f} s left", what, done, total, rate, left));
+    print_message(fmt::format("{}: {}", what, state));
     return;
   }
   const int filled = int(30 * double(std::min(done, total)) / double(total));
-  const std::string bar =
-      fmt::format("\r{} [{}{}] {:.3g}/s, {:.0f} s left  ", what, std::string(std::size_t(filled), '#'),
-                  std::string(std::size_t(30 - filled), ' '), rate, left);
+  const std::string bar = fmt::format("\r{} [{}{}] {}  ", what, std::string(std::size_t(filled), '#'),
+                                      std::string(std::size_t(30 - filled), ' '), state);
   print_message_raw((bar + (done >= total ? "\n" : "")).c_str());
 }
-Monitor Run::monitor(const std::string& what) const {
+Monitor Run::monitor(const std::string& what, const std::string& unit) const {
   catch_interrupts();
-  return {[this, what](long done, long total) { progress(what, done, total); }, interrupted};
+  return {[this, what, unit](long done, long total) { progress(what, unit, done, total); }, interrupted};
 }
 double Run::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 

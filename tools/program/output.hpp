@@ -69,9 +69,10 @@ class Run {
   /// A line of the result for a reader, to stdout unless --json.
   void say(const std::string& line) const;
   /// Progress on stderr: a bar with rate and remaining time on a terminal; elsewhere a line every ten seconds.
-  void progress(const std::string& what, long done, long total) const;
-  /// Shows progress as above, and stops at Ctrl-C, which from now on is a request. The run must outlive it.
-  Monitor monitor(const std::string& what) const;
+  void progress(const std::string& what, const std::string& unit, long done, long total) const;
+  /// Shows progress of `unit`, in the plural, as above, and stops at Ctrl-C, which from now on is a request. The run
+  /// must outlive it.
+  Monitor monitor(const std::string& what, const std::string& unit) const;
 
   /// Key, value pairs, safe to show: version, command line, checksums, seed, time of the start.
   std::vector<std::pair<std::string, std::string>> provenance() const;

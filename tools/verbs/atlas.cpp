@@ -164,7 +164,7 @@ void find_safest(AtlasResult& r, const AtlasRobot& robot, const CommonOptions& c
   r.atlas.header.safest = {};
   if (r.atlas.open() == 0)
     r.atlas.header.safest = safest_motion(robot, r.atlas.header.grid, r.atlas.cells, common.threads,
-                                          run.monitor("atlas: the safest motion"));
+                                          run.monitor("atlas: the safest motion", "drops"));
 }
 
 std::vector<std::size_t> all_drops(const AtlasGrid& grid) { return AtlasShard().drops(grid); }
@@ -194,7 +194,7 @@ int run_plan(const AtlasArguments& a, const CommonOptions& common) {
   run.info(fmt::format("planning {} drops of {} in {} blocks, {} of them planned before", r.drops.size(),
                        options.grid.size(), options.grid.blocks(), r.resumed));
   options.done = [&](std::size_t drop, const AtlasCell& cell) { journal.add(drop, cell); };
-  options.monitor = run.monitor("atlas");
+  options.monitor = run.monitor("atlas", "drops");
   plan_atlas(robot, options, r.atlas.cells);
   find_safest(r, robot, common, run);
   if (interrupted()) r.journal = journal.bytes();

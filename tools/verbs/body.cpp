@@ -269,7 +269,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
                      a.exports.has(Exports::Format::kPlotJuggler);
   options.rate = drawn && !(a.deadline && *a.deadline < kDrawnFrom) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - writing_time(*a.deadline));
-  options.monitor = run.monitor(options.measure ? "optimize, landings" : "optimize, motions");
+  options.monitor = run.monitor("optimize", options.measure ? "landings" : "motions");
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)
                                 : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations(scene)),
@@ -296,7 +296,7 @@ int risk_body(const RiskArguments& a, const CommonOptions& common) {
   options.drops = {.inflate = inflate_of(a.scatter, scene, run),
                    .inexact = a.execution == RiskArguments::Execution::kInexact};
   options.seed = common.seed, options.threads = common.threads;
-  options.monitor = run.monitor("risk");
+  options.monitor = run.monitor("risk", "landings");
   return report(scene, motion, body_risk(scene, motion, options), options, run);
 }
 

@@ -157,7 +157,7 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   if (a.law) throw InputError("--law: the paper's robot has one: a robot of links is needed");
   CalibrationOptions options;
   set_options(a, common, options);
-  options.monitor = run.monitor("calibrate: parts");
+  options.monitor = run.monitor("calibrate", "parts");
   const Scene scene = read_scene(a.scene);
   run.input(a.scene);
   const Actuator actuator = landing_actuator_of(file, run);

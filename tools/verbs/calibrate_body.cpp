@@ -57,7 +57,7 @@ int calibrate_body(const CalibrateArguments& a, const CommonOptions& common) {
   set_options(a, common, options);
   options.threads = common.threads;
   if (a.law == CalibrateArguments::Law::kOnly) options.rivals = BodyCalibrationOptions::Rivals::kNone;
-  options.monitor = run.monitor("calibrate: parts");
+  options.monitor = run.monitor("calibrate", "parts");
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_at(a.motion, scene, run));
   check_drop_names(a);
   BodyCalibratedDrops fitted{read_drops(a.drops, a, scene, motion, run), {}};

@@ -41,7 +41,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   o.search.evaluations = a.evaluations;
   o.search.validate();
   o.search.seed = common.seed, o.search.threads = common.threads;
-  o.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set); };
+  o.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set, "motions"); };
   const Comparison found = compare(sets, measured, scene, o);
   if (result) *result = found;
   return report(found, std::move(summary), run);

@@ -36,7 +36,7 @@ BodyComparisonOptions options_of(const CompareArguments& a, const BodyScene& sce
     (void)BodyDropModel(scene, scatter_for(out.search.scatter, scene));  // refuses numbers that this base does not have
   }
   out.search.validate();
-  out.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set); };
+  out.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set, "motions"); };
   return out;
 }
 

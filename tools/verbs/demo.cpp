@@ -152,7 +152,7 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
   const SeaParameters<double> table2 = read_actuator(dataset("actuators/table2.toml")).sea;
   OptimizeOptions options;
   options.seed = common.seed, options.threads = common.threads;
-  options.monitor = run.monitor("optimize, Table 2");
+  options.monitor = run.monitor("optimize, Table 2", "motions");
   const Optimum of_table2 = optimize(scene, table2, options);
   if (options.monitor.stopped() || !of_table2.found) {
     if (!of_table2.found) run.warn("Table 2: " + of_table2.message);

@@ -155,7 +155,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   if (!a.start.empty()) q.given = read_actuator(a.start), run.input(a.start);
   const identify::InitialState initial = initial_state(a.start_angle);
   q.options = fit_options(a, common);
-  q.options.monitor = run.monitor("identify");
+  q.options.monitor = run.monitor("identify", "starts");
   check(a, q);
   TrialInputs inputs = read_trials(a.trials, a.reading, q.rig, needs_of(q), run);
   q.trials = std::move(inputs.trials);

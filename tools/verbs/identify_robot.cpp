@@ -96,7 +96,7 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   if (only) return options.threads = common.threads, predict(robot, trials, options, run);
   if (a.free.empty()) throw InputError("--free: with --robot the constants that are fitted must be named");
   set_options(a, common, options);
-  options.monitor = run.monitor("identify: parts");
+  options.monitor = run.monitor("identify", "parts");
   std::vector<std::pair<std::string, double>> given;  // what cannot be written is said before the work
   for (const std::string& name : options.terms.free) given.emplace_back(name, 1);
   (void)robot_text(a.robot, robot, given, "", run.folder());

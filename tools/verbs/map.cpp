@@ -38,7 +38,8 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
   const Actuator actuator = landing_actuator_of(file, run);
   const ReferenceSpace space(scene, actuator.sea);
   const bool slice = space.dimension() > kPaperVariables;
-  SurveyOptions options{.basins = run.monitor("map: basins"), .evidence = run.monitor("map: evidence")};
+  SurveyOptions options{.basins = run.monitor("map: basins", "searches"),
+                        .evidence = run.monitor("map: evidence", "basins")};
   MapOptions& map = options.map;
   if (!a.grid.empty()) map.cells = a.grid;
   if (slice ? map.cells.size() < kPaperVariables : map.cells.size() != kPaperVariables)
@@ -52,7 +53,7 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
     run.input(a.slice);
   }
   map.polished = a.polish, map.seed = common.seed, map.threads = common.threads;
-  map.monitor = run.monitor("map: rows");
+  map.monitor = run.monitor("map", "rows");
   return report(survey(scene, space, options), run);
 }
 

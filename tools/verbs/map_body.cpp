@@ -47,7 +47,7 @@ int map_body(const MapArguments& a, const CommonOptions& common) {
   BodyScene scene = body_of(a.scene, a.actuators, run);
   apply_freedom(a.freedom, scene);
   const BodySpace space(scene);
-  SurveyOptions options{.basins = run.monitor("map: basins")};
+  SurveyOptions options{.basins = run.monitor("map: basins", "searches")};
   MapOptions& map = options.map;
   map.cells = cells_of(a.vary, space);
   map.slice = held_slice(space, scene);
@@ -56,7 +56,7 @@ int map_body(const MapArguments& a, const CommonOptions& common) {
     map.slice = slice_of(space, scene, read_body_motion(a.slice, scene.robot), {a.slice});
   }
   map.polished = a.polish, map.seed = common.seed, map.threads = common.threads;
-  map.monitor = run.monitor("map: landings");
+  map.monitor = run.monitor("map", "landings");
   return report(survey(scene, options), run);
 }
 

@@ -67,7 +67,7 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
                     a.exports.has(Exports::Format::kPlotJuggler);
   out.rate = rows ? 1000 : 0;
   out.evidence = a.evidence;
-  out.evidence_monitor = run.monitor("evidence");
+  out.evidence_monitor = run.monitor("evidence", "landings");
   return out;
 }
 
@@ -93,7 +93,8 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const OptimizeOptions& o = options.search;
   const Goal goal = a.robust ? Goal::kRobust : o.goal;
   const char* const unit = a.robust ? "landings" : "motions";
-  options.search.monitor = run.monitor(fmt::format("{}, {}", options.solvers.empty() ? "optimize" : "solvers", unit));
+  const bool by_clock = o.deadline && !o.evaluations;
+  options.search.monitor = run.monitor(options.solvers.empty() ? "optimize" : "solvers", by_clock ? "ms" : unit);
   const int variables = ReferenceSpace(scene, actuator.sea).dimension();
   run.info(fmt::format("optimising the {} of {} with {}: {}, seed {}", goal_words(options), scene.name, a.solver,
                        o.deadline

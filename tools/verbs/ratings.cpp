@@ -61,7 +61,7 @@ int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
   options.search.seed = common.seed, options.search.threads = common.threads;
   options.search.tolerance_samples = 0;
   options.search.validate();
-  options.search.monitor = run.monitor("ratings");
+  options.search.monitor = run.monitor("ratings", "searches");
   return report(scene, rated_plans(scene, actuator, options), run);
 }
 

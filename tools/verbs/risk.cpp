@@ -38,7 +38,7 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
   for (const std::string& point : a.forbid)
     out.forbidden[choice_index("--forbid", point, {kPointNames.begin(), kPointNames.end()})] = true;
   out.seed = common.seed, out.threads = common.threads;
-  out.monitor = run.monitor("risk");
+  out.monitor = run.monitor("risk", "landings");
   return out;
 }
 

@@ -122,7 +122,7 @@ int run_trade(const TradeArguments& a, const CommonOptions& common) {
   TradeOptions options{.search = plan_options(a.plan, common, scene, run)};
   if (a.plan.ratings == OptimizeArguments::Ratings::kRespect)
     options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
-  options.monitor = run.monitor("trade, plans");
+  options.monitor = run.monitor("trade", "plans");
   const std::vector<TradeAxis> axes = axes_of(a, scene);
   const std::optional<FrontArguments> front = a.pareto.empty() ? std::nullopt : std::optional(front_of(a.pareto));
   if (front) check_front(scene, front->cost, front->limited);  // before anything is written
