@@ -89,7 +89,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     body.rail = {T(std::cos(direction)), T(std::sin(direction))};
     rail_viscous = T(robot.rail_viscous), rail_friction = T(robot.rail_friction);
     rail_load_friction = T(robot.rail_load_friction);
-    for (int i = 0; i < body.contacts; ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
+    for (std::size_t i = 0; i < robot.contacts.size(); ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
+    int end = int(robot.contacts.size());
+    for (const Stop& s : robot.stops)
+      for (const double at : s.ends)
+        if (std::isfinite(at)) point[end++] = ContactConstants<T>(s);
     for (int i = 0; i < body.joints; ++i) {
       const Joint& j = robot.joints[body.joint[i].joint];
       drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),     T(j.damping),
@@ -243,6 +247,37 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     out.a = second[1], out.a_t = second[0];
     return out;
   }
+  bool is_stop(int i) const { return i >= body.contacts - body.stops; }
+  /// The way left to an end of a stop, as a height.
+  Point stop_at(int i, const Pose& p, const State& y, const Accelerations* acc = nullptr) const {
+    const StopPlace<T>& s = body.stop[i];
+    const T inwards(s.inwards);
+    const auto along = [&](const T& a, const T& b) { return a * body.rail[0] + b * body.rail[1]; };
+    if (s.joint == s.kRail)
+      return {inwards * (along(p.x, p.y) - s.end), inwards * along(p.vx, p.vy),
+              acc ? inwards * along(acc->x, acc->y) : T(0), T(0), T(0)};
+    const SeaState<T> q = joint_state(s.joint, y);
+    const JointPlace& at = body.joint[s.joint];
+    Point out{inwards * (q.phi - s.end), inwards * q.dphi, T(0), T(0), T(0)};
+    if (acc) out.a = inwards * (acc->alpha[at.child] - (at.parent < 0 ? T(0) : acc->alpha[at.parent]));
+    return out;
+  }
+  /// Loads the links with what the stops push with; adds their power.
+  [[gnu::noinline]] void push_stops(const Pose& p, const State& y, TreeLoads<T, kB>& load, T& power) const {
+    for (int i = body.contacts - body.stops; i < body.contacts; ++i) {
+      if (!any(contact[i].touching)) continue;
+      const StopPlace<T>& s = body.stop[i];
+      const Point at = stop_at(i, p, y);
+      const T normal = normal_force(point[i], contact[i], at.y, at.v, T(0)).value, f = T(s.inwards) * normal;
+      power += normal * at.v;
+      if (s.joint == s.kRail) {
+        load.x += f * body.rail[0], load.y += f * body.rail[1];
+        continue;
+      }
+      load.torque[body.joint[s.joint].child] += f;
+      if (body.joint[s.joint].parent >= 0) load.torque[body.joint[s.joint].parent] -= f;
+    }
+  }
   /// K_t z + C_t v.
   T held(int i, const State& y, const Point& at) const { return point[i].k_t * y[kSlip + i] + point[i].c_t * at.v_t; }
 
@@ -266,7 +301,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power(0);  // on the links
     for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
-    for (int i = 0; i < body.contacts; ++i) {
+    for (int i = 0; !is_stop(i); ++i) {
       const auto& m = contact[i];
       if (!any(m.touching)) continue;
       const Point at = point_at(i, p);
@@ -276,6 +311,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       if constexpr (kAccounts) power += normal * at.v - along * at.v_t;
       if (point[i].rubs || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
     }
+    if (body.stops > 0) [[unlikely]]
+      push_stops(p, y, load, power);
     for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
     for (int i = 0; i < body.joints; ++i) {
       T motor(0);
@@ -363,15 +400,26 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     out = {};
     const Pose p = pose(y);
     const Accelerations acc = accelerations_of(dy);
-    for (int i = 0; i < body.contacts; ++i) contact_guards(i, p, acc, y, dy, out);
+    contact_guards(p, acc, y, dy, out);
     for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
   }
   template <class G>
-  void contact_guards(int i, const Pose& p, const Accelerations& acc, const State& y, const State& dy,
+  void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
+    for (int i = 0; !is_stop(i); ++i) guards_of(i, point_at(i, p, &acc), y, dy, out);
+    if (body.stops > 0) [[unlikely]]
+      stop_guards(p, acc, y, dy, out);
+  }
+  template <class G>
+  [[gnu::noinline]] void stop_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
+                                     integrate::Guards<kGuards, G>& out) const {
+    for (int i = body.contacts - body.stops; i < body.contacts; ++i) guards_of(i, stop_at(i, p, y, &acc), y, dy, out);
+  }
+  /// Of a contact where it is.
+  template <class G>
+  void guards_of(int i, const Point& at, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     const ContactConstants<T>& x = point[i];
     const auto& m = contact[i];
-    const Point at = point_at(i, p, &acc);
     const int first = kOfContact * i;
     // `holds`: the value is positive while it does.
     const auto set = [&](int guard, const auto& holds, const T& value, const T& rate, const auto& active) {
@@ -427,7 +475,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     set(kLower, !lower, T(tau + d.sea.tau_max), rate, limited & !upper);
   }
 
-  /// Into the mode beyond the zero of a guard. Returns the contact that touches down there, or -1.
+  /// Into the mode beyond the zero of a guard. Returns the contact that touches the floor there, or -1.
   int cross(int guard, State& y) {
     if (guard >= kJointGuards) {
       int& saturation = joint[(guard - kJointGuards) / kOfJoint].saturation;
@@ -458,7 +506,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
         return -1;
     }
     settle_friction(i, y);
-    return guard % kOfContact == kSurface && m.touching ? i : -1;
+    return guard % kOfContact == kSurface && m.touching && !is_stop(i) ? i : -1;
   }
   /// The mode of friction where the normal force may have jumped.
   void settle_friction(int i, const State& y) {

@@ -56,6 +56,7 @@ struct ContactConstants {
     return hunt_crossley == o.hunt_crossley && padded == o.padded && rubs == o.rubs;
   }
   ContactConstants() = default;
+  explicit ContactConstants(const Stop& s) : ContactConstants(ContactPoint{.law = {s.stiffness, s.damping}}) {}
   explicit ContactConstants(const ContactPoint& x)
       : k(x.law.stiffness),
         c(x.law.damping_normal),

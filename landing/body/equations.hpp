@@ -42,8 +42,10 @@ inline bool fits(const Robot& robot, const Capacity& c) {
   if (c.exact && (int(robot.links.size()) != c.bodies || int(robot.joints.size()) != c.joints ||
                   std::any_of(robot.joints.begin(), robot.joints.end(), locked)))
     return false;
+  std::size_t pushing = robot.contacts.size();
+  for (const Stop& s : robot.stops) pushing += std::isfinite(s.ends[0]) + std::isfinite(s.ends[1]);
   return robot.links.size() <= std::size_t(c.bodies) && robot.joints.size() <= std::size_t(c.joints) &&
-         robot.contacts.size() <= std::size_t(c.contacts);
+         pushing <= std::size_t(c.contacts);
 }
 
 /// Calls f with the first of the kernels that holds the robot, its template argument; the last holds all that come to
@@ -94,16 +96,26 @@ struct JointPlace {
   bool operator==(const JointPlace&) const = default;
 };
 
+/// An end of a stop as the equations see it: a contact that pushes a joint or the rail, whose height is the way left.
+template <class T>
+struct StopPlace {
+  static constexpr int kRail = -1;
+  int joint = kRail;   ///< of Body::joint
+  double inwards = 1;  ///< 1: at the low end, -1: at the high one
+  T end{0};            ///< [rad] or [m]
+};
+
 template <class T, Capacity kSize>
 struct Body {
   static constexpr int kBodies = kSize.bodies;
   Count<kBodies, kSize.exact> bodies;
   Count<kSize.joints, kSize.exact> joints;
-  int contacts = 0;
+  int contacts = 0, stops = 0;  ///< what pushes; of these the last are ends of stops
   Base base = Base::kFree;
   bool first_stays = false;  ///< the first body's angle: on a rail, or where its pin is locked
   std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
   std::array<Arms<T, kBodies>, kSize.contacts> contact{};
+  std::array<StopPlace<T>, kSize.contacts> stop{};    ///< by the index of a contact
   Arms<T, kBodies> peak{}, first{};                   ///< `first`: the origin of the first link
   std::array<Arms<T, kBodies>, kMostLinks> origin{};  ///< of every link
   Arms<T, kBodies> moment{};                          ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
@@ -122,18 +134,22 @@ struct Body {
     using Arm = Arms<T, kBodies>;
     for (std::size_t i = 0; i < x.contact.size(); ++i) Arm::for_each(x.contact[i], y.contact[i], f);
     Arm::for_each(x.peak, y.peak, f), Arm::for_each(x.first, y.first, f), Arm::for_each(x.moment, y.moment, f);
+    for (std::size_t i = 0; i < x.stop.size(); ++i) f(x.stop[i].end, y.stop[i].end);
     f(x.mass, y.mass), f(x.rail[0], y.rail[0]), f(x.rail[1], y.rail[1]);
   }
   /// Takes the rest of another body: what is no number of T.
   template <class U>
   void take_structure(const Body<U, kSize>& o) {
-    bodies = {int(o.bodies)}, joints = {int(o.joints)}, contacts = o.contacts, base = o.base,
+    bodies = {int(o.bodies)}, joints = {int(o.joints)}, contacts = o.contacts, stops = o.stops, base = o.base,
     first_stays = o.first_stays;
+    for (std::size_t i = 0; i < stop.size(); ++i) stop[i].joint = o.stop[i].joint, stop[i].inwards = o.stop[i].inwards;
     joint = o.joint, offset = o.offset, body_of = o.body_of;
   }
   template <class Other>
   bool same_structure(const Other& o) const {
-    return bodies == o.bodies && joints == o.joints && contacts == o.contacts && base == o.base &&
+    for (int i = 0; i < contacts; ++i)
+      if (stop[i].joint != o.stop[i].joint || stop[i].inwards != o.stop[i].inwards) return false;
+    return bodies == o.bodies && joints == o.joints && contacts == o.contacts && stops == o.stops && base == o.base &&
            first_stays == o.first_stays && joint == o.joint && body_of == o.body_of;
   }
   /// In another scalar, without derivatives.
@@ -368,6 +384,15 @@ Body<double, kSize> body_of(const Robot& robot) {
   out.bodies = {bodies}, out.joints = {joints};
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
+  for (const Stop& s : robot.stops)
+    for (const int end : {0, 1}) {
+      if (!std::isfinite(s.ends[std::size_t(end)])) continue;
+      StopPlace<double>& place = out.stop[std::size_t(out.contacts++)];
+      ++out.stops;
+      while (s.joint >= 0 && out.joint[std::size_t(place.joint = std::max(place.joint, 0))].joint != s.joint)
+        ++place.joint;
+      place.inwards = end == 0 ? 1 : -1, place.end = s.ends[std::size_t(end)];
+    }
   out.peak = from_base(shifted(origin[robot.peak_link], robot.peak_link, robot.peak));
   for (std::size_t i = 0; i < origin.size(); ++i) out.origin[i] = from_base(origin[i]);
   out.first = out.origin[0];

@@ -9,6 +9,7 @@
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/sea.hpp"
+#include "landing/body/places.hpp"
 
 namespace ukemi::landing {
 
@@ -64,6 +65,10 @@ void check(const Joint& j) {
 
 }  // namespace
 
+std::string stop_name(const Robot& robot, const Stop& stop) {
+  return stop.joint < 0 ? "rail" : robot.joints.at(std::size_t(stop.joint)).name;
+}
+
 void Robot::validate() const {
   check_count("links", long(links.size()), 1, kMostLinks);
   check_count("joints", long(joints.size()), long(links.size()) - 1, long(links.size()) - (base != Base::kPinned));
@@ -96,6 +101,14 @@ void Robot::validate() const {
     check_positive(what + ": pad.thickness", c.pad->thickness);
     check_positive(what + ": pad.stiffness", c.pad->stiffness);
     check_not_negative(what + ": pad.damping", c.pad->damping);
+  }
+  for (const Stop& s : stops) {
+    const std::string what = "stop " + quoted(stop_name(*this, s));
+    if (s.joint < 0 && base != Base::kRail) throw InputError(what + ": base = \"rail\" is needed with it");
+    if (s.joint >= 0 && joints.at(std::size_t(s.joint)).kind == DriveKind::kLocked)
+      throw InputError(what + ": the joint is locked: it never gets there");
+    if (!(s.ends[0] < s.ends[1])) throw InputError(what + ": two ends are needed, the lower first");
+    check_positive(what + ": stiffness", s.stiffness), check_not_negative(what + ": damping", s.damping);
   }
   link_index("peak_link", peak_link), check("peak", peak);
 }

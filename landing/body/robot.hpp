@@ -91,6 +91,13 @@ struct ContactPoint {
   std::vector<std::string> own = {};  ///< keys of `law` that the contact's own table gives
 };
 
+/// What a joint, or the rail, runs against at either end: F = max(0, K delta + C ddelta), delta the way beyond it.
+struct Stop {
+  int joint = -1;                     ///< of Robot::joints; -1: the rail, by the first link's origin
+  std::array<double, 2> ends{};       ///< low, high [rad] or, along the rail, [m]; infinite: none
+  double stiffness = 0, damping = 0;  ///< K, > 0; C, >= 0
+};
+
 /// kRail: the first link's origin slides along a line, its angle stays; kPinned: it is fixed.
 enum class Base { kFree, kRail, kPinned };
 
@@ -106,6 +113,7 @@ struct Robot {
   std::vector<Link> links;
   std::vector<Joint> joints;
   std::vector<ContactPoint> contacts;
+  std::vector<Stop> stops;
 
   /// The joint above a link; null: none.
   const Joint* joint_of(int link) const {
@@ -126,12 +134,5 @@ struct Robot {
 /// What looks wrong with a robot, a sentence each: a mass or an inertia that no link of that size has, a centre of mass
 /// outside of its link, a contact that can never touch. Empty: nothing.
 std::vector<std::string> doubts(const Robot& robot);
-/// The places of a link that are not its centre of mass: its origin, its children's joints, its contacts, the peak's
-/// point; each once.
-std::vector<Place> places(const Robot& robot, int link);
-/// Of a link: the largest distance between two of its places [m].
-double extent(const Robot& robot, int link);
-/// The largest distance of a place of the robot from the first link's origin, all joints in line or not [m].
-double reach(const Robot& robot);
 
 }  // namespace ukemi::landing

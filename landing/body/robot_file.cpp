@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
+#include <numbers>
 
 #include "common/actuator.hpp"
 #include "common/actuator_constants.hpp"
 #include "common/sea.hpp"
 #include "landing/body/floor_constants.hpp"
+#include "landing/body/places.hpp"
 
 namespace ukemi::landing {
 
@@ -194,6 +197,37 @@ void read_base(TomlSection& s, Robot& out) {
   }
 }
 
+/// [stop.JOINT] and [stop.rail].
+void read_stops(TomlFile& file, Robot& out) {
+  auto all = file.optional("stop");
+  if (!all) return;
+  for (int joint = -1; joint < int(out.joints.size()); ++joint) {
+    Stop stop{.joint = joint};
+    auto s = all->optional_section(stop_name(out, stop));
+    if (!s) continue;
+    const char* key = joint < 0 ? "s" : "phi";
+    if (joint >= 0) {
+      const auto ends = s->optional_angle_pair(key);
+      if (!ends) s->fail(key, "phi_deg = [LOW, HIGH] is needed");
+      stop.ends = *ends;
+    } else {
+      const auto ends = s->numbers(key, 2, Range::any());
+      stop.ends = {ends[0], ends[1]};
+    }
+    if (!(stop.ends[0] < stop.ends[1])) s->fail(key, "two ends are needed, the lower first");
+    constexpr double kTurn = 2 * std::numbers::pi, kOutOfReach = 100;  // [m]
+    for (double& end : stop.ends)
+      if (std::abs(end) >= (joint < 0 ? kOutOfReach : kTurn * (1 - 1e-12)))
+        end = std::copysign(std::numeric_limits<double>::infinity(), end);
+    if (joint < 0 && out.base != Base::kRail) s->fail("", "base = \"rail\" is needed with it");
+    if (joint >= 0 && out.joints[std::size_t(joint)].kind == DriveKind::kLocked)
+      s->fail("", "the joint is locked: it never gets there");
+    stop.stiffness = s->number("stiffness", Range::positive());
+    stop.damping = s->optional_number("damping", Range::non_negative()).value_or(0);
+    out.stops.push_back(stop);
+  }
+}
+
 /// The drive that the command line gives a joint; an empty name is that of the only one it can be.
 const GivenDrive* given_for(const Joint& joint, bool only, const std::vector<GivenDrive>& given) {
   for (const GivenDrive& g : given)
@@ -296,6 +330,7 @@ void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
   if (auto peak = s.optional_section("peak"))
     robot.peak_link = index_in(*peak, "link", links.placed), robot.peak = place_in(*peak, "at");
   read_drives(links, file, scene, drives, out.drive_files);
+  read_stops(file, robot);
 }
 
 }  // namespace ukemi::landing

@@ -84,7 +84,7 @@ class DrivenRun {
     const auto a = acceleration(system_.body.peak, pose, system_.accelerations_of(derivative(y_)), system_.body.bodies);
     const double parts[kBodySensed] = {a.norm(), a.x(), a.y()};
     for (int q = 0; q < kBodySensed; ++q) out.acceleration[std::size_t(q)].push_back(parts[q]);
-    for (int i = 0; i < system_.body.contacts; ++i) {
+    for (int i = 0; !system_.is_stop(i); ++i) {
       const Vec2<double> f = contact_force(system_, i, pose, y_);
       for (int q : {0, 1}) out.force[std::size_t(i)][std::size_t(q)].push_back(f[q]);
     }
@@ -127,10 +127,14 @@ class DrivenRun {
   }
 
  private:
-  double gap(int i) const { return system_.point_at(i, system_.pose(y_)).y - system_.point[i].thickness; }
+  double gap(int i) const {
+    const auto pose = system_.pose(y_);
+    return system_.is_stop(i) ? system_.stop_at(i, pose, y_).y
+                              : system_.point_at(i, pose).y - system_.point[i].thickness;
+  }
   int lowest_contact() const {
     int out = -1;
-    for (int i = 0; i < system_.body.contacts; ++i)
+    for (int i = 0; !system_.is_stop(i); ++i)
       if (out < 0 || gap(i) < gap(out)) out = i;
     return out;
   }
@@ -225,7 +229,7 @@ class DrivenRun {
     out.dy = derivative(y);
     const auto pose = system_.pose(y);
     const auto acc = system_.accelerations_of(out.dy);
-    for (int i = 0; i < system_.body.contacts; ++i) system_.contact_guards(i, pose, acc, y, out.dy, out.guard);
+    system_.contact_guards(pose, acc, y, out.dy, out.guard);
     return out;
   }
   /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
@@ -262,7 +266,7 @@ class DrivenRun {
   void cross(int g, DrivenRollout* out) {
     (void)system_.cross(g, y_);
     const int contact = g / System::kOfContact;
-    if (out && g % System::kOfContact == System::kSurface)
+    if (out && g % System::kOfContact == System::kSurface && !system_.is_stop(contact))
       out->changes.push_back({t_, contact, system_.contact[std::size_t(contact)].touching});
   }
   System system_;

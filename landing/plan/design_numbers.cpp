@@ -10,6 +10,7 @@
 #include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "landing/body/floor_constants.hpp"
+#include "landing/body/places.hpp"
 
 namespace ukemi::landing {
 
@@ -82,6 +83,22 @@ void add_link(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i)
   out.push_back(number(to + "com.across", [i](BodyScene& s) -> double& { return s.robot.links[i].com.across; }));
 }
 
+/// Of [stop.JOINT] and [stop.rail].
+void add_stop(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
+  const bool rail = robot.stops[i].joint < 0;
+  const std::string to = "stop." + stop_name(robot, robot.stops[i]) + ".";
+  const auto add = [&](const char* key, auto path, double scale = 1) {
+    out.push_back(number(
+        to + key, [=](BodyScene& s) -> double& { return path(s.robot.stops[i]); }, scale));
+  };
+  add("stiffness", [](Stop& s) -> double& { return s.stiffness; });
+  add("damping", [](Stop& s) -> double& { return s.damping; });
+  add(
+      rail ? "low" : "low_deg", [](Stop& s) -> double& { return s.ends[0]; }, rail ? 1 : kDegree);
+  add(
+      rail ? "high" : "high_deg", [](Stop& s) -> double& { return s.ends[1]; }, rail ? 1 : kDegree);
+}
+
 /// "pad.thickness" of the files is pad_thickness of the table.
 std::string in_files(const std::string& key) { return key.rfind("pad_", 0) == 0 ? "pad." + key.substr(4) : key; }
 /// Constants of contacts, by the name that floor_constants knows; `to` in front of the key of files.
@@ -108,6 +125,7 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
   for (std::size_t i = 0; i < robot.joints.size(); ++i) add_drive(out, robot, i);
   add_all_drives(out, robot);
   for (std::size_t i = 0; i < robot.links.size(); ++i) add_link(out, robot, i);
+  for (std::size_t i = 0; i < robot.stops.size(); ++i) add_stop(out, robot, i);
   for (const std::string key : kContactKeys) {
     for (const ContactPoint& c : robot.contacts)
       out.push_back(contact_number("robot.contact." + c.name + ".", key, c.name + "." + key));

@@ -1,7 +1,9 @@
 // Robots of links as a user meets them: simulate, optimize, robot, and what refuses them.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <regex>
+#include <sstream>
 
 #include "test/cli/refused.hpp"
 
@@ -130,6 +132,45 @@ TEST_CASE("optimize plans for drops that scatter, risk plays the plan over them,
     CHECK(quick["objective"] == goal);
     CHECK(quick["value"].get<double>() <= quick["hold"]["value"].get<double>());  // a busy machine gets no further
   }
+}
+
+TEST_CASE("optimize --log stands beside what the robot did in its logs") {
+  const Folder f;
+  done(f, {"simulate", kHopper, "--rate", "500", "-o", "held"});
+  const Json held = Json::parse(read(f.at("held/summary.json")));
+  std::istringstream rows(read(f.at("held/trajectory.csv")));
+  std::vector<std::string> names;
+  std::string line, log = "t,phi_hip,phi_knee,phi_ref_hip,phi_ref_knee,dphi_ref_hip,dphi_ref_knee\n";
+  const auto cells = [](const std::string& text) {
+    std::vector<std::string> out;
+    std::istringstream in(text);
+    for (std::string cell; std::getline(in, cell, ',');) out.push_back(cell);
+    return out;
+  };
+  double last = -1;
+  while (std::getline(rows, line)) {
+    if (line.empty() || line[0] == '#') continue;
+    if (names.empty()) {
+      names = cells(line);
+      continue;
+    }
+    const auto row = cells(line);
+    const auto at = [&](const char* name) {
+      return row[std::size_t(std::find(names.begin(), names.end(), name) - names.begin())];
+    };
+    if (std::stod(at("t")) < last + 1e-3) continue;  // a row beside an event
+    last = std::stod(at("t"));
+    log += at("t") + "," + at("phi_hip") + "," + at("phi_knee") + "," + at("phi_ref_hip") + "," + at("phi_ref_knee") +
+           ",0,0\n";
+  }
+  (void)f.write("log.csv", log);
+  const Result r = done(f, {"optimize", kHopper, "--log", "log.csv", "--evaluations", "200", "-o", "best"});
+  CHECK_THAT(r.out, Contains("In its log the model took"));
+  const Json s = Json::parse(read(f.at("best/summary.json")));
+  CHECK(s["logged"]["median"].get<double>() == Approx(held["peak_acceleration"].get<double>()).epsilon(0.02));
+  CHECK_THAT(run({"optimize", kHopper, "--log", "log.csv", "--deadline", "1"}, f.at("")).err,
+             Contains("--log: not with --deadline"));
+  CHECK_THAT(run({"optimize", kHopper, "--log", "none.csv"}, f.at("")).err, Contains("none.csv"));
 }
 
 TEST_CASE("a plan of a robot of links has shape terms and gains, in its files and its tables") {

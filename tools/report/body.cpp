@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "landing/body/places.hpp"
 #include "tools/report/landing.hpp"
 
 namespace ukemi::tools {
@@ -161,6 +162,12 @@ Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLan
   return out;
 }
 
+/// "-140 to -5 deg"
+std::string ends_words(const Stop& s) {
+  const double unit = s.joint < 0 ? 1 : 1 / kDegrees;
+  return fmt::format("{:.4g} to {:.4g} {}", s.ends[0] / unit, s.ends[1] / unit, s.joint < 0 ? "m" : "deg");
+}
+
 void robot_tables(const BodyScene& scene, Report& report) {
   const Robot& robot = scene.robot;
   report.heading("Robot");
@@ -189,6 +196,11 @@ void robot_tables(const BodyScene& scene, Report& report) {
                         scene.floor && std::isfinite(c.law.friction) ? fmt::format("{:.4g}", c.law.friction) : "",
                         c.pad ? fmt::format("{:.4g} mm", c.pad->thickness * 1e3) : ""});
   if (!contacts.empty()) report.table({"contact", "link", "at [m]", "stiffness [N/m]", "friction", "pad"}, contacts);
+  std::vector<std::vector<std::string>> stops;
+  for (const Stop& s : robot.stops)
+    stops.push_back(
+        {stop_name(robot, s), ends_words(s), fmt::format("{:.4g}", s.stiffness), fmt::format("{:.4g}", s.damping)});
+  if (!stops.empty()) report.table({"stop", "at", "stiffness [Nm/rad, N/m]", "damping [Nm s/rad, N s/m]"}, stops);
   floor_source(report, scene.source);
 }
 
@@ -293,6 +305,11 @@ int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& not
   for (const ContactPoint& c : robot.contacts) {
     run.say(fmt::format("  contact {:<9} {} of {}", c.name, place_words(c.at), robot.links[std::size_t(c.link)].name));
     summary["contacts"].push_back({{"name", c.name}, {"link", robot.links[std::size_t(c.link)].name}});
+  }
+  for (const Stop& s : robot.stops) {
+    const std::string at = stop_name(robot, s);
+    run.say(fmt::format("  stop {:<12} {}, {:.4g} {}", at, ends_words(s), s.stiffness, s.joint < 0 ? "N/m" : "Nm/rad"));
+    summary["stops"].push_back({{"of", at}, {"stiffness", s.stiffness}, {"damping", s.damping}});
   }
   summary["locked"] = locked, summary["doubts"] = doubts(robot);
   Report report("Robot: " + scene.name);

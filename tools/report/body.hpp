@@ -57,9 +57,14 @@ void robot_tables(const landing::BodyScene& scene, Report& report);
 /// Each returns the exit code. `held`: the landing of the held posture on the same drop, to stand beside it.
 int report(const landing::CheckedBody& checked, const std::optional<landing::BodyLanding>& held, const Exports& exports,
            Run& run);
-/// `rate`: rows of motion.csv a second [Hz]; `least`: where no motion keeps the ratings.
+/// What a plan is told beside.
+struct PlanBeside {
+  std::optional<landing::BodyLeastBreaking> least = {};  ///< where no motion keeps the ratings
+  std::vector<double> logged = {};                       ///< of each logged trial the largest acceleration [m/s^2]
+};
+/// `rate`: rows of motion.csv a second [Hz].
 int report(const landing::BodyScene& scene, const landing::BodyPlan& plan, const landing::BodyPlanOptions& options,
-           double rate, const Exports& exports, Run& run, const std::optional<landing::BodyLeastBreaking>& least = {});
+           double rate, const Exports& exports, Run& run, const PlanBeside& beside = {});
 int report(const landing::BodyScene& scene, const landing::BodyMotion& motion, const landing::BodyRisk& risk,
            const landing::BodyRiskOptions& options, Run& run);
 /// `names`: what each set is, as its options have it.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "landing/body/places.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/median.hpp"
 #include "common/uncertainty.hpp"
 #include "landing/body/load.hpp"
 #include "landing/model/scatter_file.hpp"
@@ -94,12 +95,17 @@ Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, const st
   return out;
 }
 
-FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p) {
+FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const std::vector<double>& logged) {
   FirstScreen out{.sentence =
                       rated(scene)
                           ? fmt::format("The largest load is {:.2g} of its rating, where holding still has {:.2g}.",
                                         p.value, p.held_value)
                           : landing_sentence(p.landing.peak, p.held.peak)};
+  if (logged.size() == 1)
+    out.sentence += fmt::format(" In its log the model took {:.4g} m/s^2.", logged[0]);
+  else if (!logged.empty())
+    out.sentence += fmt::format(" In its {} logged trials the model took {:.4g} (median), at most {:.4g} m/s^2.",
+                                logged.size(), median(logged), *std::max_element(logged.begin(), logged.end()));
   if (scene.limited())
     out.checks.push_back(
         check(!p.landing.broken, "keeps its limits", p.held_keeps_limits ? "" : "holding breaks them"));
@@ -196,7 +202,7 @@ void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& 
 }  // namespace
 
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
-           const Exports& exports, Run& run, const std::optional<BodyLeastBreaking>& least) {
+           const Exports& exports, Run& run, const PlanBeside& beside) {
   const Robot& robot = scene.robot;
   const std::string goal = goal_words(scene, options);
   if (!plan.message.empty()) run.warn(plan.message);
@@ -209,8 +215,10 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
     summary["contacts"] = Table(contact_quantities(robot), plan.landing.touches).objects();
     summary["joints"] = joints_json(scene, plan.motion, plan.landing, run);
+    if (!beside.logged.empty())
+      summary["logged"] = {{"peak_acceleration", beside.logged}, {"median", median(beside.logged)}};
     const std::string contacts = contact_order(plan.landing.peaks, contact_name(robot));
-    say(first_screen(scene, plan),
+    say(first_screen(scene, plan, beside.logged),
         {"motion: " + motion_words(robot, plan.motion), contacts.empty() ? "no contact" : "contacts: " + contacts},
         table.turned(), run);
     run.say(fmt::format("searched for {:.2f} s", plan.seconds));
@@ -235,7 +243,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
         summary["scatter"]["loads"] = report_exceeded(scene, *plan.under, options.share, run);
     }
     report.distrust(run.warnings());
-    report.answer(first_screen(scene, plan), run.warnings());
+    report.answer(first_screen(scene, plan, beside.logged), run.warnings());
     report.folded("All numbers", table.turned());
     if (drawn) {
       report.heading("The search");
@@ -250,7 +258,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     report.write(run);
   } else {
     summary = {{"motion", nullptr}, {"evaluations", plan.evaluations}};
-    if (least) report_least_breaking(scene.robot, *least, run, summary);
+    if (beside.least) report_least_breaking(scene.robot, *beside.least, run, summary);
   }
   summary["solver"] = "auto", summary["objective"] = kGoalNames[std::size_t(options.goal)],
   summary["seed"] = options.seed;

@@ -5,8 +5,10 @@
 #include <algorithm>
 
 #include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/toml_edit.hpp"
+#include "landing/body/places.hpp"
 #include "tools/report/body_scene_text.hpp"
 
 namespace ukemi::tools {
@@ -51,6 +53,18 @@ void set_drive(TomlEdit& file, const std::string& joint, const std::string& key,
   file.set(table, key, value);
 }
 
+void set_stop(TomlEdit& file, const Robot& robot, const std::string& name, const std::string& key, double value) {
+  const Path table = {"stop", name};
+  if (key == "stiffness" || key == "damping") return file.set(table, key, value);
+  const auto stop =
+      std::find_if(robot.stops.begin(), robot.stops.end(), [&](auto& s) { return stop_name(robot, s) == name; });
+  const bool rail = stop->joint < 0;
+  const double unit = rail ? 1 : kDegree;
+  file.remove(table, "phi");
+  file.set_raw(table, rail ? "s" : "phi_deg",
+               fmt::format("[{}, {}]", shortest(stop->ends[0] / unit), shortest(stop->ends[1] / unit)));
+}
+
 /// [command] and its tables, which need not be there yet.
 void set_command(TomlEdit& file, const std::vector<std::string>& parts, double value, std::string& appended) {
   const bool shared = parts.size() == 2;
@@ -77,6 +91,8 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
       set_command(file, parts, value, appended);
     else if (parts[0] == "drive")
       set_drive(file, parts[1], parts[2], value);
+    else if (parts[0] == "stop")
+      set_stop(file, robot.scene.robot, parts[1], parts[2], value);
     else if (parts[1] == "contact")
       file.set({"robot", "contact", index_of(file, robot.scene.robot, "contact", parts[2])}, parts[3], value);
     else if (parts[1] == "rail")

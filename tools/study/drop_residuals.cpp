@@ -119,7 +119,7 @@ DropResult DropResiduals::replay(const double* shared, const double* own) const 
   for (const double t : rolled.drop.jumps) out.jumps.push_back(t - rolled.shift);
   out.changes = rolled.drop.changes;
   out.peak_between = simulator_.peak(drop_, rolled.settings, log().t.back() + rolled.shift, options_);
-  if (std::isnan(out.peak_between)) return out;
+  if (std::isnan(out.peak_between) || simulator_.logs_of() == LogsOf::kTrials) return out;
   for (std::size_t i = first_; i < log().t.size(); ++i) {
     const auto& a = log().output;
     const double measured = !a[kAcc].empty()                         ? a[kAcc][i]

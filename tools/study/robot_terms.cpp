@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/actuator_constants.hpp"
+#include "landing/body/places.hpp"
 #include "landing/plan/design_numbers.hpp"
 #include "tools/study/robot_trials.hpp"
 
@@ -126,6 +127,18 @@ class TableOf {
       add(to, {"stiffness_tangential", "N/m", "stiffness along the floor", 0, kInfinity, 1e4});
     if (std::isfinite(c.law.friction)) add(to, {"friction", "1", "friction of the contact", 0, kInfinity, 0.5});
   }
+  void add_stop(const Stop& s) {
+    const bool rail = s.joint < 0;
+    const std::string to = "stop." + stop_name(robot_.scene.robot, s) + ".";
+    add(to, {"stiffness", rail ? "N/m" : "Nm/rad", "stiffness of the stop", 1e-3, kInfinity, 1e3});
+    add(to, {"damping", rail ? "N/(m/s)" : "Nm/(rad/s)", "damping of the stop", 0, kInfinity, 1});
+    constexpr Kind kEnds[] = {{"low_deg", "deg", "where the lower stop is", -360, 360, 5, 10},
+                              {"high_deg", "deg", "where the upper stop is", -360, 360, 5, 10},
+                              {"low", "m", "where the lower stop is", -kInfinity, kInfinity, 0.01, 0.1},
+                              {"high", "m", "where the upper stop is", -kInfinity, kInfinity, 0.01, 0.1}};
+    for (const int end : {0, 1})
+      if (std::isfinite(s.ends[std::size_t(end)])) add(to, kEnds[2 * rail + end]);
+  }
   std::vector<DropTerm> out;
 
  private:
@@ -174,6 +187,7 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
     if (r.joints[i].kind != DriveKind::kLocked) add_joint(table, robot, i, trials);
   for (std::size_t i = 0; i < r.links.size(); ++i) table.add_link(i);
   for (const ContactPoint& c : r.contacts) table.add_contact(c);
+  for (const Stop& s : r.stops) table.add_stop(s);
   if (r.base == Base::kRail) {
     table.add("robot.rail.", {"viscous", "N/(m/s)", "viscous friction of the rail", 0, kInfinity, 1});
     table.add("robot.rail.", {"friction", "N", "dry friction of the rail", 0, kInfinity, 1});

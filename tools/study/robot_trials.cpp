@@ -8,6 +8,7 @@
 #include <map>
 
 #include "common/error.hpp"
+#include "landing/body/places.hpp"
 #include "landing/plan/design_numbers.hpp"
 
 namespace ukemi::tools {
@@ -19,6 +20,11 @@ namespace {
 const std::string kCommand = "command.", kStart = "start.";
 
 bool begins(const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; }
+
+/// Where acc, ax and ay stand among the channels.
+std::size_t acceleration_channel(const Robot& robot) {
+  return kSensed * robot.joints.size() + (robot.base == Base::kFree ? std::size_t(kBaseSensed) : 0);
+}
 
 /// The number of "start.JOINT.KEY", or "start.KEY" of the base.
 double& number_in(DrivenStart& start, const Robot& robot, const std::string& name) {
@@ -136,20 +142,23 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
   for (const DropTerm& t : *options.terms.table)
     for (const std::string& name : t.moves)
       if (!begins(name, kCommand) && !begins(name, kStart)) setters_[name] = design_setter(robot.scene, name);
-  for (std::size_t m = 0; m < trials.size() && robot.scene.robot.base == Base::kFree; ++m)
+  for (std::size_t m = 0; m < trials.size() && robot.scene.robot.base != Base::kPinned; ++m)
     if (!start_[m].y) guess_height(m);
 }
 
-/// Of a thrown robot whose height is not logged the one that fits best, of some from the floor to kHighest.
+/// Of a robot whose height is not logged: on the floor, or where that leaves twice as much, the height that fits best
+/// of some up to kHighest.
 void RobotTrials::guess_height(std::size_t m) {
   constexpr int kHeights = 40;
-  constexpr double kLowest = 0.005, kHighest = 3;  // [m]
+  constexpr double kLowest = 0.005, kHighest = 3, kMuchBetter = 0.5;  // [m]; of what is left on the floor
   double least = std::numeric_limits<double>::infinity(), best = 0;
   for (int k = 0; k <= kHeights; ++k) {
     const double height = k == 0 ? 0 : kLowest * std::pow(kHighest / kLowest, double(k - 1) / (kHeights - 1));
     start_[m].height = height;
-    const FollowedDrop d = roll(m, {}, trials_[m].log.t, 0);
-    if (const double off = d.complete ? misfit(trials_[m].log, d) : least; off < least) least = off, best = height;
+    const FollowedDrop d = roll(m, {}, trials_[m].log.t);
+    const double off = d.complete ? misfit(trials_[m].log, d) : std::numeric_limits<double>::infinity();
+    if (off < least) least = off, best = height;
+    if (k == 0) least = kMuchBetter * off;
   }
   start_[m].height = best;
 }
@@ -186,18 +195,18 @@ std::optional<RobotTrials::Posed> RobotTrials::pose(std::size_t m, const Setting
 }
 
 FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const std::vector<double>& times,
-                               double step) const {
+                               const DrivenOptions& asked) const {
   FollowedDrop out;
   const std::optional<Posed> posed = pose(m, settings);
   if (!posed) return out;
   std::vector<double> clock = times;
   for (double& t : clock) t += trials_[m].origin;
   DrivenOptions options = options_.roll;
-  if (step > 0) options.step = step;
+  if (asked.step > 0) options.step = asked.step;
   const auto& measured = trials_[m].log.output;
   const bool free = posed->robot.scene.robot.base == Base::kFree;
-  const auto loads = measured.begin() + long(kSensed * posed->start.joint.size() + (free ? kBaseSensed : 0));
-  options.loads = std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
+  const auto loads = measured.begin() + long(acceleration_channel(robot_.scene.robot));
+  options.loads = asked.loads || std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
   DrivenRollout rolled =
       roll_driven(posed->robot.scene.robot, posed->robot.path, *trials_[m].commands, posed->start, clock, options);
   out.complete = rolled.complete, out.steps = rolled.steps, out.changes = std::move(rolled.changes);
@@ -215,7 +224,7 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const st
 
 FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const std::vector<double>& times,
                                  const SimulateOptions&) const {
-  return roll(m, settings, times, 0);
+  return roll(m, settings, times);
 }
 
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
@@ -227,11 +236,17 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
                           : stable_step(here->robot.scene.robot, here->robot.path, *trials_[m].commands, here->start);
   return differentiate_by_differences(
       settings, options_.difference, options_.threads,
-      [&](const Settings& beside, const DropTerm&, double) { return roll(m, beside, times, step); }, followed);
+      [&](const Settings& beside, const DropTerm&, double) { return roll(m, beside, times, {.step = step}); },
+      followed);
 }
 
-double RobotTrials::peak(std::size_t, const Settings&, double, const SimulateOptions&) const {
-  return std::numeric_limits<double>::quiet_NaN();
+double RobotTrials::peak(std::size_t m, const Settings& settings, double until, const SimulateOptions&) const {
+  constexpr double kSample = 2e-4;  // [s]
+  std::vector<double> times;
+  for (long k = 0; double(k) * kSample <= until; ++k) times.push_back(double(k) * kSample);
+  const FollowedDrop d = roll(m, settings, times, {.loads = true});
+  const std::vector<double>& norm = d.value.empty() ? times : d.value[acceleration_channel(robot_.scene.robot)];
+  return d.complete ? *std::max_element(norm.begin(), norm.end()) : std::numeric_limits<double>::quiet_NaN();
 }
 
 namespace {

@@ -102,7 +102,8 @@ class RobotTrials : public DropSimulator {
   };
   void guess_height(std::size_t m);
   std::optional<Posed> pose(std::size_t m, const Settings& settings) const;
-  FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times, double step) const;
+  FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times,
+                    const landing::DrivenOptions& asked = {}) const;
 
   const DrivenRobot& robot_;
   const std::vector<RobotTrial>& trials_;

@@ -270,6 +270,11 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   options.rate = drawn && !(a.deadline && *a.deadline < kDrawnFrom) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - writing_time(*a.deadline));
   options.monitor = run.monitor("optimize", options.measure ? "landings" : "motions");
+  std::vector<double> logged;
+  if (!a.logs.files.empty()) {
+    if (a.deadline) throw InputError("--log: not with --deadline: following a log takes its own time");
+    logged = logged_peaks(a.scene, a.logs, common, run);
+  }
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)
                                 : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations(scene)),
@@ -281,7 +286,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   std::optional<BodyLeastBreaking> least;
   if (!best.found && !a.deadline && !interrupted() && a.ratings == OptimizeArguments::Ratings::kRespect)
     least = least_breaking(scene, options);
-  return report(scene, best, options, rate, a.exports, run, least);
+  return report(scene, best, options, rate, a.exports, run, {.least = least, .logged = logged});
 }
 
 int risk_body(const RiskArguments& a, const CommonOptions& common) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "common/csv.hpp"
@@ -38,13 +39,13 @@ void read_pieces(const std::string& text, RobotLogOptions& to, Run& run) {
     throw InputError(table.at(c, 0), "one time: at least two are needed, a piece is between two");
 }
 
-std::vector<RobotTrial> read_trials(const IdentifyArguments& a, const DrivenRobot& robot, Run& run) {
-  RobotLogOptions reading{.columns = a.reading.columns};
-  if (!a.pieces.empty()) read_pieces(a.pieces, reading, run);
-  if (a.reading.angles != identify::TrialOptions::Angles::kOneTurn)
-    reading.angles = RobotLogOptions::Angles::kMultiTurn;
+std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions::Angles angles, const DrivenRobot& robot,
+                                    Run& run) {
+  RobotLogOptions reading{.columns = logs.columns};
+  if (!logs.pieces.empty()) read_pieces(logs.pieces, reading, run);
+  reading.angles = angles;
   std::vector<RobotTrial> out;
-  for (const std::string& path : a.trials) {
+  for (const std::string& path : logs.files) {
     run.input(path);
     for (RobotTrial& t : read_robot_trials(path, robot.scene.robot, reading)) out.push_back(std::move(t));
   }
@@ -78,6 +79,22 @@ int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, Rob
 
 }  // namespace
 
+std::vector<double> logged_peaks(const std::string& path, const LogArguments& logs, const CommonOptions& common,
+                                 Run& run) {
+  const DrivenRobot robot = read_driven_robot(path);
+  const std::vector<RobotTrial> trials = read_trials(logs, RobotLogOptions::Angles::kOneTurn, robot, run);
+  run.info(fmt::format("following {} trials of the logs", trials.size()));
+  RobotFitOptions options;
+  options.terms = robot_terms(robot, trials), options.threads = common.threads;
+  const RobotFit followed = predict_robot(robot, trials, options);
+  if (!followed.converged) run.warn("--log: a trial's start did not converge: " + followed.message);
+  std::vector<double> out;
+  for (const DropResult& d : followed.drops)
+    if (std::isfinite(d.peak_between)) out.push_back(d.peak_between);
+  if (out.empty()) throw InputError("--log: no trial could be followed with this robot");
+  return out;
+}
+
 int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
   const bool only = predicts == Predicts::kYes;
   Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
@@ -90,7 +107,10 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   const DrivenRobot robot = read_driven_robot(a.robot);
   run.input(a.robot);
   if (!robot.scene.robot_file.empty()) run.input(robot.scene.robot_file);
-  const std::vector<RobotTrial> trials = read_trials(a, robot, run);
+  const bool one_turn = a.reading.angles == identify::TrialOptions::Angles::kOneTurn;
+  const std::vector<RobotTrial> trials =
+      read_trials({a.trials, a.reading.columns, a.pieces},
+                  one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn, robot, run);
   RobotFitOptions options;
   options.terms = robot_terms(robot, trials);
   if (only) return options.threads = common.threads, predict(robot, trials, options, run);

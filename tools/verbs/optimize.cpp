@@ -81,6 +81,7 @@ double writing_time(double deadline) {
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   if (is_body(a.scene)) return optimize_body(a, common);
   if (a.share) throw InputError("--share: of robots of links; of the paper's robot --penalty says what a drop counts");
+  if (!a.logs.files.empty()) throw InputError("--log: of robots of links: the paper's robot has no log's commands");
   const std::string file = only_actuator(a.actuators);
   const Clock clock;
   Run run(kOptimizeOutputs, common);
@@ -152,6 +153,12 @@ void add_optimize(CLI::App* verb, Action& chosen) {
   verb->add_option("--penalty", args->penalty,
                    "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
+  verb->add_option("--log", args->logs.files,
+                   "of a robot of links with [command]: CSV logs of it; the plan is told beside what it did there")
+      ->allow_extra_args(false);
+  verb->add_option("--columns", args->logs.columns, "with --log: its columns by other names, as of identify");
+  verb->add_option("--pieces", args->logs.pieces,
+                   "with --log: cut it into trials, as of identify --robot [whole logs]");
   add_export(*verb, args->exports, landing_exports());
   verb->add_flag_callback(
       "--details", [args] { args->lines = CommonOptions::Lines::kAll; }, "every number of the answer on stdout");

@@ -50,6 +50,16 @@ inline std::string in(const std::string& folder, const char* name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
+/// Logs of a robot of links that a plan stands beside.
+struct LogArguments {
+  std::vector<std::string> files;
+  std::string columns, pieces;
+};
+/// Of each of their trials the largest acceleration of the point that counts, by the robot's model under the log's
+/// commands [m/s^2]; how each starts is fitted to it.
+std::vector<double> logged_peaks(const std::string& robot, const LogArguments& logs, const CommonOptions& common,
+                                 Run& run);
+
 struct OptimizeArguments {
   std::string scene;
   std::vector<std::string> actuators;
@@ -69,6 +79,7 @@ struct OptimizeArguments {
   std::optional<long> samples;
   std::optional<double> share;  ///< of the drops, that keep the limits
   double penalty = landing::RobustOptions().penalty;
+  LogArguments logs;
   Exports exports;
   CommonOptions::Lines lines = CommonOptions::Lines::kAnswer;
 };

@@ -1,0 +1,21 @@
+// Sizes and names of a robot's parts, for those who read, fit and draw it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "landing/body/robot.hpp"
+
+namespace ukemi::landing {
+
+/// "rail", or the name of its joint.
+std::string stop_name(const Robot& robot, const Stop& stop);
+/// The places of a link that are not its centre of mass: its origin, its children's joints, its contacts, the peak's
+/// point; each once.
+std::vector<Place> places(const Robot& robot, int link);
+/// Of a link: the largest distance between two of its places [m].
+double extent(const Robot& robot, int link);
+/// The largest distance of a place of the robot from the first link's origin, all joints in line or not [m].
+double reach(const Robot& robot);
+
+}  // namespace ukemi::landing
