@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "landing/body/places.hpp"
 #include "tools/report/page/kept_rows.hpp"
 
 namespace ukemi::tools {
