@@ -9,6 +9,7 @@
 #include "common/files.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/manual.hpp"
+#include "tools/program/option_groups.hpp"
 #include "tools/program/terminal.hpp"
 #include "tools/program/verb.hpp"
 
@@ -81,6 +82,7 @@ void add_verbs(CLI::App& app, Action& chosen) {
     verb.add(app.add_subcommand(verb.name, verb.purpose)->group(name(verb.group)), chosen);
   add_manual(app, chosen);
   check_numbers(app);
+  group_options(app);
 }
 
 Action action_of(int argc, const char* const* argv) {

@@ -10,8 +10,7 @@ namespace ukemi::landing {
 
 /// What a drive is sent: Eq. 3's reference, and the factors of its gains.
 struct DriveCommand {
-  double phi;         ///< phi_ref [rad]
-  double dphi;        ///< dphi_ref [rad/s]
+  double phi, dphi;   ///< phi_ref [rad], dphi_ref [rad/s]
   double gain_p = 1;  ///< factor of K_p
   double gain_d = 1;  ///< factor of K_d
 };

@@ -1,10 +1,35 @@
 // What the program says of words that are not quite right, and one word for one thing.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "test/cli/refused.hpp"
 
 using namespace cli;
 using Catch::Matchers::Contains;
+
+TEST_CASE("words: --help has each option under a heading, in one order") {
+  const Folder f;
+  const std::string help = done(f, {"optimize", "--help"}).out;
+  std::size_t last = 0;
+  for (const char* heading :
+       {"What to plan for:", "The robot and its drop:", "The motion:", "The search:", "The files:"}) {
+    const std::size_t at = help.find(std::string("\n") + heading);
+    INFO(heading);
+    REQUIRE(at != std::string::npos);
+    CHECK(at > last);
+    last = at;
+  }
+  for (const char* verb : {"identify", "predict", "compare", "calibrate", "design", "simulate", "optimize", "risk",
+                           "map", "atlas", "trade", "ratings", "robot", "demo"}) {
+    const std::string text = done(f, {verb, "--help"}).out;
+    const std::size_t begin = text.find("\nOptions:\n"), end = text.find("\n\n", begin + 1);
+    INFO(verb);
+    REQUIRE(begin != std::string::npos);
+    const std::string loose = text.substr(begin, end - begin);
+    CHECK_THAT(loose, Contains("--help"));
+    CHECK(std::count(loose.begin(), loose.end(), '\n') == 2);  // nothing else
+  }
+}
 
 TEST_CASE("words: help VERB is VERB --help, and help alone is --help") {
   const Folder f;
