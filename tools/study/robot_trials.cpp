@@ -146,11 +146,11 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
     if (!start_[m].y) guess_height(m);
 }
 
-/// Of a robot whose height is not logged: on the floor, or where that leaves twice as much, the height that fits best
+/// Of a robot whose height is not logged: on the floor, or where that leaves far more, the height that fits best
 /// of some up to kHighest.
 void RobotTrials::guess_height(std::size_t m) {
   constexpr int kHeights = 40;
-  constexpr double kLowest = 0.005, kHighest = 3, kMuchBetter = 0.5;  // [m]; of what is left on the floor
+  constexpr double kLowest = 0.005, kHighest = 3, kMuchBetter = 0.75;  // [m]; of what is left on the floor
   double least = std::numeric_limits<double>::infinity(), best = 0;
   for (int k = 0; k <= kHeights; ++k) {
     const double height = k == 0 ? 0 : kLowest * std::pow(kHighest / kLowest, double(k - 1) / (kHeights - 1));
