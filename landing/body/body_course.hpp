@@ -27,10 +27,11 @@ class BodyCourse {
   /// What is played by each joint of `system`, and how the robot falls: to be seeded with derivatives before
   /// released().
   BodyCourse(const BodyScene& scene, const BodyMotion& given)
-      : system(scene.floor ? scene.robot : without_contacts(scene.robot), scene.slope),
+      : system(scene.robot, scene.slope),
         drop{T(scene.drop.height), T(scene.drop.forward_speed), T(scene.drop.pitch), T(scene.drop.pitch_rate),
              T(scene.drop.vertical_speed)},
         scene_(scene) {
+    if (!scene.floor) system.body.contacts = 0;
     for (int i = 0; i < joints(); ++i) {
       const Motion& m = given[std::size_t(system.body.joint[i].joint)];
       motion[i] = m.cast<T>();
@@ -143,11 +144,6 @@ class BodyCourse {
  private:
   static constexpr double kRounding = 1e-14;  // [s]
 
-  static Robot without_contacts(Robot robot) {
-    robot.contacts.clear();
-    return robot;
-  }
-
   /// How long a run is followed for its first touchdown: until the highest rise and the longest fall are over, and as
   /// long again as any landing [s].
   double flight_limit() const {
@@ -170,7 +166,7 @@ class BodyCourse {
       return;
     }
     T lowest(kNever);
-    for (int i = 0; !system.is_stop(i); ++i) {
+    for (int i = 0; i < system.body.contacts; ++i) {
       const T surface = system.point_at(i, p).y - system.point[i].thickness;
       if (value_of(surface) < value_of(lowest)) lowest = surface;
     }

@@ -66,7 +66,7 @@ class BodyRecorder {
 
   void observe(const System& s, double t, const State& y) {
     const auto p = s.pose(y);
-    for (int i = 0; !s.is_stop(i); ++i)
+    for (int i = 0; i < s.body.contacts; ++i)
       if (Touch* const touch = log_.open(i))
         touch->peak_force = std::max(touch->peak_force, contact_force(s, i, p, y).norm());
     for (int i = 0; i < s.body.joints; ++i) {
@@ -108,7 +108,7 @@ class BodyRecorder {
     }
     const Vec2<double> a = level(acceleration(s.body.peak, p, s.accelerations_of(dy), s.body.bodies));
     out.acc_x = a.x(), out.acc_y = a.y(), out.acc = a.norm();
-    for (int i = 0; !s.is_stop(i); ++i) {
+    for (int i = 0; i < s.body.contacts; ++i) {
       const Vec2<double> r = level(position(s.body.contact[i], p, s.body.bodies)), f = level(contact_force(s, i, p, y));
       const std::size_t k = std::size_t(i);
       out.contact_x[k] = r.x(), out.contact_y[k] = r.y(), out.force_x[k] = f.x(), out.force_y[k] = f.y();

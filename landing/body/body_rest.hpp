@@ -23,7 +23,7 @@ template <class System>
 double impact_energy(const System& s) {
   constexpr double kDeep = 0.05;  // a contact of Hunt and Crossley is never deeper [m]
   double k = 0, c = 0;
-  for (int i = 0; !s.is_stop(i); ++i) {
+  for (int i = 0; i < s.body.contacts; ++i) {
     const auto& x = s.point[i];
     const double power = x.hunt_crossley ? x.k * std::pow(kDeep, x.p - 1) : x.k;
     k = std::max(k, power + x.k_pad);
@@ -37,7 +37,7 @@ double impact_energy(const System& s) {
 template <class System>
 double support_margin(const System& s, const typename System::Pose& p, const typename System::State& y) {
   double left = std::numeric_limits<double>::infinity(), right = -left, along = 0;
-  for (int i = 0; !s.is_stop(i); ++i) {
+  for (int i = 0; i < s.body.contacts; ++i) {
     const auto& m = s.contact[i];
     if (!m.floor && !m.pad) continue;
     const double x = position(s.body.contact[i], p, s.body.bodies)[0];

@@ -89,11 +89,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     body.rail = {T(std::cos(direction)), T(std::sin(direction))};
     rail_viscous = T(robot.rail_viscous), rail_friction = T(robot.rail_friction);
     rail_load_friction = T(robot.rail_load_friction);
-    for (std::size_t i = 0; i < robot.contacts.size(); ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
-    int end = int(robot.contacts.size());
-    for (const Stop& s : robot.stops)
-      for (const double at : s.ends)
-        if (std::isfinite(at)) point[end++] = ContactConstants<T>(s);
+    for (int i = 0; i < body.contacts; ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
+    for_each_end(robot, [&, i = body.stops_begin](const Stop& s, int) mutable { point[i++] = ContactConstants<T>(s); });
     for (int i = 0; i < body.joints; ++i) {
       const Joint& j = robot.joints[body.joint[i].joint];
       drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),     T(j.damping),
@@ -247,13 +244,14 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     out.a = second[1], out.a_t = second[0];
     return out;
   }
-  bool is_stop(int i) const { return i >= body.contacts - body.stops; }
+  bool is_stop(int i) const { return i >= body.stops_begin; }
+  bool has_stops() const { return body.stops_end > body.stops_begin; }
   /// The way left to an end of a stop, as a height.
   Point stop_at(int i, const Pose& p, const State& y, const Accelerations* acc = nullptr) const {
     const StopPlace<T>& s = body.stop[i];
     const T inwards(s.inwards);
     const auto along = [&](const T& a, const T& b) { return a * body.rail[0] + b * body.rail[1]; };
-    if (s.joint == s.kRail)
+    if (s.joint < 0)
       return {inwards * (along(p.x, p.y) - s.end), inwards * along(p.vx, p.vy),
               acc ? inwards * along(acc->x, acc->y) : T(0), T(0), T(0)};
     const SeaState<T> q = joint_state(s.joint, y);
@@ -264,13 +262,13 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   }
   /// Loads the links with what the stops push with; adds their power.
   [[gnu::noinline]] void push_stops(const Pose& p, const State& y, TreeLoads<T, kB>& load, T& power) const {
-    for (int i = body.contacts - body.stops; i < body.contacts; ++i) {
+    for (int i = body.stops_begin; i < body.stops_end; ++i) {
       if (!any(contact[i].touching)) continue;
       const StopPlace<T>& s = body.stop[i];
       const Point at = stop_at(i, p, y);
       const T normal = normal_force(point[i], contact[i], at.y, at.v, T(0)).value, f = T(s.inwards) * normal;
       power += normal * at.v;
-      if (s.joint == s.kRail) {
+      if (s.joint < 0) {
         load.x += f * body.rail[0], load.y += f * body.rail[1];
         continue;
       }
@@ -301,7 +299,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power(0);  // on the links
     for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
-    for (int i = 0; !is_stop(i); ++i) {
+    for (int i = 0; i < body.contacts; ++i) {
       const auto& m = contact[i];
       if (!any(m.touching)) continue;
       const Point at = point_at(i, p);
@@ -311,7 +309,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       if constexpr (kAccounts) power += normal * at.v - along * at.v_t;
       if (point[i].rubs || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
     }
-    if (body.stops > 0) [[unlikely]]
+    if (has_stops()) [[unlikely]]
       push_stops(p, y, load, power);
     for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
     for (int i = 0; i < body.joints; ++i) {
@@ -406,14 +404,14 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   template <class G>
   void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
-    for (int i = 0; !is_stop(i); ++i) guards_of(i, point_at(i, p, &acc), y, dy, out);
-    if (body.stops > 0) [[unlikely]]
+    for (int i = 0; i < body.contacts; ++i) guards_of(i, point_at(i, p, &acc), y, dy, out);
+    if (has_stops()) [[unlikely]]
       stop_guards(p, acc, y, dy, out);
   }
   template <class G>
   [[gnu::noinline]] void stop_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                                      integrate::Guards<kGuards, G>& out) const {
-    for (int i = body.contacts - body.stops; i < body.contacts; ++i) guards_of(i, stop_at(i, p, y, &acc), y, dy, out);
+    for (int i = body.stops_begin; i < body.stops_end; ++i) guards_of(i, stop_at(i, p, y, &acc), y, dy, out);
   }
   /// Of a contact where it is.
   template <class G>

@@ -24,7 +24,7 @@
 #include <cmath>
 
 #include "common/trigonometry.hpp"
-#include "landing/body/robot.hpp"
+#include "landing/body/places.hpp"
 
 namespace ukemi::landing {
 
@@ -42,10 +42,8 @@ inline bool fits(const Robot& robot, const Capacity& c) {
   if (c.exact && (int(robot.links.size()) != c.bodies || int(robot.joints.size()) != c.joints ||
                   std::any_of(robot.joints.begin(), robot.joints.end(), locked)))
     return false;
-  std::size_t pushing = robot.contacts.size();
-  for (const Stop& s : robot.stops) pushing += std::isfinite(s.ends[0]) + std::isfinite(s.ends[1]);
   return robot.links.size() <= std::size_t(c.bodies) && robot.joints.size() <= std::size_t(c.joints) &&
-         pushing <= std::size_t(c.contacts);
+         pushing_points(robot) <= c.contacts;
 }
 
 /// Calls f with the first of the kernels that holds the robot, its template argument; the last holds all that come to
@@ -99,10 +97,18 @@ struct JointPlace {
 /// An end of a stop as the equations see it: a contact that pushes a joint or the rail, whose height is the way left.
 template <class T>
 struct StopPlace {
-  static constexpr int kRail = -1;
-  int joint = kRail;   ///< of Body::joint
+  int joint = -1;      ///< of Body::joint; -1: the rail
   double inwards = 1;  ///< 1: at the low end, -1: at the high one
   T end{0};            ///< [rad] or [m]
+
+  template <class U>
+  void take_structure(const StopPlace<U>& o) {
+    joint = o.joint, inwards = o.inwards;
+  }
+  template <class U>
+  bool same_structure(const StopPlace<U>& o) const {
+    return joint == o.joint && inwards == o.inwards;
+  }
 };
 
 template <class T, Capacity kSize>
@@ -110,12 +116,13 @@ struct Body {
   static constexpr int kBodies = kSize.bodies;
   Count<kBodies, kSize.exact> bodies;
   Count<kSize.joints, kSize.exact> joints;
-  int contacts = 0, stops = 0;  ///< what pushes; of these the last are ends of stops
+  int contacts = 0;                    ///< that may touch
+  int stops_begin = 0, stops_end = 0;  ///< ends of stops, by numbers behind those of the robot's contacts
   Base base = Base::kFree;
   bool first_stays = false;  ///< the first body's angle: on a rail, or where its pin is locked
   std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
   std::array<Arms<T, kBodies>, kSize.contacts> contact{};
-  std::array<StopPlace<T>, kSize.contacts> stop{};    ///< by the index of a contact
+  std::array<StopPlace<T>, kSize.contacts> stop{};    ///< from stops_begin on
   Arms<T, kBodies> peak{}, first{};                   ///< `first`: the origin of the first link
   std::array<Arms<T, kBodies>, kMostLinks> origin{};  ///< of every link
   Arms<T, kBodies> moment{};                          ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
@@ -140,17 +147,19 @@ struct Body {
   /// Takes the rest of another body: what is no number of T.
   template <class U>
   void take_structure(const Body<U, kSize>& o) {
-    bodies = {int(o.bodies)}, joints = {int(o.joints)}, contacts = o.contacts, stops = o.stops, base = o.base,
+    bodies = {int(o.bodies)}, joints = {int(o.joints)}, contacts = o.contacts, base = o.base,
     first_stays = o.first_stays;
-    for (std::size_t i = 0; i < stop.size(); ++i) stop[i].joint = o.stop[i].joint, stop[i].inwards = o.stop[i].inwards;
+    stops_begin = o.stops_begin, stops_end = o.stops_end;
+    for (std::size_t i = 0; i < stop.size(); ++i) stop[i].take_structure(o.stop[i]);
     joint = o.joint, offset = o.offset, body_of = o.body_of;
   }
   template <class Other>
   bool same_structure(const Other& o) const {
-    for (int i = 0; i < contacts; ++i)
-      if (stop[i].joint != o.stop[i].joint || stop[i].inwards != o.stop[i].inwards) return false;
-    return bodies == o.bodies && joints == o.joints && contacts == o.contacts && stops == o.stops && base == o.base &&
-           first_stays == o.first_stays && joint == o.joint && body_of == o.body_of;
+    bool same = bodies == o.bodies && joints == o.joints && contacts == o.contacts && base == o.base &&
+                first_stays == o.first_stays && joint == o.joint && body_of == o.body_of &&
+                stops_begin == o.stops_begin && stops_end == o.stops_end;
+    for (std::size_t i = 0; i < stop.size(); ++i) same = same && stop[i].same_structure(o.stop[i]);
+    return same;
   }
   /// In another scalar, without derivatives.
   template <class U>
@@ -384,15 +393,12 @@ Body<double, kSize> body_of(const Robot& robot) {
   out.bodies = {bodies}, out.joints = {joints};
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
-  for (const Stop& s : robot.stops)
-    for (const int end : {0, 1}) {
-      if (!std::isfinite(s.ends[std::size_t(end)])) continue;
-      StopPlace<double>& place = out.stop[std::size_t(out.contacts++)];
-      ++out.stops;
-      while (s.joint >= 0 && out.joint[std::size_t(place.joint = std::max(place.joint, 0))].joint != s.joint)
-        ++place.joint;
-      place.inwards = end == 0 ? 1 : -1, place.end = s.ends[std::size_t(end)];
-    }
+  out.stops_begin = out.stops_end = out.contacts;
+  for_each_end(robot, [&](const Stop& s, int end) {
+    const auto at = std::find_if(out.joint.begin(), out.joint.end(), [&](auto& j) { return j.joint == s.joint; });
+    out.stop[std::size_t(out.stops_end++)] = {s.joint < 0 ? -1 : int(at - out.joint.begin()), end == 0 ? 1.0 : -1.0,
+                                              s.ends[std::size_t(end)]};
+  });
   out.peak = from_base(shifted(origin[robot.peak_link], robot.peak_link, robot.peak));
   for (std::size_t i = 0; i < origin.size(); ++i) out.origin[i] = from_base(origin[i]);
   out.first = out.origin[0];

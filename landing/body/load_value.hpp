@@ -90,7 +90,7 @@ class LoadValue {
     if (load_.kind == Kind::kAcceleration)
       return acceleration(arms_, s.pose(y), s.accelerations_of(dy), s.body.bodies).squaredNorm();
     if (load_.kind == Kind::kForce)
-      return !s.is_stop(index_) ? contact_force(s, index_, s.pose(y), y).squaredNorm() : T(0);
+      return index_ < s.body.contacts ? contact_force(s, index_, s.pose(y), y).squaredNorm() : T(0);
     const SeaState<T> q = s.joint_state(index_, y);
     const auto& drive = s.drive[index_];
     switch (load_.kind) {

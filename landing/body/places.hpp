@@ -1,6 +1,7 @@
 // Sizes and names of a robot's parts, for those who read, fit and draw it.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,15 @@ namespace ukemi::landing {
 
 /// "rail", or the name of its joint.
 std::string stop_name(const Robot& robot, const Stop& stop);
+/// f(stop, 0: its low end, 1: its high one) of every end that a robot's stops have.
+template <class F>
+void for_each_end(const Robot& robot, F&& f) {
+  for (const Stop& s : robot.stops)
+    for (const int end : {0, 1})
+      if (std::isfinite(s.ends[std::size_t(end)])) f(s, end);
+}
+/// Contacts and ends of stops: at most kMostContacts.
+int pushing_points(const Robot& robot);
 /// The places of a link that are not its centre of mass: its origin, its children's joints, its contacts, the peak's
 /// point; each once.
 std::vector<Place> places(const Robot& robot, int link);

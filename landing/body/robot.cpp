@@ -69,10 +69,17 @@ std::string stop_name(const Robot& robot, const Stop& stop) {
   return stop.joint < 0 ? "rail" : robot.joints.at(std::size_t(stop.joint)).name;
 }
 
+int pushing_points(const Robot& robot) {
+  int out = int(robot.contacts.size());
+  for_each_end(robot, [&](auto&, int) { ++out; });
+  return out;
+}
+
 void Robot::validate() const {
   check_count("links", long(links.size()), 1, kMostLinks);
   check_count("joints", long(joints.size()), long(links.size()) - 1, long(links.size()) - (base != Base::kPinned));
   check_count("contacts", long(contacts.size()), 0, kMostContacts);
+  check_count("contacts and ends of stops", pushing_points(*this), 0, kMostContacts);
   check_not_negative("gravity", gravity), check_not_negative("rail_viscous", rail_viscous);
   check_not_negative("rail_friction", rail_friction), check_not_negative("rail_load_friction", rail_load_friction);
   if (rail_load_friction > 1) throw InputError("rail_load_friction: at most 1 is needed");

@@ -226,6 +226,8 @@ void read_stops(TomlFile& file, Robot& out) {
     stop.damping = s->optional_number("damping", Range::non_negative()).value_or(0);
     out.stops.push_back(stop);
   }
+  if (const int all_of_them = pushing_points(out); all_of_them > kMostContacts)
+    all->fail("", fmt::format("{} contacts and ends of stops: at most {} are needed", all_of_them, kMostContacts));
 }
 
 /// The drive that the command line gives a joint; an empty name is that of the only one it can be.

@@ -140,7 +140,7 @@ class DifferentiatedBody {
           if (course_.system.body.joint[i].joint == p.index) seed_drive(i, p.which, slot);
         break;
       case BodyParameter::Of::kContact: {
-        if (course_.system.is_stop(p.index)) break;
+        if (p.index >= course_.system.body.contacts) break;
         ContactConstants<Jet>& c = course_.system.point[std::size_t(p.index)];
         // As kContactKeys.
         set(*std::array{&c.k, &c.c, &c.c_t, &c.k_t, &c.mu, &c.p, &c.dissipation, &c.k_pad, &c.c_pad,

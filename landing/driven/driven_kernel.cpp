@@ -40,6 +40,8 @@ class DrivenRun {
     if (system_.body.base != Base::kPinned) stand(from);
     for (int i = 0; i < system_.body.contacts; ++i)
       if (gap(i) < 0) cross(System::kOfContact * i + System::kSurface, out);
+    for (int i = system_.body.stops_begin; i < system_.body.stops_end; ++i)
+      if (system_.stop_at(i, system_.pose(y_), y_).y < 0) cross(System::kOfContact * i + System::kSurface, out);
     row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
     sampled_ = row_ > 0 ? row_ - 1 : 0;
     ask(sampled_++);
@@ -84,7 +86,7 @@ class DrivenRun {
     const auto a = acceleration(system_.body.peak, pose, system_.accelerations_of(derivative(y_)), system_.body.bodies);
     const double parts[kBodySensed] = {a.norm(), a.x(), a.y()};
     for (int q = 0; q < kBodySensed; ++q) out.acceleration[std::size_t(q)].push_back(parts[q]);
-    for (int i = 0; !system_.is_stop(i); ++i) {
+    for (int i = 0; i < system_.body.contacts; ++i) {
       const Vec2<double> f = contact_force(system_, i, pose, y_);
       for (int q : {0, 1}) out.force[std::size_t(i)][std::size_t(q)].push_back(f[q]);
     }
@@ -123,18 +125,15 @@ class DrivenRun {
                                  system_.rail_load_friction * std::hypot(system_.gravity[0], system_.gravity[1])) /
                                     kRailSpeed);
     constexpr double kPart = 2, kLongest = 1e-3, kInContact = 2e-4;  // of the decay: the method holds up to 2.78; [s]
-    return std::min(kPart / fastest, system_.body.contacts > 0 ? kInContact : kLongest);
+    return std::min(kPart / fastest, pushes() ? kInContact : kLongest);
   }
 
  private:
-  double gap(int i) const {
-    const auto pose = system_.pose(y_);
-    return system_.is_stop(i) ? system_.stop_at(i, pose, y_).y
-                              : system_.point_at(i, pose).y - system_.point[i].thickness;
-  }
+  double gap(int i) const { return system_.point_at(i, system_.pose(y_)).y - system_.point[i].thickness; }
+  bool pushes() const { return system_.body.contacts > 0 || system_.has_stops(); }
   int lowest_contact() const {
     int out = -1;
-    for (int i = 0; !system_.is_stop(i); ++i)
+    for (int i = 0; i < system_.body.contacts; ++i)
       if (out < 0 || gap(i) < gap(out)) out = i;
     return out;
   }
@@ -234,7 +233,7 @@ class DrivenRun {
   }
   /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
   void steps(double h, long n, DrivenRollout& out) {
-    if (system_.body.contacts == 0) {
+    if (!pushes()) {
       for (long k = 0; k < n; ++k) y_ = after(derivative(y_), h);
       return;
     }

@@ -35,7 +35,7 @@ std::vector<double> extensions(const Robot& robot, const std::vector<std::vector
       y[System::kTheta + at.child] = phi[std::size_t(at.joint)][row] - at.offset + y[System::kTheta + at.parent];
     }
     const auto pose = system.pose(y);
-    for (int i = 0; !system.is_stop(i); ++i) {
+    for (int i = 0; i < system.body.contacts; ++i) {
       const auto r = position(system.body.contact[i], pose, system.body.bodies);
       out[row] = std::max(out[row], -(r[0] * system.body.rail[0] + r[1] * system.body.rail[1]));
     }

@@ -5,6 +5,7 @@
 
 #include "landing/search/cma.hpp"
 #include "landing/search/population.hpp"
+#include "landing/search/scouts.hpp"
 #include "landing/search/solvers.hpp"
 
 namespace ukemi::landing {
@@ -94,18 +95,8 @@ void AutoSearch::run_from_incumbents() {
   for (long n = starts_.empty() ? 0 : kFree; n < kMany && !over() && !enough(); n += kBatch) {
     const double spent = std::max(double(n) / double(kMany), search_->share()),
                  nearest = kNearest + (kAtLast - kNearest) * spent;
-    generation_.assign(kBatch, search_->nothing());
-    for (Candidate& p : generation_) {
-      if (n < kFree || starts_.empty() || random_.uniform() < (n < kEarly ? kAnywhere : kLater)) {
-        p = point_of(random_, search_->objective().space().variables(), kPlain);
-        p.bound = starts_.bound();
-      } else {  // the better an incumbent, the more follow it
-        const Candidate& incumbent = starts_[low_index(random_, starts_.size())];
-        p = beside(incumbent, std::pow(10.0, random_.uniform(nearest, kFarthest)), random_);
-        p.bound = incumbent.value;
-      }
-    }
-    play_scouts(by_);
+    const double anywhere = n < kFree ? 1 : n < kEarly ? kAnywhere : kLater;
+    scout(*search_, random_, {anywhere, nearest, kFarthest, kPlain}, by_, starts_, generation_);
     for (const Candidate& p : generation_)
       if (p.value <= p.bound) basins_.add(p);
   }
@@ -195,7 +186,7 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
   for (long n = 0; n < motions && !over() && search_->share() < enough; n += kBatch) {
     generation_.assign(kBatch, search_->nothing());
     for (Candidate& p : generation_) p = draw(about), p.bound = starts_.bound();
-    play_scouts(Goal::kPeak);
+    race(*search_, Goal::kPeak, starts_, generation_);
   }
   if (judges) judge_starts();
   if (starts_.empty()) return;
@@ -215,13 +206,6 @@ Candidate AutoSearch::draw(const Coordinates* about) {
     if (!basins_.beside(p, kNoMotion)) break;
   }
   return p;
-}
-
-/// The best scouts become starts.
-void AutoSearch::play_scouts(Fidelity fidelity) {
-  search_->evaluate(generation_, fidelity);
-  for (const Candidate& p : generation_)
-    if (p.value <= p.bound) starts_.add(p);
 }
 
 /// The starts again, in the order of the value that runs minimise.

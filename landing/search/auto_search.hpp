@@ -58,7 +58,6 @@ class AutoSearch {
   void descend(const Coordinates& start, double size, int generations);
   bool lags(double value, double slack, double patience, int generation) const;
   Candidate draw(const Coordinates* about);
-  void play_scouts(Fidelity fidelity);
   void judge_starts();
   bool over() const { return search_->over() || search_->share() >= until_; }
   bool by_population() const { return search_->dimension() <= kPaperVariables && !profile_.smooth; }

@@ -8,6 +8,7 @@
 #include "landing/derivatives/gradient.hpp"
 #include "landing/search/nlopt_solver.hpp"
 #include "landing/search/population.hpp"
+#include "landing/search/scouts.hpp"
 #include "landing/search/solvers.hpp"
 
 namespace ukemi::landing {
@@ -138,28 +139,14 @@ void sample_average(Search& search) {
 void descend_from_races(Search& search, const std::function<void(const Candidate&)>& descend) {
   constexpr long kMotions = 1'500;
   constexpr std::size_t kStarts = 16, kDescents = 6;
-  constexpr double kApart = 0.1, kAnywhere = 0.5, kPlain = 0.1;  // parts of the box; shares of the motions
-  constexpr double kNearest = -2, kFarthest = -0.6;              // powers of ten, beside an incumbent
-  const std::vector<Variable>& variables = search.objective().space().variables();
+  constexpr double kApart = 0.1;  // parts of the box
+  constexpr Scouting kRace{.anywhere = 0.5, .nearest = -2, .farthest = -0.6, .plain = 0.1};
   Random random(search.seed);
   Archive starts(kStarts, kApart);
   std::vector<Candidate> batch;
   for (; !search.over(); starts.clear()) {
-    for (long n = 0; n < kMotions && !search.over(); n += kBatch) {
-      batch.assign(kBatch, search.nothing());
-      for (Candidate& p : batch) {
-        if (starts.empty() || random.uniform() < kAnywhere) {
-          p = point_of(random, variables, kPlain), p.bound = starts.bound();
-          continue;
-        }
-        const Candidate& incumbent = starts[low_index(random, starts.size())];
-        p = beside(incumbent, std::pow(10.0, random.uniform(kNearest, kFarthest)), random);
-        p.bound = incumbent.value;
-      }
-      search.evaluate(batch, Goal::kPeak);
-      for (const Candidate& p : batch)
-        if (p.value <= p.bound) starts.add(p);
-    }
+    for (long n = 0; n < kMotions && !search.over(); n += kBatch)
+      scout(search, random, kRace, Goal::kPeak, starts, batch);
     for (std::size_t i = 0; i < std::min(kDescents, starts.size()) && !search.over(); ++i) {
       Candidate start = starts[i];
       start.bound = kNoMotion;

@@ -172,4 +172,13 @@ TEST_CASE("stops: they are read, kept as numbers of a design, and refused with t
   refused("[stop.knee]\nphi_deg = [-1, 0]\nstiffness = 0\n", "above 0");
   refused("[stop.knee]\nphi_deg = [-1, 0]\nstiffness = 1\ndamping = -1\n", "at least 0");
   refused("[stop.rail]\nphi_deg = [-1, 0]\nstiffness = 1\n", "'s' is missing");
+  std::string crowded;
+  for (int k = 0; k < 6; ++k)
+    crowded += fmt::format("[[robot.contact]]\nname = \"c{}\"\nlink = \"shank\"\nat = [0.1, 0]\n", k);
+  for (const char* at : {"hip", "knee"})
+    crowded += fmt::format("[stop.{}]\nphi_deg = [-170, 170]\nstiffness = 1\n", at);
+  refused(crowded, "13 contacts and ends of stops: at most 12 are needed");
+  for (int k = 0; k < 12; ++k) s.robot.contacts.push_back(s.robot.contacts[0]);
+  s.robot.contacts.resize(kMostContacts);
+  CHECK_THROWS_WITH(s.robot.validate(), Catch::Contains("contacts and ends of stops"));
 }

@@ -116,7 +116,7 @@ void bind_result(py::module_& m) {
             return out;
           },
           "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
-          "trials (NaN: fewer than three) [rad, rad/s or Nm].")
+          "trials (NaN: fewer than three) [its SI unit].")
       .def("outputs", outputs_of, py::arg("trial"), "Simulated outputs of a trial, by name.")
       .def(
           "contacts",

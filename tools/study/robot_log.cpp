@@ -16,7 +16,6 @@ using identify::ColumnMap, identify::Quantity;
 
 namespace {
 
-constexpr Quantity kSensedQuantity[kSensed] = {Quantity::kAngle, Quantity::kRate, Quantity::kTorque};
 constexpr Quantity kToldQuantity[kTold] = {Quantity::kAngle,   Quantity::kRate,    Quantity::kTorque,
                                            Quantity::kCommand, Quantity::kCommand, Quantity::kCommand};
 
@@ -32,11 +31,9 @@ std::vector<DropChannel> body_channels_of(const Robot& robot) {
 }
 
 Quantity quantity_of(const std::string& unit) {
-  static const std::map<std::string, Quantity> of = {{"m", Quantity::kLength},
-                                                     {"rad", Quantity::kAngle},
-                                                     {"rad/s", Quantity::kRate},
-                                                     {"m/s^2", Quantity::kAcceleration},
-                                                     {"N", Quantity::kForce}};
+  static const std::map<std::string, Quantity> of = {{"m", Quantity::kLength},           {"rad", Quantity::kAngle},
+                                                     {"rad/s", Quantity::kRate},         {"Nm", Quantity::kTorque},
+                                                     {"m/s^2", Quantity::kAcceleration}, {"N", Quantity::kForce}};
   return of.at(unit);
 }
 
@@ -45,7 +42,8 @@ std::vector<identify::Column> known_columns(const Robot& robot) {
   for (const Joint& j : robot.joints) {
     if (j.kind == DriveKind::kLocked) continue;
     for (int q = 0; q < (j.driven() ? kSensed : kTorque); ++q)
-      out.push_back({std::string(kSensedNames[std::size_t(q)]) + "_" + j.name, kSensedQuantity[q]});
+      out.push_back(
+          {std::string(kSensedNames[std::size_t(q)]) + "_" + j.name, quantity_of(kSensedUnits[std::size_t(q)])});
     for (int q = 0; j.driven() && q < kTold; ++q)
       out.push_back({std::string(kToldNames[std::size_t(q)]) + "_" + j.name, kToldQuantity[q]});
   }
@@ -112,7 +110,7 @@ std::vector<std::size_t> pushes(const Robot& robot, const std::vector<double>& t
   std::vector<std::vector<double>> phi(robot.joints.size());
   for (std::size_t i = 0; i < phi.size(); ++i)
     phi[i] = robot.joints[i].kind == DriveKind::kLocked ? std::vector<double>(t.size(), robot.joints[i].phi)
-                                                        : measured[kSensed * i + kAngle];
+                                                        : measured[joint_channel(i) + kAngle];
   const std::vector<double> reach = extensions(robot, phi);
   std::vector<double> sorted = reach;
   std::erase_if(sorted, [](double x) { return !std::isfinite(x); });
@@ -124,7 +122,7 @@ std::vector<std::size_t> pushes(const Robot& robot, const std::vector<double>& t
     double sum = 0;
     for (std::size_t k = row; k-- > 0 && t[row] - t[k] < kSpan;)
       for (std::size_t i = 0; i < phi.size(); ++i)
-        if (const auto& torque = measured[kSensed * i + kTorque]; !torque.empty())
+        if (const auto& torque = measured[joint_channel(i) + kTorque]; !torque.empty())
           if (const double work = torque[k] * (phi[i][k + 1] - phi[i][k]); std::isfinite(work)) sum += work;
     return sum;
   };
@@ -186,14 +184,14 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& j = robot.joints[i];
     if (j.kind == DriveKind::kLocked) continue;
-    measured[kSensed * i + kAngle] = log.angle("phi_" + j.name, options.angles);
-    measured[kSensed * i + kRate] = log.get("dphi_" + j.name);
+    measured[joint_channel(i) + kAngle] = log.angle("phi_" + j.name, options.angles);
+    measured[joint_channel(i) + kRate] = log.get("dphi_" + j.name);
     if (!j.driven()) continue;
-    measured[kSensed * i + kTorque] = log.get("torque_" + j.name);
+    measured[joint_channel(i) + kTorque] = log.get("torque_" + j.name);
     for (std::size_t q = 0; q < kTold; ++q)
       commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
   }
-  for (std::size_t o = kSensed * robot.joints.size(); o < channels.size(); ++o) measured[o] = log.get(channels[o].name);
+  for (std::size_t o = base_channel(robot); o < channels.size(); ++o) measured[o] = log.get(channels[o].name);
   const bool hops = options.cuts == RobotLogOptions::Cuts::kHops;
   if (hops && robot.base != Base::kRail)
     throw InputError("--pieces: auto: base = \"rail\" is needed: a log is cut where a robot on a rail pushes off");

@@ -151,12 +151,12 @@ bool has_column(const std::vector<RobotTrial>& trials, std::size_t joint, Comman
 }
 bool sensed(const std::vector<RobotTrial>& trials, std::size_t joint, Sensed what) {
   return std::any_of(trials.begin(), trials.end(),
-                     [&](auto& t) { return !t.log.output[kSensed * joint + what].empty(); });
+                     [&](auto& t) { return !t.log.output[joint_channel(joint) + what].empty(); });
 }
 
 /// Whether the place of a free base along the floor is measured: nothing else tells it.
 bool sees_place(const Robot& robot, const std::vector<RobotTrial>& trials) {
-  const std::size_t x = kSensed * robot.joints.size() + kOriginX;
+  const std::size_t x = base_channel(robot) + kOriginX;
   return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.log.output[x].empty(); });
 }
 

@@ -21,11 +21,6 @@ const std::string kCommand = "command.", kStart = "start.";
 
 bool begins(const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; }
 
-/// Where acc, ax and ay stand among the channels.
-std::size_t acceleration_channel(const Robot& robot) {
-  return kSensed * robot.joints.size() + (robot.base == Base::kFree ? std::size_t(kBaseSensed) : 0);
-}
-
 /// The number of "start.JOINT.KEY", or "start.KEY" of the base.
 double& number_in(DrivenStart& start, const Robot& robot, const std::string& name) {
   const std::size_t dot = name.rfind('.');
@@ -63,12 +58,12 @@ std::array<double, 2> start_of(const std::vector<double>& t, const std::vector<d
 DrivenStart start_of(const DropLog& log, const Robot& robot) {
   DrivenStart out;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    const auto* of = &log.output[kSensed * i];
+    const auto* of = &log.output[joint_channel(i)];
     const auto [phi, dphi] = start_of(log.t, of[kAngle], of[kRate]);
     out.joint.push_back({phi, dphi, 0});
   }
   if (robot.base != Base::kFree) return out;
-  const auto* base = &log.output[kSensed * robot.joints.size()];
+  const auto* base = &log.output[base_channel(robot)];
   const auto [x, forward_speed] = start_of(log.t, base[kOriginX]);
   const auto [pitch, pitch_rate] = start_of(log.t, base[kPitch], base[kPitchRate]);
   out.x = x, out.forward_speed = forward_speed, out.pitch = pitch, out.pitch_rate = pitch_rate;
@@ -76,12 +71,12 @@ DrivenStart start_of(const DropLog& log, const Robot& robot) {
   return out;
 }
 
-/// Sum over the channels of the square of what is left, in parts of what is measured.
+/// Sum over the channels of the square of what is left, as far as was followed, in parts of what is measured.
 double misfit(const DropLog& log, const FollowedDrop& d) {
   double out = 0;
   for (std::size_t o = 0; o < log.output.size(); ++o) {
     double left = 0, mean = 0, square = 0, n = 0;
-    for (std::size_t i = 0; i < log.output[o].size(); ++i)
+    for (std::size_t i = 0; i < std::min(log.output[o].size(), d.value[o].size()); ++i)
       if (const double x = log.output[o][i]; std::isfinite(x))
         left += std::pow(d.value[o][i] - x, 2), mean += x, square += x * x, n += 1;
     const double spread = n > 0 ? square - mean * mean / n : 0;
@@ -147,15 +142,18 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
 }
 
 /// Of a robot whose height is not logged: on the floor, or where that leaves far more, the height that fits best
-/// of some up to kHighest.
+/// of some up to kHighest. A fall from there and its first contact are what tells it: the log's begin.
 void RobotTrials::guess_height(std::size_t m) {
   constexpr int kHeights = 40;
   constexpr double kLowest = 0.005, kHighest = 3, kMuchBetter = 0.75;  // [m]; of what is left on the floor
+  constexpr double kSpan = 1.5;                                        // [s]
+  const std::vector<double>& t = trials_[m].log.t;
+  const std::vector<double> first(t.begin(), std::upper_bound(t.begin(), t.end(), kSpan));
   double least = std::numeric_limits<double>::infinity(), best = 0;
   for (int k = 0; k <= kHeights; ++k) {
     const double height = k == 0 ? 0 : kLowest * std::pow(kHighest / kLowest, double(k - 1) / (kHeights - 1));
     start_[m].height = height;
-    const FollowedDrop d = roll(m, {}, trials_[m].log.t);
+    const FollowedDrop d = roll(m, {}, first);
     const double off = d.complete ? misfit(trials_[m].log, d) : std::numeric_limits<double>::infinity();
     if (off < least) least = off, best = height;
     if (k == 0) least = kMuchBetter * off;
@@ -204,7 +202,6 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const st
   DrivenOptions options = options_.roll;
   if (asked.step > 0) options.step = asked.step;
   const auto& measured = trials_[m].log.output;
-  const bool free = posed->robot.scene.robot.base == Base::kFree;
   const auto loads = measured.begin() + long(acceleration_channel(robot_.scene.robot));
   options.loads = asked.loads || std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
   DrivenRollout rolled =
@@ -213,7 +210,7 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const st
   for (ContactChange& c : out.changes) c.t -= trials_[m].origin, out.jumps.push_back(c.t);
   for (auto& joint : rolled.joint)
     for (auto& values : joint) out.value.push_back(std::move(values));
-  if (free)
+  if (posed->robot.scene.robot.base == Base::kFree)
     for (auto& values : rolled.base) out.value.push_back(std::move(values));
   for (auto& values : rolled.acceleration) out.value.push_back(std::move(values));
   for (auto& contact : rolled.force)
@@ -245,8 +242,9 @@ double RobotTrials::peak(std::size_t m, const Settings& settings, double until, 
   std::vector<double> times;
   for (long k = 0; double(k) * kSample <= until; ++k) times.push_back(double(k) * kSample);
   const FollowedDrop d = roll(m, settings, times, {.loads = true});
-  const std::vector<double>& norm = d.value.empty() ? times : d.value[acceleration_channel(robot_.scene.robot)];
-  return d.complete ? *std::max_element(norm.begin(), norm.end()) : std::numeric_limits<double>::quiet_NaN();
+  if (!d.complete) return std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double>& norm = d.value[acceleration_channel(robot_.scene.robot)];
+  return *std::max_element(norm.begin(), norm.end());
 }
 
 namespace {

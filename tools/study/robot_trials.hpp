@@ -37,6 +37,12 @@ std::vector<const landing::DropLog*> logs_of(const std::vector<RobotTrial>& tria
 /// phi_JOINT, dphi_JOINT and torque_JOINT of every joint, torque of driven ones alone; of a free base x_LINK, y_LINK,
 /// theta_LINK and dtheta_LINK of the first link; then acc, ax, ay, and f_CONTACT_x, f_CONTACT_y of every contact.
 std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
+/// Where those of a joint begin among them, of the first link (behind the last joint), and acc.
+constexpr std::size_t joint_channel(std::size_t joint) { return landing::kSensed * joint; }
+inline std::size_t base_channel(const landing::Robot& robot) { return joint_channel(robot.joints.size()); }
+inline std::size_t acceleration_channel(const landing::Robot& robot) {
+  return base_channel(robot) + (robot.base == landing::Base::kFree ? std::size_t(landing::kBaseSensed) : 0);
+}
 
 struct RobotLogOptions {
   std::string columns;  ///< NAME=COLUMN,..., as of trials of a rig

@@ -1,12 +1,4 @@
 'use strict';
-// An element of a drawing, for this script and those behind it.
-const SVG = 'http://www.w3.org/2000/svg';
-const make = (name, attributes, parent) => {
-  const node = document.createElementNS(SVG, name);
-  for (const key in attributes) node.setAttribute(key, attributes[key]);
-  if (parent) parent.appendChild(node);
-  return node;
-};
 // The acceleration over time, drawn here: its peaks are marked, and a press on it moves the animation (fall.js).
 const curves = (() => {
   let landings = [], box, parent, cursor, now = 0, told = () => {};

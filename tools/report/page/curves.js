@@ -1,12 +1,4 @@
 'use strict';
-// An element of a drawing, for this script and the next.
-const SVG = 'http://www.w3.org/2000/svg';
-const make = (name, attributes, parent) => {
-  const node = document.createElementNS(SVG, name);
-  for (const key in attributes) node.setAttribute(key, attributes[key]);
-  if (parent) parent.appendChild(node);
-  return node;
-};
 // Curves that one can look into. The drawings stand in the page as gnuplot made them; where one is zoomed, the same lines are
 // drawn larger over it, with axes of their own. Nothing here is needed to see the whole.
 const curves = (() => {
