@@ -20,10 +20,10 @@ namespace {
 /// What a package is made with; --help does not name it.
 void add_manual(CLI::App& app, Action& chosen) {
   auto folder = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("manual", "man pages and bash completion")->group("");
-  verb->add_option("DIR", *folder, "folder for the pages and for ukemi.bash")->required();
+  CLI::App* verb = app.add_subcommand("manual", "bash completion and the list of man pages")->group("");
+  verb->add_option("DIR", *folder, "folder for both")->required();
   verb->callback([&app, &chosen, folder] {
-    chosen = [files = manual(app, "ukemi " UKEMI_VERSION), folder] {
+    chosen = [files = manual(app), folder] {
       require_writable_folder(*folder);
       for (const auto& [name, text] : files) write_file(*folder + "/" + name, text);
       return int(kDone);

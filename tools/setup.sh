@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 packages=(g++ cmake ninja-build ccache git ca-certificates libeigen3-dev libceres-dev libnlopt-dev libfmt-dev libtomlplusplus-dev
-          libcli11-dev nlohmann-json3-dev libboost-dev gnuplot-nox liburdfdom-dev "$@")
+          libcli11-dev nlohmann-json3-dev libboost-dev gnuplot-nox help2man liburdfdom-dev "$@")
 missing=()
 for p in "${packages[@]}"; do
   dpkg-query -W -f='${Status}' "$p" 2>/dev/null | grep -q 'install ok installed' || missing+=("$p")

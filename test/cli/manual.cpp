@@ -1,4 +1,5 @@
 // Man pages and bash completion: nothing in them that --help does not say, nothing missing.
+#include <cctype>
 #include <fstream>
 #include <regex>
 #include <set>
@@ -17,6 +18,11 @@ std::set<std::string> options(const std::string& text) {
   return out;
 }
 
+std::string upper(std::string text) {
+  for (char& c : text) c = char(std::toupper(c));
+  return text;
+}
+
 /// What bash proposes for the last word.
 std::set<std::string> proposed(const Folder& f, const std::string& words, int last) {
   f.write("ask.sh", "source ukemi.bash\nCOMP_WORDS=(" + words + ")\nCOMP_CWORD=" + std::to_string(last) +
@@ -33,8 +39,14 @@ std::set<std::string> proposed(const Folder& f, const std::string& words, int la
 }  // namespace
 
 TEST_CASE("each verb has a man page with the options of its help") {
+  if (std::system("command -v help2man >/dev/null") != 0) {
+    WARN("skipped: no help2man");
+    return;
+  }
   const Folder f;
-  done(f, {"manual", "pages"});
+  const std::string make = shell_quoted(dataset("../tools/cmake/manual.sh")) + " " + shell_quoted(UKEMI_PROGRAM) + " " +
+                           shell_quoted(f.at("pages"));
+  REQUIRE(std::system(make.c_str()) == 0);
   const std::string help = run({"--help"}, f.at("")).out;
   CHECK(help.find("manual") == help.npos);  // it is for packages
   const std::regex verb("\n  ([a-z]+) {2,}");
@@ -47,15 +59,12 @@ TEST_CASE("each verb has a man page with the options of its help") {
       return std::regex_replace(std::regex_replace(troff, std::regex("\\\\f."), " "), std::regex("\\\\-"), "-");
     };
     CHECK(options(plain(page)) == options(said));
-    CHECK_THAT(page, Contains(".SH SYNOPSIS\n\\fBukemi " + name + "\\fR [\\fIOPTIONS\\fR]"));
-    CHECK_THAT(read(f.at("pages/ukemi.1")), Contains("\n\\fB" + name + "\\fR\n"));
+    CHECK_THAT(page, Contains(".TH UKEMI-" + upper(name) + " ") && Contains("\nukemi\\-" + name + " \\- "));
+    CHECK_THAT(read(f.at("pages/ukemi.1")), Contains("\n.TP\n" + name + "\n"));
   }
   CHECK(verbs > 10);
-  CHECK(options(read(f.at("pages/ukemi-bench-scenes.1"))).empty());  // "-" is written so that troff prints it
-  for (const auto& [name, text] : f.content("pages")) {
-    INFO(name);
-    CHECK((name == "ukemi.bash" || text.rfind(".TH ", 0) == 0));
-  }
+  for (const char* page : {"ukemi-bench-scenes.1", "ukemi-optimize.1"})
+    CHECK_THAT(read(f.at(std::string("pages/") + page)), Contains(".SH OPTIONS"));
 }
 
 TEST_CASE("bash completes verbs, options and files") {

@@ -1,4 +1,4 @@
-// Man pages and bash completion, made from the program's own options.
+// What the manual is made from: bash completion, and the list of the man pages, from the program's own options.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,8 +7,8 @@
 
 namespace ukemi::tools {
 
-/// File name -> text: a man page for the program and for each verb that --help names ("ukemi-optimize.1"), and
-/// "ukemi.bash", the completion. `version` is printed at the foot of the pages.
-std::map<std::string, std::string> manual(const CLI::App& app, const std::string& version);
+/// File name -> text: "ukemi.bash", the completion, and "pages", a line for the program and for each verb that --help
+/// names, which help2man makes a man page of (tools/cmake/manual.sh).
+std::map<std::string, std::string> manual(const CLI::App& app);
 
 }  // namespace ukemi::tools
