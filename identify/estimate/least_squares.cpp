@@ -211,9 +211,11 @@ struct Watch final : ceres::IterationCallback {
   bool look_at_bounds = true, cut_off = false;
 };
 
-std::vector<double> scaled_start(const std::vector<Parameter>& list) {
+/// At `start`, or where that is empty at each parameter's own.
+std::vector<double> scaled_start(const std::vector<Parameter>& list, const std::vector<double>& start = {}) {
   std::vector<double> x;
-  for (const Parameter& p : list) x.push_back(std::clamp(p.start, p.lower, p.upper) / p.scale);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    x.push_back(std::clamp(start.empty() ? list[i].start : start[i], list[i].lower, list[i].upper) / list[i].scale);
   return x;
 }
 
@@ -309,7 +311,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   silence_glog();
   LeastSquaresSolution out;
   std::vector<double> x = scaled_start(problem.globals);
-  std::vector<std::vector<double>> locals(problem.blocks.size(), scaled_start(problem.locals));
+  std::vector<std::vector<double>> locals;
+  for (const ResidualBlock& b : problem.blocks) locals.push_back(scaled_start(problem.locals, b.local_start));
 
   std::vector<bool> held(problem.globals.size());  // at a bound, and pressed against it
   std::deque<BlockCost> costs;

@@ -24,6 +24,7 @@ struct Parameter {
 struct ResidualBlock {
   int size = 0;
   std::function<bool(const double* global, const double* local, double* residuals, double* jacobian)> evaluate;
+  std::vector<double> local_start{};  ///< of its own locals, in their units; empty: Parameter::start
 };
 
 /// Pulls a global towards a value: the residual (global - value) * weight.

@@ -24,6 +24,8 @@ namespace {
 
 constexpr double kWhole = std::numeric_limits<double>::infinity();
 constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
+/// Relative fall of the cost that ends a search from a start; and the last fit, which goes on from there.
+constexpr double kSearched = 1e-6, kFitted = 1e-11;
 /// Standard deviation, in a constant's size, of the prior that holds it to the start there.
 constexpr double kPartStd = 0.3;
 /// Integrated steps, of a drop, after which a start is ended: those of datasets/drops take 1.3e4 in
@@ -84,16 +86,23 @@ struct Problem {
     }
     return p;
   }
+  /// The whole, from a solution of it.
+  LeastSquaresProblem problem_from(const LeastSquaresSolution& s, const std::vector<double>& sigma) const {
+    LeastSquaresProblem p = problem({s.globals.data(), s.globals.data() + s.globals.size()}, sigma, kWhole);
+    for (std::size_t m = 0; m < p.blocks.size(); ++m)
+      for (long k = 0; k < s.locals.cols(); ++k) p.blocks[m].local_start.push_back(s.locals(long(m), k));
+    return p;
+  }
   /// The work that a start may take [integrated steps].
   double work_of_start() const {
     return kStepsOfStart * double(models.size()) * simulator.patience(layout.shared.size() + layout.own.size());
   }
-  LeastSquaresSolution solve(const LeastSquaresProblem& p, int iterations, long until) const {
+  LeastSquaresSolution solve(const LeastSquaresProblem& p, int iterations, long until, double tolerance) const {
     const auto stop = [&, until] {
       options.monitor.progress(parts, long(horizons.size()) * (1 + options.restarts) + 1);
       return steps > until || options.monitor.stopped();
     };
-    return identify::solve(p, {.max_iterations = iterations, .stop = stop});
+    return identify::solve(p, {.max_iterations = iterations, .cost_tolerance = tolerance, .stop = stop});
   }
   /// From `start`, part by part. Where the monitor stops it or its work is spent: the last part that was done, not
   /// converged; of parts that are not the whole no cost is comparable.
@@ -105,7 +114,7 @@ struct Problem {
       if (!whole && options.parts == CalibrationOptions::Parts::kWhole) continue;
       LeastSquaresSolution s =
           solve(problem(start, sigma, after),
-                whole ? options.max_iterations : std::min(kPartIterations, options.max_iterations), until);
+                whole ? options.max_iterations : std::min(kPartIterations, options.max_iterations), until, kSearched);
       if (options.monitor.stopped() || (steps > until && !(whole && s.usable))) {
         done.converged = false;
         if (steps > until) spent = true, done.cost = std::numeric_limits<double>::infinity();
@@ -338,9 +347,9 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   // Once more with each output's weight from its own residuals, so that errors and priors are in standard deviations.
   std::vector<double> sigma = rms_of(problem.replay(best));
   for (std::size_t o = 0; o < sigma.size(); ++o) sigma[o] = std::max(sigma[o], 1e-3 * out.noise[o]);
-  const LeastSquaresProblem last = problem.problem(problem.constants_at(best, problem.given()), sigma, kWhole);
+  const LeastSquaresProblem last = problem.problem_from(best, sigma);
   if (LeastSquaresSolution s =
-          problem.solve(last, options.max_iterations, problem.steps + long(problem.work_of_start()));
+          problem.solve(last, options.max_iterations, problem.steps + long(problem.work_of_start()), kFitted);
       s.usable && !options.monitor.stopped())
     best = std::move(s);
   best.converged = best.converged && !options.monitor.stopped();
@@ -397,7 +406,7 @@ double held_out(const DropSimulator& drops, const CalibrationOptions& options) {
     others.erase(others.begin() + long(m));
     const Problem of_others(drops, layout, options, others), alone(drops, layout, options, {m});
     const LeastSquaresSolution s = of_others.solve(of_others.problem(of_others.given(), noise, kWhole), kPartIterations,
-                                                   long(of_others.work_of_start()));
+                                                   long(of_others.work_of_start()), kFitted);
     if (!s.usable) return std::numeric_limits<double>::quiet_NaN();
     LeastSquaresProblem one = alone.problem({s.globals.data(), s.globals.data() + s.globals.size()}, noise, kWhole);
     double cost = identify::cost_at(one, {}, s.globals);
