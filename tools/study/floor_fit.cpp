@@ -24,8 +24,9 @@ namespace {
 
 constexpr double kWhole = std::numeric_limits<double>::infinity();
 constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
-/// Relative fall of the cost that ends a search from a start; and the last fit, which goes on from there.
-constexpr double kSearched = 1e-6, kFitted = 1e-11;
+/// Relative fall of the cost that ends a search from a start; and the fall, in squared standard deviations of the
+/// residuals, that ends the last fit, which goes on from there: it leaves 0.3 % of a standard error.
+constexpr double kSearched = 1e-6, kFitted = 1e-5;
 /// Standard deviation, in a constant's size, of the prior that holds it to the start there.
 constexpr double kPartStd = 0.3;
 /// Integrated steps, of a drop, after which a start is ended: those of datasets/drops take 1.3e4 in
@@ -97,7 +98,8 @@ struct Problem {
   double work_of_start() const {
     return kStepsOfStart * double(models.size()) * simulator.patience(layout.shared.size() + layout.own.size());
   }
-  LeastSquaresSolution solve(const LeastSquaresProblem& p, int iterations, long until, double tolerance) const {
+  LeastSquaresSolution solve(const LeastSquaresProblem& p, int iterations, long until,
+                             double tolerance = kSearched) const {
     const auto stop = [&, until] {
       options.monitor.progress(parts, long(horizons.size()) * (1 + options.restarts) + 1);
       return steps > until || options.monitor.stopped();
@@ -114,7 +116,7 @@ struct Problem {
       if (!whole && options.parts == CalibrationOptions::Parts::kWhole) continue;
       LeastSquaresSolution s =
           solve(problem(start, sigma, after),
-                whole ? options.max_iterations : std::min(kPartIterations, options.max_iterations), until, kSearched);
+                whole ? options.max_iterations : std::min(kPartIterations, options.max_iterations), until);
       if (options.monitor.stopped() || (steps > until && !(whole && s.usable))) {
         done.converged = false;
         if (steps > until) spent = true, done.cost = std::numeric_limits<double>::infinity();
@@ -348,8 +350,8 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   std::vector<double> sigma = rms_of(problem.replay(best));
   for (std::size_t o = 0; o < sigma.size(); ++o) sigma[o] = std::max(sigma[o], 1e-3 * out.noise[o]);
   const LeastSquaresProblem last = problem.problem_from(best, sigma);
-  if (LeastSquaresSolution s =
-          problem.solve(last, options.max_iterations, problem.steps + long(problem.work_of_start()), kFitted);
+  const long until = problem.steps + long(problem.work_of_start());
+  if (LeastSquaresSolution s = problem.solve(last, options.max_iterations, until, kFitted / double(best.residuals));
       s.usable && !options.monitor.stopped())
     best = std::move(s);
   best.converged = best.converged && !options.monitor.stopped();
@@ -406,7 +408,7 @@ double held_out(const DropSimulator& drops, const CalibrationOptions& options) {
     others.erase(others.begin() + long(m));
     const Problem of_others(drops, layout, options, others), alone(drops, layout, options, {m});
     const LeastSquaresSolution s = of_others.solve(of_others.problem(of_others.given(), noise, kWhole), kPartIterations,
-                                                   long(of_others.work_of_start()), kFitted);
+                                                   long(of_others.work_of_start()));
     if (!s.usable) return std::numeric_limits<double>::quiet_NaN();
     LeastSquaresProblem one = alone.problem({s.globals.data(), s.globals.data() + s.globals.size()}, noise, kWhole);
     double cost = identify::cost_at(one, {}, s.globals);
