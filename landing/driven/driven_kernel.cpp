@@ -20,7 +20,11 @@ class DrivenRun {
   using State = typename System::State;
 
   DrivenRun(const Robot& robot, const CommandPath& path, const Commands& commands)
-      : system_(robot, 0), path_(path), commands_(commands), now_(std::size_t(system_.body.joints)) {
+      : system_(robot, 0),
+        path_(path),
+        commands_(commands),
+        peak_axis_(shifted(system_.body, Arms<double, System::kB>{}, robot.peak_link, Place{1, 0})),
+        now_(std::size_t(system_.body.joints)) {
     if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
   }
 
@@ -84,7 +88,9 @@ class DrivenRun {
   void sample_loads(DrivenRollout& out) {
     const auto pose = system_.pose(y_);
     const auto a = acceleration(system_.body.peak, pose, system_.accelerations_of(derivative(y_)), system_.body.bodies);
-    const double parts[kBodySensed] = {a.norm(), a.x(), a.y()};
+    const Vec2<double> along = position(peak_axis_, pose, system_.body.bodies) - Vec2<double>(pose.x, pose.y);
+    const Vec2<double> across(-along.y(), along.x()), specific = a - Vec2<double>(system_.gravity.data());
+    const double parts[kBodySensed] = {a.norm(), a.x(), a.y(), specific.dot(along), specific.dot(across)};
     for (int q = 0; q < kBodySensed; ++q) out.acceleration[std::size_t(q)].push_back(parts[q]);
     for (int i = 0; i < system_.body.contacts; ++i) {
       const Vec2<double> f = contact_force(system_, i, pose, y_);
@@ -271,6 +277,7 @@ class DrivenRun {
   System system_;
   const CommandPath& path_;
   const Commands& commands_;
+  Arms<double, System::kB> peak_axis_;  ///< a metre along the link of the point that counts
   std::vector<Now> now_;
   State y_;
   double t_ = 0;

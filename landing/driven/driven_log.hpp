@@ -41,10 +41,10 @@ enum BaseSensed { kOriginX, kOriginY, kPitch, kPitchRate, kBaseSensed };
 inline constexpr std::array<const char*, kBaseSensed> kBaseSensedNames = {"x", "y", "theta", "dtheta"};
 inline constexpr std::array<const char*, kBaseSensed> kBaseSensedUnits = {"m", "m", "rad", "rad/s"};
 
-/// What is measured of the whole robot, as its landings have it: acceleration of the point that counts, its norm and
-/// parts along and across the floor.
-enum BodySensed { kNorm, kAlong, kAcross, kBodySensed };
-inline constexpr std::array<const char*, kBodySensed> kBodySensedNames = {"acc", "ax", "ay"};
+/// What is measured at the point that counts: its acceleration, as landings have it, norm and parts along and across
+/// the floor; and what an accelerometer there reads, the acceleration less gravity along and across its link.
+enum BodySensed { kNorm, kAlong, kAcross, kSpecificAlong, kSpecificAcross, kBodySensed };
+inline constexpr std::array<const char*, kBodySensed> kBodySensedNames = {"acc", "ax", "ay", "sf_along", "sf_across"};
 /// And of each contact: the floor's force on the robot, along and across the floor.
 inline constexpr std::array<const char*, 2> kForceNames = {"_x", "_y"};
 

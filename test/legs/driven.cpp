@@ -335,6 +335,12 @@ struct HeldLanding {
     for (const BodySample& row : landing.trajectory)
       if (times.empty() || row.t > times.back() + 1e-4) times.push_back(row.t), rows.push_back(&row);
   }
+  /// What an accelerometer at the point that counts reads along and across its link.
+  std::array<double, 2> specific_force(const BodySample& row) const {
+    const double pitch = row.theta[std::size_t(scene.robot.peak_link)], s = std::sin(pitch), c = std::cos(pitch);
+    const double x = row.acc_x, y = row.acc_y + scene.robot.gravity;
+    return {x * s - y * c, x * c + y * s};
+  }
   /// Not at an event, where accelerations jump.
   bool is_smooth(const DrivenRollout& r, double t) const {
     const bool on_grid = std::abs(t * kRate - std::round(t * kRate)) < 1e-6;
@@ -391,6 +397,9 @@ TEST_CASE("a thrown robot that follows a log's commands lands as the landing of 
     if (!held.is_smooth(r, row.t)) continue;
     CHECK(r.acceleration[kAlong][k] == Approx(row.acc_x).margin(0.1));
     CHECK(r.acceleration[kAcross][k] == Approx(row.acc_y).margin(0.1));
+    const auto [along, across] = held.specific_force(row);
+    CHECK(r.acceleration[kSpecificAlong][k] == Approx(along).margin(0.1));
+    CHECK(r.acceleration[kSpecificAcross][k] == Approx(across).margin(0.1));
   }
 }
 
@@ -400,13 +409,14 @@ TEST_CASE("constants of a thrown robot come back from its accelerometer, its pit
   Random random(kSeed, 77);
   std::string log = "t", rows;
   for (const Joint& j : held.scene.robot.joints) log += fmt::format(",phi_{0},phi_ref_{0},dphi_ref_{0}", j.name);
-  log += fmt::format(",theta_{},ax,ay\n", held.scene.robot.links[0].name);
+  log += fmt::format(",theta_{},sf_along,sf_across\n", held.scene.robot.links[0].name);
   for (const BodySample* row : held.rows) {
     log += fmt::format("{:.9g}", row->t);
     for (std::size_t j = 0; j < held.scene.robot.joints.size(); ++j)
       log += fmt::format(",{:.9g},{:.17g},0", row->phi[j] + 3e-4 * random.normal(), held.commands.joint[j][kPhiRef][0]);
-    log += fmt::format(",{:.9g},{:.9g},{:.9g}\n", row->theta[0] + 3e-4 * random.normal(),
-                       row->acc_x + 0.2 * random.normal(), row->acc_y + 0.2 * random.normal());
+    const auto [along, across] = held.specific_force(*row);
+    log += fmt::format(",{:.9g},{:.9g},{:.9g}\n", row->theta[0] + 3e-4 * random.normal(), along + 0.2 * random.normal(),
+                       across + 0.2 * random.normal());
   }
   DrivenRobot robot{.scene = held.scene, .path = held.path};
   std::map<std::string, double> truth;
