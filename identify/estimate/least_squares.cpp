@@ -251,7 +251,7 @@ void set_point(const LeastSquaresProblem& problem, const std::vector<double>& x,
     out.globals[i] = x[std::size_t(i)] * p.scale;
     const int bound = bound_of(p, x[std::size_t(i)]);
     if (bound != 0) out.globals[i] = bound < 0 ? p.lower : p.upper;
-    out.at_bound.push_back(bound != 0);
+    out.at_bound.push_back(bound != 0 || p.held);
   }
   out.locals.resize(long(problem.blocks.size()), long(problem.locals.size()));
   for (std::size_t b = 0; b < locals.size(); ++b)
@@ -280,7 +280,7 @@ std::vector<bool> pressed(const LeastSquaresProblem& problem, const std::deque<B
   std::vector<bool> out(n);
   for (std::size_t i = 0; i < n; ++i) {
     const int bound = bound_of(problem.globals[i], x[i]);
-    out[i] = bound != 0 && bound * slope[i] < 0;
+    out[i] = problem.globals[i].held || (bound != 0 && bound * slope[i] < 0);
   }
   return out;
 }
@@ -314,7 +314,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   std::vector<std::vector<double>> locals;
   for (const ResidualBlock& b : problem.blocks) locals.push_back(scaled_start(problem.locals, b.local_start));
 
-  std::vector<bool> held(problem.globals.size());  // at a bound, and pressed against it
+  std::vector<bool> held;  // as it was asked for, or at a bound and pressed against it
+  for (const Parameter& p : problem.globals) held.push_back(p.held);
   std::deque<BlockCost> costs;
   ceres::Problem::Options ours;
   ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

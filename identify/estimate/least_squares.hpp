@@ -17,6 +17,7 @@ struct Parameter {
   double start;
   double lower, upper;  ///< may be infinite
   double scale;         ///< typical size, > 0: the solver sees value / scale
+  bool held = false;    ///< a global that stays at its start
 };
 
 /// One block of residuals. `evaluate` fills residuals [size] and, where the pointer is set, the Jacobian [size x
@@ -62,7 +63,7 @@ struct LeastSquaresSolution {
   int iterations = 0;
   double work = 0;              ///< spent, in the caller's units; the solver leaves it at 0
   std::string message;          ///< the solver's reason
-  std::vector<bool> at_bound;   ///< of the globals
+  std::vector<bool> at_bound;   ///< of the globals; those that are held too
   long residuals = 0;           ///< n
   Eigen::MatrixXd information;  ///< of the globals, locals eliminated, for unit residual variance; empty where unknown
   /// Inverse of the Fisher information for unit residual variance, over the globals; rows and columns at a bound, and

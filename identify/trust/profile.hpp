@@ -3,6 +3,7 @@
 // added to each side, as squares.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,18 @@ struct ProfileOptions {
   double reach = 3;       ///< standard errors, of noise, to either side, > 0, cut at the bounds
   void validate() const;  ///< throws InputError
 };
+
+/// A constant that can be held beside its estimate.
+struct Profiled {
+  const Estimate& estimate;
+  double half_width;    ///< of its 95 % interval, in standard errors
+  double lower, upper;  ///< its bounds
+  /// By how much the deviance rises where it is held at a value and all else is refitted; infinite where no rollout is
+  /// possible. Asked outwards from the estimate: below it (-1), then above (1).
+  std::function<double(double value, int side)> rise;
+};
+/// Throws InputError where the estimate has no standard error.
+[[nodiscard]] Profile profile(const Profiled& constant, const ProfileOptions& options = {});
 
 /// The profile of a constant of `fit`, which must have a standard error (InputError otherwise).
 [[nodiscard]] Profile profile(const Experiment& experiment, const Fit& fit, const std::string& constant,

@@ -105,6 +105,23 @@ TEST_CASE("calibrate writes its files and keys, and every verb reads the scene t
   CHECK(search.code == 0);
 }
 
+TEST_CASE("calibrate --profile: where the errors are a parabola's, the profile has their interval") {
+  const Folder f;
+  const Result r = done(f, kAll + kOut + Arguments{"--profile", "stiffness,pitch", "--figures", "svg"});
+  CHECK_THAT(r.out, Contains("stiffness by profile likelihood, 95 %: "));
+  CHECK(fs::exists(f.at("out/profile_1.svg")));
+  CHECK(fs::exists(f.at("out/profile_2.svg")));
+  const Json s = summary(f);
+  for (const char* name : {"stiffness", "pitch"}) {
+    const Json &p = s["diagnostics"]["profile"][name], linear = p["linear"];
+    const double width = linear[1].get<double>() - linear[0].get<double>();
+    CHECK(linear == s["parameters"][name]["ci95"]);
+    for (const int end : {0, 1})
+      CHECK(p["ci95"][end].get<double>() == Approx(linear[end].get<double>()).margin(0.05 * width));
+  }
+  CHECK(read(f.at("out/profile.csv")).find("constant,value,rise,threshold\nstiffness,") != std::string::npos);
+}
+
 TEST_CASE("calibrate: the same bytes again, JSON on stdout, no report where none is asked for") {
   const Folder f;
   const Arguments quick = {"--json", "--no-report", "--quiet"};
@@ -153,6 +170,9 @@ TEST_CASE("calibrate refuses bad options") {
   check_options({"--free", "pitch,pitch"}, {"--free: 'pitch': ", "twice"});
   check_options({"--nuisance", "friction"}, {"--nuisance: 'friction': ", "time_shift"});
   check_options({"--nuisance", "pitch_offset"}, {"pitch and pitch_offset", "not both"});
+  check_options({"--profile", "stifness"}, {"--profile: 'stifness': ", "\"stiffness\""});
+  check_options({"--free", "stiffness", "--profile", "pitch"},
+                {"--profile: pitch: it is not among the --free constants"});
   check_options({"--lower", "stiffness"}, {"--lower: 'stiffness': ", "NAME=VALUE"});
   check_options({"--lower", "stiffness=-1"}, {"lower bound of stiffness: -1: ", "at least 0"});
   check_options({"--lower", "stiffness_deg=1"}, {"--lower: 'stiffness_deg': "});

@@ -221,6 +221,32 @@ TEST_CASE("constants of a driven robot come back within their errors", "[driven]
   }
 }
 
+TEST_CASE("the profile likelihood of a driven robot's constants: as wide as their errors where these are small",
+          "[driven]") {
+  const Pendulum p;
+  Case c(p, 1.1, 1, 0, {kFree[1], kFree[5], kFree[7]});
+  c.options.profiles = {kFree[1], kFree[5]};
+  const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
+  REQUIRE(fit.converged);
+  REQUIRE(fit.profiles.size() == 2);
+  for (const identify::Profile& profile : fit.profiles) {
+    INFO(profile.constant);
+    const auto e = std::find_if(fit.parameters.begin(), fit.parameters.end(),
+                                [&](const auto& x) { return x.name == profile.constant; });
+    REQUIRE(profile.low);
+    REQUIRE(profile.high);
+    CHECK(*profile.low == Approx(e->ci_low).margin(0.1 * e->half_width()));
+    CHECK(*profile.high == Approx(e->ci_high).margin(0.1 * e->half_width()));
+    const std::size_t middle = profile.rise.size() / 2;
+    CHECK(profile.rise[middle] == 0);
+    CHECK(std::is_sorted(profile.rise.begin() + long(middle), profile.rise.end()));
+    CHECK(std::is_sorted(profile.rise.rbegin() + long(middle), profile.rise.rend()));
+  }
+  c.options.profiles = {kFree[0]};
+  CHECK_THROWS_WITH(fit_robot(c.robot, c.trials, c.options),
+                    Catch::Matchers::Contains("not among the --free constants"));
+}
+
 TEST_CASE("a term that a driven robot lacks is asked for, and nothing is trusted then", "[driven]") {
   Pendulum p;
   p.delay = 0.002;

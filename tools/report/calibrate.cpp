@@ -14,8 +14,9 @@
 
 namespace ukemi::tools {
 
-const Outputs kCalibrateOutputs{
-    "calibrate", {"scene.toml", "robot.toml", "fit.csv", "validation.csv"}, {"drop_#", "validation_#"}};
+const Outputs kCalibrateOutputs{"calibrate",
+                                {"scene.toml", "robot.toml", "fit.csv", "validation.csv", "profile.csv"},
+                                {"drop_#", "validation_#", "profile_#"}};
 
 using namespace landing;
 
@@ -187,6 +188,7 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
   summary["steps"] = c.steps;
   report.heading(fmt::format("Does the {} explain the {}?", texts.model, texts.many));
   report_tests(c.tests, "standard deviations", report, summary["diagnostics"]);
+  report_profiles(c.profiles, c, report, summary["diagnostics"], run);
   if (laws) laws(report, summary);
   report.heading(fmt::format("Fitted {}", texts.many));
   report_drops(fitted, texts.one, report, summary, run);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/trust/diagnostics.hpp"
+#include "identify/trust/profile.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/table.hpp"
 
@@ -31,5 +31,9 @@ void begin(const identify::Estimates& fit, const Quantities<identify::Estimate>&
 std::string probability_words(double p);
 /// "diagnostics" of the summary, and the tables of the tests; `unit` is that of the residuals.
 void report_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& diagnostics);
+
+/// "profile" of the diagnostics, a figure each, profile.csv.
+void report_profiles(const std::vector<identify::Profile>& profiles, const identify::Estimates& fit, Report& report,
+                     Json& diagnostics, Run& run);
 
 }  // namespace ukemi::tools

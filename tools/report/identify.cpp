@@ -16,8 +16,8 @@ namespace ukemi::tools {
 const Outputs kIdentifyOutputs = Outputs{
     "identify",
     {"actuator.toml", "robot.toml", "fit.csv", "profile.csv", "actuator.mjcf.xml", "actuator.urdf.xml"},
-    {"ladder", "weakest", "profile_k_p", "profile_k_d", "profile_k_sea", "profile_c_sea",
-     "profile_i_motor"}}.with(fit_figures());
+    {"ladder", "weakest",
+     "profile_#"}}.with(fit_figures());
 
 using identify::Fit;
 using identify::Trial;

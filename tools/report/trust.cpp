@@ -184,34 +184,6 @@ void report_left_out(const std::vector<LeftOut>& left_out, Report& report, Json&
   j["leave_one_out"] = add_table(Table(left_out_quantities(), left_out), report, run);
 }
 
-void report_profiles(const std::vector<identify::Profile>& profiles, const Fit& fit, Report& report, Json& j,
-                     Run& run) {
-  CsvWriter csv = run.csv();
-  csv.comment(
-      "rise of -2 log likelihood above its minimum, the other constants refitted; empty where no rollout is "
-      "possible. Inside the 95 % interval it is below `threshold`.");
-  csv.header({"constant", "value", "rise", "threshold"});
-  for (const identify::Profile& p : profiles) {
-    const identify::Estimate& e = fit.parameters[constant_index("--profile", p.constant)];
-    j["profile"][p.constant] = {{"ci95", {number(p.low), number(p.high)}},
-                                {"ci95_noise", {number(p.low_noise), number(p.high_noise)}},
-                                {"linear", {e.ci_low, e.ci_high}}};
-    run.say(fmt::format("{} by profile likelihood, 95 %: {}", p.constant, interval(p)));
-    report.heading("Profile likelihood of " + p.constant);
-    report.paragraph("95 %: " + interval(p));
-    report.plot(
-        "profile_" + p.constant, fmt::format("{} [{}]", p.constant, p.unit), "rise of -2 log likelihood",
-        {{"refitted", p.value, p.rise}, {"95 %", {p.value.front(), p.value.back()}, {p.threshold, p.threshold}}});
-    for (std::size_t i = 0; i < p.value.size(); ++i)
-      csv.cell(p.constant)
-          .cell(p.value[i])
-          .cell(std::isfinite(p.rise[i]) ? p.rise[i] : NAN)
-          .cell(p.threshold)
-          .end_row();
-  }
-  run.add("profile.csv", csv.text());
-}
-
 /// By how much each constant may change, together with the others, so that the trials do not tell.
 Figure weakest_figure(const identify::Weakest& w) {
   Panel p;
@@ -258,6 +230,37 @@ void report_tests(const identify::ResidualTests& tests, const std::string& unit,
   if (!tests.chow.empty()) j["chow"] = tests.chow;
 }
 
+void report_profiles(const std::vector<identify::Profile>& profiles, const identify::Estimates& fit, Report& report,
+                     Json& j, Run& run) {
+  if (profiles.empty()) return;
+  CsvWriter csv = run.csv();
+  csv.comment(
+      "rise of -2 log likelihood above its minimum, the other constants refitted; empty where no rollout is "
+      "possible. Inside the 95 % interval it is below `threshold`.");
+  csv.header({"constant", "value", "rise", "threshold"});
+  for (const identify::Profile& p : profiles) {
+    const identify::Estimate& e = *std::find_if(fit.parameters.begin(), fit.parameters.end(),
+                                                [&](const auto& x) { return x.name == p.constant; });
+    j["profile"][p.constant] = {{"ci95", {number(p.low), number(p.high)}},
+                                {"ci95_noise", {number(p.low_noise), number(p.high_noise)}},
+                                {"linear", {e.ci_low, e.ci_high}}};
+    run.say(fmt::format("{} by profile likelihood, 95 %: {}", p.constant, interval(p)));
+    report.heading("Profile likelihood of " + p.constant);
+    report.paragraph("95 %: " + interval(p));
+    report.plot(
+        fmt::format("profile_{}", &p - profiles.data() + 1), fmt::format("{} [{}]", p.constant, p.unit),
+        "rise of -2 log likelihood",
+        {{"refitted", p.value, p.rise}, {"95 %", {p.value.front(), p.value.back()}, {p.threshold, p.threshold}}});
+    for (std::size_t i = 0; i < p.value.size(); ++i)
+      csv.cell(p.constant)
+          .cell(p.value[i])
+          .cell(std::isfinite(p.rise[i]) ? p.rise[i] : NAN)
+          .cell(p.threshold)
+          .end_row();
+  }
+  run.add("profile.csv", csv.text());
+}
+
 void warn(const Trust& trust, const Fit& fit, Run& run) {
   for (const std::string& constant : trust.not_profiled) run.warn(constant + " has no standard error: no profile");
   for (const std::string& finding : findings(trust, fit)) run.warn(finding);
@@ -288,7 +291,7 @@ void report_part(const Trust& t, const Fit& fit, Report& report, Json& summary, 
   j["rivals"] = Table(rival_quantities, t.rivals).objects();
   if (t.ladder) report_ladder(*t.ladder, report, j, run);
   if (!t.left_out.empty()) report_left_out(t.left_out, report, j, run);
-  if (!t.profiles.empty()) report_profiles(t.profiles, fit, report, j, run);
+  report_profiles(t.profiles, fit, report, j, run);
 }
 
 }  // namespace ukemi::tools

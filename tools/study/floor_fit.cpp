@@ -253,6 +253,30 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
   return out;
 }
 
+/// The likelihood profile of a fitted constant, the other terms refitted. Where the errors were widened, the rise is
+/// less by as much: its interval is as wide as theirs where it is a parabola.
+identify::Profile profile_of(const Problem& fitted, const LeastSquaresSolution& best, const std::vector<double>& sigma,
+                             const FloorFit& c, const std::string& constant) {
+  const std::size_t g = std::size_t(std::find(c.fitted.begin(), c.fitted.end(), constant) - c.fitted.begin());
+  const double n = double(best.residuals), variance = best.cost / double(best.residuals - best.free_parameters);
+  const Estimate& e = *c.globals()[g];
+  LeastSquaresSolution last = best;
+  int last_side = 0;
+  const auto rise = [&](double value, int side) {
+    if (side != last_side) last = best, last_side = side;  // each point starts where the one before it ended
+    LeastSquaresProblem p = fitted.problem_from(last, sigma);
+    p.globals[g].start = value, p.globals[g].held = true;
+    const long until = fitted.steps + long(fitted.work_of_start());
+    LeastSquaresSolution s = fitted.solve(p, fitted.options.max_iterations, until);
+    if (!s.usable) return kWhole;
+    last = std::move(s);
+    const double widened = *e.std_noise * *e.std_noise / (best.global_covariance(long(g), long(g)) * variance);
+    return n * std::log(last.cost / best.cost) / widened;
+  };
+  const auto& terms = fitted.options.terms;
+  return identify::profile({e, c.half_width, terms.lower_of(terms[constant]), terms.upper_of(terms[constant]), rise});
+}
+
 /// Says where the residual stays above the logs' own noise. A model that does not explain the logs has no error bars:
 /// nothing fitted by it is trusted.
 void compare_with_noise(FloorFit& out) {
@@ -274,6 +298,9 @@ void CalibrationOptions::validate() const {
     for (const std::string& nuisance : terms.nuisance)
       if (terms[constant].moves_what(terms[nuisance]))
         throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
+  for (const std::string& constant : profiles)
+    if (std::find(terms.free.begin(), terms.free.end(), constant) == terms.free.end())
+      throw InputError("--profile: " + constant + ": it is not among the --free constants");
   if (!(accuracy >= 1e-13 && accuracy <= 1e-3))
     throw InputError(
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
@@ -364,6 +391,13 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   out.tests = test_floor(drops, options, sigma, out);
   identify::widen_errors(out.tests, out);
   if (!out.converged) identify::distrust(out.parameters);
+  for (const std::string& constant : options.profiles)
+    if (const auto e =
+            out.globals()[std::size_t(std::find(out.fitted.begin(), out.fitted.end(), constant) - out.fitted.begin())];
+        e->std && !options.monitor.stopped())
+      out.profiles.push_back(profile_of(problem, best, sigma, out, constant));
+    else
+      out.warnings.push_back(constant + " has no standard error: no profile");
   return out;
 }
 

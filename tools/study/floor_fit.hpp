@@ -18,7 +18,7 @@
 
 #include "common/monitor.hpp"
 #include "common/verdict.hpp"
-#include "identify/trust/diagnostics.hpp"
+#include "identify/trust/profile.hpp"
 #include "tools/study/drop_simulator.hpp"
 
 namespace ukemi::tools {
@@ -37,6 +37,7 @@ struct CalibrationOptions {
     kGrow,   ///< each drop is fitted part by part, every part a little longer
     kWhole,  ///< at once: where the start is close
   } parts = Parts::kGrow;
+  std::vector<std::string> profiles;  ///< constants whose likelihood profile is made; each must be fitted
   Monitor monitor;        ///< progress in the fit's parts; where it stops, the last part that was done is kept
   void validate() const;  ///< throws InputError
 };
@@ -63,7 +64,8 @@ struct FloorFit : identify::Estimates {
   std::vector<double> noise;  ///< sigma_o of the logs themselves; NaN: not measured
   std::vector<double> rms;    ///< over all drops; `cost` is the sum above, with sigma_o = rms
   std::vector<DropResult> drops;
-  long steps = 0;  ///< integrated for the fit
+  std::vector<identify::Profile> profiles;  ///< as asked for, of constants that have a standard error
+  long steps = 0;                           ///< integrated for the fit
 
   Verdicts verdicts() const;  ///< of every constant
   /// Uncertainty of the fitted constants, as far as it is known; with `among` of those alone.

@@ -60,6 +60,7 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
   };
   if (!a.free.empty()) o.terms.free = terms("--free", a.free, kConstant);
   o.terms.nuisance = terms("--nuisance", a.nuisance, kNuisance);
+  o.profiles = terms("--profile", a.profile, kConstant);
   const auto bounds = [&o](const std::string& option, const std::string& list, std::map<std::string, double>& to) {
     for (const std::string& item : split(list)) {
       const auto [name, value] = assignment(option, item);
@@ -201,6 +202,8 @@ void add_calibrate(CLI::App* verb, Action& chosen) {
   repeated("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand");
   verb->add_option("--lower", args->lower, "stiffness=1000,pitch_deg=-20,...: lower bounds [0; pitch: -180 deg]");
   verb->add_option("--upper", args->upper, "upper bounds [none; pitch: 180 deg]");
+  verb->add_option("--profile", args->profile,
+                   "stiffness,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
   verb->add_option("--validate", args->validate, "drop logs that are not fitted: measured against simulated");
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
   verb->add_flag_callback(

@@ -56,7 +56,8 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions::A
 void set_options(const IdentifyArguments& a, const CommonOptions& common, RobotFitOptions& o) {
   const std::vector<std::string> starts = o.terms.nuisance;
   CalibrateArguments given;
-  given.free = a.free, given.lower = a.lower, given.upper = a.upper, given.priors = split(a.prior);
+  given.free = a.free, given.lower = a.lower, given.upper = a.upper, given.profile = a.profile;
+  given.priors = split(a.prior);
   if (a.nuisance != "none") given.nuisance = a.nuisance;
   if (a.nuisance.empty()) given.nuisance = fmt::format("{}", fmt::join(starts, ","));
   tools::set_options(given, common, o);
@@ -100,8 +101,8 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
   for (const std::string& option : a.given)
     if (static const std::vector<std::string> kHave = {"--robot", "--free", "--nuisance", "--prior", "--lower",
-                                                       "--upper", "--columns", "--pieces", "--starts", "--strict",
-                                                       "--multi-turn", "--start-angle"};
+                                                       "--upper", "--profile", "--columns", "--pieces", "--starts",
+                                                       "--strict", "--multi-turn", "--start-angle"};
         std::find(kHave.begin(), kHave.end(), option) == kHave.end())
       throw InputError(option + ": it has no say with --robot");
   const DrivenRobot robot = read_driven_robot(a.robot);
