@@ -21,7 +21,7 @@
 #include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/toml.hpp"
-#include "identify/estimate/estimates.hpp"
+#include "identify/trust/profile.hpp"
 #include "tools/program/actuators.hpp"
 
 namespace ukemi::python {
@@ -134,6 +134,22 @@ void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates
           "message", [=](const Result& r) { return of(r).message; }, "Why it did not converge; empty where it did.")
       .def_property_readonly(
           "warnings", [=](const Result& r) { return of(r).warnings; }, "What a reader should know, a sentence each.");
+}
+
+/// Its likelihood profiles, as far as they were asked for.
+template <class Result, class... Options>
+void bind_profiles(py::class_<Result, Options...>& c, std::vector<identify::Profile> (*of)(const Result&)) {
+  using Interval = std::pair<std::optional<double>, std::optional<double>>;
+  c.def_property_readonly(
+      "profiles",
+      [=](const Result& r) {
+        std::map<std::string, Interval> out;
+        for (const identify::Profile& p : of(r)) out[p.constant] = {p.low, p.high};
+        return out;
+      },
+      "Of each constant of `profile` the 95 % interval by its likelihood, the others refitted [its SI unit]; None "
+      "where "
+      "it ends beyond three standard errors.");
 }
 
 /// tools::require_gains of an argument.

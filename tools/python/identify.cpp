@@ -140,6 +140,9 @@ void bind_landing_of_fit(py::class_<Identified>& c) {
 void bind_identification(py::class_<Identified>& c) {
   bind_estimates(
       c, +[](const Identified& i) -> const Estimates& { return i.found.fit; });
+  bind_profiles(
+      c,
+      +[](const Identified& i) { return i.found.trust ? i.found.trust->profiles : std::vector<identify::Profile>{}; });
   c.def_property_readonly(
        "actuator", [](const Identified& i) { return tools::fitted_actuator(i.question, i.found.fit); },
        "The constants with covariance and verdicts, as actuator.toml has them.")

@@ -91,6 +91,8 @@ void bind_result(py::module_& m) {
                                 "Constants of a robot of links fitted to trials, or trials predicted with them.");
   bind_estimates(
       c, +[](const RobotIdentified& r) -> const identify::Estimates& { return r.fit; });
+  bind_profiles(
+      c, +[](const RobotIdentified& r) { return r.fit.profiles; });
   c.def_property_readonly(
        "robot", [](const RobotIdentified& r) { return r.fit.robot; }, "The given robot with the fitted constants.")
       .def_property_readonly(
@@ -163,12 +165,12 @@ std::vector<RobotTrial> controlled(std::vector<RobotTrial> trials, const PyContr
 RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTrial>& given,
                            const std::optional<std::vector<std::string>>& free, const Priors& priors,
                            const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
-                           const PyController& controller) {
+                           const PyController& controller, const std::vector<std::string>& profile = {}) {
   if (given.empty()) throw InputError("trials: at least one is needed");
   const std::vector<RobotTrial> trials = controlled(given, controller);
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
-  o.threads = threads, o.seed = seed, o.restarts = starts;
+  o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = profile;
   const std::vector<std::string> starts_of_trials = o.terms.nuisance;
   if (free) o.terms = choose(std::move(o.terms), free, starts_of_trials, priors, lower, upper);
   return long_call([&](const std::function<bool()>& stop) {
@@ -185,14 +187,15 @@ void bind_robot_trials(py::module_& m) {
       "identify_robot",
       [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const std::vector<std::string>& free,
          const Priors& priors, const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
-         const PyController& controller) {
-        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller);
+         const PyController& controller, const std::vector<std::string>& profile) {
+        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller, profile);
       },
       py::arg("robot"), py::arg("trials"), py::arg("free"), py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
       py::arg("upper") = Bounds{}, py::arg("starts") = 0, py::arg("seed") = 1, py::arg("threads") = 0,
-      py::arg("controller") = py::none(),
+      py::arg("controller") = py::none(), py::arg("profile") = std::vector<std::string>{},
       "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
-      "names as \"drive.hip.friction\"; starts: further ones, drawn. controller: f(t, phi, dphi) -> torques, asked at "
+      "names as \"drive.hip.friction\"; starts: further ones, drawn; profile: constants whose likelihood profile is "
+      "made. controller: f(t, phi, dphi) -> torques, asked at "
       "each row of a log for what it adds to the torque of each joint [Nm], from the log's clock [s], the angles [rad] "
       "and rates [rad/s] of all joints of the file; it acts as a row's command does.");
   m.def(
