@@ -52,8 +52,9 @@ struct Carry<Fit> : OnBase<Fit, Estimates, &Fit::sea, &Fit::rms, &Fit::identifia
                            &Fit::flawed_logs, &Fit::interrupted, &Fit::minima, &Fit::trials, &Fit::sensitivity> {};
 using tools::FloorFit;
 template <>
-struct Carry<FloorFit> : OnBase<FloorFit, Estimates, &FloorFit::logs_of, &FloorFit::tests, &FloorFit::channels,
-                                &FloorFit::noise, &FloorFit::rms, &FloorFit::drops, &FloorFit::steps> {};
+struct Carry<FloorFit>
+    : OnBase<FloorFit, Estimates, &FloorFit::logs_of, &FloorFit::tests, &FloorFit::channels, &FloorFit::noise,
+             &FloorFit::rms, &FloorFit::drops, &FloorFit::profiles, &FloorFit::steps> {};
 template <>
 struct Carry<Calibration> : OnBase<Calibration, FloorFit, &Calibration::scene> {};
 template <>
