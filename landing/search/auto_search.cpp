@@ -32,17 +32,19 @@ struct Descent {
   double apart;            ///< so far apart
 };
 constexpr Descent kSharp{0.03, 0.6, 0.985, 1e-4, 12, 3, 1e-7, 1e-3, 200, 24, 0.15},
-    kSmooth{0.08, 0.5, 0.93, 1e-3, 8, 0, 2e-3, 2e-3, 1'500, AutoSearch::kAtOnce, 0.02};
+    kSmooth{0.08, 0.5, 0.93, 1e-3, 8, 0, 2e-3, 2e-3, 300, AutoSearch::kAtOnce, 0.02};
 
-const Descent& descent_of(const GoalProfile& profile) { return profile.smooth ? kSmooth : kSharp; }
+/// Of runs that minimise `by`: over drops, or of one.
+const Descent& descent_of(const Fidelity& by) { return by.goal == Goal::kRobust ? kSmooth : kSharp; }
 
 }  // namespace
 
 GoalProfile profile_of(const Objective::Options& options) {
-  if (options.goal == Goal::kPeak) return {Goal::kPeak, Goal::kPeak};
-  if (options.goal == Goal::kTolerant) return {Goal::kTolerant, Goal::kPeak, 0.5};
+  const Fidelity peak = Goal::kPeak;
+  if (options.goal == Goal::kPeak) return {peak};
+  if (options.goal == Goal::kTolerant) return {Goal::kTolerant, {{{peak, 0.5}}}};
   const std::size_t drops = options.robust->measure.kind == Measure::Kind::kMean ? 4 : 8;  // a tail needs more
-  return {Goal::kRobust, {Goal::kRobust, drops}, 0.75, 0.2, true};
+  return {Goal::kRobust, {{{peak, 0.15}, {{Goal::kRobust, drops}, 0.6}}}, 0.2, true};
 }
 
 AutoSearch::AutoSearch()
@@ -63,12 +65,15 @@ void AutoSearch::run(Search& search) {
   basins_.clear();
   by_ = profile_.goal;
   follow_hints();
-  until_ = 1;
-  if (profile_.one_landing()) {
-    run_from_incumbents();
-  } else {
-    look_for_basins();
+  judged_ = basins_;  // where the given starting points led
+  if (profile_.rougher[0].until > 0) {
+    basins_.clear();
+    for (const GoalProfile::Stage& stage : profile_.rougher)
+      if (stage.until > 0) look_for_basins(stage);
     judge_basins();
+  } else {
+    until_ = 1;
+    run_from_incumbents();
   }
   while (!over()) hop();
 }
@@ -80,7 +85,7 @@ void AutoSearch::follow_hints() {
   constexpr int kGenerations = 8;
   until_ = kShare;
   for (const Coordinates& u : search_->hints)
-    if (!over()) descend(u, kSize, kGenerations);
+    if (!over()) descend(u, kSize, kGenerations, InKnownBasin::kGoesOn);
 }
 
 /// Fast first descent, with or without known basins: motions from anywhere, then most of them from close to
@@ -101,19 +106,29 @@ void AutoSearch::run_from_incumbents() {
       if (p.value <= p.bound) basins_.add(p);
   }
   if (starts_.empty()) return;
-  if (!by_population()) return descend(Coordinates(starts_[0].u), descent_of(profile_).size, kToTheEnd);
+  if (!by_population())
+    return descend(Coordinates(starts_[0].u), descent_of(by_).size, kToTheEnd, InKnownBasin::kGoesOn);
   population_.assign(basins_.begin(), basins_.end());
   basins_.clear();
   converge(false);
 }
 
-/// Runs that minimise the rough value.
-void AutoSearch::look_for_basins() {
+/// Runs that minimise a rougher value: from where the stage before ended, the best by this one's value first.
+void AutoSearch::look_for_basins(const GoalProfile::Stage& stage) {
   constexpr long kScouts = 3'000;
-  judged_ = basins_;  // where the given starting points led
-  basins_.clear();
-  by_ = profile_.rough, until_ = profile_.rough_share;
-  run_from_scouts(kScouts, profile_.scouting * until_, nullptr);
+  constexpr std::size_t kCarried = 4;
+  constexpr double kSize = 0.03;
+  by_ = stage.by, until_ = stage.until;
+  if (basins_.empty()) {
+    run_from_scouts(kScouts, profile_.scouting * until_, nullptr);
+  } else {
+    starts_ = basins_;
+    basins_.clear();
+    judge_starts();
+    population_.assign(starts_.begin(), starts_.begin() + std::min(kCarried, starts_.size()));
+    for (std::size_t i = 0; i < population_.size() && !over(); ++i)
+      descend(Coordinates(population_[i].u), kSize, kToTheEnd, InKnownBasin::kIsGivenUp);
+  }
   for (judge_best(); !over(); judge_best()) hop();
 }
 
@@ -142,7 +157,7 @@ void AutoSearch::judge_basins() {
   basins_ = judged_;
   if (by_population()) return run_from_incumbents();
   for (std::size_t i = 0; i < std::min(kRuns, judged_.size()) && !over(); ++i)
-    descend(judged_[i].u, kNarrow, kToTheEnd);
+    descend(judged_[i].u, kNarrow, kToTheEnd, InKnownBasin::kGoesOn);
 }
 
 /// A run from close to one of the basins, the better the likelier, or from anywhere.
@@ -152,9 +167,10 @@ void AutoSearch::hop() {
   constexpr double kNarrowest = -2, kWidest = -0.7;           // powers of ten
   constexpr double kShare = 0.1, kRaceShare = 0.2;            // of the budget, for scouts at most
   constexpr double kFinest = -3, kFine = -1.3;                // likewise over all drops, which cost the most
-  const long scouts = descent_of(profile_).scouts;
+  const long scouts = descent_of(by_).scouts;
   if (profile_.smooth && search_->objective().exact(by_) && !basins_.empty())
-    return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kToTheEnd);
+    return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kToTheEnd,
+                   InKnownBasin::kGoesOn);
   if (basins_.size() < 2 || (by_population() && races_ < kGlobal) || random_.uniform() >= kNear)
     return run_from_scouts(scouts, by_population() ? kRaceShare : kShare, nullptr);
   if (by_population() && random_.uniform() < kBox) {
@@ -164,7 +180,8 @@ void AutoSearch::hop() {
     return run_from_scouts(scouts, kRaceShare, &about);
   }
   const double size = std::pow(10.0, random_.uniform(kNarrowest, kWidest));
-  descend(beside(basins_[low_index(random_, basins_.size())], size, random_).u, size, kToTheEnd);
+  descend(beside(basins_[low_index(random_, basins_.size())], size, random_).u, size, kToTheEnd,
+          InKnownBasin::kIsGivenUp);
 }
 
 /// A run from the best of so many scouts, which take that share of the budget at most: about a place, or anywhere.
@@ -172,7 +189,7 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
   constexpr std::size_t kSmallest = 12, kLargest = 32;  // populations: every one is larger by one
   constexpr long kRace = 60, kScreen = 300;             // scouts for a place, where they are judged once more
   constexpr double kSame = 1e-5;
-  const Descent& descent = descent_of(profile_);
+  const Descent& descent = descent_of(by_);
   const bool judges = by_.goal != Goal::kPeak;
   const std::size_t places = std::min(kLargest, kSmallest + std::size_t(races_));
   if (by_population()) {
@@ -190,7 +207,7 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
   }
   if (judges) judge_starts();
   if (starts_.empty()) return;
-  if (!by_population()) return descend(Coordinates(starts_[0].u), descent.size, kToTheEnd);
+  if (!by_population()) return descend(Coordinates(starts_[0].u), descent.size, kToTheEnd, InKnownBasin::kIsGivenUp);
   population_.assign(starts_.begin(), starts_.begin() + std::min(places, starts_.size()));
   converge(true);
 }
@@ -243,11 +260,11 @@ void AutoSearch::converge(bool may_give_up) {
 }
 
 /// A run from a place, of a size in parts of the cube.
-void AutoSearch::descend(const Coordinates& start, double size, int generations) {
+void AutoSearch::descend(const Coordinates& start, double size, int generations, InKnownBasin run) {
   constexpr double kBound = 1.2;        // a motion is left where it is worse than the last generation's middle by this
   constexpr double kContender = 1.005;  // a run this close to the best goes on to the finest width
   constexpr int kFree = 8;
-  const Descent& how = descent_of(profile_);
+  const Descent& how = descent_of(by_);
   const int most_stalled = how.stalled + how.each * search_->dimension();
   distribution_->start(start, size, kGeneration);
   Candidate best = search_->nothing(), middle = best;
@@ -267,6 +284,9 @@ void AutoSearch::descend(const Coordinates& start, double size, int generations)
     stalled = better ? 0 : stalled + 1;
     const double converged = best.value > kContender * basins_.lowest() ? how.poor : how.finest;
     if (stalled > most_stalled || distribution_->widest() < converged) break;
+    if (run == InKnownBasin::kIsGivenUp && n > kFree && distribution_->widest() < kBasinsApart &&
+        basins_.beside(best, best.value))
+      return;
     if (n > kFree && lags(best.value, how.slack, how.patience, n - kFree)) break;
   }
   basins_.add(best);

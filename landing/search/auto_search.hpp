@@ -11,10 +11,13 @@
 //      scout and adapts its covariance (cma.hpp);
 //   4. where a run ends is a basin, kept in an archive of those that lie apart; later runs start close to one of them,
 //      where narrow minima are, or from the best of a few scouts anywhere else (basin hopping).
-// A goal that costs many landings a motion begins with a rougher value of it (GoalProfile): for a part of the budget
-// basins are searched by that; then the best of them are judged, and searched, by the goal itself.
+// A goal that costs many landings a motion begins with rougher values of it (GoalProfile): for a part of the budget
+// each basins are searched by them; the best are where the next value begins, and at last the goal itself. With more
+// than three variables, and under scatter, most later runs would end in basins that are known: such a run is given up
+// once it is narrow and beside a better one.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -26,12 +29,14 @@ namespace ukemi::landing {
 
 /// A goal as the search takes it. Scouts are judged by the peak of the planned drop, one landing each.
 struct GoalProfile {
+  struct Stage {
+    Fidelity by;       ///< what runs minimise: it costs less than the goal, and leads to about the same basins
+    double until = 0;  ///< share of the budget at which it ends, 0..1; 0: no such stage
+  };
   Fidelity goal;
-  Fidelity rough;          ///< runs minimise this at first: it costs less, and leads to about the same basins
-  double rough_share = 0;  ///< share of the budget that is spent so, 0..1; 0: the goal itself costs one landing
-  double scouting = 0.7;   ///< of what runs have at first, the share that scouts may take, 0..1
-  bool smooth = false;     ///< scatter has smoothed the cliffs: runs start wider, and end sooner
-  bool one_landing() const { return rough_share == 0; }
+  std::array<Stage, 2> rougher{};  ///< before the goal itself, the roughest first
+  double scouting = 0.7;           ///< of what runs have at first, the share that scouts may take, 0..1
+  bool smooth = false;             ///< scatter has smoothed the cliffs: runs start wider, and end sooner
 };
 GoalProfile profile_of(const Objective::Options& options);
 
@@ -49,13 +54,14 @@ class AutoSearch {
  private:
   void follow_hints();
   void run_from_incumbents();
-  void look_for_basins();
+  void look_for_basins(const GoalProfile::Stage& stage);
   void judge_best();
   void judge_basins();
   void hop();
   void run_from_scouts(long motions, double share, const Coordinates* about);
   void converge(bool may_give_up);
-  void descend(const Coordinates& start, double size, int generations);
+  enum class InKnownBasin { kGoesOn, kIsGivenUp };
+  void descend(const Coordinates& start, double size, int generations, InKnownBasin run);
   bool lags(double value, double slack, double patience, int generation) const;
   Candidate draw(const Coordinates* about);
   void judge_starts();
