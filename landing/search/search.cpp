@@ -145,7 +145,8 @@ Candidate Search::judge(double accuracy, double deadline) {
   play_screened(deadline);
   objective_.deadline = deadline;
   const Candidate best = scattered() ? judge_scattered() : judge_exactly(accuracy);
-  return held_ < best && objective_.late() ? held_ : best;
+  const bool keeps = !scattered() || objective_.keeps_limits(held_);
+  return held_ < best && keeps && objective_.late() ? held_ : best;
 }
 
 /// The best contender over the drops that judge: its value is what is promised. kNoMotion where it breaks the limits in
