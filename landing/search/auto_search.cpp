@@ -39,12 +39,15 @@ const Descent& descent_of(const Fidelity& by) { return by.goal == Goal::kRobust 
 
 }  // namespace
 
-GoalProfile profile_of(const Objective::Options& options) {
+GoalProfile profile_of(const Objective::Options& options, double most) {
+  constexpr double kMany = 2.5e5;  // with fewer landings the peak does not lead to its best basins, and leaves too few
   const Fidelity peak = Goal::kPeak;
   if (options.goal == Goal::kPeak) return {peak};
   if (options.goal == Goal::kTolerant) return {Goal::kTolerant, {{{peak, 0.5}}}};
   const std::size_t drops = options.robust->measure.kind == Measure::Kind::kMean ? 4 : 8;  // a tail needs more
-  return {Goal::kRobust, {{{peak, 0.15}, {{Goal::kRobust, drops}, 0.6}}}, 0.2, true};
+  const GoalProfile::Stage few{{Goal::kRobust, drops}, most < kMany ? 0.75 : 0.6};
+  if (most < kMany) return {Goal::kRobust, {{few}}, 0.2, true, 5};
+  return {Goal::kRobust, {{{peak, 0.15}, few}}, 0.2, true};
 }
 
 AutoSearch::AutoSearch()
@@ -59,7 +62,7 @@ AutoSearch::~AutoSearch() = default;
 
 void AutoSearch::run(Search& search) {
   search_ = &search;
-  profile_ = profile_of(search.objective().options());
+  profile_ = profile_of(search.objective().options(), search.most());
   random_ = Random(search.seed);
   races_ = 0;
   basins_.clear();
@@ -167,7 +170,7 @@ void AutoSearch::hop() {
   constexpr double kNarrowest = -2, kWidest = -0.7;           // powers of ten
   constexpr double kShare = 0.1, kRaceShare = 0.2;            // of the budget, for scouts at most
   constexpr double kFinest = -3, kFine = -1.3;                // likewise over all drops, which cost the most
-  const long scouts = descent_of(by_).scouts;
+  const long scouts = profile_.scouts * descent_of(by_).scouts;
   if (profile_.smooth && search_->objective().exact(by_) && !basins_.empty())
     return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kToTheEnd,
                    InKnownBasin::kGoesOn);

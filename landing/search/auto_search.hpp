@@ -37,8 +37,10 @@ struct GoalProfile {
   std::array<Stage, 2> rougher{};  ///< before the goal itself, the roughest first
   double scouting = 0.7;           ///< of what runs have at first, the share that scouts may take, 0..1
   bool smooth = false;             ///< scatter has smoothed the cliffs: runs start wider, and end sooner
+  long scouts = 1;                 ///< so many times as usual before a later run, where there are few runs
 };
-GoalProfile profile_of(const Objective::Options& options);
+/// For a search of so many motions, or landings under scatter.
+GoalProfile profile_of(const Objective::Options& options, double most);
 
 class CovarianceAdaptation;
 

@@ -37,7 +37,6 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
 }
 
 void Search::hold() {
-  constexpr double kInLanes = 10;  // a landing in lanes takes a tenth of the time
   constexpr int kRounds = 2, kPostures = 16;
   const Scene& scene = objective_.scene();
   const MotionSpace& space = objective_.space();
@@ -50,10 +49,9 @@ void Search::hold() {
   objective_.grant_time(0);
   if (scene.release) return;
   // Postures on a grid by the peak, then between the best one's neighbours; the best of all is judged.
-  const double most = std::min(double(budget_.motions), kInLanes * budget_.seconds / objective_.landing_time());
   std::array<Candidate, kPostures> postures;
   Candidate best = none_;
-  for (int round = 0; round < kRounds && budget_.hold * most > (round + 1) * kPostures; ++round) {
+  for (int round = 0; round < kRounds && budget_.hold * most() > (round + 1) * kPostures; ++round) {
     const double step = (high - low) / (kPostures - 1), from = low;
     for (int i = 0; i < kPostures; ++i) postures[std::size_t(i)] = holding(from + i * step);
     evaluate(postures, Goal::kPeak);
@@ -82,6 +80,11 @@ void Search::play_screened(double deadline) {
     play({&p, 1});
   }
   objective_.grant_time(0);
+}
+
+double Search::most() const {
+  constexpr double kInLanes = 10;  // a landing in lanes takes a tenth of the time
+  return std::min(double(budget_.motions), kInLanes * budget_.seconds / objective_.landing_time());
 }
 
 double Search::share() const {

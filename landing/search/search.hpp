@@ -39,6 +39,8 @@ class Search {
   /// that is refused before any landing counts as one.
   long spent() const { return scattered() ? std::max(objective_.landings() - first_landing_, motions()) : motions(); }
   const Budget& budget() const { return budget_; }
+  /// As many as `spent` may become: by the budget, or by its time where that is short.
+  double most() const;
   /// How much is spent, 0..1: of the motions or of the time, whichever is more.
   double share() const;
 
