@@ -92,6 +92,12 @@ void warn(const Wording& wording, Estimates& out) {
 
 }  // namespace
 
+const Estimate* find_constant(const Estimates& fit, const std::string& name) {
+  const auto at =
+      std::find_if(fit.parameters.begin(), fit.parameters.end(), [&](const Estimate& e) { return e.name == name; });
+  return at == fit.parameters.end() ? nullptr : &*at;
+}
+
 void set_estimates(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
                    const std::vector<const Term*>& shared, const Wording& wording, Estimates& out) {
   out.cost = s.cost, out.converged = s.converged, out.iterations = s.iterations;

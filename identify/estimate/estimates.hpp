@@ -26,6 +26,9 @@ std::vector<Estimate> as_given(const Terms<T>& terms, Value&& value) {
   return out;
 }
 
+/// The constant of that name; null where there is none.
+const Estimate* find_constant(const Estimates& fit, const std::string& name);
+
 /// How warnings speak.
 struct Wording {
   const char* data;                                                             ///< "trials"

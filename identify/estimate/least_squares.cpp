@@ -333,7 +333,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
     ceres_problem.AddResidualBlock(&priors.back(), nullptr, x.data());
     ++out.residuals;
   }
-  const bool all_held = options.globals == LeastSquaresOptions::Globals::kHeld;
+  const bool all_held = !held.empty() && std::find(held.begin(), held.end(), false) == held.end();
   if (all_held)
     ceres_problem.SetParameterBlockConstant(x.data());
   else

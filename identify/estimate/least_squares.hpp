@@ -39,6 +39,9 @@ struct LeastSquaresProblem {
   std::vector<Parameter> locals;  ///< each block has its own copy
   std::vector<ResidualBlock> blocks;
   std::vector<PriorResidual> priors;
+  void hold_globals() {  ///< all of them: locals alone are fitted
+    for (Parameter& p : globals) p.held = true;
+  }
   void validate() const;  ///< throws InputError
 };
 
@@ -49,7 +52,6 @@ struct LeastSquaresOptions {
   double first_radius = 100;      ///< of the trust region; the scaled start is 1: a first step of its own size
   int rejected_steps = 30;        ///< in a row, for the model cannot be evaluated, after which the search fails
   double huber = 0;               ///< Huber's delta on each residual; 0: plain squares
-  enum class Globals { kFitted, kHeld } globals = Globals::kFitted;  ///< kHeld: locals alone, at the globals' start
   std::function<bool()>
       stop;  ///< true: end and keep the best point so far, not converged; asked before every trial step
 };

@@ -266,10 +266,11 @@ double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const Fi
   const auto fitted = fit.globals();
   Eigen::VectorXd globals(long(fitted.size()));
   for (std::size_t g = 0; g < fitted.size(); ++g) problem.globals[g].start = globals[long(g)] = fitted[g]->value;
+  problem.hold_globals();
   double cost = kNaN;
   if (problem.locals.empty()) {
     cost = cost_at(problem, {}, globals);
-  } else if (const auto s = solve(problem, {.globals = LeastSquaresOptions::Globals::kHeld}); s.usable) {
+  } else if (const auto s = solve(problem, {}); s.usable) {
     cost = s.cost;
   }
   return std::isfinite(cost) ? std::sqrt(cost / double(trial.measurements())) : kNaN;

@@ -38,9 +38,8 @@ void deepen(const Experiment& whole, const Fit& fit, const TrustOptions& options
     if (fit.converged) out.left_out = leave_one_out(experiment, fit, options.threads);
   }
   for (const std::string& constant : options.profiles) {
-    const auto e = std::find_if(fit.parameters.begin(), fit.parameters.end(),
-                                [&](const Estimate& p) { return p.name == constant; });
-    if (e == fit.parameters.end()) throw InputError("profile: " + quoted(constant) + ": no such constant");
+    const Estimate* e = find_constant(fit, constant);
+    if (!e) throw InputError("profile: " + quoted(constant) + ": no such constant");
     if (e->std && fit.converged)
       out.profiles.push_back(profile(experiment, fit, constant));
     else

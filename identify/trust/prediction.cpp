@@ -58,7 +58,8 @@ struct Predicted {
 
 /// Fits the initial states; false where a trial cannot be followed.
 bool fit_initial_states(Predicted& p, std::vector<Estimate>& out) {
-  const LeastSquaresSolution s = solve(p.problem, {.globals = LeastSquaresOptions::Globals::kHeld});
+  p.problem.hold_globals();
+  const LeastSquaresSolution s = solve(p.problem, {});
   if (!s.usable) return false;
   p.own = s.locals;
   const long degrees = std::max(1l, s.residuals - s.locals.size());

@@ -46,7 +46,7 @@ Profile profile(const Profiled& constant, const ProfileOptions& options) {
     for (int i = 1; i <= half; ++i) {
       const auto here = std::size_t(half + side * i), before = std::size_t(half + side * (i - 1));
       out.value[here] = e.value + side * reach * i / half;
-      const double rise = constant.rise(out.value[here], side);
+      const double rise = constant.rise(out.value[here], i == 1 ? Profiled::From::kFit : Profiled::From::kLast);
       out.rise[here] = std::isfinite(rise) ? std::max(rise, 0.0) : std::numeric_limits<double>::infinity();
       if (!end && out.rise[here] > out.threshold)
         end = crossing(out.value[before], out.rise[before], out.value[here], out.rise[here], out.threshold);
@@ -61,9 +61,8 @@ Profile profile(const Profiled& constant, const ProfileOptions& options) {
 Profile profile(const Experiment& experiment, const Fit& fit, const std::string& constant,
                 const ProfileOptions& options) {
   experiment.validate(fit);
-  const auto found =
-      std::find_if(fit.parameters.begin(), fit.parameters.end(), [&](const Estimate& e) { return e.name == constant; });
-  if (found == fit.parameters.end()) throw InputError(fmt::format("profile: '{}': no such constant", constant));
+  const Estimate* found = find_constant(fit, constant);
+  if (!found) throw InputError(fmt::format("profile: '{}': no such constant", constant));
   const FitOptions& given = experiment.options;
   const RigTerm& term = given.terms[constant];
   FitOptions held = given;
@@ -71,15 +70,14 @@ Profile profile(const Experiment& experiment, const Fit& fit, const std::string&
   if (held.terms.free.empty())
     throw InputError(fmt::format("profile: {}: no other constant is free to follow it", constant));
   const double best = deviance(fit, experiment.trials, given);
-  SeaParameters<double> from = fit.sea;  // each point starts where the one before it ended
-  int last_side = 0;
-  const auto rise = [&](double value, int side) {
-    if (side != last_side) from = fit.sea, last_side = side;
-    term.set_in(from, value);
-    const Fit f = refit(experiment.rig, experiment.trials, from, held);
+  SeaParameters<double> last = fit.sea;
+  const auto rise = [&](double value, Profiled::From from) {
+    if (from == Profiled::From::kFit) last = fit.sea;
+    term.set_in(last, value);
+    const Fit f = refit(experiment.rig, experiment.trials, last, held);
     const double out =
         f.trials.empty() ? std::numeric_limits<double>::infinity() : deviance(f, experiment.trials, held) - best;
-    if (std::isfinite(out)) from = f.sea;
+    if (std::isfinite(out)) last = f.sea;
     return out;
   };
   const double lower = std::max(given.terms.lower_of(term), 1e-6 * found->value);

@@ -33,9 +33,11 @@ struct Profiled {
   const Estimate& estimate;
   double half_width;    ///< of its 95 % interval, in standard errors
   double lower, upper;  ///< its bounds
+  /// Where the refits of a value begin: at the fit, or where those of the value before, one nearer to it, ended.
+  enum class From { kFit, kLast };
   /// By how much the deviance rises where it is held at a value and all else is refitted; infinite where no rollout is
-  /// possible. Asked outwards from the estimate: below it (-1), then above (1).
-  std::function<double(double value, int side)> rise;
+  /// possible.
+  std::function<double(double value, From from)> rise;
 };
 /// Throws InputError where the estimate has no standard error.
 [[nodiscard]] Profile profile(const Profiled& constant, const ProfileOptions& options = {});

@@ -148,8 +148,7 @@ Candidate Search::judge(double accuracy, double deadline) {
   play_screened(deadline);
   objective_.deadline = deadline;
   const Candidate best = scattered() ? judge_scattered() : judge_exactly(accuracy);
-  const bool keeps = !scattered() || objective_.keeps_limits(held_);
-  return held_ < best && keeps && objective_.late() ? held_ : best;
+  return held_ < best && stands(held_) && objective_.late() ? held_ : best;
 }
 
 /// The best contender over the drops that judge: its value is what is promised. kNoMotion where it breaks the limits in
@@ -168,7 +167,7 @@ Candidate Search::judge_scattered() {
     objective_.judge_scattered({&p, 1});
     if (p.value < kNoMotion && (!judged || p < best)) best = p, judged = true;
   }
-  if (best.value < kNoMotion && !objective_.keeps_limits(best)) best.value = kNoMotion;
+  if (!stands(best)) best.value = kNoMotion;
   return best;
 }
 

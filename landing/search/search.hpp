@@ -78,6 +78,8 @@ class Search {
   void hold();
   void judge_held(Candidate p);
   void play_screened(double deadline);
+  /// Whether it may be the answer: followed, and under scatter within the limits in as many drops as are asked for.
+  bool stands(const Candidate& p) const { return p.value < kNoMotion && (!scattered() || objective_.keeps_limits(p)); }
   Candidate judge_scattered();
   Candidate judge_exactly(double accuracy);
   void step_back(const Candidate& edge);

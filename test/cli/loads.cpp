@@ -90,6 +90,8 @@ TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadli
   CHECK(s["value"].get<double>() < s["hold"]["value"].get<double>());
   CHECK(s["loads"][2]["value"] == 0);
   CHECK(s["hold"]["loads"].size() == 3);
+  done(f, {"optimize", "scene.toml", "--deadline", "0.5", "-o", "quick"});
+  CHECK(summary(f, "quick")["value"].get<double>() <= s["hold"]["value"].get<double>());  // on a busy machine too
   done(f, {"optimize", "scene.toml", "--deadline", "2", "-o", "quick"});
   CHECK(summary(f, "quick")["value"].get<double>() < s["hold"]["value"].get<double>());
   const Result robust =

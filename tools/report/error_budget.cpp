@@ -44,8 +44,7 @@ Quantities<ErrorBudget> budget_quantities(const Fit& fit) {
 /// What makes most of the error of the constant that is known least, and what to do about it.
 std::string what_to_measure(const Fit& fit, const std::vector<ErrorBudget>& budget) {
   const auto relative = [&](const ErrorBudget& b) {
-    const auto e = std::find_if(fit.parameters.begin(), fit.parameters.end(),
-                                [&](const identify::Estimate& p) { return p.name == b.constant; });
+    const identify::Estimate* e = find_constant(fit, b.constant);
     return e->half_width() / std::abs(e->value);
   };
   const ErrorBudget& least =

@@ -239,8 +239,7 @@ void report_profiles(const std::vector<identify::Profile>& profiles, const ident
       "possible. Inside the 95 % interval it is below `threshold`.");
   csv.header({"constant", "value", "rise", "threshold"});
   for (const identify::Profile& p : profiles) {
-    const identify::Estimate& e = *std::find_if(fit.parameters.begin(), fit.parameters.end(),
-                                                [&](const auto& x) { return x.name == p.constant; });
+    const identify::Estimate& e = *find_constant(fit, p.constant);
     j["profile"][p.constant] = {{"ci95", {number(p.low), number(p.high)}},
                                 {"ci95_noise", {number(p.low_noise), number(p.high_noise)}},
                                 {"linear", {e.ci_low, e.ci_high}}};

@@ -256,25 +256,24 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
 /// The likelihood profile of a fitted constant, the other terms refitted. Where the errors were widened, the rise is
 /// less by as much: its interval is as wide as theirs where it is a parabola.
 identify::Profile profile_of(const Problem& fitted, const LeastSquaresSolution& best, const std::vector<double>& sigma,
-                             const FloorFit& c, const std::string& constant) {
-  const std::size_t g = std::size_t(std::find(c.fitted.begin(), c.fitted.end(), constant) - c.fitted.begin());
-  const double n = double(best.residuals), variance = best.cost / double(best.residuals - best.free_parameters);
-  const Estimate& e = *c.globals()[g];
+                             const FloorFit& c, std::size_t global) {
+  using From = identify::Profiled::From;
+  const double n = double(best.residuals), variance = best.cost / (n - double(best.free_parameters));
+  const Estimate& e = *c.globals()[global];
+  const double widened = *e.std_noise * *e.std_noise / (best.global_covariance(long(global), long(global)) * variance);
   LeastSquaresSolution last = best;
-  int last_side = 0;
-  const auto rise = [&](double value, int side) {
-    if (side != last_side) last = best, last_side = side;  // each point starts where the one before it ended
+  const auto rise = [&](double value, From from) {
+    if (from == From::kFit) last = best;
     LeastSquaresProblem p = fitted.problem_from(last, sigma);
-    p.globals[g].start = value, p.globals[g].held = true;
+    p.globals[global].start = value, p.globals[global].held = true;
     const long until = fitted.steps + long(fitted.work_of_start());
     LeastSquaresSolution s = fitted.solve(p, fitted.options.max_iterations, until);
     if (!s.usable) return kWhole;
     last = std::move(s);
-    const double widened = *e.std_noise * *e.std_noise / (best.global_covariance(long(g), long(g)) * variance);
     return n * std::log(last.cost / best.cost) / widened;
   };
   const auto& terms = fitted.options.terms;
-  return identify::profile({e, c.half_width, terms.lower_of(terms[constant]), terms.upper_of(terms[constant]), rise});
+  return identify::profile({e, c.half_width, terms.lower_of(terms[e.name]), terms.upper_of(terms[e.name]), rise});
 }
 
 /// Says where the residual stays above the logs' own noise. A model that does not explain the logs has no error bars:
@@ -391,13 +390,13 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   out.tests = test_floor(drops, options, sigma, out);
   identify::widen_errors(out.tests, out);
   if (!out.converged) identify::distrust(out.parameters);
-  for (const std::string& constant : options.profiles)
-    if (const auto e =
-            out.globals()[std::size_t(std::find(out.fitted.begin(), out.fitted.end(), constant) - out.fitted.begin())];
-        e->std && !options.monitor.stopped())
-      out.profiles.push_back(profile_of(problem, best, sigma, out, constant));
+  for (const std::string& constant : options.profiles) {
+    const auto global = std::size_t(std::find(out.fitted.begin(), out.fitted.end(), constant) - out.fitted.begin());
+    if (out.globals()[global]->std && out.converged)
+      out.profiles.push_back(profile_of(problem, best, sigma, out, global));
     else
       out.warnings.push_back(constant + " has no standard error: no profile");
+  }
   return out;
 }
 
@@ -446,8 +445,8 @@ double held_out(const DropSimulator& drops, const CalibrationOptions& options) {
     if (!s.usable) return std::numeric_limits<double>::quiet_NaN();
     LeastSquaresProblem one = alone.problem({s.globals.data(), s.globals.data() + s.globals.size()}, noise, kWhole);
     double cost = identify::cost_at(one, {}, s.globals);
-    if (!layout.own.empty())
-      cost = identify::solve(one, {.globals = identify::LeastSquaresOptions::Globals::kHeld}).cost;
+    one.hold_globals();
+    if (!layout.own.empty()) cost = identify::solve(one, {}).cost;
     of_drop.push_back(std::sqrt(cost / double(one.blocks[0].size)));
   }
   return median(of_drop);

@@ -35,7 +35,8 @@ struct RobotTrial {
 };
 std::vector<const landing::DropLog*> logs_of(const std::vector<RobotTrial>& trials);
 /// phi_JOINT, dphi_JOINT and torque_JOINT of every joint, torque of driven ones alone; of a free base x_LINK, y_LINK,
-/// theta_LINK and dtheta_LINK of the first link; then acc, ax, ay, and f_CONTACT_x, f_CONTACT_y of every contact.
+/// theta_LINK and dtheta_LINK of the first link; then acc, ax, ay, sf_along, sf_across, and f_CONTACT_x, f_CONTACT_y of
+/// every contact.
 std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
 /// Where those of a joint begin among them, of the first link (behind the last joint), and acc.
 constexpr std::size_t joint_channel(std::size_t joint) { return landing::kSensed * joint; }
