@@ -11,14 +11,6 @@
 
 namespace ukemi::landing {
 
-namespace {
-
-bool alone(const Robot& robot) {
-  return std::count_if(robot.joints.begin(), robot.joints.end(), [](auto& j) { return j.driven(); }) == 1;
-}
-
-}  // namespace
-
 BodyMotion read_body_motion(const std::string& path, const Robot& robot) {
   BodyMotion out(robot.joints.size());
   const auto for_driven = [&](auto&& f) {
@@ -27,14 +19,14 @@ BodyMotion read_body_motion(const std::string& path, const Robot& robot) {
   };
   if (std::filesystem::path(path).extension() == ".csv") {
     const std::vector<std::string> header = csv_header(path);
-    const bool plain = alone(robot) && std::find(header.begin(), header.end(), "phi_ref") != header.end();
+    const bool plain = only_driven(robot) && std::find(header.begin(), header.end(), "phi_ref") != header.end();
     for_driven([&](const std::string& joint, Motion& m) { m = read_motion_csv(path, plain ? "" : joint); });
     return out;
   }
   TomlFile file(path);
   TomlSection motions = file.require("motion");
   auto moves = file.optional("reposition");
-  if (alone(robot) && motions.has("duration")) {
+  if (only_driven(robot) && motions.has("duration")) {
     for_driven([&](const std::string&, Motion& m) { m = read_motion(motions, moves); });
   } else {
     for_driven([&](const std::string& joint, Motion& m) {
@@ -101,7 +93,7 @@ std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double
   std::vector<JointRows> joints;
   for (std::size_t i = 0; i < motion.size(); ++i)
     if (robot.joints[i].driven())
-      joints.push_back({alone(robot) ? "" : "_" + robot.joints[i].name, motion[i], started_at(motion[i], start)});
+      joints.push_back({only_driven(robot) ? "" : "_" + robot.joints[i].name, motion[i], started_at(motion[i], start)});
   const std::vector<double> times = row_times(joints, start, rate);
   const bool air = !times.empty() && times.front() < 0;
   std::vector<std::string> names = {"t"};

@@ -59,12 +59,15 @@ std::optional<std::array<double, 2>> rising_angles(TomlSection& s) {
   return phi;
 }
 
-/// f(table, index) for each joint of Robot::joints that has a table in `s`; it must be driven.
+/// f(table, index) for each joint of Robot::joints that has a table in `s`; it must be driven. The only driven joint
+/// may do without a table of its own: `s` is then its table.
 template <class F>
 void for_driven(TomlSection& s, const Robot& robot, F&& f) {
+  const std::optional<std::size_t> only = only_driven(robot);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
     auto section = s.optional_section(joint.name);
+    if (!section && only == i) section = s;
     if (!section) continue;
     if (!joint.driven())
       s.fail(joint.name, std::string("the joint is ") + name(joint.kind) + ": a joint that is driven is needed");
@@ -268,9 +271,19 @@ void validate(const Robot& robot, const BodyMotion& motion) {
     if (robot.joints[i].driven()) validate(motion[i]);
 }
 
-bool has_links(const std::string& path) {
+std::optional<std::size_t> only_driven(const Robot& robot) {
+  std::optional<std::size_t> out;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].driven()) {
+      if (out) return std::nullopt;
+      out = i;
+    }
+  return out;
+}
+
+bool is_of_links(const std::string& path) {
   TomlFile file(path);
-  if (file.optional_text("robot")) return true;
+  if (file.optional_text("robot") || !file.sections("load").empty()) return true;
   auto robot = file.optional("robot");
   return robot && robot->has("link");
 }

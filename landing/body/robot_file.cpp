@@ -14,6 +14,7 @@
 #include "common/sea.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/places.hpp"
+#include "landing/model/scene_file.hpp"
 
 namespace ukemi::landing {
 
@@ -114,6 +115,25 @@ struct LinkReader {
     joints.push_back(s);
   }
 };
+
+/// The paper's robot in the short form: what its links, joint and contacts are called, and where they stand.
+void read_short_form(TomlSection& s, const ContactLaw& floor, LinkReader& links) {
+  const TwoLinkTable table = read_two_link(s);
+  const double l = table.robot.link_length;
+  Robot& out = links.out;
+  out.gravity = table.robot.gravity;
+  const auto link = [&](const char* name, int parent, Place at, std::size_t i) {
+    return Link{name, parent, at, table.robot.mass[i], table.robot.inertia_com[i], {l / 2, 0}};
+  };
+  out.links = {link("thigh", -1, {}, 0), link("shank", 0, {l, 0}, 1)};
+  const std::array<ContactPoint, kPoints> points = {
+      {{"hip", 0, {0, 0}, floor, {}}, {"knee", 0, {l, 0}, floor, {}}, {"foot", 1, {l, 0}, floor, {}}}};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (table.contacts[i]) out.contacts.push_back(points[i]);
+  Joint knee;
+  knee.name = "knee", knee.child = 1;
+  out.joints = {knee}, links.joints = {s};
+}
 
 void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& floor, Robot& out) {
   std::vector<TomlSection> sections = robot.sections("contact");
@@ -323,11 +343,15 @@ void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
                        BodyScene& out) {
   Robot& robot = out.robot;
   TomlSection s = file.require("robot");
-  robot.gravity = s.number("gravity", Range::non_negative());
-  read_base(s, robot);
   LinkReader links{robot, s.sections("link")};
-  links.read(s);
-  read_contacts(s, links.placed, floor, robot);
+  if (links.sections.empty() && s.has("link_length")) {
+    read_short_form(s, floor, links);
+  } else {
+    robot.gravity = s.number("gravity", Range::non_negative());
+    read_base(s, robot);
+    links.read(s);
+    read_contacts(s, links.placed, floor, robot);
+  }
   robot.peak = robot.links[0].com;
   if (auto peak = s.optional_section("peak"))
     robot.peak_link = index_in(*peak, "link", links.placed), robot.peak = place_in(*peak, "at");

@@ -28,8 +28,6 @@ std::array<double, 2> rising(const TomlSection& section, const std::string& key,
 /// [motion], [release], [joint], [uncertainty], [verdict], [scatter] and [detection]: what this scene has besides the
 /// paper's.
 void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
-  if (const auto loads = file.sections("load"); !loads.empty())
-    throw InputError(loads[0].where(), "[[load]] is of robots of links: a robot with [[robot.link]] is needed");
   if (auto motion = file.optional("motion")) scene.freedom = read_freedom(*motion);
   if (auto joint = file.optional("joint"))
     if (const auto stops = joint->optional_angle_pair("phi")) scene.joint = rising(*joint, "phi_deg", *stops);
@@ -74,6 +72,25 @@ std::optional<ReleaseFault> release_fault(const Scene& scene) {
   return std::nullopt;
 }
 
+TwoLinkTable read_two_link(TomlSection& robot) {
+  TwoLinkTable out;
+  out.robot.link_length = robot.number("link_length", Range::link_length());
+  const auto mass = robot.numbers("mass", 2, Range::positive());
+  const auto inertia = robot.numbers("inertia_com", 2, Range::positive());
+  out.robot.mass = {mass[0], mass[1]};
+  out.robot.inertia_com = {inertia[0], inertia[1]};
+  out.robot.gravity = robot.number("gravity", Range::non_negative());
+  if (const auto points = robot.optional_texts("contacts")) {
+    const std::vector<std::string> known(kPointNames.begin(), kPointNames.end());
+    for (const std::string& p : *points) {
+      const auto it = std::find(known.begin(), known.end(), p);
+      if (it == known.end()) robot.fail("contacts", one_of(p, known));
+      out.contacts[std::size_t(it - known.begin())] = true;
+    }
+  }
+  return out;
+}
+
 Scene read_scene(const std::string& path) {
   TomlFile file(path);
   Scene scene;
@@ -88,20 +105,8 @@ Scene read_scene(const std::string& path) {
   if (file.optional_text("robot")) throw InputError(Location{path}, std::string("robot: ") + kLinks);
   TomlSection robot = file.require("robot");
   if (robot.has("link")) robot.fail("link", kLinks);
-  scene.robot.link_length = robot.number("link_length", Range::link_length());
-  const auto mass = robot.numbers("mass", 2, Range::positive());
-  const auto inertia = robot.numbers("inertia_com", 2, Range::positive());
-  scene.robot.mass = {mass[0], mass[1]};
-  scene.robot.inertia_com = {inertia[0], inertia[1]};
-  scene.robot.gravity = robot.number("gravity", Range::non_negative());
-  if (const auto points = robot.optional_texts("contacts")) {
-    const std::vector<std::string> known(kPointNames.begin(), kPointNames.end());
-    for (const std::string& p : *points) {
-      const auto it = std::find(known.begin(), known.end(), p);
-      if (it == known.end()) robot.fail("contacts", one_of(p, known));
-      scene.contacts[std::size_t(it - known.begin())] = true;
-    }
-  }
+  const TwoLinkTable links = read_two_link(robot);
+  scene.robot = links.robot, scene.contacts = links.contacts;
 
   if (auto floor = file.optional("floor")) {
     scene.floor = Floor<double>{floor->number("stiffness", Range::positive()),

@@ -1,10 +1,12 @@
 // Tables of scenes and motions, as their files and those of robots of links hold them.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
 #include "common/toml.hpp"
+#include "landing/model/constants.hpp"
 #include "landing/model/files.hpp"
 
 namespace ukemi::landing {
@@ -19,6 +21,13 @@ struct ReleaseFault {
 };
 /// A release outside of the joint's stops, or a move that would begin after the first touchdown; else nothing.
 std::optional<ReleaseFault> release_fault(const Scene& scene);
+
+/// [robot] in the short form: the paper's two links, and which points may touch.
+struct TwoLinkTable {
+  TwoLink<double> robot;
+  std::array<bool, kPoints> contacts{};
+};
+TwoLinkTable read_two_link(TomlSection& robot);
 
 /// A motion from its tables, of which the second may be absent.
 Motion read_motion(TomlSection& motion, std::optional<TomlSection> reposition);

@@ -119,7 +119,7 @@ Subject body_subject(const AtlasArguments& a, Run& run) {
 
 Subject subject_of(const AtlasArguments& a, Run& run) {
   if (a.scene.empty()) throw InputError(kNeeded);
-  return is_body(a.scene) ? body_subject(a, run) : two_link_of(a, run);
+  return is_of_links(a.scene) ? body_subject(a, run) : two_link_of(a, run);
 }
 
 /// What the options say; an axis that the base has not stands where the scene does.
@@ -220,7 +220,7 @@ Subject subject_beside(const std::string& folder, const AtlasHeader& header, Run
   files.scene = in(folder, "scene.toml");
   run.input(files.scene);
   Subject out;
-  if (is_body(files.scene)) {
+  if (is_of_links(files.scene)) {
     out = subject_of(files, run);
   } else {
     files.actuators = {in(folder, "actuator.toml")};

@@ -69,7 +69,7 @@ int ask_two_link(const Asked& a, Run& run) {
 int ask_atlas(const std::string& folder, Goal goal, const std::function<Drop(const Drop& own)>& drop, Run& run) {
   const Asked asked{in(folder, "atlas.bin"), in(folder, "scene.toml"), in(folder, "actuator.toml"), goal, drop};
   run.input(asked.atlas);
-  return is_body(asked.scene) ? ask_body(asked, run) : ask_two_link(asked, run);
+  return is_of_links(asked.scene) ? ask_body(asked, run) : ask_two_link(asked, run);
 }
 
 }  // namespace ukemi::tools

@@ -110,13 +110,21 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
 
 namespace {
 
-/// --release-from, instead of what the scene's [release] says.
-void apply(const std::optional<double>& from, std::optional<BodyRelease>& release) {
-  if (!from) return;
-  if (!release) throw InputError("--release-from: the scene has no [release] with a table for each driven joint");
-  if (!(*from >= 0 && std::isfinite(*from)))
-    throw InputError(fmt::format("--release-from: {}: at least 0 s is needed", *from));
-  release->from = *from;
+/// --release-phi, -rate and -from, instead of what the scene's [release] says; of several driven joints -from alone.
+void apply_release(const FreedomArguments& a, BodyScene& scene) {
+  const std::optional<std::size_t> only = only_driven(scene.robot);
+  if (!only && (a.release_phi || a.release_rate))
+    throw InputError("--release-phi, --release-rate: of several driven joints the scene's [release.JOINT] says it");
+  if (!only && a.from && !scene.release)
+    throw InputError("--release-from: the scene has no [release] with a table for each driven joint");
+  std::optional<Release> was;
+  if (scene.release) was = {only ? scene.release->joints[*only].phi : 0, 0, scene.release->from};
+  if (was && only) was->rate = scene.release->joints[*only].rate;
+  const std::optional<Release> is = release_of(a, was);
+  if (!is) return;
+  if (!scene.release) scene.release = BodyRelease{.joints = std::vector<BodyRelease::Joint>(scene.robot.joints.size())};
+  scene.release->from = is->from;
+  if (only) scene.release->joints[*only] = {is->phi, is->rate};
 }
 /// The limits of --respect-ratings; warns of drives without ratings.
 void keep_ratings(BodyScene& scene, Run& run) {
@@ -127,9 +135,7 @@ void keep_ratings(BodyScene& scene, Run& run) {
 }  // namespace
 
 void apply_freedom(const FreedomArguments& a, BodyScene& scene) {
-  if (a.release_phi || a.release_rate)
-    throw InputError("--release-phi, --release-rate: of a robot of links the scene's [release.JOINT] says it");
-  apply(a, scene.freedom), apply(a.from, scene.release);
+  apply(a, scene.freedom), apply_release(a, scene);
 }
 
 std::optional<Scatter> scatter_of(const ScatterArguments& a) {
@@ -196,8 +202,6 @@ int run_robot(const RobotArguments& a, const CommonOptions& common) {
   if (!a.normal.empty() || !a.contacts.empty() || !a.locked.empty() || a.base || a.pin_height)
     throw InputError("--normal, --contacts, --lock, --base, --pin-height: of URDF and MJCF alone; " +
                      ukemi::quoted(a.file) + " has its own");
-  if (!has_links(a.file))
-    throw InputError(Location{a.file}, "[robot] has no links: [[robot.link]], or robot = \"FILE\", is needed");
   const BodyScene scene = read_robot(a.file, drives_of(a.actuators));
   note_files(scene, a.file, run);
   return report_robot(scene, {}, run);
@@ -210,8 +214,6 @@ std::string only_actuator(const std::vector<std::string>& given, const std::stri
   if (given.size() > 1) throw InputError(option + ": the paper's robot has one joint: one file is needed");
   return given[0];
 }
-
-bool is_body(const std::string& scene) { return has_links(scene); }
 
 int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   Run run(kSimulateOutputs, common);

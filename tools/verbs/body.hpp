@@ -69,8 +69,6 @@ struct TradeArguments {
 };
 /// Their --samples, checked.
 long samples_of(const RiskArguments& arguments);
-/// Whether a scene's robot is in the long form; the file is an input of the run.
-bool is_body(const std::string& scene);
 int simulate_body(const SimulateArguments& arguments, const CommonOptions& common);
 int risk_body(const RiskArguments& arguments, const CommonOptions& common);
 int optimize_body(const OptimizeArguments& arguments, const CommonOptions& common);

@@ -152,7 +152,7 @@ std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const 
 }
 
 int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
-  if (is_body(a.scene)) return calibrate_body(a, common);
+  if (is_of_links(a.scene)) return calibrate_body(a, common);
   Run run(kCalibrateOutputs, common);
   const std::string file = only_actuator(a.actuators);
   if (a.law) throw InputError("--law: the paper's robot has one: a robot of links is needed");

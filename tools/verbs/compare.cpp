@@ -12,7 +12,7 @@
 namespace ukemi::tools {
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
-  if (!a.scene.empty() && is_body(a.scene)) return compare_body(a, common);
+  if (!a.scene.empty() && landing::is_of_links(a.scene)) return compare_body(a, common);
   const OfSets<std::string> files = {only_actuator(a.nominal, "--nominal"),
                                      only_actuator(a.identified, "--identified")};
   Run run(kCompareOutputs, common);

@@ -42,16 +42,12 @@ void apply(const FreedomArguments& a, Freedom& freedom) {
   }
 }
 
-namespace {
-
-/// Replaces the scene's keys by the arguments.
-void apply(const FreedomArguments& a, Scene& scene) {
-  apply(a, scene.freedom);
-  if (!a.release_phi && !a.release_rate && !a.from) return;
-  if (!a.release_phi && !scene.release)
+std::optional<Release> release_of(const FreedomArguments& a, const std::optional<Release>& scene) {
+  if (!a.release_phi && !a.release_rate && !a.from) return scene;
+  if (!a.release_phi && !scene)
     throw InputError(fmt::format("{}: --release-phi is needed with it: the joint's angle at release",
                                  a.from ? "--release-from" : "--release-rate"));
-  Release r = scene.release.value_or(Release{});
+  Release r = scene.value_or(Release{});
   const auto finite = [](const char* option, double x) {
     if (!std::isfinite(x)) throw InputError(fmt::format("{}: {}: a finite number is needed", option, x));
     return x;
@@ -67,12 +63,8 @@ void apply(const FreedomArguments& a, Scene& scene) {
       throw InputError(fmt::format("--release-from: {}: at least 0 s is needed", *a.from));
     r.from = *a.from;
   }
-  scene.release = r;
-  if (const auto wrong = release_fault(scene))
-    throw InputError((wrong->key == "from" ? "--release-from: " : "--release-phi: ") + wrong->message);
+  return r;
 }
-
-}  // namespace
 
 Scene scene_of(const std::string& path, Run& run) {
   Scene scene = read_scene(path);
@@ -83,7 +75,11 @@ Scene scene_of(const std::string& path, Run& run) {
 
 Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run) {
   Scene scene = scene_of(path, run);
-  apply(arguments, scene);
+  apply(arguments, scene.freedom);
+  const bool changed = arguments.release_phi || arguments.release_rate || arguments.from;
+  scene.release = release_of(arguments, scene.release);
+  if (const auto wrong = changed ? release_fault(scene) : std::nullopt)
+    throw InputError((wrong->key == "from" ? "--release-from: " : "--release-phi: ") + wrong->message);
   return scene;
 }
 

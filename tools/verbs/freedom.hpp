@@ -22,6 +22,9 @@ void add_objective(CLI::App& verb, landing::Goal& goal);
 void add_freedom(CLI::App& verb, FreedomArguments& arguments);
 /// What they say of bumps and gains, instead of what a scene says. Throws InputError.
 void apply(const FreedomArguments& arguments, landing::Freedom& freedom);
+/// The release of a scene of one driven joint as they change it. Throws InputError.
+std::optional<landing::Release> release_of(const FreedomArguments& arguments,
+                                           const std::optional<landing::Release>& scene);
 /// The scene of a file, an input of the run, with a warning of what its calibration did not trust. Throws InputError.
 landing::Scene scene_of(const std::string& path, Run& run);
 /// The scene, with the arguments instead of its own keys. Throws InputError.

@@ -29,7 +29,7 @@ Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
 }
 
 int run_map(const MapArguments& a, const CommonOptions& common) {
-  if (is_body(a.scene)) return map_body(a, common);
+  if (is_of_links(a.scene)) return map_body(a, common);
   if (!a.vary.empty())
     throw InputError("--vary: the variables of a robot of links are named so; of the paper's robot --grid is needed");
   const std::string file = only_actuator(a.actuators);

@@ -79,7 +79,7 @@ double writing_time(double deadline) {
 }
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
-  if (is_body(a.scene)) return optimize_body(a, common);
+  if (is_of_links(a.scene)) return optimize_body(a, common);
   if (a.share) throw InputError("--share: of robots of links; of the paper's robot --penalty says what a drop counts");
   if (!a.logs.files.empty()) throw InputError("--log: of robots of links: the paper's robot has no log's commands");
   const std::string file = only_actuator(a.actuators);

@@ -46,7 +46,7 @@ int ratings_of_links(const RatingsArguments& a, const CommonOptions& common) {
 }
 
 int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
-  if (is_body(a.scene)) return ratings_of_links(a, common);
+  if (is_of_links(a.scene)) return ratings_of_links(a, common);
   Run run(kRatingsOutputs, common);
   const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = landing_actuator_of(only_actuator(a.actuators), run);

@@ -43,7 +43,7 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
 }
 
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
-  if (is_body(a.scene)) return risk_body(a, common);
+  if (is_of_links(a.scene)) return risk_body(a, common);
   Run run(kRiskOutputs, common);
   const Scene scene = scene_of(a.scene, run);
   const Actuator actuator = rated_actuator_of(only_actuator(a.actuators), run);

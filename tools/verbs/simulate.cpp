@@ -37,7 +37,7 @@ ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuato
 }
 
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
-  if (is_body(a.scene)) return simulate_body(a, common);
+  if (is_of_links(a.scene)) return simulate_body(a, common);
   const std::string file = only_actuator(a.actuators);
   Run run(kSimulateOutputs, common);
   Scene scene = scene_of(a.scene, run);

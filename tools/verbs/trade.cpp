@@ -112,10 +112,6 @@ std::vector<TradePoint> merged(const std::vector<std::string>& folders, const st
 
 int run_trade(const TradeArguments& a, const CommonOptions& common) {
   Run run(kTradeOutputs, common);
-  if (!is_body(a.plan.scene))
-    throw InputError(
-        Location{a.plan.scene},
-        "trade: a robot of links is needed, [[robot.link]]; the paper's stands in datasets/robots/paper.toml");
   if (a.vary.empty() == a.pareto.empty()) throw InputError("trade: --vary or --pareto is needed, and not both");
   if (!a.merge.empty() && !a.shard.empty()) throw InputError("--merge: --shard has no say: the parts say it");
   const BodyScene scene = scene_to_plan(a.plan, run);

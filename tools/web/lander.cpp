@@ -106,7 +106,7 @@ class BodyLander : public Lander {
 }  // namespace
 
 std::unique_ptr<Lander> read_lander(const std::string& scene, const std::string& actuator) {
-  if (has_links(scene)) {
+  if (is_of_links(scene)) {
     std::vector<GivenDrive> drives;
     if (!actuator.empty()) drives.push_back({"", actuator, "the actuator"});
     return std::make_unique<BodyLander>(read_body_scene(scene, drives));

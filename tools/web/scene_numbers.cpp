@@ -95,7 +95,7 @@ std::string with_numbers(const std::string& scene, const std::map<std::string, d
 
 std::string whole_scene(const std::string& scene) {
   const std::string own = read_text_file(scene);
-  if (!landing::has_links(scene)) return own;
+  if (!landing::is_of_links(scene)) return own;
   const std::filesystem::path folder = std::filesystem::path(scene).parent_path();
   try {
     TomlEdit edit(scene);
