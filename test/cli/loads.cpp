@@ -51,9 +51,52 @@ TEST_CASE("a load that cannot be is refused where it stands") {
       kLeaveOut);
   check_refused(f, Arguments{"optimize", "scene.toml", "--share", "0.9"} + kOut, {"--share", "--robust is needed"});
   check_refused(f, Arguments{"optimize", "scene.toml", "--robust", "mean", "--share", "2"} + kOut, {"--share: 2"});
-  f.write("paper.toml", read(kPaper) + "\n" + kKnee);
-  check_refused(f, Arguments{"simulate", "paper.toml", "--actuator", kTable2} + kOut,
-                {"paper.toml:", "[[load]] is of robots of links"});
+}
+
+TEST_CASE("loads of the paper's robot in the short form: its links, joint and contacts have their names") {
+  const Folder f;
+  const std::string thigh = "[[load]]\nname = \"thigh\"\nkind = \"acceleration\"\nlink = \"thigh\"\nrating = 1\n",
+                    tables = "\n[release]\nphi_deg = -45\nfrom = 0.1\n\n[joint]\nphi_deg = [-100, 10]\n\n";
+  f.write("plain.toml", read(kPaper) + tables), f.write("paper.toml", read(kPaper) + tables + thigh);
+  f.write("parts.toml", read(kPaper) + "\n" + replaced(thigh, "rating = 1", "rating = 60") + kKnee + kFoot);
+  const auto simulated = [&](const std::string& scene, const Arguments& more = {}) {
+    done(f, Arguments{"simulate", scene, "--actuator", kTable2, "--no-report", "-o", "out"} + more);
+    return summary(f);
+  };
+  SECTION("one acceleration, rated 1, is the peak of Eq. 6") {
+    const Json with = simulated("paper.toml"), without = simulated("plain.toml", {"--hold", "-45"});
+    CHECK(with["loads"][0]["value"] == with["peak_acceleration"]);
+    CHECK(with["peak_acceleration"].get<double>() == Approx(without["peak_acceleration"].get<double>()).epsilon(1e-7));
+    CHECK(with["peak_time"].get<double>() == Approx(without["peak_time"].get<double>()).epsilon(1e-7));
+  }
+  SECTION("every load and every goal") {
+    CHECK(simulated("parts.toml", {"--hold", "-45"})["loads"].size() == 3);
+    for (const Arguments& goal : std::vector<Arguments>{{"--evaluations", "150"},
+                                                        {"--objective", "tolerant", "--evaluations", "100"},
+                                                        {"--robust", "mean", "--samples", "16", "--evaluations", "600"},
+                                                        {"--deadline", "0.2", "--bumps", "2"},
+                                                        {"--release-phi", "-45", "--release-from", "0.1"}}) {
+      done(f, Arguments{"optimize", "parts.toml", "--actuator", kTable2, "--no-report", "--evaluations", "200", "-o",
+                        "out"} +
+                  goal);
+      const Json s = summary(f);
+      CAPTURE(goal, s.dump());
+      CHECK(s["loads"].size() == 3);
+    }
+    CHECK_THAT(read(f.at("out/motion.toml")), Contains("[reposition.knee]\nphi_deg = -45"));
+  }
+  SECTION("trade and robot take it without loads too") {
+    done(f, {"trade", kPaper, "--actuator", kTable2, "--vary", "drive.knee.k_sea=50:200:2", "--evaluations", "60",
+             "--no-report", "-o", "out"});
+    CHECK(summary(f)["points"].size() == 2);
+    CHECK_THAT(done(f, {"robot", kPaper, "--actuator", kTable2, "-o", "out"}).out, Contains("shank") && Contains("foot"));
+  }
+  SECTION("what it does not know") {
+    f.write("bad.toml", read(kPaper) + "\n" + replaced(kKnee, "\"knee\"\nkind", "\"hip\"\nkind") +
+                            replaced(kFoot, "contact = \"foot\"", "contact = \"toe\""));
+    check_refused(f, Arguments{"simulate", "bad.toml", "--actuator", kTable2} + kOut, {"bad.toml:", "toe", "foot"});
+    check_refused(f, Arguments{"simulate", "parts.toml"} + kOut, {"[drive.knee]", "--actuator knee=FILE"});
+  }
 }
 
 TEST_CASE("simulate tells every load, its time and which binds, and nothing without [[load]] is told") {
