@@ -71,14 +71,13 @@ TEST_CASE("loads of the paper's robot in the short form: its links, joint and co
   }
   SECTION("every load and every goal") {
     CHECK(simulated("parts.toml", {"--hold", "-45"})["loads"].size() == 3);
-    for (const Arguments& goal : std::vector<Arguments>{{"--evaluations", "150"},
-                                                        {"--objective", "tolerant", "--evaluations", "100"},
-                                                        {"--robust", "mean", "--samples", "16", "--evaluations", "600"},
-                                                        {"--deadline", "0.2", "--bumps", "2"},
-                                                        {"--release-phi", "-45", "--release-from", "0.1"}}) {
-      done(f, Arguments{"optimize", "parts.toml", "--actuator", kTable2, "--no-report", "--evaluations", "200", "-o",
-                        "out"} +
-                  goal);
+    for (const Arguments& goal :
+         std::vector<Arguments>{{"--evaluations", "150"},
+                                {"--objective", "tolerant", "--evaluations", "100"},
+                                {"--robust", "mean", "--samples", "16", "--evaluations", "600"},
+                                {"--deadline", "0.2", "--bumps", "2"},
+                                {"--evaluations", "200", "--release-phi", "-45", "--release-from", "0.1"}}) {
+      done(f, Arguments{"optimize", "parts.toml", "--actuator", kTable2, "--no-report", "-o", "out"} + goal);
       const Json s = summary(f);
       CAPTURE(goal, s.dump());
       CHECK(s["loads"].size() == 3);
@@ -89,7 +88,8 @@ TEST_CASE("loads of the paper's robot in the short form: its links, joint and co
     done(f, {"trade", kPaper, "--actuator", kTable2, "--vary", "drive.knee.k_sea=50:200:2", "--evaluations", "60",
              "--no-report", "-o", "out"});
     CHECK(summary(f)["points"].size() == 2);
-    CHECK_THAT(done(f, {"robot", kPaper, "--actuator", kTable2, "-o", "out"}).out, Contains("shank") && Contains("foot"));
+    CHECK_THAT(done(f, {"robot", kPaper, "--actuator", kTable2, "-o", "out"}).out,
+               Contains("shank") && Contains("foot"));
   }
   SECTION("what it does not know") {
     f.write("bad.toml", read(kPaper) + "\n" + replaced(kKnee, "\"knee\"\nkind", "\"hip\"\nkind") +

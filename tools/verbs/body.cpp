@@ -134,9 +134,7 @@ void keep_ratings(BodyScene& scene, Run& run) {
 
 }  // namespace
 
-void apply_freedom(const FreedomArguments& a, BodyScene& scene) {
-  apply(a, scene.freedom), apply_release(a, scene);
-}
+void apply_freedom(const FreedomArguments& a, BodyScene& scene) { apply(a, scene.freedom), apply_release(a, scene); }
 
 std::optional<Scatter> scatter_of(const ScatterArguments& a) {
   return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
