@@ -16,7 +16,9 @@ namespace ukemi::landing {
 double cut_normal(double u) {
   constexpr double kCut = 3;
   static const double tail = 0.5 * std::erfc(kCut / std::numbers::sqrt2);
-  return std::numbers::sqrt2 * boost::math::erf_inv(2 * (tail + u * (1 - 2 * tail)) - 1);
+  using namespace boost::math::policies;
+  constexpr policy<promote_double<false>> kDouble;  // long double stops a start under valgrind
+  return std::numbers::sqrt2 * boost::math::erf_inv(2 * (tail + u * (1 - 2 * tail)) - 1, kDouble);
 }
 
 namespace {
