@@ -6,6 +6,7 @@
 
 #include "common/csv.hpp"
 #include "landing/body/body_scene.hpp"
+#include "landing/body/places.hpp"
 #include "landing/model/motion_csv.hpp"
 #include "landing/model/scene_file.hpp"
 

@@ -91,8 +91,6 @@ struct BodyScene {
 /// nothing, whatever stands there.
 using BodyMotion = std::vector<Motion>;
 
-/// The joint of Robot::joints that alone is driven; absent: none is, or several are.
-std::optional<std::size_t> only_driven(const Robot& robot);
 /// Every driven joint held where it is released, without a release where JointSearch::held says.
 BodyMotion held_posture(const BodyScene& scene);
 /// Contacts that must never touch, by their names, in place of those of the scene; none given: nothing changes. Throws
@@ -111,13 +109,9 @@ struct GivenDrive {
   std::string option = "--actuator";  ///< that gave it, for messages
 };
 
-/// Whether a file asks for a robot of links: [[robot.link]], robot = "FILE", or loads, of which the paper's two links
-/// know none.
-bool is_of_links(const std::string& path);
 /// Reads scene.toml, the robot here or in the file that robot = "FILE" names, relative to this one:
-/// tools/docs/files.md. In the short form it has the links thigh and shank, the joint knee, and the contacts of its
-/// list. Its drives are those behind [command], see CommandPath. Throws InputError with
-/// file:line:column. Tests: test/legs.
+/// tools/docs/files.md. The paper's short form has links thigh and shank, joint knee. Its drives are those behind
+/// [command], see CommandPath. Throws InputError with file:line:column. Tests: test/legs.
 BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives = {});
 /// The same, dropped from another height [m]; the file may be a robot alone. Without [floor] each contact's own law
 /// holds.

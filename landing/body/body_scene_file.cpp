@@ -11,6 +11,7 @@
 #include "landing/body/command_path.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/load.hpp"
+#include "landing/body/places.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/model/scene_file.hpp"
@@ -269,16 +270,6 @@ void validate(const Robot& robot, const BodyMotion& motion) {
         fmt::format("motion: {}: one for each of {} joints is needed", motion.size(), robot.joints.size()));
   for (std::size_t i = 0; i < motion.size(); ++i)
     if (robot.joints[i].driven()) validate(motion[i]);
-}
-
-std::optional<std::size_t> only_driven(const Robot& robot) {
-  std::optional<std::size_t> out;
-  for (std::size_t i = 0; i < robot.joints.size(); ++i)
-    if (robot.joints[i].driven()) {
-      if (out) return std::nullopt;
-      out = i;
-    }
-  return out;
 }
 
 bool is_of_links(const std::string& path) {

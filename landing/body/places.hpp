@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ void for_each_end(const Robot& robot, F&& f) {
     for (const int end : {0, 1})
       if (std::isfinite(s.ends[std::size_t(end)])) f(s, end);
 }
+/// The joint of Robot::joints that alone is driven; absent: none is, or several are.
+std::optional<std::size_t> only_driven(const Robot& robot);
 /// Contacts and ends of stops: at most kMostContacts.
 int pushing_points(const Robot& robot);
 /// The places of a link that are not its centre of mass: its origin, its children's joints, its contacts, the peak's

@@ -69,6 +69,16 @@ std::string stop_name(const Robot& robot, const Stop& stop) {
   return stop.joint < 0 ? "rail" : robot.joints.at(std::size_t(stop.joint)).name;
 }
 
+std::optional<std::size_t> only_driven(const Robot& robot) {
+  std::optional<std::size_t> out;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].driven()) {
+      if (out) return std::nullopt;
+      out = i;
+    }
+  return out;
+}
+
 int pushing_points(const Robot& robot) {
   int out = int(robot.contacts.size());
   for_each_end(robot, [&](auto&, int) { ++out; });

@@ -7,6 +7,10 @@
 
 namespace ukemi::landing {
 
+/// Whether a file asks for a robot of links: [[robot.link]], robot = "FILE", or loads, of which the paper's two links
+/// know none.
+bool is_of_links(const std::string& path);
+
 /// Constants of the floor's law, the same keys in [floor] and in a contact; `floor` holds what stands where a contact
 /// omits one, absent for [floor] itself.
 ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor);

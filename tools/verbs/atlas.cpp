@@ -12,6 +12,7 @@
 #include "landing/atlas/atlas_file.hpp"
 #include "landing/atlas/body_atlas.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"

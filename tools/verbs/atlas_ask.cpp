@@ -4,6 +4,7 @@
 #include "landing/atlas/atlas_file.hpp"
 #include "landing/atlas/atlas_reader.hpp"
 #include "landing/atlas/body_atlas_reader.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/report/atlas.hpp"
 #include "tools/report/body.hpp"

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stopwatch.hpp"
+#include "landing/body/places.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_risk.hpp"

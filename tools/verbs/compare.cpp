@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/verb.hpp"

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/judge/survey.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"

@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stopwatch.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/search/solvers.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"

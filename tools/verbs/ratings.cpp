@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/judge/speed.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"

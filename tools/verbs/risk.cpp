@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/judge/risk.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/model/scene_file.hpp"

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/judge/checked.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/model/scene_file.hpp"

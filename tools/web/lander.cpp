@@ -5,6 +5,7 @@
 #include "common/actuator.hpp"
 #include "common/error.hpp"
 #include "landing/body/body_scene.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/model/motion_space.hpp"
 #include "landing/model/scene_file.hpp"

@@ -11,6 +11,7 @@
 #include "common/toml.hpp"
 #include "common/toml_edit.hpp"
 #include "landing/body/body_scene.hpp"
+#include "landing/body/robot_file.hpp"
 
 namespace ukemi::tools {
 
