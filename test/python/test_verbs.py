@@ -2,6 +2,7 @@
 import html.parser
 import math
 import pathlib
+import pickle
 import re
 import subprocess
 
@@ -251,6 +252,16 @@ def test_driven_robots(driven, hopper, tmp_path):
             ukemi.identify_robot(robot, trials, **wrong)
     with pytest.raises(IndexError):
         found.outputs(1)
+    rows = ["t,torque_ff_servo,phi_servo"] + [f"{0.01 * k},{0.2 * math.sin(k / 7)},0" for k in range(100)]
+    (tmp_path / "swing.csv").write_text("\n".join(rows) + "\n")
+    (tmp_path / "still.csv").write_text("\n".join(["t,phi_ref_servo"] + [f"{0.01 * k},0" for k in range(100)]) + "\n")
+    commands = [ukemi.read_robot_trials(tmp_path / f, robot, commands=True)[0] for f in ("still.csv", "swing.csv")]
+    next_ = ukemi.design_robot(robot, commands, ["drive.servo.i_motor"], noise={"phi": 1e-3}, count=1)
+    assert [c.rank for c in next_.candidates] == [0, 1] and next_.criterion == "worst"
+    assert next_.after["drive.servo.i_motor"] < next_.before["drive.servo.i_motor"] == math.inf
+    assert next_ == pickle.loads(pickle.dumps(next_)) and next_.value == next_.candidates[1].together
+    with pytest.raises(ukemi.InputError, match="--noise"):
+        ukemi.design_robot(robot, commands, ["drive.servo.i_motor"])
     for pieces in ("often", -1.0, [2.0, 1.0], "auto"):
         with pytest.raises(ukemi.InputError):
             ukemi.read_robot_trials(trials[0].name, robot, pieces=pieces)

@@ -1,5 +1,8 @@
 #include "tools/program/command.hpp"
 
+#include <algorithm>
+
+#include "common/error.hpp"
 #include "common/toml.hpp"
 
 namespace ukemi::tools {
@@ -27,6 +30,22 @@ void add_common(CLI::App& verb, CommonOptions& o) {
           },
           "svg,pdf,png: every figure of the report as a file of its own")
       ->type_name("LIST");
+}
+
+void note_given(CLI::App& verb, std::shared_ptr<std::vector<std::string>> given) {
+  std::vector<CLI::Option*> own = verb.get_options();
+  std::erase_if(own, [](auto* option) { return option->get_positional() || option->check_name("--help"); });
+  verb.parse_complete_callback([given, own] {
+    for (const CLI::Option* option : own)
+      if (option->count() > 0) given->push_back(option->get_name());
+  });
+}
+
+void only_known(const std::vector<std::string>& given, const std::vector<std::string>& known,
+                const std::string& beside) {
+  for (const std::string& option : given)
+    if (std::find(known.begin(), known.end(), option) == known.end())
+      throw InputError(option + ": it has no say with " + beside);
 }
 
 }  // namespace ukemi::tools

@@ -25,6 +25,12 @@ void add_choice(CLI::App& verb, const std::string& option, T& to,
       option, [=, &to](const std::string& text) { to = choice<T>(option, text, choices); }, help);
 }
 
+/// Into `given` the names of those of the verb's options so far that the command line has.
+void note_given(CLI::App& verb, std::shared_ptr<std::vector<std::string>> given);
+/// Throws InputError for one that is not among `known`: beside `beside` it has no say.
+void only_known(const std::vector<std::string>& given, const std::vector<std::string>& known,
+                const std::string& beside);
+
 /// The common options, the example at the end of the help, and what the verb does when it is chosen.
 template <class Arguments>
 void add_action(CLI::App& verb, const std::shared_ptr<Arguments>& arguments, const std::string& example, Action& chosen,

@@ -172,6 +172,7 @@ void bind_body(py::module_& m);          ///< robots of links: one landing
 void bind_body_plan(py::module_& m);     ///< their plans, their risk
 void bind_trade(py::module_& m);         ///< what their designs buy
 void bind_robot_trials(py::module_& m);  ///< robots of links that logs drive
+void bind_robot_design(py::module_& m);  ///< design_robot
 void bind_report(py::module_& m);        ///< write_report
 
 }  // namespace ukemi::python

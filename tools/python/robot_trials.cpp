@@ -25,8 +25,9 @@ struct RobotIdentified {
 
 /// None: whole logs; seconds; times; "auto".
 using Pieces = std::optional<std::variant<double, std::vector<double>, std::string>>;
-RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bool multi_turn) {
+RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bool multi_turn, bool commands) {
   RobotLogOptions out{.columns = columns, .pieces = 0, .times = {}};
+  if (commands) out.measured = RobotLogOptions::Measured::kNothing;
   if (multi_turn) out.angles = RobotLogOptions::Angles::kMultiTurn;
   if (!pieces) return out;
   if (const double* seconds = std::get_if<double>(&*pieces))
@@ -67,14 +68,15 @@ void bind_trials_of(py::module_& m) {
   bind_value(c);
   m.def(
       "read_robot_trials",
-      [](const Path& path, const DrivenRobot& robot, const std::string& columns, const Pieces& pieces,
-         bool multi_turn) {
-        return tools::read_robot_trials(path, robot.scene.robot, log_options(columns, pieces, multi_turn));
+      [](const Path& path, const DrivenRobot& robot, const std::string& columns, const Pieces& pieces, bool multi_turn,
+         bool commands) {
+        return tools::read_robot_trials(path, robot.scene.robot, log_options(columns, pieces, multi_turn, commands));
       },
       py::arg("path"), py::arg("robot"), py::arg("columns") = "", py::arg("pieces") = py::none(),
-      py::arg("multi_turn") = false,
+      py::arg("multi_turn") = false, py::arg("commands") = false,
       "Reads a log (CSV) as `ukemi identify --robot`. pieces: seconds, times of the log's clock [s], or \"auto\": "
-      "where a robot on a rail pushes off; None: the whole log is one trial.");
+      "where a robot on a rail pushes off; None: the whole log is one trial. commands: angles need not be there, for "
+      "`design_robot`.");
 }
 
 py::dict outputs_of(const RobotIdentified& r, std::size_t trial) {

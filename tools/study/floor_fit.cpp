@@ -432,6 +432,25 @@ FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& op
   return out;
 }
 
+std::vector<Eigen::MatrixXd> informations(const DropSimulator& drops, const CalibrationOptions& options,
+                                          const std::vector<double>& sigma, OwnTerms own) {
+  const DropLayout layout(options.terms);
+  std::vector<Eigen::MatrixXd> out;
+  for (std::size_t m = 0; m < drops.drops(); ++m) {
+    const Problem problem(drops, layout, options, {m});
+    LeastSquaresProblem p = problem.problem(problem.given(), sigma, kWhole);
+    if (own == OwnTerms::kFitted && !layout.own.empty()) {
+      LeastSquaresProblem alone = p;
+      alone.hold_globals();
+      const LeastSquaresSolution s = identify::solve(alone, {.max_iterations = options.max_iterations});
+      for (long k = 0; s.usable && k < s.locals.cols(); ++k) p.blocks[0].local_start.push_back(s.locals(0, k));
+    }
+    const LeastSquaresSolution here = identify::solve(p, {.max_iterations = 0});
+    out.push_back(here.usable ? here.information : Eigen::MatrixXd());
+  }
+  return out;
+}
+
 double held_out(const DropSimulator& drops, const CalibrationOptions& options) {
   const DropLayout layout(options.terms);
   const std::vector<double> noise = noise_of(drops);

@@ -74,13 +74,13 @@ class LogColumns {
     if (c >= 0) table_.require_full(c);
     return out;
   }
-  std::vector<double> angle(const std::string& name, RobotLogOptions::Angles angles) const {
+  std::vector<double> angle(const std::string& name, const RobotLogOptions& options) const {
     int c = -1;
     std::vector<double> out = get(name, &c);
-    if (c < 0)
+    if (c < 0 && options.measured == RobotLogOptions::Measured::kAngles)
       throw InputError({table_.file, table_.header_line},
                        fmt::format("no column '{}'", name) + hint(name, table_.header));
-    for (std::size_t i = 0; i < out.size() && angles == RobotLogOptions::Angles::kOneTurn; ++i)
+    for (std::size_t i = 0; i < out.size() && options.angles == RobotLogOptions::Angles::kOneTurn; ++i)
       if (std::abs(out[i]) > 2 * std::numbers::pi)
         throw InputError(table_.at(c, i),
                          fmt::format("column '{}': {} rad: an angle beyond 2 pi; are these degrees? then name the "
@@ -184,7 +184,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& j = robot.joints[i];
     if (j.kind == DriveKind::kLocked) continue;
-    measured[joint_channel(i) + kAngle] = log.angle("phi_" + j.name, options.angles);
+    measured[joint_channel(i) + kAngle] = log.angle("phi_" + j.name, options);
     measured[joint_channel(i) + kRate] = log.get("dphi_" + j.name);
     if (!j.driven()) continue;
     measured[joint_channel(i) + kTorque] = log.get("torque_" + j.name);

@@ -54,6 +54,7 @@ struct RobotLogOptions {
   /// joints driving. A piece is the push's end, a flight and a landing.
   enum class Cuts { kGiven, kHops } cuts = Cuts::kGiven;
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;
+  enum class Measured { kAngles, kNothing } measured = Measured::kAngles;  ///< what must be there
 };
 /// Reads a log (CSV): t [s], phi_JOINT [rad] of every joint that is not locked; where they are logged dphi_JOINT,
 /// torque_JOINT (reported) and the other sensed_channels, and of driven joints the commands phi_ref_JOINT,

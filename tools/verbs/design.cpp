@@ -5,31 +5,21 @@
 
 #include "common/error.hpp"
 #include "tools/program/actuators.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/trials.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/design.hpp"
+#include "tools/verbs/design.hpp"
 
 namespace ukemi::tools {
 
 namespace {
 
-struct DesignArguments {
-  std::vector<std::string> trials;
-  std::string rig, actuator;
-  identify::Criterion criterion = identify::Criterion::kWorst;
-  TrialArguments reading;
-  identify::HitBudget budget;
-  std::vector<double> width = {0.010, 0.020};
-  identify::HitLog log;
-  std::optional<double> noise, tau_max;
-  int hits = 2, check = 50;
-};
-
 DesignRequest request_of(const DesignArguments& a, const CommonOptions& common, Run& run) {
   DesignRequest out{.rig = rig_of(a.rig, a.reading),
                     .actuator = {},
                     .options = {.budget = a.budget, .log = a.log, .hits = a.hits, .criterion = a.criterion},
-                    .noise = a.noise,
+                    .noise = a.noise.empty() ? std::nullopt : std::optional(to_number("--noise", a.noise)),
                     .tau_max = a.tau_max,
                     .rig_name = a.rig,
                     .actuator_name = a.actuator,
@@ -41,6 +31,12 @@ DesignRequest request_of(const DesignArguments& a, const CommonOptions& common, 
 }
 
 int run_design(const DesignArguments& a, const CommonOptions& common) {
+  if (!a.robot.empty()) return design_robot(a, common);
+  if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
+  if (a.actuator.empty()) throw InputError("--actuator is required");
+  for (const auto& [given, option] :
+       {std::pair(!a.next.empty(), "--next"), {!a.free.empty(), "--free"}, {!a.pieces.empty(), "--pieces"}})
+    if (given) throw InputError(std::string(option) + ": --robot is needed with it");
   Run run(kDesignOutputs, common);
   DesignRequest request = request_of(a, common, run);
   request.actuator = actuator_of(a.actuator, run);
@@ -57,13 +53,19 @@ int run_design(const DesignArguments& a, const CommonOptions& common) {
 void add_design(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<DesignArguments>();
   verb->add_option("TRIAL", args->trials, "trials in hand [none: what is known is the actuator's covariance]");
-  verb->add_option("--rig", args->rig, "rig file (TOML)")->required();
-  verb->add_option("--actuator", args->actuator, "actuator file (TOML): the present estimate")->required();
+  verb->add_option("--rig", args->rig, "rig file (TOML)");
+  verb->add_option("--actuator", args->actuator, "actuator file (TOML): the present estimate");
+  verb->add_option("--robot", args->robot,
+                   "of a robot of links, in place of both: robot file (TOML), as it was fitted");
+  verb->add_option("--next", args->next,
+                   "with --robot: logs of commands that could be played next (CSV, angles not needed)");
+  verb->add_option("--free", args->free, "with --robot: the constants that are to be known");
+  verb->add_option("--pieces", args->pieces, "with --robot: how the trials in hand are cut, as identify [whole logs]");
   verb->add_option("--peak", args->budget.peak, "largest force of a hit [N] [300]");
   verb->add_option("--width", args->width, "shortest and longest pulse [s] [0.010 0.020]")->expected(1, 2);
   verb->add_option("--angle", args->budget.angle,
                    "largest |phi_1| [rad], kept wherever the constants may lie within their uncertainty [0.6]");
-  verb->add_option("--hits", args->hits, "how many hits, each a trial of its own [2]");
+  verb->add_option("--hits", args->hits, "how many hits, each a trial of its own; of a robot, how many of --next [2]");
   using enum identify::Criterion;
   add_choice(*verb, "--criterion", args->criterion, {{"worst", kWorst}, {"d", kD}, {"e", kE}},
              "what becomes smallest: worst (the worst-known constant's interval), d (the volume of the "
@@ -73,12 +75,15 @@ void add_design(CLI::App* verb, Action& chosen) {
              "both (hits alternate) or positive [both]");
   verb->add_option("--rate", args->log.rate, "of the next logs [Hz] [1000]");
   verb->add_option("--duration", args->log.duration, "of the next logs [s] [1]");
-  verb->add_option("--noise", args->noise, "standard deviation of an angle [rad] [the trials' own]");
+  verb->add_option("--noise", args->noise,
+                   "standard deviation of an angle [rad]; of a robot CHANNEL=STD,... (phi=0.001,torque=0.1) [the "
+                   "trials' own]");
   verb->add_option("--tau-max", args->tau_max, "torque limit of the spring [Nm] [the rig's, else the actuator's]")
       ->check(CLI::NonNegativeNumber);
   verb->add_option("--check", args->check, "simulated experiments that test the prediction, 0: none [50]")
       ->check(CLI::Range(0, 100000));
   add_trial_options(*verb, args->reading);
+  note_given(*verb, {args, &args->given});
   add_action<DesignArguments>(
       *verb, args,
       "ukemi design trial_1.csv trial_2.csv --rig rig.toml --actuator out/identify/actuator.toml --peak 300 "

@@ -257,16 +257,11 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
     add_motion(*verb, args->motion);
   }
   add_export(*verb, args->exports, actuator_exports());
-  std::vector<CLI::Option*> own = verb->get_options();
-  std::erase_if(own, [](auto* option) { return option->get_positional() || option->check_name("--help"); });
+  note_given(*verb, {args, &args->given});
   add_action<IdentifyArguments>(*verb, args,
                                 predict ? "ukemi predict trial_9.csv --rig rig.toml --actuator actuator.toml -o out"
                                         : "ukemi identify trial_*.csv --rig rig.toml -o out",
                                 chosen, predict ? run_predict_of : run_identify_of);
-  verb->parse_complete_callback([args, own] {
-    for (const CLI::Option* option : own)
-      if (option->count() > 0) args->given.push_back(option->get_name());
-  });
 }
 
 const Verb identify_verb(VerbGroup::kConstants, "identify", "fit the actuator's constants to impact trials",

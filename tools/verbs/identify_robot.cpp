@@ -7,10 +7,11 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
-#include "tools/program/arguments.hpp"
+#include "tools/program/command.hpp"
 #include "tools/report/calibrate.hpp"
 #include "tools/report/robot_text.hpp"
 #include "tools/verbs/calibrate.hpp"
+#include "tools/verbs/robot_logs.hpp"
 #include "tools/verbs/runs.hpp"
 
 namespace ukemi::tools {
@@ -37,19 +38,6 @@ void read_pieces(const std::string& text, RobotLogOptions& to, Run& run) {
   table.require_increasing(c, to.times);
   if (to.times.size() < 2)
     throw InputError(table.at(c, 0), "one time: at least two are needed, a piece is between two");
-}
-
-std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions::Angles angles, const DrivenRobot& robot,
-                                    Run& run) {
-  RobotLogOptions reading{.columns = logs.columns};
-  if (!logs.pieces.empty()) read_pieces(logs.pieces, reading, run);
-  reading.angles = angles;
-  std::vector<RobotTrial> out;
-  for (const std::string& path : logs.files) {
-    run.input(path);
-    for (RobotTrial& t : read_robot_trials(path, robot.scene.robot, reading)) out.push_back(std::move(t));
-  }
-  return out;
 }
 
 /// What the options say of the fit, by the names of its terms. Without --nuisance every start is fitted.
@@ -80,10 +68,29 @@ int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, Rob
 
 }  // namespace
 
+std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions reading, const DrivenRobot& robot,
+                                    Run& run) {
+  reading.columns = logs.columns;
+  if (!logs.pieces.empty()) read_pieces(logs.pieces, reading, run);
+  std::vector<RobotTrial> out;
+  for (const std::string& path : logs.files) {
+    run.input(path);
+    for (RobotTrial& t : read_robot_trials(path, robot.scene.robot, reading)) out.push_back(std::move(t));
+  }
+  return out;
+}
+
+DrivenRobot robot_of(const std::string& path, Run& run) {
+  DrivenRobot out = read_driven_robot(path);
+  run.input(path);
+  if (!out.scene.robot_file.empty()) run.input(out.scene.robot_file);
+  return out;
+}
+
 std::vector<double> logged_peaks(const std::string& path, const LogArguments& logs, const CommonOptions& common,
                                  Run& run) {
   const DrivenRobot robot = read_driven_robot(path);
-  const std::vector<RobotTrial> trials = read_trials(logs, RobotLogOptions::Angles::kOneTurn, robot, run);
+  const std::vector<RobotTrial> trials = read_trials(logs, {}, robot, run);
   run.info(fmt::format("following {} trials of the logs", trials.size()));
   RobotFitOptions options;
   options.terms = robot_terms(robot, trials), options.threads = common.threads;
@@ -99,19 +106,15 @@ std::vector<double> logged_peaks(const std::string& path, const LogArguments& lo
 int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
   const bool only = predicts == Predicts::kYes;
   Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
-  for (const std::string& option : a.given)
-    if (static const std::vector<std::string> kHave = {"--robot", "--free", "--nuisance", "--prior", "--lower",
-                                                       "--upper", "--profile", "--columns", "--pieces", "--starts",
-                                                       "--strict", "--multi-turn", "--start-angle"};
-        std::find(kHave.begin(), kHave.end(), option) == kHave.end())
-      throw InputError(option + ": it has no say with --robot");
-  const DrivenRobot robot = read_driven_robot(a.robot);
-  run.input(a.robot);
-  if (!robot.scene.robot_file.empty()) run.input(robot.scene.robot_file);
+  only_known(a.given,
+             {"--robot", "--free", "--nuisance", "--prior", "--lower", "--upper", "--profile", "--columns", "--pieces",
+              "--starts", "--strict", "--multi-turn", "--start-angle"},
+             "--robot");
+  const DrivenRobot robot = robot_of(a.robot, run);
   const bool one_turn = a.reading.angles == identify::TrialOptions::Angles::kOneTurn;
-  const std::vector<RobotTrial> trials =
-      read_trials({a.trials, a.reading.columns, a.pieces},
-                  one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn, robot, run);
+  const RobotLogOptions reading{.angles =
+                                    one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
+  const std::vector<RobotTrial> trials = read_trials({a.trials, a.reading.columns, a.pieces}, reading, robot, run);
   RobotFitOptions options;
   options.terms = robot_terms(robot, trials);
   if (only) return options.threads = common.threads, predict(robot, trials, options, run);

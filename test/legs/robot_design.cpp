@@ -1,0 +1,100 @@
+// Which commands to log next: predicted errors are those of the fit of the log that follows, and commands that tell
+// more are chosen first.
+#include "tools/study/robot_design.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "test/legs/pendulum.hpp"
+
+using namespace legs;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::vector<std::string> kKnown = {kFree[1], kFree[3], kFree[4], kFree[7]};
+
+/// Commands of rows alone, `size` times those of the logs.
+std::string commands_of(int rows, std::uint64_t draw, double size) {
+  std::string out = "t,phi_ref_hip,phi_ref_knee,torque_ff_hip,torque_ff_knee\n";
+  double ref[2], ff[2];
+  for (int k = 0; k < rows; ++k) {
+    command(k, draw, ref, ff);
+    out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g}\n", 0.004 * k, size * ref[0], size * ref[1], size * ff[0],
+                       size * ff[1]);
+  }
+  return out;
+}
+
+struct Question : Case {
+  explicit Question(int logs) : Case(Pendulum(), 1, logs, 0, kKnown) { asked.fit = options; }
+  void add(const std::string& file, const std::string& text) {
+    auto read = read_robot_trials(folder.write(file, text), robot.scene.robot,
+                                  {.columns = "", .measured = RobotLogOptions::Measured::kNothing});
+    next.push_back(std::move(read.at(0)));
+  }
+  RobotDesign design() const { return design_trials(robot, trials, next, asked); }
+  std::vector<RobotTrial> next;
+  RobotDesignOptions asked;
+};
+
+}  // namespace
+
+TEST_CASE("the errors that a design predicts of a robot are those of the fit with the log that follows", "[driven]") {
+  Question q(1);
+  const std::string log = log_of(Pendulum(), 750, 1, 2e-4);
+  q.add("next.csv", log);
+  q.asked.trials = 1;
+  const RobotDesign d = q.design();
+  const RobotFit before = fit_robot(q.robot, q.trials, q.options);
+  q.trials.push_back(read_robot_trials(q.folder.write("played.csv", log), q.robot.scene.robot, {}).at(0));
+  const RobotFit after = fit_robot(q.robot, q.trials, q.options);
+  REQUIRE(d.constants == kKnown);
+  for (std::size_t i = 0; i < kKnown.size(); ++i) {
+    INFO(kKnown[i]);
+    const auto half_width = [&](const RobotFit& fit) {
+      return 1.96 * *fit.globals()[i]->std_noise / std::abs(fit.globals()[i]->value);
+    };
+    CHECK(d.before[long(i)] == Approx(half_width(before)).epsilon(0.05));
+    CHECK(d.after[long(i)] == Approx(half_width(after)).epsilon(0.05));
+    CHECK(d.after[long(i)] < d.before[long(i)]);
+  }
+  CHECK(d.noise[kAngle] == Approx(2e-4).epsilon(0.1));
+  CHECK(d.candidates.at(0).rank == 1);
+  CHECK(d.candidates[0].together == d.size_after);
+}
+
+TEST_CASE("of commands those that tell most of a robot are logged first, under every criterion", "[driven]") {
+  using enum identify::Criterion;
+  for (const auto criterion : {kWorst, kD, kE}) {
+    Question q(0);
+    q.asked.criterion = criterion, q.asked.noise = {{"phi", 2e-4}, {"torque_knee", 0.01}};
+    q.add("still.csv", commands_of(500, 1, 0)), q.add("small.csv", commands_of(500, 1, 0.1));
+    q.add("large.csv", commands_of(500, 1, 1)), q.add("other.csv", commands_of(500, 5, 1));
+    const RobotDesign d = q.design();
+    INFO(name(criterion));
+    CHECK(d.candidates[0].rank == 0);
+    CHECK(d.candidates[1].rank == 0);
+    CHECK(d.candidates[2].rank + d.candidates[3].rank == 3);
+    CHECK(d.candidates[0].alone > 10 * d.candidates[1].alone);
+    CHECK(d.candidates[1].alone > d.candidates[2].alone);
+    CHECK(d.size_after < std::min(d.candidates[2].alone, d.candidates[3].alone));
+    CHECK_FALSE(std::isfinite(d.before.maxCoeff()));
+    CHECK(d.after.maxCoeff() < 0.2);
+    CHECK(std::isfinite(d.noise[joint_channel(1) + kTorque]));
+    CHECK_FALSE(std::isfinite(d.noise[joint_channel(0) + kTorque]));
+  }
+}
+
+TEST_CASE("a design of a robot that cannot be is refused", "[driven]") {
+  Question q(0);
+  CHECK_THROWS_WITH(q.design(), Contains("--next: at least one"));
+  q.add("next.csv", commands_of(20, 1, 1));
+  CHECK_THROWS_WITH(q.design(), Contains("--noise is needed"));
+  q.asked.noise = {{"ph", 1e-3}};
+  CHECK_THROWS_WITH(q.design(), Contains("--noise: 'ph'"));
+  q.asked.noise = {{"phi", 0}};
+  CHECK_THROWS_WITH(q.design(), Contains("--noise: phi: above 0"));
+  q.asked.noise = {{"phi", 1e-3}};
+  q.add("torques.csv", "t,torque_ff_hip,torque_ff_knee\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n4,0,0\n5,0,0\n6,0,0\n7,0,0\n");
+  CHECK_THROWS_WITH(q.design(), Contains("torques.csv: no column 'phi_hip', and no 'phi_ref_hip'"));
+}

@@ -1,0 +1,43 @@
+// ukemi design of a robot of links.
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "tools/program/command.hpp"
+#include "tools/report/design.hpp"
+#include "tools/verbs/calibrate.hpp"
+#include "tools/verbs/design.hpp"
+#include "tools/verbs/robot_logs.hpp"
+
+namespace ukemi::tools {
+
+int design_robot(const DesignArguments& a, const CommonOptions& common) {
+  Run run(kDesignOutputs, common);
+  only_known(
+      a.given,
+      {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--columns", "--pieces", "--multi-turn"},
+      "--robot");
+  if (a.free.empty()) throw InputError("--free: with --robot the constants that are to be known must be named");
+  const DrivenRobot robot = robot_of(a.robot, run);
+  const bool one_turn = a.reading.angles == identify::TrialOptions::Angles::kOneTurn;
+  RobotLogOptions reading{.angles = one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
+  const std::vector<RobotTrial> in_hand = read_trials({a.trials, a.reading.columns, a.pieces}, reading, robot, run);
+  reading.measured = RobotLogOptions::Measured::kNothing;
+  const std::vector<RobotTrial> next = read_trials({a.next, a.reading.columns, ""}, reading, robot, run);
+
+  RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
+  std::vector<RobotTrial> all = in_hand;
+  all.insert(all.end(), next.begin(), next.end());
+  options.fit.terms = robot_terms(robot, all);
+  CalibrateArguments fit;
+  fit.free = a.free, fit.nuisance = fmt::format("{}", fmt::join(options.fit.terms.nuisance, ","));
+  set_options(fit, common, options.fit);
+  options.fit.threads = common.threads;
+  for (const std::string& item : split(a.noise)) {
+    const Assignment one = assignment("--noise", item);
+    options.noise[one.name] = to_number("--noise", one.value);
+  }
+  run.info(fmt::format("comparing {} candidates beside {} trials", next.size(), in_hand.size()));
+  return report(design_trials(robot, in_hand, next, options), run);
+}
+
+}  // namespace ukemi::tools
