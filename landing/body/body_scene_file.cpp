@@ -61,14 +61,14 @@ std::optional<std::array<double, 2>> rising_angles(TomlSection& s) {
 }
 
 /// f(table, index) for each joint of Robot::joints that has a table in `s`; it must be driven. The only driven joint
-/// may do without a table of its own: `s` is then its table.
+/// may do without a table of its own: `s` is then its table, where it has an angle.
 template <class F>
 void for_driven(TomlSection& s, const Robot& robot, F&& f) {
   const std::optional<std::size_t> only = only_driven(robot);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
     auto section = s.optional_section(joint.name);
-    if (!section && only == i) section = s;
+    if (!section && only == i && (s.has("phi") || s.has("phi_deg") || s.has("hold_deg"))) section = s;
     if (!section) continue;
     if (!joint.driven())
       s.fail(joint.name, std::string("the joint is ") + name(joint.kind) + ": a joint that is driven is needed");

@@ -389,6 +389,11 @@ TEST_CASE("a run of hops is cut where the leg pushes, not where it stretches in 
     CHECK(std::fmod(t.origin, 0.5) == Approx(0.5 * 0.15).margin(0.03));
     CHECK(t.log.t.size() == 250);
   }
+  const auto tied =
+      read_robot_trials(log, robot.scene.robot, {.columns = "", .cuts = RobotLogOptions::Cuts::kHops, .tied = 3});
+  REQUIRE(tied.size() == 2);  // three hops, and the one that is left
+  CHECK(tied[0].log.t.size() == 750);
+  CHECK(tied[1].origin == trials[3].origin);
   const Pendulum p;
   const Case pinned(p, 1, 1, 0, kFree, 0);
   CHECK_THROWS_WITH(read_robot_trials(pinned.folder.write("pinned.csv", log_of(p, 750, 0, 0)), pinned.robot.scene.robot,

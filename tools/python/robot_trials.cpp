@@ -25,8 +25,9 @@ struct RobotIdentified {
 
 /// None: whole logs; seconds; times; "auto".
 using Pieces = std::optional<std::variant<double, std::vector<double>, std::string>>;
-RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bool multi_turn, bool commands) {
+RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bool multi_turn, bool commands, int tie) {
   RobotLogOptions out{.columns = columns, .pieces = 0, .times = {}};
+  out.tied = checked("tie", tie, {1, 100'000, false, "1 to 100000"});
   if (commands) out.measured = RobotLogOptions::Measured::kNothing;
   if (multi_turn) out.angles = RobotLogOptions::Angles::kMultiTurn;
   if (!pieces) return out;
@@ -69,14 +70,15 @@ void bind_trials_of(py::module_& m) {
   m.def(
       "read_robot_trials",
       [](const Path& path, const DrivenRobot& robot, const std::string& columns, const Pieces& pieces, bool multi_turn,
-         bool commands) {
-        return tools::read_robot_trials(path, robot.scene.robot, log_options(columns, pieces, multi_turn, commands));
+         bool commands, int tie) {
+        return tools::read_robot_trials(path, robot.scene.robot,
+                                        log_options(columns, pieces, multi_turn, commands, tie));
       },
       py::arg("path"), py::arg("robot"), py::arg("columns") = "", py::arg("pieces") = py::none(),
-      py::arg("multi_turn") = false, py::arg("commands") = false,
+      py::arg("multi_turn") = false, py::arg("commands") = false, py::arg("tie") = 1,
       "Reads a log (CSV) as `ukemi identify --robot`. pieces: seconds, times of the log's clock [s], or \"auto\": "
       "where a robot on a rail pushes off; None: the whole log is one trial. commands: angles need not be there, for "
-      "`design_robot`.");
+      "`design_robot`; tie: so many pieces that follow each other are one trial.");
 }
 
 py::dict outputs_of(const RobotIdentified& r, std::size_t trial) {

@@ -141,6 +141,14 @@ std::vector<std::size_t> pushes(const Robot& robot, const std::vector<double>& t
   return kept;
 }
 
+/// Every n-th cut; the last stays.
+std::vector<std::size_t> tied(const std::vector<std::size_t>& at, int n) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < at.size(); ++k)
+    if (k % std::size_t(n) == 0 || k + 1 == at.size()) out.push_back(at[k]);
+  return out;
+}
+
 /// The first row of each piece, and behind the last.
 std::vector<std::size_t> cuts(const std::vector<double>& t, double length, const std::vector<double>& times) {
   if (!times.empty()) {
@@ -196,7 +204,8 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   if (hops && robot.base != Base::kRail)
     throw InputError("--pieces: auto: base = \"rail\" is needed: a log is cut where a robot on a rail pushes off");
   const std::vector<std::size_t> at =
-      hops ? pushes(robot, commands->t, measured) : cuts(commands->t, options.pieces, options.times);
+      tied(hops ? pushes(robot, commands->t, measured) : cuts(commands->t, options.pieces, options.times),
+           options.tied);
   if (hops && at.size() < 2)
     throw InputError(
         {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", at.size()));

@@ -53,6 +53,7 @@ struct RobotLogOptions {
   /// Or, of a robot on a rail that hops, in each push: where the leg extends through the middle of its range, its
   /// joints driving. A piece is the push's end, a flight and a landing.
   enum class Cuts { kGiven, kHops } cuts = Cuts::kGiven;
+  int tied = 1;  ///< so many pieces that follow each other are one: the next begins where the one before ends; >= 1
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;
   enum class Measured { kAngles, kNothing } measured = Measured::kAngles;  ///< what must be there
 };

@@ -61,6 +61,10 @@ void add_design(CLI::App* verb, Action& chosen) {
                    "with --robot: logs of commands that could be played next (CSV, angles not needed)");
   verb->add_option("--free", args->free, "with --robot: the constants that are to be known");
   verb->add_option("--pieces", args->pieces, "with --robot: how the trials in hand are cut, as identify [whole logs]");
+  verb->add_option(
+          "--tie", args->tie,
+          "with --pieces: so many that follow each other are one trial: each begins where the one before ends [1]")
+      ->check(CLI::Range(1, 100'000));
   verb->add_option("--peak", args->budget.peak, "largest force of a hit [N] [300]");
   verb->add_option("--width", args->width, "shortest and longest pulse [s] [0.010 0.020]")->expected(1, 2);
   verb->add_option("--angle", args->budget.angle,

@@ -20,7 +20,7 @@ struct DesignArguments {
   identify::HitLog log;
   std::string noise;  ///< [rad]; of a robot CHANNEL=STD,...
   std::optional<double> tau_max;
-  int hits = 2, check = 50;
+  int hits = 2, check = 50, tie = 1;
   std::vector<std::string> given;  ///< the options that were
 };
 /// Which of `next` to log.

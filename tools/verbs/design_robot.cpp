@@ -12,17 +12,18 @@ namespace ukemi::tools {
 
 int design_robot(const DesignArguments& a, const CommonOptions& common) {
   Run run(kDesignOutputs, common);
-  only_known(
-      a.given,
-      {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--columns", "--pieces", "--multi-turn"},
-      "--robot");
+  only_known(a.given,
+             {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--columns", "--pieces", "--tie",
+              "--multi-turn"},
+             "--robot");
   if (a.free.empty()) throw InputError("--free: with --robot the constants that are to be known must be named");
   const DrivenRobot robot = robot_of(a.robot, run);
   const bool one_turn = a.reading.angles == identify::TrialOptions::Angles::kOneTurn;
   RobotLogOptions reading{.angles = one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
-  const std::vector<RobotTrial> in_hand = read_trials({a.trials, a.reading.columns, a.pieces}, reading, robot, run);
+  const std::vector<RobotTrial> in_hand =
+      read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading, robot, run);
   reading.measured = RobotLogOptions::Measured::kNothing;
-  const std::vector<RobotTrial> next = read_trials({a.next, a.reading.columns, ""}, reading, robot, run);
+  const std::vector<RobotTrial> next = read_trials({a.next, a.reading.columns, {}}, reading, robot, run);
 
   RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
   std::vector<RobotTrial> all = in_hand;

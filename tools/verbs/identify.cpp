@@ -194,6 +194,7 @@ int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts pre
   if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
   if (predicts == Predicts::kYes && a.actuator.empty()) throw InputError("--actuator is required");
   if (!a.pieces.empty()) throw InputError("--pieces: --robot is needed with it");
+  if (a.tie != 1) throw InputError("--tie: --pieces is needed with it");
   return run_identify(a, common);
 }
 int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
@@ -215,6 +216,10 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
       "--pieces", args->pieces,
       "with --robot: cut each log into trials: auto (where a robot on a rail pushes off), about so long [s], or at the "
       "times of FILE[:COLUMN] [whole logs]");
+  verb->add_option(
+          "--tie", args->tie,
+          "with --pieces: so many that follow each other are one trial: each begins where the one before ends [1]")
+      ->check(CLI::Range(1, 100'000));
   if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
   add_trial_options(*verb, args->reading);
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");

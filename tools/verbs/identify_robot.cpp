@@ -71,6 +71,8 @@ int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, Rob
 std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions reading, const DrivenRobot& robot,
                                     Run& run) {
   reading.columns = logs.columns;
+  reading.tied = logs.tie;
+  if (logs.tie != 1 && logs.pieces.empty()) throw InputError("--tie: --pieces is needed with it");
   if (!logs.pieces.empty()) read_pieces(logs.pieces, reading, run);
   std::vector<RobotTrial> out;
   for (const std::string& path : logs.files) {
@@ -108,13 +110,14 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
   only_known(a.given,
              {"--robot", "--free", "--nuisance", "--prior", "--lower", "--upper", "--profile", "--columns", "--pieces",
-              "--starts", "--strict", "--multi-turn", "--start-angle"},
+              "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
              "--robot");
   const DrivenRobot robot = robot_of(a.robot, run);
   const bool one_turn = a.reading.angles == identify::TrialOptions::Angles::kOneTurn;
   const RobotLogOptions reading{.angles =
                                     one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
-  const std::vector<RobotTrial> trials = read_trials({a.trials, a.reading.columns, a.pieces}, reading, robot, run);
+  const std::vector<RobotTrial> trials =
+      read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading, robot, run);
   RobotFitOptions options;
   options.terms = robot_terms(robot, trials);
   if (only) return options.threads = common.threads, predict(robot, trials, options, run);

@@ -24,6 +24,7 @@ struct IdentifyArguments {
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
   std::string robot;                 ///< of links, in place of the rig
   std::string pieces;                ///< of its logs: [s], or FILE[:COLUMN] of times
+  int tie = 1;                       ///< so many of them are one trial
   std::vector<std::string> given;    ///< the options that were
   std::string start_angle;           ///< predict: [rad], or "fit"
   std::string free, nuisance, prior, lower, upper, loss = "none";
@@ -54,6 +55,7 @@ inline std::string in(const std::string& folder, const char* name) {
 struct LogArguments {
   std::vector<std::string> files;
   std::string columns, pieces;
+  int tie = 1;
 };
 /// Of each of their trials the largest acceleration of the point that counts, by the robot's model under the log's
 /// commands [m/s^2]; how each starts is fitted to it.
