@@ -68,7 +68,7 @@ void for_driven(TomlSection& s, const Robot& robot, F&& f) {
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
     auto section = s.optional_section(joint.name);
-    if (!section && only == i && (s.has("phi") || s.has("phi_deg") || s.has("hold_deg"))) section = s;
+    if (!section && only == i && (s.has("phi") || s.has("phi_deg") || s.has("hold") || s.has("hold_deg"))) section = s;
     if (!section) continue;
     if (!joint.driven())
       s.fail(joint.name, std::string("the joint is ") + name(joint.kind) + ": a joint that is driven is needed");
