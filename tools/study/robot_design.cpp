@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLeast = 1e-3;  ///< of the logs' own noise: a residual without any still has a weight
+constexpr double kLeastNoise = 1e-3;  ///< of the logs' own noise: a residual without any still has a weight
 
 /// The first value that was measured.
 double first_of(const std::vector<double>& x) {
@@ -130,7 +130,8 @@ RobotDesign design_trials(const DrivenRobot& robot, const std::vector<RobotTrial
     const FloorFit followed = validate_floor(present, options.fit);
     for (const DropResult& d : followed.drops)
       if (!d.simulated) throw InputError({d.file}, "it cannot be followed with this robot: fit it first");
-    for (std::size_t o = 0; o < noise.size(); ++o) noise[o] = std::max(followed.rms[o], kLeast * followed.noise[o]);
+    for (std::size_t o = 0; o < noise.size(); ++o)
+      noise[o] = std::max(followed.rms[o], kLeastNoise * followed.noise[o]);
     known_of = informations(present, options.fit, noise, OwnTerms::kFitted);
   }
   out.noise = noise_to_come(out.channels, noise, options.noise);
