@@ -14,7 +14,7 @@ const Outputs kDesignOutputs{"design", {"hit_#.csv", "hits.csv", "next.csv"}, {"
 
 using namespace identify;
 
-std::string percent_words(double relative) {
+std::string half_width_words(double relative) {
   return std::isfinite(relative) ? fmt::format("± {:.3g} %", 100 * relative) : "not determined";
 }
 
@@ -29,18 +29,18 @@ Quantities<std::size_t> error_bar_quantities(const Knowledge& k, const Design& d
       {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant(k, i)]; }},
       {"", "value", "estimate", "{:.6g}", [&k](auto& i) { return constants(k.sea)[constant(k, i)]; }},
       {"", "unit", "unit", {}, [&k](auto& i) { return kConstantUnits[constant(k, i)]; }},
-      {"", "half_width_before", "95 % before", percent_words, [&d](auto& i) { return d.before[long(i)]; }},
-      {"", "half_width_after", "95 % after, predicted", percent_words,
+      {"", "half_width_before", "95 % before", half_width_words, [&d](auto& i) { return d.before[long(i)]; }},
+      {"", "half_width_after", "95 % after, predicted", half_width_words,
        [&d](auto& i) { return d.hits.empty() ? NAN : d.after[long(i)]; }},
   };
 }
 Quantities<std::size_t> check_quantities(const Knowledge& k, const DesignCheck& c) {
   return {
       {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant(k, i)]; }},
-      {"", "std_predicted", "standard error, predicted", percent_words,
+      {"", "std_predicted", "standard error, predicted", half_width_words,
        [&c](auto& i) { return c.constants[i].predicted; }},
-      {"", "scatter", "scatter of the refits", percent_words, [&c](auto& i) { return c.constants[i].scatter; }},
-      {"", "half_width", "their mean 95 % half-width", percent_words,
+      {"", "scatter", "scatter of the refits", half_width_words, [&c](auto& i) { return c.constants[i].scatter; }},
+      {"", "half_width", "their mean 95 % half-width", half_width_words,
        [&c](auto& i) { return c.constants[i].half_width; }},
       {"", "covered", "intervals that hold the truth", {}, [&c](auto& i) { return c.constants[i].covered; }},
       {"", "", "of", {}, [&c](auto&) { return c.repeats; }},

@@ -12,7 +12,7 @@ namespace ukemi::tools {
 extern const Outputs kDesignOutputs;
 
 /// "± 3.2 %", "not determined".
-std::string percent_words(double relative);
+std::string half_width_words(double relative);
 /// Adds to a summary that holds what was read, writes the files, returns the exit code.
 int report(const DesignQuestion& question, const DesignAnswer& answer, Json summary, Run& run);
 

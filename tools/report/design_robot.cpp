@@ -19,8 +19,8 @@ Quantities<std::size_t> error_bar_quantities(const RobotDesign& d) {
       {"", "value", "value", "{:.6g}", [&d](auto& i) { return number(d.value[long(i)]); }},
       {"", "unit", "unit", {}, [&d](auto& i) { return d.units[i]; }},
       {"", "part_of", "in parts of", "{:.6g}", [&d](auto& i) { return number(d.part_of[long(i)]); }},
-      {"", "half_width_before", "95 % before", percent_words, [&d](auto& i) { return number(d.before[long(i)]); }},
-      {"", "half_width_after", "95 % after, predicted", percent_words,
+      {"", "half_width_before", "95 % before", half_width_words, [&d](auto& i) { return number(d.before[long(i)]); }},
+      {"", "half_width_after", "95 % after, predicted", half_width_words,
        [&d](auto& i) { return number(d.after[long(i)]); }},
   };
 }
@@ -30,7 +30,7 @@ std::string worst_of(const RobotDesign& d, const NextTrial& t) {
   if (!t.followed) return "";
   long worst = 0;
   const double width = t.half_width.maxCoeff(&worst);
-  return fmt::format("{} {}", d.constants[std::size_t(worst)], percent_words(width));
+  return fmt::format("{} {}", d.constants[std::size_t(worst)], half_width_words(width));
 }
 
 Quantities<NextTrial> candidate_quantities(const RobotDesign& d) {
