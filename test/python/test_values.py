@@ -29,6 +29,7 @@ def examples(scene, actuator, hopper, driven):
     ratings = ukemi.ratings(scene, actuator, [8], evaluations=300)
     comparison = ukemi.compare(actuator, fit.actuator, scene=scene, robust="mean")
     design = ukemi.design(rig, fit.actuator, trials, hits=1, check=0)
+    next_trials = ukemi.design_robot(driven[0], driven[1], ["drive.servo.friction"], noise={"phi": 1e-3})
     atlas = ukemi.atlas(scene, actuator, (0.3, 0.4, 2), (0, 1, 2), (0, 0.1, 2), evaluations=100)
     return {type(x).__name__: x for x in (
         scene, actuator, hopper, rig, rig.errors, trials[0], fit, fit.trials[0], fit.parameters["k_sea"], landing,
@@ -39,7 +40,7 @@ def examples(scene, actuator, hopper, driven):
         ukemi.optimize(hopper, evaluations=20), ukemi.risk(hopper, {}, samples=20), entry_of(atlas, scene, actuator),
         ukemi.atlas(hopper, height=(0.2, 0.3, 2), evaluations=100),
         ukemi.trade(hopper, {"drop.height": [0.2, 0.3]}, evaluations=20), driven[0], driven[1][0],
-        ukemi.predict_robot(driven[0], driven[1]))}
+        ukemi.predict_robot(driven[0], driven[1]), next_trials, next_trials.candidates[0])}
 
 
 def entry_of(atlas, scene, actuator):
