@@ -203,9 +203,8 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   const bool hops = options.cuts == RobotLogOptions::Cuts::kHops;
   if (hops && robot.base != Base::kRail)
     throw InputError("--pieces: auto: base = \"rail\" is needed: a log is cut where a robot on a rail pushes off");
-  const std::vector<std::size_t> at =
-      tied(hops ? pushes(robot, commands->t, measured) : cuts(commands->t, options.pieces, options.times),
-           options.tied);
+  const std::vector<std::size_t> at = tied(
+      hops ? pushes(robot, commands->t, measured) : cuts(commands->t, options.pieces, options.times), options.tied);
   if (hops && at.size() < 2)
     throw InputError(
         {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", at.size()));
