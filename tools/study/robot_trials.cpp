@@ -162,11 +162,13 @@ void RobotTrials::guess_height(std::size_t m) {
 }
 
 std::vector<double> RobotTrials::parts() const {
+  constexpr double kFirst = 0.2, kLast = 5, kByContacts = 1.25, kFree = 2.3;  // [s], [s], and how they grow
+  const bool touches = !robot_.scene.robot.contacts.empty();  // then the parts meet one touchdown after the other
+  const double grow = touches ? kByContacts : kFree, least = touches ? 1.1 : 2;  // of the rest beyond the last part
   double longest = 0;
   for (const RobotTrial& t : trials_) longest = std::max(longest, t.log.t.back());
   std::vector<double> out;
-  for (const double after : {0.2, 0.5, 1.0, 2.0, 4.0})
-    if (2 * after < longest) out.push_back(after);
+  for (double after = kFirst; least * after < longest && after < kLast; after *= grow) out.push_back(after);
   out.push_back(std::numeric_limits<double>::infinity());
   return out;
 }
@@ -226,13 +228,15 @@ FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const 
 
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
                                 const SimulateOptions&, FollowedDrop& followed) const {
+  constexpr double kOfContacts = 10;  // touchdowns make a rollout's smallest differences rough
   const std::optional<Posed> here = pose(m, settings);
   if (!here) return false;
   const double step = options_.roll.step > 0
                           ? options_.roll.step
                           : stable_step(here->robot.scene.robot, here->robot.path, *trials_[m].commands, here->start);
+  const double difference = options_.difference * (here->robot.scene.robot.contacts.empty() ? 1 : kOfContacts);
   return differentiate_by_differences(
-      settings, options_.difference, options_.threads,
+      settings, difference, options_.threads,
       [&](const Settings& beside, const DropTerm&, double) { return roll(m, beside, times, {.step = step}); },
       followed);
 }

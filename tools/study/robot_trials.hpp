@@ -76,7 +76,7 @@ struct RobotFitOptions : CalibrationOptions {
   RobotFitOptions() { restarts = 0; }
   int threads = 0;              ///< of the differences; 0: all cores; without influence on the results
   landing::DrivenOptions roll;  ///< of the rollout
-  double difference = 1e-6;     ///< step of the differences, of a term's size
+  double difference = 1e-6;     ///< step of the differences, of a term's size; of a robot with contacts ten times that
 };
 
 /// A number of it by the name of its term.
