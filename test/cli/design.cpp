@@ -1,4 +1,6 @@
 // ukemi design: the contract for scripts, and what it refuses.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <sstream>
@@ -139,4 +141,38 @@ TEST_CASE("design refuses bad options and files") {
   f.write("silent.csv", "t,phi,force\n0,0,0\n0.1,0,1\n0.2,0,0\n");
   check_refused(f, {"design", "silent.csv", "--rig", kRig, "--actuator", kTable2, "-o", "out"},
                 {"--noise: the trials show none"});
+}
+
+TEST_CASE("design of a robot of links: of commands, those to log next, and what it cannot do is refused") {
+  const Folder f;
+  const std::string robot = dataset("robots/hopper.toml");
+  const auto commands = [&](const std::string& file, double size) {
+    std::string text = "t,phi_ref_hip,phi_ref_knee\n";
+    for (int k = 0; k < 200; ++k) {
+      const double bend = 0.6 + size * std::sin(0.05 * k);
+      text += fmt::format("{},{},{}\n", 0.002 * k, bend, -2 * bend);
+    }
+    f.write(file, text);
+  };
+  commands("still.csv", 0), commands("swing.csv", 0.3);
+  const Arguments design = {"design",    "--robot",   robot,    "--next",
+                            "still.csv", "swing.csv", "--free", "drive.hip.i_motor,link.thigh.mass"};
+  done(f, design + Arguments{"--noise", "phi=0.001", "--hits", "1", "-o", "out"});
+  const Json s = summary(f);
+  CHECK(s["candidates"][0]["file"] == "swing.csv");
+  CHECK(s["candidates"][0]["rank"] == 1);
+  CHECK(s["candidates"][1]["rank"].is_null());
+  CHECK(s["constants"]["robot.link.thigh.mass"]["half_width_before"].is_null());
+  CHECK(s["constants"]["robot.link.thigh.mass"]["half_width_after"].get<double>() < 1);
+  CHECK(s["noise"].size() == 2);
+  CHECK_THAT(read(f.at("out/next.csv")), Contains("rank,file,together,alone"));
+  CHECK_THAT(read(f.at("out/report.html")), Contains("What to log next"));
+  check_refused(f, design + kOut, {"--noise is needed"});
+  check_refused(f, design + Arguments{"--noise", "phi=0.001", "--peak", "100"} + kOut,
+                {"--peak", "no say with --robot"});
+  check_refused(f, Arguments{"design", "--robot", robot, "--free", "drive.hip.i_motor"} + kOut, {"--next"});
+  check_refused(f, Arguments{"design", "--robot", robot, "--next", "swing.csv"} + kOut, {"--free"});
+  check_refused(f, Arguments{"design", "--next", "swing.csv", "--rig", kRig, "--actuator", kTable2} + kOut,
+                {"--next: --robot is needed"});
+  check_refused(f, Arguments{"design", "--actuator", kTable2} + kOut, {"--rig is required, or --robot"});
 }

@@ -65,6 +65,8 @@ int report(const RobotDesign& d, Run& run) {
   });
   for (const NextTrial& t : order)
     if (!t.followed) run.warn(t.file + ": the robot cannot be simulated under these commands");
+  for (const std::string& doubt : d.doubts) run.warn(doubt);
+  if (!d.doubts.empty()) run.warn("the trials in hand reject the robot: errors to come are larger than predicted");
   std::vector<std::size_t> places(d.constants.size());
   std::iota(places.begin(), places.end(), std::size_t(0));
   const Table bars(error_bar_quantities(d), places), candidates(candidate_quantities(d), order);

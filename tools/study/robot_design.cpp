@@ -132,6 +132,7 @@ RobotDesign design_trials(const DrivenRobot& robot, const std::vector<RobotTrial
       if (!d.simulated) throw InputError({d.file}, "it cannot be followed with this robot: fit it first");
     for (std::size_t o = 0; o < noise.size(); ++o)
       noise[o] = std::max(followed.rms[o], kLeastNoise * followed.noise[o]);
+    out.doubts = followed.warnings;
     known_of = informations(present, options.fit, noise, OwnTerms::kFitted);
   }
   out.noise = noise_to_come(out.channels, noise, options.noise);

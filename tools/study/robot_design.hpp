@@ -47,6 +47,8 @@ struct RobotDesign {
   std::vector<NextTrial> candidates;       ///< in the order that they were given
   std::vector<landing::DropChannel> channels;
   std::vector<double> noise;  ///< of each channel that is logged; NaN: it is not
+  /// Where the trials in hand leave more than their noise: errors to come are larger than these then.
+  std::vector<std::string> doubts;
 };
 
 /// A log that holds commands and what is measured before them as the trial that they will be: every channel with a

@@ -23,7 +23,7 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
   const std::vector<RobotTrial> in_hand =
       read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading, robot, run);
   reading.measured = RobotLogOptions::Measured::kNothing;
-  const std::vector<RobotTrial> next = read_trials({a.next, a.reading.columns, {}}, reading, robot, run);
+  const std::vector<RobotTrial> next = read_trials({.files = a.next, .columns = {}, .pieces = {}}, reading, robot, run);
 
   RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
   std::vector<RobotTrial> all = in_hand;
