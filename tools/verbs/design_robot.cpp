@@ -37,7 +37,6 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
     const Assignment one = assignment("--noise", item);
     options.noise[one.name] = to_number("--noise", one.value);
   }
-  run.info(fmt::format("comparing {} candidates beside {} trials", next.size(), in_hand.size()));
   return report(design_trials(robot, in_hand, next, options), run);
 }
 
