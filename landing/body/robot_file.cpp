@@ -14,7 +14,6 @@
 #include "common/sea.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/places.hpp"
-#include "landing/model/scene_file.hpp"
 
 namespace ukemi::landing {
 
@@ -115,25 +114,6 @@ struct LinkReader {
     joints.push_back(s);
   }
 };
-
-/// The paper's robot in the short form: what its links, joint and contacts are called, and where they stand.
-void read_short_form(TomlSection& s, const ContactLaw& floor, LinkReader& links) {
-  const TwoLinkTable table = read_two_link(s);
-  const double l = table.robot.link_length;
-  Robot& out = links.out;
-  out.gravity = table.robot.gravity;
-  const auto link = [&](const char* name, int parent, Place at, std::size_t i) {
-    return Link{name, parent, at, table.robot.mass[i], table.robot.inertia_com[i], {l / 2, 0}};
-  };
-  out.links = {link("thigh", -1, {}, 0), link("shank", 0, {l, 0}, 1)};
-  const std::array<ContactPoint, kPoints> points = {
-      {{"hip", 0, {0, 0}, floor, {}}, {"knee", 0, {l, 0}, floor, {}}, {"foot", 1, {l, 0}, floor, {}}}};
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (table.contacts[i]) out.contacts.push_back(points[i]);
-  Joint knee;
-  knee.name = "knee", knee.child = 1;
-  out.joints = {knee}, links.joints = {s};
-}
 
 void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& floor, Robot& out) {
   std::vector<TomlSection> sections = robot.sections("contact");
@@ -302,6 +282,25 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
 
 }  // namespace
 
+Robot by_links(const TwoLinkTable& table, const ContactLaw& law) {
+  const double l = table.robot.link_length;
+  const auto link = [&](const char* name, int parent, Place at, std::size_t i) {
+    return Link{name, parent, at, table.robot.mass[i], table.robot.inertia_com[i], {l / 2, 0}};
+  };
+  Robot out;
+  out.gravity = table.robot.gravity;
+  out.links = {link("thigh", -1, {}, 0), link("shank", 0, {l, 0}, 1)};
+  out.peak = out.links[0].com;
+  const std::array<ContactPoint, kPoints> points = {
+      {{"hip", 0, {0, 0}, law, {}}, {"knee", 0, {l, 0}, law, {}}, {"foot", 1, {l, 0}, law, {}}}};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (table.contacts[i]) out.contacts.push_back(points[i]);
+  Joint knee;
+  knee.name = "knee", knee.child = 1;
+  out.joints = {knee};
+  return out;
+}
+
 void set_elastic(const Actuator& a, Joint& joint, const Location& where) {
   joint.kind = DriveKind::kElastic;
   joint.sea = a.sea, joint.speed_max = a.speed_max, joint.motor_torque_max = a.motor_torque_max;
@@ -345,7 +344,7 @@ void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
   TomlSection s = file.require("robot");
   LinkReader links{robot, s.sections("link")};
   if (links.sections.empty() && s.has("link_length")) {
-    read_short_form(s, floor, links);
+    robot = by_links(read_two_link(s), floor), links.joints = {s};
   } else {
     robot.gravity = s.number("gravity", Range::non_negative());
     read_base(s, robot);

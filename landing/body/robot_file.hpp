@@ -4,6 +4,7 @@
 #include "common/actuator.hpp"
 #include "common/toml.hpp"
 #include "landing/body/body_scene.hpp"
+#include "landing/model/scene_file.hpp"
 
 namespace ukemi::landing {
 
@@ -14,6 +15,10 @@ bool is_of_links(const std::string& path);
 /// Constants of the floor's law, the same keys in [floor] and in a contact; `floor` holds what stands where a contact
 /// omits one, absent for [floor] itself.
 ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor);
+
+/// The paper's robot by its links: thigh and shank, joined by the knee, which has no drive yet; the points that may
+/// touch have their names, and all of them this law.
+Robot by_links(const TwoLinkTable& table, const ContactLaw& law);
 
 /// An elastic drive, as a file holds it. Drives of such a robot follow Eq. 3 at once: throws InputError for one that is
 /// late, or without the gains of its controller.

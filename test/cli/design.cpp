@@ -174,5 +174,6 @@ TEST_CASE("design of a robot of links: of commands, those to log next, and what 
   check_refused(f, Arguments{"design", "--robot", robot, "--next", "swing.csv"} + kOut, {"--free"});
   check_refused(f, Arguments{"design", "--next", "swing.csv", "--rig", kRig, "--actuator", kTable2} + kOut,
                 {"--next: --robot is needed"});
+  check_refused(f, kNone + Arguments{"--actuator", kTable2, "--tie", "2"} + kOut, {"--tie: --pieces is needed"});
   check_refused(f, Arguments{"design", "--actuator", kTable2} + kOut, {"--rig is required, or --robot"});
 }

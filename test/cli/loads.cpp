@@ -84,6 +84,15 @@ TEST_CASE("loads of the paper's robot in the short form: its links, joint and co
     }
     CHECK_THAT(read(f.at("out/motion.toml")), Contains("[reposition.knee]\nphi_deg = -45"));
   }
+  SECTION("an atlas keeps them, and risk counts them") {
+    done(f, {"atlas", "parts.toml", "--actuator", kTable2, "--height", "0.3:0.4:2", "--speed", "0:0.63:2",
+             "--pitch-deg", "10:18:2", "--evaluations", "60", "--no-report", "-o", "atlas"});
+    const Arguments ask = {"atlas", "--ask", "atlas", "--height", "0.35", "--speed", "0.3", "--pitch-deg", "15"};
+    CHECK_THAT(done(f, ask + kOut).out, Contains("of the rating"));
+    CHECK_THAT(
+        done(f, {"risk", "parts.toml", "--actuator", kTable2, "--hold", "-45", "--samples", "100", "-o", "out"}).out,
+        Contains("the load thigh is beyond 60 m/s^2"));
+  }
   SECTION("trade and robot take it without loads too") {
     done(f, {"trade", kPaper, "--actuator", kTable2, "--vary", "drive.knee.k_sea=50:200:2", "--evaluations", "60",
              "--no-report", "-o", "out"});

@@ -88,12 +88,11 @@ void bind_design_class(py::module_& m) {
 
 DesignOptions options_of(double peak, const std::pair<double, double>& width, double angle, int hits,
                          const std::string& criterion, const std::string& directions) {
-  using enum Criterion;
   using enum HitBudget::Directions;
   DesignOptions o;
   o.budget.peak = peak, o.budget.min_width = width.first, o.budget.max_width = width.second, o.budget.angle = angle;
   o.hits = hits;
-  o.criterion = tools::choice<Criterion>("criterion", criterion, {{"worst", kWorst}, {"d", kD}, {"e", kE}});
+  o.criterion = tools::choice("criterion", criterion, tools::criteria());
   o.budget.directions =
       tools::choice<HitBudget::Directions>("directions", directions, {{"both", kAlternate}, {"positive", kPositive}});
   return o;

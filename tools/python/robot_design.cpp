@@ -63,14 +63,9 @@ void bind_robot_design(py::module_& m) {
       [](const DrivenRobot& robot, const std::vector<RobotTrial>& candidates, const std::vector<std::string>& free,
          const std::vector<RobotTrial>& trials, const std::map<std::string, double>& noise, int count,
          const std::string& criterion, int threads) {
-        using enum identify::Criterion;
-        tools::RobotDesignOptions o{.criterion = tools::choice<identify::Criterion>(
-                                        "criterion", criterion, {{"worst", kWorst}, {"d", kD}, {"e", kE}}),
-                                    .trials = count,
-                                    .noise = noise};
-        std::vector<RobotTrial> all = trials;
-        all.insert(all.end(), candidates.begin(), candidates.end());
-        o.fit.terms = tools::robot_terms(robot, all);
+        tools::RobotDesignOptions o{
+            .criterion = tools::choice("criterion", criterion, tools::criteria()), .trials = count, .noise = noise};
+        o.fit.terms = tools::design_terms(robot, trials, candidates);
         const std::vector<std::string> starts = o.fit.terms.nuisance;
         o.fit.terms = choose(std::move(o.fit.terms), free, starts, {}, {}, {});
         o.fit.threads = threads;

@@ -4,11 +4,20 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/design/design.hpp"
 
 namespace ukemi::tools {
+
+/// Every criterion by its name.
+inline std::vector<std::pair<std::string, identify::Criterion>> criteria() {
+  std::vector<std::pair<std::string, identify::Criterion>> out;
+  for (const auto c : {identify::Criterion::kWorst, identify::Criterion::kD, identify::Criterion::kE})
+    out.emplace_back(name(c), c);
+  return out;
+}
 
 struct DesignQuestion {
   identify::Rig rig;

@@ -433,17 +433,17 @@ FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& op
 }
 
 std::vector<Eigen::MatrixXd> informations(const DropSimulator& drops, const CalibrationOptions& options,
-                                          const std::vector<double>& sigma, OwnTerms own) {
+                                          const std::vector<double>& sigma, const std::vector<Estimate>& own) {
   const DropLayout layout(options.terms);
   std::vector<Eigen::MatrixXd> out;
   for (std::size_t m = 0; m < drops.drops(); ++m) {
     const Problem problem(drops, layout, options, {m});
     LeastSquaresProblem p = problem.problem(problem.given(), sigma, kWhole);
-    if (own == OwnTerms::kFitted && !layout.own.empty()) {
-      LeastSquaresProblem alone = p;
-      alone.hold_globals();
-      const LeastSquaresSolution s = identify::solve(alone, {.max_iterations = options.max_iterations});
-      for (long k = 0; s.usable && k < s.locals.cols(); ++k) p.blocks[0].local_start.push_back(s.locals(0, k));
+    std::vector<double>& start = p.blocks[0].local_start;
+    for (const DropTerm* t : layout.own) {
+      start.push_back(t->absent);
+      for (const Estimate& e : own)
+        if (e.trial == int(m) && e.name == t->name) start.back() = e.value;
     }
     const LeastSquaresSolution here = identify::solve(p, {.max_iterations = 0});
     out.push_back(here.usable ? here.information : Eigen::MatrixXd());

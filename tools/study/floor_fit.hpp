@@ -86,13 +86,12 @@ void check_logs(const DropSimulator& drops);
 /// constant is.
 [[nodiscard]] FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& options);
 
-/// Where the nuisance terms that are each drop's own stand: fitted to its log, or absent.
-enum class OwnTerms { kFitted, kAbsent };
 /// Fisher information of the fitted terms, drop by drop, at the simulator's constants, for residuals of standard
-/// deviation `sigma` in each channel; the drop's own nuisance terms eliminated. Rows as DropLayout::shared: the free
-/// constants come first. Empty for a drop that cannot be followed.
+/// deviation `sigma` in each channel; the drop's own nuisance terms eliminated, which stand where `own` says, else
+/// absent. Rows as DropLayout::shared: the free constants come first. Empty for a drop that cannot be followed.
 [[nodiscard]] std::vector<Eigen::MatrixXd> informations(const DropSimulator& drops, const CalibrationOptions& options,
-                                                        const std::vector<double>& sigma, OwnTerms own);
+                                                        const std::vector<double>& sigma,
+                                                        const std::vector<identify::Estimate>& own);
 
 /// rms of a drop's residuals, in units of the outputs' noise, under the constants fitted to all others from those of
 /// the simulator's scene, its own nuisance terms fitted: the median over the drops, since one of them alone may fix a

@@ -70,6 +70,26 @@ struct Known {
   MatrixXd with_prior;
 };
 
+/// Trials in hand: what the robot leaves of each channel, how each tells of the constants, and what speaks against it.
+struct InHand {
+  std::vector<double> noise;
+  std::vector<MatrixXd> tell;
+  std::vector<std::string> doubts;
+};
+InHand follow(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options) {
+  InHand out{.noise = std::vector<double>(sensed_channels(robot.scene.robot).size(), kNaN)};
+  if (trials.empty()) return out;
+  const RobotTrials simulator(robot, trials, options);
+  const FloorFit followed = validate_floor(simulator, options);
+  for (const DropResult& d : followed.drops)
+    if (!d.simulated) throw InputError({d.file}, "it cannot be followed with this robot: fit it first");
+  for (std::size_t o = 0; o < out.noise.size(); ++o)
+    out.noise[o] = std::max(followed.rms[o], kLeastNoise * followed.noise[o]);
+  out.tell = informations(simulator, options, out.noise, followed.nuisance);
+  out.doubts = followed.warnings;
+  return out;
+}
+
 /// Ranks candidates that can be followed.
 void choose(const std::vector<MatrixXd>& of, const RobotDesignOptions& o, MatrixXd& known, RobotDesign& out) {
   for (int rank = 1; rank <= o.trials; ++rank) {
@@ -86,6 +106,12 @@ void choose(const std::vector<MatrixXd>& of, const RobotDesignOptions& o, Matrix
 }
 
 }  // namespace
+
+identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<RobotTrial> in_hand,
+                                       const std::vector<RobotTrial>& candidates) {
+  in_hand.insert(in_hand.end(), candidates.begin(), candidates.end());
+  return robot_terms(robot, in_hand);
+}
 
 RobotTrial planned_trial(const DrivenRobot& robot, const RobotTrial& commands, const std::vector<double>& noise) {
   RobotTrial out = commands;
@@ -123,26 +149,16 @@ RobotDesign design_trials(const DrivenRobot& robot, const std::vector<RobotTrial
   if (candidates.empty()) throw InputError("--next: at least one log of commands is needed");
   RobotDesign out{.criterion = options.criterion, .in_hand = int(in_hand.size())};
   out.channels = sensed_channels(robot.scene.robot);
-  std::vector<double> noise(out.channels.size(), kNaN);
-  std::vector<MatrixXd> known_of;
-  const RobotTrials present(robot, in_hand, options.fit);
-  if (!in_hand.empty()) {
-    const FloorFit followed = validate_floor(present, options.fit);
-    for (const DropResult& d : followed.drops)
-      if (!d.simulated) throw InputError({d.file}, "it cannot be followed with this robot: fit it first");
-    for (std::size_t o = 0; o < noise.size(); ++o)
-      noise[o] = std::max(followed.rms[o], kLeastNoise * followed.noise[o]);
-    out.doubts = followed.warnings;
-    known_of = informations(present, options.fit, noise, OwnTerms::kFitted);
-  }
-  out.noise = noise_to_come(out.channels, noise, options.noise);
+  InHand present = follow(robot, in_hand, options.fit);
+  out.doubts = std::move(present.doubts);
+  out.noise = noise_to_come(out.channels, present.noise, options.noise);
   std::vector<RobotTrial> next;
   for (const RobotTrial& c : candidates) next.push_back(planned_trial(robot, c, out.noise));
   const RobotTrials planned(robot, next, options.fit);
   std::vector<double> sigma = out.noise;  // an angle that is only a start counts for nothing
   for (double& s : sigma)
     if (!std::isfinite(s)) s = std::numeric_limits<double>::infinity();
-  const std::vector<MatrixXd> of = informations(planned, options.fit, sigma, OwnTerms::kAbsent);
+  const std::vector<MatrixXd> of = informations(planned, options.fit, sigma, {});
 
   const long n = long(options.fit.terms.free.size());
   out.value.resize(n), out.part_of.resize(n);
@@ -155,7 +171,7 @@ RobotDesign design_trials(const DrivenRobot& robot, const std::vector<RobotTrial
     return MatrixXd(out.part_of.asDiagonal() * x.topLeftCorner(n, n) * out.part_of.asDiagonal());
   };
   MatrixXd known = MatrixXd::Zero(n, n);
-  for (const MatrixXd& x : known_of)
+  for (const MatrixXd& x : present.tell)
     if (x.size() > 0) known += in_parts(x);
   out.before = Known(known).half_widths(), out.size_before = Known(known).size(options.criterion);
   std::vector<MatrixXd> told;

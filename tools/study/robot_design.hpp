@@ -51,6 +51,10 @@ struct RobotDesign {
   std::vector<std::string> doubts;
 };
 
+/// The terms of trials and candidates together, see robot_terms.
+identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<RobotTrial> in_hand,
+                                       const std::vector<RobotTrial>& candidates);
+
 /// A log that holds commands and what is measured before them as the trial that they will be: every channel with a
 /// noise has a place in every row, and it starts at rest where its first row says, an angle that is not measured at its
 /// command. Throws InputError where nothing says it.

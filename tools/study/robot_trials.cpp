@@ -162,13 +162,15 @@ void RobotTrials::guess_height(std::size_t m) {
 }
 
 std::vector<double> RobotTrials::parts() const {
-  constexpr double kFirst = 0.2, kLast = 5, kByContacts = 1.25, kFree = 2.3;  // [s], [s], and how they grow
-  const bool touches = !robot_.scene.robot.contacts.empty();  // then the parts meet one touchdown after the other
-  const double grow = touches ? kByContacts : kFree, least = touches ? 1.1 : 2;  // of the rest beyond the last part
+  constexpr double kFirst = 0.2, kLongest = 5;  // [s]
+  // By how much a part is longer than the one before, and the whole than the last. A robot that touches meets one
+  // touchdown after the other.
+  const bool touches = !robot_.scene.robot.contacts.empty();
+  const double grow = touches ? 1.25 : 2.3, least = touches ? 1.1 : 2;
   double longest = 0;
   for (const RobotTrial& t : trials_) longest = std::max(longest, t.log.t.back());
   std::vector<double> out;
-  for (double after = kFirst; least * after < longest && after < kLast; after *= grow) out.push_back(after);
+  for (double after = kFirst; least * after < longest && after < kLongest; after *= grow) out.push_back(after);
   out.push_back(std::numeric_limits<double>::infinity());
   return out;
 }

@@ -119,8 +119,10 @@ void apply_release(const FreedomArguments& a, BodyScene& scene) {
   if (!only && a.from && !scene.release)
     throw InputError("--release-from: the scene has no [release] with a table for each driven joint");
   std::optional<Release> was;
-  if (scene.release) was = {only ? scene.release->joints[*only].phi : 0, 0, scene.release->from};
-  if (was && only) was->rate = scene.release->joints[*only].rate;
+  if (scene.release) {
+    const BodyRelease::Joint joint = only ? scene.release->joints[*only] : BodyRelease::Joint{};
+    was = Release{joint.phi, joint.rate, scene.release->from};
+  }
   const std::optional<Release> is = release_of(a, was);
   if (!is) return;
   if (!scene.release) scene.release = BodyRelease{.joints = std::vector<BodyRelease::Joint>(scene.robot.joints.size())};

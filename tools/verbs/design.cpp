@@ -10,6 +10,7 @@
 #include "tools/program/verb.hpp"
 #include "tools/report/design.hpp"
 #include "tools/verbs/design.hpp"
+#include "tools/verbs/robot_logs.hpp"
 
 namespace ukemi::tools {
 
@@ -34,9 +35,9 @@ int run_design(const DesignArguments& a, const CommonOptions& common) {
   if (!a.robot.empty()) return design_robot(a, common);
   if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
   if (a.actuator.empty()) throw InputError("--actuator is required");
-  for (const auto& [given, option] :
-       {std::pair(!a.next.empty(), "--next"), {!a.free.empty(), "--free"}, {!a.pieces.empty(), "--pieces"}})
+  for (const auto& [given, option] : {std::pair(!a.next.empty(), "--next"), {!a.free.empty(), "--free"}})
     if (given) throw InputError(std::string(option) + ": --robot is needed with it");
+  check_no_pieces(a.pieces, a.tie);
   Run run(kDesignOutputs, common);
   DesignRequest request = request_of(a, common, run);
   request.actuator = actuator_of(a.actuator, run);
@@ -60,18 +61,13 @@ void add_design(CLI::App* verb, Action& chosen) {
   verb->add_option("--next", args->next,
                    "with --robot: logs of commands that could be played next (CSV, angles not needed)");
   verb->add_option("--free", args->free, "with --robot: the constants that are to be known");
-  verb->add_option("--pieces", args->pieces, "with --robot: how the trials in hand are cut, as identify [whole logs]");
-  verb->add_option(
-          "--tie", args->tie,
-          "with --pieces: so many that follow each other are one trial: each begins where the one before ends [1]")
-      ->check(CLI::Range(1, 100'000));
+  add_pieces(*verb, args->pieces, args->tie);
   verb->add_option("--peak", args->budget.peak, "largest force of a hit [N] [300]");
   verb->add_option("--width", args->width, "shortest and longest pulse [s] [0.010 0.020]")->expected(1, 2);
   verb->add_option("--angle", args->budget.angle,
                    "largest |phi_1| [rad], kept wherever the constants may lie within their uncertainty [0.6]");
   verb->add_option("--hits", args->hits, "how many hits, each a trial of its own; of a robot, how many of --next [2]");
-  using enum identify::Criterion;
-  add_choice(*verb, "--criterion", args->criterion, {{"worst", kWorst}, {"d", kD}, {"e", kE}},
+  add_choice(*verb, "--criterion", args->criterion, criteria(),
              "what becomes smallest: worst (the worst-known constant's interval), d (the volume of the "
              "ellipsoid), e (its longest axis) [worst]");
   using enum identify::HitBudget::Directions;

@@ -18,17 +18,14 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
              "--robot");
   if (a.free.empty()) throw InputError("--free: with --robot the constants that are to be known must be named");
   const DrivenRobot robot = robot_of(a.robot, run);
-  const bool one_turn = a.reading.angles == identify::TrialOptions::Angles::kOneTurn;
-  RobotLogOptions reading{.angles = one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
+  RobotLogOptions reading = reading_of(a.reading);
   const std::vector<RobotTrial> in_hand =
       read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading, robot, run);
   reading.measured = RobotLogOptions::Measured::kNothing;
   const std::vector<RobotTrial> next = read_trials({.files = a.next, .columns = {}, .pieces = {}}, reading, robot, run);
 
   RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
-  std::vector<RobotTrial> all = in_hand;
-  all.insert(all.end(), next.begin(), next.end());
-  options.fit.terms = robot_terms(robot, all);
+  options.fit.terms = design_terms(robot, in_hand, next);
   CalibrateArguments fit;
   fit.free = a.free, fit.nuisance = fmt::format("{}", fmt::join(options.fit.terms.nuisance, ","));
   set_options(fit, common, options.fit);

@@ -76,9 +76,8 @@ Scene scene_of(const std::string& path, Run& run) {
 Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run) {
   Scene scene = scene_of(path, run);
   apply(arguments, scene.freedom);
-  const bool changed = arguments.release_phi || arguments.release_rate || arguments.from;
   scene.release = release_of(arguments, scene.release);
-  if (const auto wrong = changed ? release_fault(scene) : std::nullopt)
+  if (const auto wrong = release_fault(scene))
     throw InputError((wrong->key == "from" ? "--release-from: " : "--release-phi: ") + wrong->message);
   return scene;
 }

@@ -14,6 +14,7 @@
 #include "tools/program/verb.hpp"
 #include "tools/report/identify.hpp"
 #include "tools/study/landing_of_fit.hpp"
+#include "tools/verbs/robot_logs.hpp"
 #include "tools/verbs/runs.hpp"
 #include "tools/verbs/term_help.hpp"
 
@@ -193,8 +194,7 @@ int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts pre
   if (!a.robot.empty()) return identify_robot(a, common, predicts);
   if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
   if (predicts == Predicts::kYes && a.actuator.empty()) throw InputError("--actuator is required");
-  if (!a.pieces.empty()) throw InputError("--pieces: --robot is needed with it");
-  if (a.tie != 1) throw InputError("--tie: --pieces is needed with it");
+  check_no_pieces(a.pieces, a.tie);
   return run_identify(a, common);
 }
 int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
@@ -212,14 +212,7 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
       ->required();
   verb->add_option("--rig", args->rig, "rig file (TOML)");
   verb->add_option("--robot", args->robot, "of a robot of links, in place of the rig: robot file (TOML)");
-  verb->add_option(
-      "--pieces", args->pieces,
-      "with --robot: cut each log into trials: auto (where a robot on a rail pushes off), about so long [s], or at the "
-      "times of FILE[:COLUMN] [whole logs]");
-  verb->add_option(
-          "--tie", args->tie,
-          "with --pieces: so many that follow each other are one trial: each begins where the one before ends [1]")
-      ->check(CLI::Range(1, 100'000));
+  add_pieces(*verb, args->pieces, args->tie);
   if (predict) verb->add_option("--actuator", args->actuator, "actuator file (TOML)");
   add_trial_options(*verb, args->reading);
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");

@@ -68,6 +68,26 @@ int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, Rob
 
 }  // namespace
 
+void add_pieces(CLI::App& verb, std::string& pieces, int& tie) {
+  verb.add_option(
+      "--pieces", pieces,
+      "with --robot: cut each log into trials: auto (where a robot on a rail pushes off), about so long [s], or at the "
+      "times of FILE[:COLUMN] [whole logs]");
+  verb.add_option(
+          "--tie", tie,
+          "with --pieces: so many that follow each other are one trial: each begins where the one before ends [1]")
+      ->check(CLI::Range(1, 100'000));
+}
+void check_no_pieces(const std::string& pieces, int tie) {
+  if (!pieces.empty()) throw InputError("--pieces: --robot is needed with it");
+  if (tie != 1) throw InputError("--tie: --pieces is needed with it");
+}
+
+RobotLogOptions reading_of(const TrialArguments& a) {
+  const bool one_turn = a.angles == identify::TrialOptions::Angles::kOneTurn;
+  return {.angles = one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
+}
+
 std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions reading, const DrivenRobot& robot,
                                     Run& run) {
   reading.columns = logs.columns;
@@ -113,11 +133,8 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
               "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
              "--robot");
   const DrivenRobot robot = robot_of(a.robot, run);
-  const bool one_turn = a.reading.angles == identify::TrialOptions::Angles::kOneTurn;
-  const RobotLogOptions reading{.angles =
-                                    one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
   const std::vector<RobotTrial> trials =
-      read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading, robot, run);
+      read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading_of(a.reading), robot, run);
   RobotFitOptions options;
   options.terms = robot_terms(robot, trials);
   if (only) return options.threads = common.threads, predict(robot, trials, options, run);

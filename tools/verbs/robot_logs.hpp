@@ -1,6 +1,7 @@
 // A robot of links and its logs, as verbs read them; both become inputs of the run.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,12 @@
 
 namespace ukemi::tools {
 
+/// --pieces and --tie.
+void add_pieces(CLI::App& verb, std::string& pieces, int& tie);
+/// Throws InputError where they are given without --robot.
+void check_no_pieces(const std::string& pieces, int tie);
+/// How angles are read.
+RobotLogOptions reading_of(const TrialArguments& arguments);
 DrivenRobot robot_of(const std::string& path, Run& run);
 /// Of its files by their columns and pieces; what else is read of a log says `reading`.
 std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions reading, const DrivenRobot& robot,
