@@ -130,4 +130,14 @@ int ColumnMap::find(const CsvTable& table, const std::string& name, Source& sour
   return found;
 }
 
+std::optional<double> ColumnMap::constant(const CsvTable& table, const std::string& name) const {
+  const auto it = given_.find(name);
+  if (it == given_.end() || table.find(it->second.column) >= 0) return std::nullopt;
+  const std::string& text = it->second.column;
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value * it->second.scale;
+}
+
 }  // namespace ukemi::identify

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,8 @@ class ColumnMap {
   /// Index in `table` of the column that holds `name`, with its scale in `source`; -1 where there is none. Throws
   /// InputError where two columns hold it, and where the map names a column that is not there.
   int find(const CsvTable& table, const std::string& name, Source& source) const;
+  /// Where the map gives `name` a number instead of a column of `table`: that, in SI.
+  std::optional<double> constant(const CsvTable& table, const std::string& name) const;
 
  private:
   std::vector<Source> candidates(const std::string& name) const;

@@ -53,9 +53,6 @@ void list_robot(const BodyScene& s, Listing& add) {
   for (const Joint& j : r.joints) list(j, add);
   for (const ContactPoint& c : r.contacts) list(c, add);
   add(s.floor)(s.slope)(s.detection_delay)(s.execution.phi)(s.execution.duration);
-  for (const BodyLimits::Joint& j : s.limits.joints)
-    add("limits")(j.phi)(j.motor_speed)(j.motor_torque)(j.reference_rate);
-  for (const bool forbidden : s.limits.forbidden) add(forbidden);
   for (const Load& l : s.loads) add("load")(double(l.kind))(l.index)(l.at)(l.phi)(l.rating)(l.limit);
 }
 
@@ -79,7 +76,7 @@ void list_plan(const BodyScene& s, Listing& add) {
 
 /// A drop's scene, of which a landing ends where it breaks a limit.
 BodyScene dropped(BodyScene scene, const Drop& drop) {
-  scene.drop = drop, scene.limits.broken = BodyLimits::Broken::kEnds;
+  scene.drop = drop, scene.ends_broken = true;
   return scene;
 }
 

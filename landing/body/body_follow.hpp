@@ -52,7 +52,7 @@ class BodyFollower {
     out_.speed = {last[System::kVx], free ? last[System::kVy] : 0};
     if (loads_) {
       out_.loads = loads_->finish(t_, peak_);
-      if (const int load = loads_->exceeded(); load >= 0) broken(BrokenLimit::Kind::kLoad, load);
+      find_broken();
     }
     if constexpr (kReport) recorder_.finish();
   }
@@ -72,10 +72,9 @@ class BodyFollower {
       if (!peak_.step(system_, driver)) return failed(Failure::kUnresolved);
       if (softened(driver.state())) return failed(Failure::kGivesWay);
       if constexpr (kReport) recorder_.step(system_, driver);
-      if (!scene_.limits.joints.empty() && !out_.broken) look(driver);
       if (loads_) bear(driver);
     }
-    if (out_.broken && scene_.limits.broken == BodyLimits::Broken::kEnds) return End::kBroken;
+    if (out_.broken && scene_.ends_broken) return End::kBroken;
     if (peak_.square > abandon_ * abandon_ || (loads_ && loads_->worth() > options_.abandon_above))
       return End::kAbandoned;
     if (options_.stopped(n)) return End::kStopped;
@@ -94,29 +93,11 @@ class BodyFollower {
   template <class Driver>
   [[gnu::noinline]] void bear(Driver& driver) {
     loads_->step(system_, driver, peak_);
-    if (const int load = loads_->exceeded(); load >= 0) broken(BrokenLimit::Kind::kLoad, load);
+    find_broken();
   }
-  void broken(BrokenLimit::Kind kind, int index) {
-    if (!out_.broken) out_.broken = {kind, index, t_};
-  }
-  /// Whether the step breaks a joint's limits at its quarters, at which a report too looks for demands.
-  template <class Driver>
-  void look(Driver& driver) {
-    const auto& step = driver.step();
-    for (const double part : {0.25, 0.5, 0.75, 1.0}) {
-      const double t = step.t + part * step.h;
-      const State y = driver.dense().at(part);
-      for (int i = 0; i < joints(); ++i) {
-        if (!course_.driven(i)) continue;
-        const int joint = system_.body.joint[i].joint;
-        const BodyLimits::Joint& most = scene_.limits.joints[std::size_t(joint)];
-        const SeaState<double> q = system_.joint_state(i, y);
-        const auto [speed, torque] = motor_demand(system_, i, t, q);
-        if (!(most.phi[0] <= q.phi && q.phi <= most.phi[1])) broken(BrokenLimit::Kind::kStop, joint);
-        if (speed > most.motor_speed) broken(BrokenLimit::Kind::kMotorSpeed, joint);
-        if (torque > most.motor_torque) broken(BrokenLimit::Kind::kMotorTorque, joint);
-      }
-    }
+  void find_broken() {
+    if (out_.broken) return;
+    if (const int load = loads_->exceeded(); load >= 0) out_.broken = {load, t_};
   }
   bool softened(const State& y) const {
     for (int i = 0; i < joints(); ++i) {
@@ -144,10 +125,10 @@ class BodyFollower {
     const typename Course::Crossing crossing = course_.cross(event, t_, y);
     const int touched = crossing.touched;
     driver.refresh(y);
-    if (touched >= 0 && !scene_.limits.forbidden.empty() && scene_.limits.forbidden[std::size_t(touched)])
-      broken(BrokenLimit::Kind::kForbidden, touched);
-    if (loads_ && crossing.surface)
+    if (loads_ && crossing.surface) {
       touched >= 0 ? loads_->touchdown(touched, t_) : loads_->liftoff(event / System::kOfContact, t_);
+      find_broken();
+    }
     if (crossing.lands) land();
     jump(driver);
     if constexpr (kReport) {
@@ -159,15 +140,8 @@ class BodyFollower {
     }
   }
 
-  /// The landing motions start; a reference that is too fast breaks its limit here.
   void land() {
-    const auto& limits = scene_.limits.joints;
-    for (int i = 0; i < joints() && !limits.empty(); ++i) {
-      const int joint = system_.body.joint[i].joint;
-      if (course_.driven(i) &&
-          peak_reference_rate(motion_[std::size_t(joint)], t_) > limits[std::size_t(joint)].reference_rate)
-        broken(BrokenLimit::Kind::kReferenceRate, joint);
-    }
+    if (loads_) loads_->land(motion_, t_), find_broken();
     course_.land(t_);
   }
 

@@ -6,26 +6,6 @@
 
 namespace ukemi::landing {
 
-const char* words(BrokenLimit::Kind kind) {
-  switch (kind) {
-    case BrokenLimit::Kind::kForbidden:
-      return "touches the floor";
-    case BrokenLimit::Kind::kStop:
-      return "passes its stop";
-    case BrokenLimit::Kind::kMotorSpeed:
-      return "motor speed";
-    case BrokenLimit::Kind::kMotorTorque:
-      return "motor torque";
-    case BrokenLimit::Kind::kReferenceRate:
-      return "reference rate";
-    case BrokenLimit::Kind::kLoad:
-      return "beyond its rating";
-    case BrokenLimit::Kind::kNone:
-      break;
-  }
-  return "";
-}
-
 BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, double rate) {
   scene.validate(), validate(scene.robot, motion), options.validate();
   constexpr double kMostRows = 2e6, kLongest = 30;  // [s]

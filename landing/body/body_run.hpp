@@ -30,13 +30,10 @@ struct JointDemands {
 
 /// Where a landing first breaks a limit of its scene.
 struct BrokenLimit {
-  enum class Kind { kNone, kForbidden, kStop, kMotorSpeed, kMotorTorque, kReferenceRate, kLoad } kind = Kind::kNone;
-  int index = -1;  ///< of Robot::joints, of kForbidden of Robot::contacts, of kLoad of BodyScene::loads
-  double t = 0;    ///< [s]
-  explicit operator bool() const { return kind != Kind::kNone; }
+  int load = -1;  ///< of BodyScene::loads
+  double t = 0;   ///< [s]
+  explicit operator bool() const { return load >= 0; }
 };
-/// "touches the floor", "passes its stop", "motor speed", "motor torque", "reference rate", "beyond its rating".
-const char* words(BrokenLimit::Kind kind);
 
 struct LoadPeak {
   double value = 0, t = 0;  ///< of a load, the largest of a run, and when [s]
@@ -46,7 +43,7 @@ struct LoadPeak {
 /// it: touches, peaks, demands, trajectory, energy_residual.
 struct BodyLanding : RunEnd {
   double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
-  BrokenLimit broken;                                                ///< of BodyScene::limits, or of a load
+  BrokenLimit broken;                                                ///< which limit, if any
   std::vector<LoadPeak> loads;                                       ///< of BodyScene::loads
   std::vector<Touch> touches;                                        ///< in their order
   std::vector<Peak> peaks;                ///< between touchdowns, chatter left out; point: of Robot::contacts

@@ -30,24 +30,20 @@ struct BodyRelease {
   double from = 0;            ///< when the references may begin to move, from release [s], >= 0
 };
 
-/// What a landing must not do. Searches keep it; a run says where it is first broken (BodyLanding::broken).
-struct BodyLimits {
-  static constexpr double kNone = std::numeric_limits<double>::infinity();
-  struct Joint {
-    std::array<double, 2> phi{-kNone, kNone};          ///< stops of the joint's angle [rad]
-    double motor_speed = kNone, motor_torque = kNone;  ///< of |dphi_m|, of a geared drive of |dphi| [rad/s]; [Nm]
-    double reference_rate = kNone;                     ///< of |dphi_ref| [rad/s]
-    bool stops() const { return phi[0] > -kNone || phi[1] < kNone; }
-  };
-  std::vector<Joint> joints;    ///< of Robot::joints; empty: none of them has limits
-  std::vector<bool> forbidden;  ///< of Robot::contacts, which must never touch; empty: each may
-  enum class Broken { kTold, kEnds } broken = Broken::kTold;  ///< a run goes on; it ends with End::kBroken
-  bool any() const { return !joints.empty() || !forbidden.empty(); }
-};
-
 /// What a part bears, beside what it can; kinds, units and places: tools/docs/loads.md.
 struct Load {
-  enum class Kind { kAcceleration, kTorque, kDeflection, kMotorSpeed, kMotorTorque, kAngle, kForce, kImpulse, kTouch };
+  enum class Kind {
+    kAcceleration,
+    kTorque,
+    kDeflection,
+    kMotorSpeed,
+    kMotorTorque,
+    kAngle,
+    kForce,
+    kImpulse,
+    kTouch,
+    kReferenceRate
+  };
   std::string name;
   Kind kind = Kind::kAcceleration;
   int index = 0;                ///< of Robot::links, joints or contacts
@@ -78,13 +74,13 @@ struct BodyScene {
   std::optional<Scatter> scatter;            ///< of its drops; absent: nothing is said
   ExecutionTolerance execution;              ///< how exactly every joint plays its motion
   std::optional<BodyRelease> release;        ///< absent: released at phi_I
-  BodyLimits limits;
-  std::vector<Load> loads;
+  std::vector<Load> loads;   ///< of [[load]], then the limits of [joint], of `forbid` and of `respect_ratings`
+  bool ends_broken = false;  ///< a run ends with End::kBroken where a limit is first passed
 
   /// Throws InputError for a number outside the range that stands beside it.
   void validate() const;
   bool touches() const { return floor && !robot.contacts.empty(); }
-  bool limited() const;  ///< by `limits` or a load
+  bool limited() const;  ///< a load is a limit
 };
 
 /// What each joint of Robot::joints plays from the first touchdown of any contact on; of those that are not driven
@@ -93,11 +89,11 @@ using BodyMotion = std::vector<Motion>;
 
 /// Every driven joint held where it is released, without a release where JointSearch::held says.
 BodyMotion held_posture(const BodyScene& scene);
-/// Contacts that must never touch, by their names, in place of those of the scene; none given: nothing changes. Throws
-/// InputError "OPTION: ..." for a name that is no contact's.
+/// Contacts that must never touch, by their names: a limit CONTACT.touch for each. Throws InputError "OPTION: ..." for
+/// a name that is no contact's.
 void forbid(BodyScene& scene, const std::vector<std::string>& contacts, const std::string& option = "forbid");
-/// The ratings of each drive become limits, and no reference may be faster than its motor. Returns the joints whose
-/// drive has neither rating.
+/// The ratings of each drive become limits, JOINT.motor_speed and JOINT.motor_torque, and no reference may be faster
+/// than its motor, JOINT.reference_rate. Returns the joints whose drive has neither rating.
 std::vector<std::string> respect_ratings(BodyScene& scene);
 /// Throws InputError unless there is a motion for every joint, and those of driven joints are motions.
 void validate(const Robot& robot, const BodyMotion& motion);

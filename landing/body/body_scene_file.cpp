@@ -105,11 +105,13 @@ void read_release(TomlSection& s, const Robot& robot, BodyScene& scene) {
 }
 
 /// [joint.JOINT] phi_deg: its stops.
-void read_stops(TomlSection& s, const Robot& robot, BodyLimits& limits) {
-  limits.joints.resize(robot.joints.size());
-  for_driven(s, robot, [&](TomlSection& section, std::size_t i) {
-    if (const auto phi = rising_angles(section)) limits.joints[i].phi = *phi;
-  });
+std::vector<Load> read_stops(TomlFile& file, const Robot& robot) {
+  std::vector<Load> out;
+  if (auto stops = file.optional("joint"))
+    for_driven(*stops, robot, [&](TomlSection& section, std::size_t i) {
+      if (const auto phi = rising_angles(section)) out.push_back(limit(robot, Load::Kind::kAngle, i, 0, *phi));
+    });
+  return out;
 }
 
 /// Of contacts that say nothing, where there is no floor.
@@ -141,8 +143,7 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
     read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);
   if (auto release = file.optional("release")) read_release(*release, out.robot, out);
-  if (auto stops = file.optional("joint")) read_stops(*stops, out.robot, out.limits);
-  out.loads = read_loads(file, out);
+  out.loads = read_loads(file, out.robot, read_stops(file, out.robot));
   if (auto motion = file.optional("motion")) {
     out.freedom = read_freedom(*motion);
     out.own_durations = motion->optional_choice("duration", {"shared", "own"}) == "own";
@@ -171,19 +172,6 @@ void check(const BodyRelease& release, const Robot& robot) {
     check_finite("release.phi", j.phi), check_finite("release.rate", j.rate);
   check_not_negative("release.from", release.from);
 }
-void check(const BodyLimits& limits, const Robot& robot) {
-  const auto none_or = [](const char* what, std::size_t given, std::size_t needed) {
-    if (given != 0 && given != needed)
-      throw InputError(fmt::format("{}: {}: none, or one for each of {} is needed", what, given, needed));
-  };
-  none_or("limits.joints", limits.joints.size(), robot.joints.size());
-  none_or("limits.forbidden", limits.forbidden.size(), robot.contacts.size());
-  for (const BodyLimits::Joint& j : limits.joints) {
-    if (!(j.phi[0] < j.phi[1])) throw InputError("limits.phi: low < high is needed");
-    for (const double x : {j.motor_speed, j.motor_torque, j.reference_rate})
-      if (!(x >= 0)) throw InputError(fmt::format("limits: {}: at least 0 is needed", shortest(x)));
-  }
-}
 
 }  // namespace
 
@@ -198,7 +186,6 @@ void BodyScene::validate() const {
   if (drop.vertical_speed != 0 && !falls)
     throw InputError("drop.vertical_speed: 0 is needed: this base keeps the robot from falling");
   if (release) check(*release, robot);
-  check(limits, robot);
   for (const Load& l : loads) check(l, robot);
   check_not_negative("detection_delay", detection_delay);
   if (t_end) check_positive("t_end", *t_end);
@@ -218,7 +205,7 @@ void BodyScene::validate() const {
 }
 
 bool BodyScene::limited() const {
-  return limits.any() || std::any_of(loads.begin(), loads.end(), [](auto& l) { return l.limit; });
+  return std::any_of(loads.begin(), loads.end(), [](auto& l) { return l.limit; });
 }
 
 BodyMotion held_posture(const BodyScene& scene) {
@@ -238,28 +225,27 @@ BodyMotion held_posture(const BodyScene& scene) {
 }
 
 void forbid(BodyScene& scene, const std::vector<std::string>& contacts, const std::string& option) {
-  if (contacts.empty()) return;
   std::vector<std::string> known;
   for (const ContactPoint& c : scene.robot.contacts) known.push_back(c.name);
-  scene.limits.forbidden.assign(known.size(), false);
   for (const std::string& name : contacts) {
     const auto at = std::find(known.begin(), known.end(), name);
     if (at == known.end()) throw InputError(option + ": " + one_of(name, known));
-    scene.limits.forbidden[std::size_t(at - known.begin())] = true;
+    set_limit(scene, limit(scene.robot, Load::Kind::kTouch, std::size_t(at - known.begin()), 0));
   }
 }
 
 std::vector<std::string> respect_ratings(BodyScene& scene) {
+  using Kind = Load::Kind;
   const std::vector<Joint>& joints = scene.robot.joints;
-  scene.limits.joints.resize(joints.size());
   std::vector<std::string> unrated;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint& joint = joints[i];
     if (!joint.driven()) continue;
     if (!joint.speed_max && !joint.motor_torque_max) unrated.push_back(joint.name);
-    BodyLimits::Joint& limits = scene.limits.joints[i];
-    limits.motor_speed = limits.reference_rate = joint.speed_max.value_or(BodyLimits::kNone);
-    limits.motor_torque = joint.motor_torque_max.value_or(BodyLimits::kNone);
+    for (const auto& [kind, rating] : {std::pair(Kind::kMotorSpeed, joint.speed_max),
+                                       {Kind::kReferenceRate, joint.speed_max},
+                                       {Kind::kMotorTorque, joint.motor_torque_max}})
+      if (rating) set_limit(scene, limit(scene.robot, kind, i, *rating));
   }
   return unrated;
 }

@@ -288,13 +288,16 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     return masked(m.touching, rate);
   }
 
+  struct NoPush {
+    UKEMI_INLINE void operator()(TreeLoads<T, kB>&, const Pose&) const {}
+  };
   template <class Time>
   void derivative(const Time& t, const State& y, State& dy) const {
     derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor); });
   }
-  /// Where joint i turns its child with torque_of(i, motor).
-  template <class Torque>
-  UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of) const {
+  /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links.
+  template <class Torque, class Push = NoPush>
+  UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of, Push&& push = {}) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power(0);  // on the links
@@ -311,6 +314,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     }
     if (has_stops()) [[unlikely]]
       push_stops(p, y, load, power);
+    push(load, p);
     for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
     for (int i = 0; i < body.joints; ++i) {
       T motor(0);

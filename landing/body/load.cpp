@@ -20,22 +20,23 @@ struct Named {
   const char *name, *unit;
   Of of;
 };
-constexpr std::array<Named, 9> kKinds = {{{"acceleration", "m/s^2", Of::kLink},
-                                          {"torque", "Nm", Of::kJoint},
-                                          {"deflection", "rad", Of::kJoint},
-                                          {"motor_speed", "rad/s", Of::kJoint},
-                                          {"motor_torque", "Nm", Of::kJoint},
-                                          {"angle", "rad", Of::kJoint},
-                                          {"force", "N", Of::kContact},
-                                          {"impulse", "N s", Of::kContact},
-                                          {"touch", "1", Of::kContact}}};
+constexpr std::array<Named, 10> kKinds = {{{"acceleration", "m/s^2", Of::kLink},
+                                           {"torque", "Nm", Of::kJoint},
+                                           {"deflection", "rad", Of::kJoint},
+                                           {"motor_speed", "rad/s", Of::kJoint},
+                                           {"motor_torque", "Nm", Of::kJoint},
+                                           {"angle", "rad", Of::kJoint},
+                                           {"force", "N", Of::kContact},
+                                           {"impulse", "N s", Of::kContact},
+                                           {"touch", "1", Of::kContact},
+                                           {"reference_rate", "rad/s", Of::kJoint}}};
 const Named& named(Kind kind) { return kKinds[std::size_t(kind)]; }
 
 /// Why a joint has no such load; empty: it has.
 std::string fault(Kind kind, const Joint& j) {
   if (j.kind == DriveKind::kLocked) return "the joint is locked: it bears what is not computed";
   if (kind == Kind::kDeflection && j.kind != DriveKind::kElastic) return "a joint with an elastic drive is needed";
-  if ((kind == Kind::kMotorSpeed || kind == Kind::kMotorTorque) && !j.driven())
+  if ((kind == Kind::kMotorSpeed || kind == Kind::kMotorTorque || kind == Kind::kReferenceRate) && !j.driven())
     return "a joint that is driven is needed";
   return "";
 }
@@ -50,8 +51,7 @@ int index_of(TomlSection& s, const char* key, const Items& items) {
   return int(at - names.begin());
 }
 
-void read_place(TomlSection& s, const BodyScene& scene, Load& out) {
-  const Robot& robot = scene.robot;
+void read_place(TomlSection& s, const Robot& robot, const std::vector<Load>& stops, Load& out) {
   const Of of = named(out.kind).of;
   for (const auto& [key, where] :
        {std::pair("link", Of::kLink), {"at", Of::kLink}, {"joint", Of::kJoint}, {"contact", Of::kContact}})
@@ -74,10 +74,9 @@ void read_place(TomlSection& s, const BodyScene& scene, Load& out) {
     return;
   }
   const auto phi = s.optional_angle_pair("phi");
-  const BodyLimits::Joint stops =
-      scene.limits.joints.empty() ? BodyLimits::Joint{} : scene.limits.joints[std::size_t(out.index)];
-  if (!phi && !stops.stops()) s.fail("phi_deg", "[low, high] is needed where the joint has no stops in [joint]");
-  out.phi = phi.value_or(stops.phi);
+  const auto own = std::find_if(stops.begin(), stops.end(), [&](const Load& l) { return l.index == out.index; });
+  if (!phi && own == stops.end()) s.fail("phi_deg", "[low, high] is needed where the joint has no stops in [joint]");
+  out.phi = phi ? *phi : own->phi;
   if (!(out.phi[0] < out.phi[1])) s.fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
 }
 
@@ -85,6 +84,11 @@ void read_place(TomlSection& s, const BodyScene& scene, Load& out) {
 
 const char* name(Kind kind) { return named(kind).name; }
 const char* unit(Kind kind) { return named(kind).unit; }
+std::string words(Kind kind) {
+  std::string out = name(kind);
+  std::replace(out.begin(), out.end(), '_', ' ');
+  return out;
+}
 
 std::string place_of(const Load& l, const Robot& robot) {
   const auto k = std::size_t(l.index);
@@ -99,8 +103,11 @@ std::string place_of(const Load& l, const Robot& robot) {
   return "";
 }
 
-std::vector<Load> read_loads(TomlFile& file, const BodyScene& scene) {
-  std::vector<Load> out;
+/// Whether loads of this kind are limits alone: no amount that a plan makes small by degrees.
+bool only_limit(Kind k) { return k == Kind::kTouch || k == Kind::kReferenceRate; }
+
+std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vector<Load>& stops) {
+  std::vector<Load> out = stops;
   std::vector<std::string> kinds;
   for (const Named& k : kKinds) kinds.push_back(k.name);
   for (TomlSection& s : file.sections("load")) {
@@ -113,21 +120,31 @@ std::vector<Load> read_loads(TomlFile& file, const BodyScene& scene) {
     const auto at = std::find(kinds.begin(), kinds.end(), kind);
     if (at == kinds.end()) s.fail("kind", one_of(kind, kinds));
     l.kind = Kind(at - kinds.begin());
-    read_place(s, scene, l);
-    const bool touch = l.kind == Kind::kTouch;
-    l.limit = s.optional_flag("limit").value_or(touch);
-    if (touch && !l.limit) s.fail("limit", "a touch is no amount that a plan makes small: true is needed");
+    read_place(s, robot, stops, l);
+    const bool touch = l.kind == Kind::kTouch, only = only_limit(l.kind);
+    l.limit = s.optional_flag("limit").value_or(only);
+    if (only && !l.limit)
+      s.fail("limit", fmt::format("a {} is no amount that a plan makes small: true is needed", words(l.kind)));
     const Range range = l.limit ? Range::non_negative() : Range::positive();
     l.rating = touch ? s.optional_number("rating", range).value_or(0) : s.number("rating", range);
     out.push_back(l);
   }
+  std::rotate(out.begin(), out.begin() + long(stops.size()), out.end());
   return out;
 }
 
-void refuse_loads(const BodyScene& scene, const char* verb) {
-  if (!scene.loads.empty())
-    throw InputError(fmt::format(
-        "{}: the scene has [[load]], and it is of the peak acceleration alone: leave the tables out", verb));
+Load limit(const Robot& robot, Kind kind, std::size_t index, double rating, const std::array<double, 2>& phi) {
+  Load out{.kind = kind, .index = int(index), .phi = phi, .rating = rating, .limit = true};
+  out.name = place_of(out, robot) + "." + name(kind);
+  return out;
+}
+void set_limit(BodyScene& scene, const Load& limit) {
+  const auto own =
+      std::find_if(scene.loads.begin(), scene.loads.end(), [&](const Load& l) { return l.name == limit.name; });
+  if (own == scene.loads.end())
+    scene.loads.push_back(limit);
+  else
+    *own = limit;
 }
 
 void check(const Load& l, const Robot& robot) {

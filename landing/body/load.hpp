@@ -9,15 +9,19 @@
 
 namespace ukemi::landing {
 
-const char* name(Load::Kind kind);  ///< "acceleration", as files have it
-const char* unit(Load::Kind kind);  ///< "m/s^2"
+const char* name(Load::Kind kind);   ///< "acceleration", as files have it
+const char* unit(Load::Kind kind);   ///< "m/s^2"
+std::string words(Load::Kind kind);  ///< "motor speed"
 /// "knee", "slider [0, 0]": where it acts.
 std::string place_of(const Load& load, const Robot& robot);
 
-/// [[load]] of a scene whose robot and stops are read. Throws InputError with file:line:column.
-std::vector<Load> read_loads(TomlFile& file, const BodyScene& scene);
-/// Throws InputError where a scene has loads: `verb` looks at the peak acceleration alone.
-void refuse_loads(const BodyScene& scene, const char* verb);
+/// [[load]] of a scene's file, and behind them its joints' `stops`. Throws InputError with file:line:column.
+std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vector<Load>& stops);
+/// A limit that no file names: its place and kind do, "knee.motor_speed"; `phi`: of an angle.
+Load limit(const Robot& robot, Load::Kind kind, std::size_t index, double rating,
+           const std::array<double, 2>& phi = {});
+/// Adds a limit, or puts it where one of its name is.
+void set_limit(BodyScene& scene, const Load& limit);
 /// Throws InputError for a number outside its range, and for an index of nothing.
 void check(const Load& load, const Robot& robot);
 

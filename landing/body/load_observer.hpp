@@ -1,5 +1,5 @@
 // Finds the largest value of each load of a run: by the tracker of the peak, whose place the square of the load takes;
-// a touch and an impulse are told by events. Included by body_follow.hpp alone.
+// touches, impulses and rates of references are told by events. Included by body_follow.hpp alone.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ class LoadObserver {
         x.peak = {std::sqrt(own.square), own.t};
       } else if (x.kind() == Kind::kImpulse) {
         if (x.down) gather(s, integrator, x);
-      } else if (x.kind() != Kind::kTouch) {
+      } else if (at_every_state(x.kind())) {
         const Square<Integrator> square{s, x, integrator.step()};
         (void)x.tracker.step(square, integrator);  // the run has judged the step
         x.last = square.peak_square(integrator.step().y_end, integrator.step().slope_end);
@@ -48,6 +48,12 @@ class LoadObserver {
       if (x.kind() == Kind::kTouch && x.peak.value == 0) x.peak = {1, t};
       if (x.kind() == Kind::kImpulse) x.down = true, x.impulse.setZero();
     }
+  }
+  /// The landing motions start.
+  void land(const BodyMotion& motion, double t) {
+    for (Item& x : items_)
+      if (x.kind() == Kind::kReferenceRate)
+        x.peak = {peak_reference_rate(motion[std::size_t(x.of.load().index)], t), t};
   }
   void liftoff(int contact, double t) {
     for (Item& x : items_)
@@ -81,7 +87,7 @@ class LoadObserver {
     RestSquare out(own);
     for (const Item& x : items_) {
       if (x.down) return -1;
-      if (!x.own) out.add(x.kind(), x.tracker.square, x.last);
+      if (!x.own) out.add(x.kind(), large_square(x.of.load(), x.tracker.square), x.last);
     }
     return out.value();
   }

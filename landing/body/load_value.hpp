@@ -42,11 +42,11 @@ inline constexpr std::array<std::array<double, 2>, 5> kImpulseNodes = {{{0.5, 0.
                                                                         {0.9530899229693319, 0.11846344252809454}}};
 
 /// The square by which a run with loads is judged to rest: of the smallest acceleration that is asked for; where
-/// another load stands near its largest value, of a ten-thousandth of it.
+/// another load stands near its largest value, a limit that holds near its rating, of a ten-thousandth of it.
 class RestSquare {
  public:
   explicit RestSquare(double own) : square_(own) {}  ///< of the acceleration that counts
-  /// The largest square of a load so far, and that at the end of the last step.
+  /// large_square of a load, and its square at the end of the last step.
   void add(Load::Kind kind, double largest, double last) {
     constexpr double kNear = 0.81;
     if (largest == 0) return;
@@ -62,7 +62,29 @@ class RestSquare {
   bool near_ = false;
 };
 
-/// A load on a system: one that has its value at every state, neither a touch nor an impulse.
+/// Whether a load has its value at every state: no touch, no impulse, no rate of a reference.
+inline bool at_every_state(Load::Kind k) {
+  return k != Load::Kind::kTouch && k != Load::Kind::kImpulse && k != Load::Kind::kReferenceRate;
+}
+
+/// An angle no further beyond its range stands at its end [rad].
+inline constexpr double kAtStop = 1e-12;
+/// Of the range of an angle; of other loads 0.
+inline double half_range(const Load& l) { return l.kind == Load::Kind::kAngle ? 0.5 * (l.phi[1] - l.phi[0]) : 0; }
+/// What LoadValue tracks where a load has a value.
+inline double tracked(const Load& l, double value) {
+  return value + half_range(l) + (l.kind == Load::Kind::kAngle ? kAtStop : 0);
+}
+/// What RestSquare takes for the largest square so far: of a limit the `most` that it allows, until it is broken.
+inline double large_square(const Load& l, double square, double most) {
+  return !l.limit ? square : square > most ? 0 : most;
+}
+inline double large_square(const Load& l, double square) {
+  const double most = tracked(l, l.rating);
+  return large_square(l, square, most * most);
+}
+
+/// A load on a system: one that has its value at every state.
 template <class System>
 class LoadValue {
  public:
@@ -112,15 +134,11 @@ class LoadValue {
   }
   /// The load from what is tracked.
   template <class U>
-  U value(const U& tracked) const {
-    if (load_.kind != Kind::kAngle) return tracked;
-    const U beyond = tracked - U(half_range(load_));
-    return beyond < U(0.0) ? U(0.0) : beyond;
+  U value(const U& x) const {
+    if (load_.kind != Kind::kAngle) return x;
+    const U beyond = x - U(half_range(load_));
+    return beyond < U(kAtStop) ? U(0.0) : beyond;
   }
-  /// What is tracked where the load has a value: that of a rating.
-  double tracked(double value) const { return value + half_range(load_); }
-  /// Of an angle; else 0.
-  static double half_range(const Load& l) { return l.kind == Kind::kAngle ? 0.5 * (l.phi[1] - l.phi[0]) : 0; }
 
  private:
   static bool of_joint(Kind k) {

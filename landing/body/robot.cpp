@@ -119,6 +119,10 @@ void Robot::validate() const {
     check_positive(what + ": pad.stiffness", c.pad->stiffness);
     check_not_negative(what + ": pad.damping", c.pad->damping);
   }
+  for (const PushPoint& p : pushes) {
+    const std::string what = "push " + quoted(p.name);
+    link_index(what + ": link", p.link), check(what + ": at", p.at);
+  }
   for (const Stop& s : stops) {
     const std::string what = "stop " + quoted(stop_name(*this, s));
     if (s.joint < 0 && base != Base::kRail) throw InputError(what + ": base = \"rail\" is needed with it");

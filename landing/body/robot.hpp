@@ -91,6 +91,13 @@ struct ContactPoint {
   std::vector<std::string> own = {};  ///< keys of `law` that the contact's own table gives
 };
 
+/// Where a measured force pushes in trials: a hammer, a rod, a cable.
+struct PushPoint {
+  std::string name;
+  int link = 0;
+  Place at;
+};
+
 /// What a joint, or the rail, runs against at either end: F = max(0, K delta + C ddelta), delta the way beyond it.
 struct Stop {
   int joint = -1;                     ///< of Robot::joints; -1: the rail, by the first link's origin
@@ -114,6 +121,7 @@ struct Robot {
   std::vector<Joint> joints;
   std::vector<ContactPoint> contacts;
   std::vector<Stop> stops;
+  std::vector<PushPoint> pushes;  ///< see Commands::push
 
   /// The joint above a link; null: none.
   const Joint* joint_of(int link) const {

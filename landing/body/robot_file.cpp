@@ -135,6 +135,15 @@ void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& f
   }
 }
 
+void read_pushes(TomlSection& robot, const Indices& links, Robot& out) {
+  Indices known;
+  for (TomlSection& s : robot.sections("push")) {
+    const std::string name = new_name(s, known);
+    known[name] = int(out.pushes.size());
+    out.pushes.push_back({name, index_in(s, "link", links), place_in(s, "at")});
+  }
+}
+
 /// A motor that turns with the joint: all friction is its own.
 void read_geared(TomlSection& s, Joint& joint) {
   SeaParameters<double>& sea = joint.sea;
@@ -350,6 +359,7 @@ void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
     read_base(s, robot);
     links.read(s);
     read_contacts(s, links.placed, floor, robot);
+    read_pushes(s, links.placed, robot);
   }
   robot.peak = robot.links[0].com;
   if (auto peak = s.optional_section("peak"))

@@ -158,7 +158,7 @@ class LoadPeaks {
     RestSquare out(own.running());
     for (const Item& x : items_) {
       if (x.impulse && x.impulse->down()) return -1;
-      if (x.values) out.add(x.load->kind, x.values->running(), x.values->last());
+      if (x.values) out.add(x.load->kind, large_square(*x.load, x.values->running()), x.values->last());
     }
     return out.value();
   }
@@ -169,8 +169,7 @@ class LoadPeaks {
     if (landing::own(*x.load, scene_.robot)) return own.peaks;
     if (!x.values) return {};
     auto out = x.values->peaks;
-    const auto half = LoadValue<typename Landing::System>::half_range(*x.load);
-    for (auto& p : out) p.value -= half;
+    for (auto& p : out) p.value -= half_range(*x.load);
     std::erase_if(out, [](const auto& p) { return p.value <= 0; });
     return out;
   }

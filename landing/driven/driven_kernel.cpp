@@ -26,6 +26,10 @@ class DrivenRun {
         peak_axis_(shifted(system_.body, Arms<double, System::kB>{}, robot.peak_link, Place{1, 0})),
         now_(std::size_t(system_.body.joints)) {
     if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
+    for (std::size_t i = 0; i < commands.push.size(); ++i) {
+      const PushPoint& p = robot.pushes[i];
+      pushed_.push_back({shifted(system_.body, system_.body.origin[std::size_t(p.link)], p.link, p.at), {}, {}});
+    }
   }
 
   void start(const DrivenStart& from, double t, DrivenRollout* out = nullptr) {
@@ -48,7 +52,7 @@ class DrivenRun {
       if (system_.stop_at(i, system_.pose(y_), y_).y < 0) cross(System::kOfContact * i + System::kSurface, out);
     row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
     sampled_ = row_ > 0 ? row_ - 1 : 0;
-    ask(sampled_++);
+    sample_row(sampled_++);
     read_row(row_ > 0 ? row_ - 1 : 0);
   }
   /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
@@ -57,7 +61,8 @@ class DrivenRun {
     while (true) {
       constexpr double kNever = std::numeric_limits<double>::infinity();
       const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : kNever;
-      const double asks = commands_.controller && sampled_ < commands_.t.size() ? commands_.t[sampled_] : kNever;
+      const bool by_row = commands_.controller || !pushed_.empty();
+      const double asks = by_row && sampled_ < commands_.t.size() ? commands_.t[sampled_] : kNever;
       const double to = std::min({until, edge, asks});
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
@@ -66,7 +71,7 @@ class DrivenRun {
       }
       if (to >= until) break;
       if (asks <= to)
-        ask(sampled_++);
+        sample_row(sampled_++);
       else
         read_row(row_++);
     }
@@ -87,7 +92,8 @@ class DrivenRun {
   }
   void sample_loads(DrivenRollout& out) {
     const auto pose = system_.pose(y_);
-    const auto a = acceleration(system_.body.peak, pose, system_.accelerations_of(derivative(y_)), system_.body.bodies);
+    const auto a =
+        acceleration(system_.body.peak, pose, system_.accelerations_of(derivative(t_, y_)), system_.body.bodies);
     const Vec2<double> along = position(peak_axis_, pose, system_.body.bodies) - Vec2<double>(pose.x, pose.y);
     const Vec2<double> across(-along.y(), along.x()), specific = a - Vec2<double>(system_.gravity.data());
     const double parts[kBodySensed] = {a.norm(), a.x(), a.y(), specific.dot(along), specific.dot(across)};
@@ -164,6 +170,18 @@ class DrivenRun {
   };
   const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
 
+  /// What is of a row at its own time.
+  void sample_row(std::size_t row) {
+    ask(row);
+    for (std::size_t i = 0; i < pushed_.size(); ++i)
+      for (const std::size_t q : {0, 1}) {
+        const std::vector<double>& f = commands_.push[i][q];
+        const bool last = row + 1 >= commands_.t.size();
+        pushed_from_ = commands_.t[row];
+        pushed_[i].force[q] = f.empty() ? 0 : f[row];
+        pushed_[i].rate[q] = f.empty() || last ? 0 : (f[row + 1] - f[row]) / (commands_.t[row + 1] - commands_.t[row]);
+      }
+  }
   /// What the controller asks for by the state now, in the row that is logged now.
   void ask(std::size_t row) {
     if (!commands_.controller) return;
@@ -205,9 +223,9 @@ class DrivenRun {
     return c.on * std::clamp(c.k_p * (c.phi_ref - phi) + c.k_d * (c.dphi_ref - dphi) + c.ff, of(i).torque_low,
                              of(i).torque_high);
   }
-  State derivative(const State& y) {
+  State derivative(double t, const State& y) {
     State dy;
-    system_.derivative_under(y, dy, [&](int i, double* motor) {
+    const auto torque_of = [&](int i, double* motor) {
       const SeaState<double> s = system_.joint_state(i, y);
       if (system_.drive[i].kind == DriveKind::kElastic) {
         const auto& sea = system_.drive[i].sea;
@@ -215,12 +233,20 @@ class DrivenRun {
         system_.joint[i].saturation = spring > sea.tau_max ? 1 : spring < -sea.tau_max ? -1 : 0;
       }
       return system_.joint_torque(i, s, motor, [&] { return of(i).torque_gain * asked(i, s); });
+    };
+    system_.derivative_under(y, dy, torque_of, [&](auto& load, const auto& pose) {
+      for (const Pushed& p : pushed_) {
+        const double after = t - pushed_from_;
+        load.add(p.at, pose, system_.body.bodies, p.force[0] + p.rate[0] * after, p.force[1] + p.rate[1] * after);
+      }
     });
     return dy;
   }
   /// y after h, from y_ with its derivative there.
   State after(const State& dy, double h) {
-    const State b = derivative(y_ + 0.5 * h * dy), c = derivative(y_ + 0.5 * h * b), d = derivative(y_ + h * c);
+    const double middle = t_ + 0.5 * h;
+    const State b = derivative(middle, y_ + 0.5 * h * dy), c = derivative(middle, y_ + 0.5 * h * b),
+                d = derivative(t_ + h, y_ + h * c);
     return y_ + h / 6 * (dy + 2 * b + 2 * c + d);
   }
   using Guards = integrate::Guards<System::kGuards, double>;
@@ -229,9 +255,9 @@ class DrivenRun {
     State dy;
     Guards guard;
   };
-  Here here(const State& y) {
+  Here here(double t, const State& y) {
     Here out;
-    out.dy = derivative(y);
+    out.dy = derivative(t, y);
     const auto pose = system_.pose(y);
     const auto acc = system_.accelerations_of(out.dy);
     system_.contact_guards(pose, acc, y, out.dy, out.guard);
@@ -240,30 +266,30 @@ class DrivenRun {
   /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
   void steps(double h, long n, DrivenRollout& out) {
     if (!pushes()) {
-      for (long k = 0; k < n; ++k) y_ = after(derivative(y_), h);
+      for (long k = 0; k < n; ++k) y_ = after(derivative(t_, y_), h), t_ += h;
       return;
     }
-    Here from = here(y_);
+    Here from = here(t_, y_);
     for (long k = 0; k < n; ++k) step(h, from, out);
   }
   void step(double h, Here& from, DrivenRollout& out) {
     constexpr int kMostParts = 24;  // beyond: contacts chatter, and keep their mode to the step's end
     for (int part = 0;; ++part) {
       const State end = after(from.dy, h);
-      Here there = here(end);
+      Here there = here(t_ + h, end);
       int first = -1;
       double at = 1;
       for (int g = 0; g < System::kJointGuards && part < kMostParts; ++g) {
         const auto value = [&](const Here& of) { return of.guard.value[std::size_t(g)]; };
         if (value(there) >= 0) continue;
-        const auto within = [&](double x) { return value(here(after(from.dy, x * h))); };
+        const auto within = [&](double x) { return value(here(t_ + x * h, after(from.dy, x * h))); };
         const double place = value(from) > 0 ? integrate::root(0, value(from), 1, value(there), within) : 0;
         if (first < 0 || place < at) first = g, at = place;
       }
       if (first < 0) return y_ = end, t_ += h, void(from = std::move(there));
       y_ = after(from.dy, at * h), t_ += at * h, h *= 1 - at;
       cross(first, &out);
-      from = here(y_);
+      from = here(t_, y_);
       if (h <= 0) return;
     }
   }
@@ -277,7 +303,13 @@ class DrivenRun {
   System system_;
   const CommandPath& path_;
   const Commands& commands_;
+  struct Pushed {
+    Arms<double, System::kB> at;
+    std::array<double, 2> force, rate;  ///< at pushed_from_ [N], [N/s]
+  };
   Arms<double, System::kB> peak_axis_;  ///< a metre along the link of the point that counts
+  std::vector<Pushed> pushed_;
+  double pushed_from_ = 0;  ///< [s]
   std::vector<Now> now_;
   State y_;
   double t_ = 0;

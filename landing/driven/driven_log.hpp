@@ -29,6 +29,9 @@ struct Commands {
   Controller controller;  ///< its torque comes beside what the columns ask, through the same path; if set
   /// Of Robot::joints, then by CommandColumn: one a row, or none at all.
   std::vector<std::array<std::vector<double>, kTold>> joint;
+  /// Of Robot::pushes: the force on the robot along and across the floor [N], linear from row to row; one a row, or
+  /// none at all.
+  std::vector<std::array<std::vector<double>, 2>> push;
 };
 
 /// What is measured of a driven joint.
@@ -45,7 +48,7 @@ inline constexpr std::array<const char*, kBaseSensed> kBaseSensedUnits = {"m", "
 /// the floor; and what an accelerometer there reads, the acceleration less gravity along and across its link.
 enum BodySensed { kNorm, kAlong, kAcross, kSpecificAlong, kSpecificAcross, kBodySensed };
 inline constexpr std::array<const char*, kBodySensed> kBodySensedNames = {"acc", "ax", "ay", "sf_along", "sf_across"};
-/// And of each contact: the floor's force on the robot, along and across the floor.
+/// And of each contact, or push: the force on the robot, along and across the floor.
 inline constexpr std::array<const char*, 2> kForceNames = {"_x", "_y"};
 
 /// Angle and rate of a joint, and of the motor behind a spring.

@@ -51,6 +51,9 @@ DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Com
                           const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options) {
   check_driven(robot);
   if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
+  if (!commands.push.empty() && commands.push.size() != robot.pushes.size())
+    throw InputError(std::to_string(commands.push.size()) + " forces: one for each of " +
+                     std::to_string(robot.pushes.size()) + " pushes of the robot is needed");
   DrivenOptions with = options;
   if (with.step <= 0) with.step = stable_step(robot, path, commands, start);
   return in_its_kernel(

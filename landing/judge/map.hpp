@@ -25,7 +25,7 @@ struct MapOptions {
 
 struct PeakMap {
   struct Cell {
-    double peak;            ///< [m/s^2]; NaN where the landing could not be followed, or was stopped before
+    double peak;            ///< [m/s^2], with loads the worth; NaN where there is none, see `end`
     ContactOrder contacts;  ///< in which the points touch
     int peak_contact;       ///< which of them made the peak; -1: none
     bool joint_lost;        ///< see LandingPeak

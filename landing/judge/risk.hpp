@@ -30,7 +30,8 @@ struct RiskEvent {
   /// Of a forbidden point; beyond speed_max; beyond motor_torque_max; out of the joint's stops; a load beyond its
   /// rating.
   enum class Kind { kTouch, kSpeed, kTorque, kStops, kLoad } kind;
-  int point = -1, joint = -1;  ///< of a touch, of kLoad the load; of a robot of links its joint
+  int point = -1, joint = -1;  ///< of a touch; of a robot of links the joint of a rating or of stops
+  int load = -1;               ///< of a robot of links: the load that is passed
   double limit = 0;            ///< with kSpeed [rad/s], kTorque [Nm] and kLoad
   long drops = 0;
 };

@@ -10,8 +10,10 @@ MappedPeaks mapped(const std::function<PeakMap()>& play) {
   const Stopwatch watch(Stopwatch::Time::kWall);
   out.map = play();
   out.map_seconds = watch.seconds();
-  for (const PeakMap::Cell& c : out.map.grid)
-    out.failed += no_landing(c.end), out.missing += c.end == End::kStopped, out.lost += c.joint_lost;
+  for (const PeakMap::Cell& c : out.map.grid) {
+    out.broken += c.end == End::kBroken, out.failed += no_landing(c.end) && c.end != End::kBroken;
+    out.missing += c.end == End::kStopped, out.lost += c.joint_lost;
+  }
   return out;
 }
 

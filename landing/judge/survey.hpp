@@ -37,8 +37,9 @@ struct JudgedBasin {
 struct MappedPeaks {
   PeakMap map;
   double map_seconds = 0;  ///< that the map took
-  /// Landings of the grid that could not be followed, that were not played, whose drive lost the joint.
-  long failed = 0, missing = 0, lost = 0;
+  /// Landings of the grid that could not be followed, that were not played, whose drive lost the joint, that broke a
+  /// limit of the scene.
+  long failed = 0, missing = 0, lost = 0, broken = 0;
 };
 /// The map that `play` makes, timed and counted.
 [[nodiscard]] MappedPeaks mapped(const std::function<PeakMap()>& play);

@@ -124,13 +124,10 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     Values y = values(i);
     const typename Course::Crossing crossing = course.cross(g, t, y);
     for (int k = System::kSlip; k < kStates; ++k) step_.y[k].set(i, y[k]);
-    const std::vector<bool>& forbidden = case_[i].scene->limits.forbidden;
-    if (crossing.touched >= 0 && !forbidden.empty() && forbidden[std::size_t(crossing.touched)])
-      broken(i, {BrokenLimit::Kind::kForbidden, crossing.touched, t});
     if (crossing.touched >= 0) touched(i, crossing.touched);
     if (crossing.lands) land(i);
     enter(i);
-    return !(out_[i].broken && case_[i].scene->limits.broken == BodyLimits::Broken::kEnds);
+    return !(out_[i].broken && case_[i].scene->ends_broken);
   }
 
   /// The lane's step has ended at its deadline: the next one, or how the landing ended.
@@ -140,19 +137,19 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     const double t = step_.t[i];
     if (t + kRounding >= course.limit()) return course.touched() ? End::kTimeLimit : End::kNoContact;
     if (course.lands_at(t)) land(i);
+    if (out_[i].broken && case_[i].scene->ends_broken) return End::kBroken;
     course.advance(t);
     enter(i);
     return std::nullopt;
   }
 
-  // --- loads, and the limits of joints, as load_observer.hpp ---
+  // --- loads, as load_observer.hpp ---
 
   /// One that has its value at every state, of all lanes.
   struct alignas(8 * W) LaneLoad {  // for what is compiled for wider registers than the allocation
     LoadValue<System> of;
-    int index;                                            ///< of BodyScene::loads; -1: a limit of a joint
-    BrokenLimit::Kind broken = BrokenLimit::Kind::kLoad;  ///< which
-    bool limit = false, own = false;
+    int index;  ///< of BodyScene::loads
+    bool own = false;
     Largest largest{};
     T most{0.0};  ///< square of what is tracked beyond which a limit is broken, or the landing worse than is asked for
     const Load& load() const { return of.load(); }
@@ -161,23 +158,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     std::vector<LaneLoad> out;
     for (std::size_t k = 0; k < scene.loads.size(); ++k) {
       const Load& l = scene.loads[k];
-      if (l.kind != Load::Kind::kTouch)
-        out.push_back({.of{l, system_}, .index = int(k), .limit = l.limit, .own = own(l, scene.robot)});
-    }
-    for (std::size_t j = 0; j < scene.limits.joints.size(); ++j) {
-      if (!scene.robot.joints[j].driven()) continue;
-      const auto add = [&](Load::Kind kind, BrokenLimit::Kind broken, double rating) {
-        if (rating < BodyLimits::kNone)
-          out.push_back(
-              {.of{{.kind = kind, .index = int(j), .phi = scene.limits.joints[j].phi, .rating = rating}, system_},
-               .index = -1,
-               .broken = broken,
-               .limit = true});
-      };
-      const BodyLimits::Joint& most = scene.limits.joints[j];
-      if (most.stops()) add(Load::Kind::kAngle, BrokenLimit::Kind::kStop, 0);
-      add(Load::Kind::kMotorSpeed, BrokenLimit::Kind::kMotorSpeed, most.motor_speed);
-      add(Load::Kind::kMotorTorque, BrokenLimit::Kind::kMotorTorque, most.motor_torque);
+      if (at_every_state(l.kind)) out.push_back({.of{l, system_}, .index = int(k), .own = own(l, scene.robot)});
     }
     return out;
   }
@@ -186,7 +167,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     return std::equal(loads_.begin(), loads_.end(), other.begin(), other.end(), [](auto& a, auto& b) {
       const Load &x = a.load(), &y = b.load();
       return x.kind == y.kind && x.index == y.index && x.phi == y.phi && x.at.along == y.at.along &&
-             x.at.across == y.at.across && a.index == b.index && a.limit == b.limit;
+             x.at.across == y.at.across && a.index == b.index && x.limit == y.limit;
     });
   }
   /// The loads of a landing that begins in a lane.
@@ -196,7 +177,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       x.of.take_arms(LoadValue<typename Course::System>(x.load(), course_[i]->system),
                      [i](T& lanes, double number) { lanes.set(i, number); });
       const double rating = these[k].load().rating,
-                   most = x.of.tracked(x.limit ? rating : case_[i].abandon_above * rating);
+                   most = tracked(x.load(), x.load().limit ? rating : case_[i].abandon_above * rating);
       x.most.set(i, most * most);
       x.largest.square.set(i, 0), x.largest.t.set(i, 0), x.largest.start.set(i, 0);
     }
@@ -204,28 +185,29 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
   void tell_loads(int i) {
     for (const LaneLoad& x : loads_)
-      if (x.index >= 0)
-        out_[i].loads[std::size_t(x.index)] =
-            x.own ? LoadPeak{out_[i].peak, out_[i].t_peak}
-                  : LoadPeak{x.of.value(std::sqrt(x.largest.square[i])), x.largest.t[i]};
+      out_[i].loads[std::size_t(x.index)] = x.own
+                                                ? LoadPeak{out_[i].peak, out_[i].t_peak}
+                                                : LoadPeak{x.of.value(std::sqrt(x.largest.square[i])), x.largest.t[i]};
   }
   void touched(int i, int contact) {
     const std::vector<Load>& loads = case_[i].scene->loads;
     for (std::size_t k = 0; k < loads.size(); ++k) {
       if (loads[k].kind != Load::Kind::kTouch || loads[k].index != contact) continue;
       if (out_[i].loads[k].value == 0) out_[i].loads[k] = {1, step_.t[i]};
-      if (loads[k].rating < 1) broken(i, {BrokenLimit::Kind::kLoad, int(k), step_.t[i]});
+      if (loads[k].rating < 1) broken(i, {int(k), step_.t[i]});
     }
   }
-  /// The landing motions start; a reference that is too fast breaks its limit here.
+  /// The landing motions start.
   void land(int i) {
-    Course& course = *course_[i];
     const double t = step_.t[i];
-    for (std::size_t j = 0; j < case_[i].scene->limits.joints.size(); ++j)
-      if (case_[i].scene->robot.joints[j].driven() &&
-          peak_reference_rate((*case_[i].motion)[j], t) > case_[i].scene->limits.joints[j].reference_rate)
-        broken(i, {BrokenLimit::Kind::kReferenceRate, int(j), t});
-    course.land(t);
+    const std::vector<Load>& loads = case_[i].scene->loads;
+    for (std::size_t k = 0; k < loads.size(); ++k) {
+      if (loads[k].kind != Load::Kind::kReferenceRate) continue;
+      const double rate = peak_reference_rate((*case_[i].motion)[std::size_t(loads[k].index)], t);
+      out_[i].loads[k] = {rate, t};
+      if (rate > loads[k].rating) broken(i, {int(k), t});
+    }
+    course_[i]->land(t);
   }
   void broken(int i, const BrokenLimit& what) {
     if (!out_[i].broken) out_[i].broken = what;
@@ -233,7 +215,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   double rest_square(int i) const {
     RestSquare out(peak_.square[i]);
     for (const LaneLoad& x : loads_)
-      if (!x.own && x.index >= 0) out.add(x.load().kind, x.largest.square[i], x.largest.start[i]);
+      if (!x.own) out.add(x.load().kind, large_square(x.load(), x.largest.square[i], x.most[i]), x.largest.start[i]);
     return out.value();
   }
 
@@ -258,21 +240,21 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   M beyond(const M& where) const {
     M out = where & (peak_.square > abandon_square_);
     for (const LaneLoad& x : loads_)
-      if (!x.limit && !x.own) out |= where & (x.largest.square > x.most);
+      if (!x.load().limit && !x.own) out |= where & (x.largest.square > x.most);
     return out;
   }
   /// Lanes whose landing ends there.
   M breaking(const M& where) {
     M out(false);
     for (const LaneLoad& x : loads_) {
-      if (!x.limit) continue;
+      if (!x.load().limit) continue;
       const M more = where & ((x.own ? peak_.square : x.largest.square) > x.most);
       if (!any(more)) continue;
       for (int i = 0; i < W; ++i)
-        if (more[i]) broken(i, {x.broken, x.index < 0 ? x.load().index : x.index, step_.t[i]});
+        if (more[i]) broken(i, {x.index, step_.t[i]});
     }
     for (int i = 0; i < W && !loads_.empty(); ++i)
-      if (where[i] && out_[i].broken && case_[i].scene->limits.broken == BodyLimits::Broken::kEnds) out.set(i, true);
+      if (where[i] && out_[i].broken && case_[i].scene->ends_broken) out.set(i, true);
     return out;
   }
 

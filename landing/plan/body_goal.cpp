@@ -84,7 +84,7 @@ void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int
 namespace {
 
 BodyScene strict(BodyScene scene) {
-  scene.limits.broken = BodyLimits::Broken::kEnds;
+  scene.ends_broken = true;
   return scene;
 }
 }  // namespace
@@ -124,7 +124,7 @@ long judging_drops(const BodyPlanOptions& options) {
 
 Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOptions& options) {
   std::vector<BodyDrop> drops = judge.drops;
-  for (BodyDrop& d : drops) d.scene.limits.broken = BodyLimits::Broken::kTold;
+  for (BodyDrop& d : drops) d.scene.ends_broken = false;
   PeaksOver over = peaks_over(drops, motion, options.measure ? kSearchAccuracy : options.accuracy, options.threads);
   const double v = judge.measure.of(std::span(over.peaks).first(judge.counted));
   return {std::isfinite(v) ? v : kNoMotion, over.broken <= judge.may_break()};

@@ -11,17 +11,8 @@ std::optional<BodyLeastBreaking> least_breaking(const BodyScene& scene, const Bo
   constexpr long kMotions = 1'500;
   BodyScene rated = scene;
   std::erase_if(rated.loads, [](const Load& l) { return !l.limit; });
-  const std::size_t own = rated.loads.size();
-  for (std::size_t j = 0; j < rated.limits.joints.size(); ++j) {
-    const auto to_load = [&](Load::Kind kind, double& rating) {
-      if (rating < BodyLimits::kNone && rated.robot.joints[j].driven())
-        rated.loads.push_back({.name = "rating", .kind = kind, .index = int(j), .rating = rating});
-      rating = BodyLimits::kNone;
-    };
-    to_load(Load::Kind::kMotorSpeed, rated.limits.joints[j].motor_speed);
-    to_load(Load::Kind::kMotorTorque, rated.limits.joints[j].motor_torque);
-  }
-  if (rated.loads.size() == own) return std::nullopt;
+  for (Load& l : rated.loads) l.limit = l.rating == 0 || l.kind == Load::Kind::kReferenceRate;
+  if (!landing::rated(rated)) return std::nullopt;
   const BodyPlan best = plan(rated, {.goal = Goal::kTolerant,
                                      .fresh = 0,
                                      .evaluations = kMotions,
@@ -34,9 +25,9 @@ std::optional<BodyLeastBreaking> least_breaking(const BodyScene& scene, const Bo
   for (const BodyDrop& drop : execution_drops(rated)) {
     const BodyLanding l = peak_acceleration(drop.scene, drop.played(best.motion), {.accuracy = options.accuracy});
     const std::vector<LoadPeak> loads = loads_of(drop.scene, l);
-    for (std::size_t i = own; i < loads.size(); ++i)
-      if (const Load& x = rated.loads[i]; !out || loads[i].value / x.rating > out->excess())
-        out = {best.motion, x.index, x.kind, loads[i].value, x.rating};
+    for (std::size_t i = 0; i < loads.size(); ++i)
+      if (const Load& x = rated.loads[i]; !x.limit && (!out || loads[i].value / x.rating > out->excess()))
+        out = {best.motion, x, loads[i].value};
   }
   if (out && out->excess() <= 1) out.reset();  // what is broken is another limit
   return out;

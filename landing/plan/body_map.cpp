@@ -19,11 +19,11 @@ constexpr double kSearchAccuracy = 1e-6;
 
 const std::function<bool()>* over_of(const Monitor& monitor) { return monitor.stop ? &monitor.stop : nullptr; }
 
-/// The peak of a motion [m/s^2]; kNoMotion where it could not be followed, or was stopped.
-double peak_of(const BodyScene& scene, const BodyMotion& motion, double above, const Monitor& monitor) {
+/// What a motion is worth; kNoMotion where it could not be followed, broke a limit, or was stopped.
+double worth_of(const BodyScene& scene, const BodyMotion& motion, double above, const Monitor& monitor) {
   const BodyLanding l =
       peak_acceleration(scene, motion, {.accuracy = kSearchAccuracy, .abandon_above = above, .over = over_of(monitor)});
-  return no_landing(l.end) || l.end == End::kStopped ? kNoMotion : l.peak;
+  return no_landing(l.end) || l.end == End::kStopped ? kNoMotion : worth(scene, l);
 }
 
 /// Covariance adaptation from a cell down into its basin; judged at a tight accuracy, as its start is.
@@ -42,7 +42,7 @@ Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordin
   for (long played = 0; played < kMotions && distribution.widest() > kConverged; played += kPoints) {
     if (options.monitor.stopped()) return start;
     distribution.sample(random, points);
-    for (Candidate& p : points) p.value = peak_of(scene, space.motion(p.u), bound, options.monitor);
+    for (Candidate& p : points) p.value = worth_of(scene, space.motion(p.u), bound, options.monitor);
     std::sort(points.begin(), points.end());
     best = std::min(best, points[0]);
     const double middle = points[kPoints / 2].value;
@@ -52,7 +52,7 @@ Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordin
   Candidate out;
   for (Candidate p : {start, best}) {
     const BodyLanding l = simulate(scene, space.motion(p.u), {.accuracy = options.tight});
-    p.value = no_landing(l.end) ? kNoMotion : l.peak;
+    p.value = no_landing(l.end) ? kNoMotion : worth(scene, l);
     if (out.u.size() == 0 || p < out) out = p;
   }
   return out;
@@ -85,9 +85,10 @@ Coordinates held_slice(const BodySpace& space, const BodyScene& scene) {
   return space.values(space.unit(held));
 }
 
-BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
-  refuse_loads(scene, "map");
-  scene.validate();
+BodySurvey survey(const BodyScene& given, const SurveyOptions& options) {
+  given.validate();
+  BodyScene scene = given;
+  scene.ends_broken = true;
   const BodySpace space(scene);
   const auto motion = [&](const PeakMap& map, const PeakMap::Place& at) {
     return space.motion(space.unit(map.values(at)));
@@ -97,10 +98,10 @@ BodySurvey survey(const BodyScene& scene, const SurveyOptions& options) {
       const BodyLanding l = peak_acceleration(scene, motion(map, map.place(first + k)),
                                               {.accuracy = kSearchAccuracy, .over = over_of(options.map.monitor)});
       const bool none = no_landing(l.end) || l.end == End::kStopped;
-      cells[k] = {none ? std::numeric_limits<double>::quiet_NaN() : l.peak, {}, -1, false, l.end};
+      cells[k] = {none ? std::numeric_limits<double>::quiet_NaN() : worth(scene, l), {}, -1, false, l.end};
     }
   };
-  BodySurvey out{mapped([&] { return map_peaks(space.variables(), options.map, 1, play); }), scene, {}, {}};
+  BodySurvey out{mapped([&] { return map_peaks(space.variables(), options.map, 1, play); }), given, {}, {}};
   std::vector<std::size_t> minima = local_minima(out.map);
   minima.resize(std::min(minima.size(), std::size_t(options.map.polished)));
   for (const std::size_t i : minima) out.minima.push_back({motion(out.map, out.map.place(i)), out.map.grid[i].peak});

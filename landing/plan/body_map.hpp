@@ -12,8 +12,8 @@ namespace ukemi::landing {
 /// Where a search from a local minimum of the grid ended, over all variables, those that stood on the grid included.
 struct BodyBasin {
   BodyMotion motion;
-  double peak;      ///< at MapOptions::tight [m/s^2]
-  double tolerant;  ///< the worst peak of execution_drops; infinite where one could not be followed [m/s^2]
+  double peak;      ///< at MapOptions::tight [m/s^2], with loads the worth
+  double tolerant;  ///< the worst of execution_drops; infinite where one could not be followed or breaks a limit
 };
 
 /// A local minimum of the grid: its cell.
@@ -34,8 +34,9 @@ Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyM
 /// The held posture, its duration in the middle of its range.
 Coordinates held_slice(const BodySpace& space, const BodyScene& scene);
 
-/// `options.map.cells` and `slice` are of BodySpace's variables; contacts of the cells are not told. Same inputs and
-/// seed, same results. Throws InputError as BodySpace and `simulate`. Tests: test/legs/map.cpp.
+/// Landings that break a limit have no value. `options.map.cells` and `slice` are of BodySpace's variables; contacts of
+/// the cells are not told. Same inputs and seed, same results. Throws InputError as BodySpace and `simulate`. Tests:
+/// test/legs/map.cpp.
 [[nodiscard]] BodySurvey survey(const BodyScene& scene, const SurveyOptions& options);
 
 }  // namespace ukemi::landing

@@ -327,11 +327,7 @@ class BodySearch {
   std::string held_breaks() const {
     const BrokenLimit& b = out_.held.broken;
     if (!b) return "";
-    const auto i = std::size_t(b.index);
-    const std::string& name = b.kind == BrokenLimit::Kind::kLoad        ? scene_.loads[i].name
-                              : b.kind == BrokenLimit::Kind::kForbidden ? scene_.robot.contacts[i].name
-                                                                        : scene_.robot.joints[i].name;
-    return fmt::format("; holding breaks them after {:.3g} s: {}, {}", b.t, name, words(b.kind));
+    return fmt::format("; holding breaks them after {:.3g} s: {}", b.t, scene_.loads[std::size_t(b.load)].name);
   }
 
   const BodyScene& scene_;

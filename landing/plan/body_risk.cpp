@@ -23,29 +23,26 @@ using Kind = RiskEvent::Kind;
 
 std::vector<RiskEvent> events_of(const BodyScene& scene) {
   const Robot& robot = scene.robot;
-  const BodyLimits& limits = scene.limits;
   std::vector<RiskEvent> out;
-  for (std::size_t i = 0; i < scene.loads.size(); ++i)
-    out.push_back({.kind = Kind::kLoad, .point = int(i), .limit = scene.loads[i].rating});
-  for (std::size_t i = 0; i < limits.forbidden.size(); ++i)
-    if (limits.forbidden[i]) out.push_back({.kind = Kind::kTouch, .point = int(i)});
+  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+    const Load& l = scene.loads[i];
+    RiskEvent e{.kind = Kind::kLoad, .load = int(i), .limit = l.rating};
+    if (l.kind == Load::Kind::kTouch) e.kind = Kind::kTouch, e.point = l.index;
+    if (l.kind == Load::Kind::kAngle && l.limit && l.rating == 0) e.kind = Kind::kStops, e.joint = l.index;
+    out.push_back(e);
+  }
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& j = robot.joints[i];
     if (!j.driven()) continue;
     if (j.speed_max) out.push_back({.kind = Kind::kSpeed, .joint = int(i), .limit = *j.speed_max});
     if (j.motor_torque_max) out.push_back({.kind = Kind::kTorque, .joint = int(i), .limit = *j.motor_torque_max});
-    if (!limits.joints.empty() && limits.joints[i].stops()) out.push_back({.kind = Kind::kStops, .joint = int(i)});
   }
   return out;
 }
 bool passed(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
-  if (e.kind == Kind::kLoad) return loads_of(scene, l)[std::size_t(e.point)].value > e.limit;
-  if (e.kind == Kind::kTouch)
-    return std::any_of(l.touches.begin(), l.touches.end(), [&](const Touch& t) { return t.point == e.point; });
+  if (e.load >= 0) return loads_of(scene, l)[std::size_t(e.load)].value > e.limit;
   const JointDemands& d = l.demands[std::size_t(e.joint)];
-  if (e.kind != Kind::kStops) return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > e.limit;
-  const auto& [low, high] = scene.limits.joints[std::size_t(e.joint)].phi;
-  return d.phi_min < low || d.phi_max > high;
+  return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > e.limit;
 }
 
 /// Which touchdown opened the interval that holds the peak, from 1; 0: before the first.

@@ -24,8 +24,8 @@ struct BodyRisk : PeakRisk {
 };
 
 /// Plays a motion, and the held posture, over the drops of a scene; for Sobol's indices about as many landings again.
-/// Events are the passings of each joint's ratings and stops, and the touches of forbidden contacts. Same inputs and
-/// seed, same results. Throws InputError as BodyDropModel and `simulate`. Tests: test/legs/scatter.cpp.
+/// Events are the passings of each joint's ratings and of each load's. Same inputs and seed, same results. Throws
+/// InputError as BodyDropModel and `simulate`. Tests: test/legs/scatter.cpp.
 [[nodiscard]] BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyRiskOptions& options = {});
 
 }  // namespace ukemi::landing

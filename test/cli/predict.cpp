@@ -70,3 +70,26 @@ TEST_CASE("predict: friction does not carry over on the measured flexible drive,
   CHECK(r.code == 1);
   CHECK(summary(f)["verdict"] == "does not hold");
 }
+
+TEST_CASE("identify --robot: the rig of Eq. 5 is a robot of one link, and its constants are those of --rig") {
+  const Folder f;
+  Arguments trials = {"identify"};
+  for (int i = 1; i <= 8; ++i) trials.push_back(dataset("impact/trial_" + std::to_string(i) + ".csv"));
+  done(f, trials + Arguments{"--rig", kRig, "-o", "rig"});
+  const Arguments constants = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
+  std::string free;
+  for (const std::string& c : constants) free += (free.empty() ? "drive.arm." : ",drive.arm.") + c;
+  done(f, trials + Arguments{"--robot", dataset("robots/one_link.toml"), "--columns",
+                             "push_hit_x=force,phi_arm=phi,phi_ref_arm=0", "--free", free, "-o", "robot"});
+  const Json rig = summary(f, "rig")["parameters"], robot = summary(f, "robot")["parameters"];
+  for (const std::string& c : constants) {
+    const Json &a = rig[c], &b = robot["drive.arm." + c];
+    const double std = a["std"];
+    INFO(c << " " << a.dump() << " " << b.dump());
+    const double own = b["std"];
+    CHECK(std::abs(b["value"].get<double>() - a["value"].get<double>()) < 0.3 * own);
+    CHECK(own > 0.99 * std);  // how each trial starts is fitted too
+    CHECK(a["verdict"] == "trusted");
+    CHECK(b["verdict"] == "trusted");
+  }
+}

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/degrees.hpp"
+#include "landing/body/load.hpp"
 #include "landing/model/motion_space.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_drops.hpp"
@@ -93,10 +94,11 @@ TEST_CASE("legs: a plan keeps the stops, the ratings and the contacts that must 
   REQUIRE(open.found);
 
   BodyScene stops = free;  // narrower than the best motion needs
-  stops.limits.joints.resize(free.robot.joints.size());
   const double least = open.landing.demands[2 - 1].phi_min;
-  stops.limits.joints[1].phi = {0.9 * least, 0};
-  CHECK(simulate(stops, open.motion).broken.kind == BrokenLimit::Kind::kStop);
+  set_limit(stops, limit(free.robot, Load::Kind::kAngle, 1, 0, {0.9 * least, 0}));
+  const BrokenLimit broken = simulate(stops, open.motion).broken;
+  REQUIRE(broken);
+  CHECK(stops.loads[std::size_t(broken.load)].name == "knee.angle");
   CHECK(simulate(stops, open.motion).peak == open.landing.peak);  // told, and followed to its end
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
     o.goal = goal;
@@ -108,10 +110,10 @@ TEST_CASE("legs: a plan keeps the stops, the ratings and the contacts that must 
   o.goal = Goal::kPeak;
 
   BodyScene rated = free;
-  rated.limits.joints.resize(free.robot.joints.size());
   const JointDemands& most = open.landing.demands[0];
-  rated.limits.joints[0].motor_speed = rated.limits.joints[0].reference_rate = 0.8 * most.motor_speed;
-  rated.limits.joints[0].motor_torque = 0.9 * most.motor_torque;
+  rated.robot.joints[0].speed_max = 0.8 * most.motor_speed;
+  rated.robot.joints[0].motor_torque_max = 0.9 * most.motor_torque;
+  CHECK(respect_ratings(rated) == std::vector<std::string>{"knee"});
   const BodyPlan slower = plan(rated, o);
   REQUIRE(slower.found);
   CHECK(slower.landing.demands[0].motor_speed <= 0.8 * most.motor_speed);
@@ -119,22 +121,20 @@ TEST_CASE("legs: a plan keeps the stops, the ratings and the contacts that must 
 
   REQUIRE(free.robot.contacts[2].name == "foot");
   BodyScene no_foot = free;  // it lands on its knee
-  no_foot.limits.forbidden = {false, false, true};
+  forbid(no_foot, {"foot"});
   const BodyPlan on_knee = plan(no_foot, o);
   REQUIRE(on_knee.found);
   CHECK_FALSE(on_knee.held_keeps_limits);
   for (const Touch& t : on_knee.landing.touches) CHECK(t.point != 2);
-  no_foot.limits.forbidden = {true, true, true};
+  forbid(no_foot, {"slider", "knee", "foot"});
   const BodyPlan none = plan(no_foot, o);
   CHECK_FALSE(none.found);
   CHECK_FALSE(none.held_keeps_limits);
-  CHECK_THAT(none.message,
-             Contains("no motion was found that keeps the limits") && Contains("foot, touches the floor"));
+  CHECK_THAT(none.message, Contains("no motion was found that keeps the limits") && Contains(" s: foot.touch"));
 }
 
 TEST_CASE("legs: under scatter the limits are kept in the share of the drops that the measure asks for") {
   BodyScene scene = shipped("hopper");
-  scene.limits.joints.resize(scene.robot.joints.size());
   BodyPlanOptions o;
   o.evaluations = 8'000, o.samples = 32, o.judging = 64, o.fresh = 1'000;
   o.measure = Measure{Measure::Kind::kQuantile, 0.95};
@@ -142,7 +142,7 @@ TEST_CASE("legs: under scatter the limits are kept in the share of the drops tha
   const BodyPlan open = plan(scene, o);
   REQUIRE(open.found);
   CHECK(open.under->broken == 0);
-  scene.limits.joints[1].phi[0] = 0.85 * open.landing.demands[1].phi_min;
+  set_limit(scene, limit(scene.robot, Load::Kind::kAngle, 1, 0, {0.85 * open.landing.demands[1].phi_min, 4}));
   const BodyPlan kept = plan(scene, o);
   REQUIRE(kept.found);
   CHECK(kept.under->broken <= 100);

@@ -109,7 +109,9 @@ TEST_CASE("legs: the release and the stops of each joint are read") {
   CHECK(scene.release->from == 0.1);
   CHECK(scene.release->joints[0].phi == Approx(-1.5707963267948966));
   CHECK(scene.release->joints[0].rate == 0.5);
-  CHECK(scene.limits.joints[0].phi[1] == Approx(3.141592653589793));
+  REQUIRE(scene.loads.size() == 1);
+  CHECK(scene.loads[0].name == "hip.angle");
+  CHECK(scene.loads[0].phi[1] == Approx(3.141592653589793));
   const BodyMotion held = held_posture(scene);
   CHECK(held[0].release_phi() == scene.release->joints[0].phi);
   CHECK(held[0].release_rate() == 0.5);

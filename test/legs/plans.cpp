@@ -246,12 +246,12 @@ TEST_CASE("legs: where no motion keeps the ratings, the one that breaks them lea
   const std::optional<BodyLeastBreaking> least = least_breaking(scene, {});
   REQUIRE(least);
   const BodyLeastBreaking& l = *least;
-  CHECK(l.kind == Load::Kind::kMotorSpeed);
-  CHECK(l.limit == 0.5);
+  CHECK(l.limit.kind == Load::Kind::kMotorSpeed);
+  CHECK(l.limit.rating == 0.5);
   CHECK(l.excess() > 1);
   // In its own drop it demands no more than that, and less than holding does.
   BodyScene told = scene;
-  told.limits = {};
+  told.loads.clear();
   for (const int j : {0, 1})
     told.loads.push_back({.name = "speed", .kind = Load::Kind::kMotorSpeed, .index = j, .rating = 0.5});
   const double own = worth(told, peak_acceleration(told, l.motion));

@@ -185,18 +185,18 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
 
 namespace {
 
-/// The motion that breaks the ratings least, where none keeps them.
+/// The motion that breaks the limits least, where none keeps them.
 void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& run, Json& summary) {
-  const std::string& joint = robot.joints[std::size_t(l.joint)].name;
-  std::string rating = name(l.kind);
-  summary["least_breaking"] = {{"joint", joint},     {"rating", rating}, {"unit", unit(l.kind)},
-                               {"demand", l.demand}, {"limit", l.limit}, {"motion", Json::object()}};
+  const Load& limit = l.limit;
+  const std::string of = place_of(limit, robot);
+  summary["least_breaking"] = {{"load", limit.name},       {"rating", name(limit.kind)}, {"of", of},
+                               {"unit", unit(limit.kind)}, {"demand", l.demand},         {"limit", limit.rating},
+                               {"motion", Json::object()}};
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven()) summary["least_breaking"]["motion"][robot.joints[i].name] = motion_json(l.motion[i]);
-  std::replace(rating.begin(), rating.end(), '_', ' ');
-  run.warn(
-      fmt::format("the motion that breaks them least: {}; the {} of {} is {:.4g} {}, {:.3g} times the {:.4g} allowed",
-                  motion_words(robot, l.motion), rating, joint, l.demand, unit(l.kind), l.excess(), l.limit));
+  run.warn(fmt::format(
+      "the motion that breaks them least: {}; the {} of {} is {:.4g} {}, {:.3g} times the {:.4g} allowed",
+      motion_words(robot, l.motion), words(limit.kind), of, l.demand, unit(limit.kind), l.excess(), limit.rating));
 }
 
 }  // namespace

@@ -50,17 +50,23 @@ Quantities<identify::Trial> residual_quantities(const Comparison& c) {
   };
 }
 
-const Quantities<MotionTexts> kPeakQuantities = {
-    {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, m.words); }},
-    {"", "nominal", "peak with nominal [m/s^2]", "{:.5g}", [](auto& m) { return m.peaks[0]; }},
-    {"", "identified", "peak with identified [m/s^2]", "{:.5g}", [](auto& m) { return m.peaks[1]; }},
-};
+Quantities<MotionTexts> peak_quantities(bool rated) {
+  const auto heading = [rated](const char* set) {
+    return fmt::format("{} with {} [{}]", rated ? "largest load" : "peak", set, worth_unit(rated));
+  };
+  return {
+      {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, m.words); }},
+      {"", "nominal", heading("nominal"), "{:.5g}", [](auto& m) { return m.peaks[0]; }},
+      {"", "identified", heading("identified"), "{:.5g}", [](auto& m) { return m.peaks[1]; }},
+  };
+}
 
 /// Plans for scatter, where the identified constants are the truth.
-Quantities<PlanTexts> plan_quantities() {
-  Quantities<PlanTexts> out = {{"", "set", "planned with", {}, &PlanTexts::set},
-                               {"", "", "motion", {}, &PlanTexts::words},
-                               {"", "promised", "promised [m/s^2]", short_peak_words, &PlanTexts::promised}};
+Quantities<PlanTexts> plan_quantities(bool rated) {
+  Quantities<PlanTexts> out = {
+      {"", "set", "planned with", {}, &PlanTexts::set},
+      {"", "", "motion", {}, &PlanTexts::words},
+      {"", "promised", fmt::format("promised [{}]", worth_unit(rated)), short_peak_words, &PlanTexts::promised}};
   append(out, "truth/", distribution_quantities(), &PlanTexts::truth);
   return out;
 }
@@ -78,14 +84,16 @@ void warn(const Comparison& c, Run& run) {
 /// What planning with the nominal constants would have cost on the identified actuator.
 FirstScreen lesson_of(const ComparisonTexts& c) {
   const double own = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
-  return {fmt::format("Planned with the nominal constants, {} hits with {:.4g} m/s^2 where {:.4g} was promised: {:.2f} "
-                      "times the {:.4g} m/s^2 of the motion planned with its own constants.",
-                      c.truth, nominal, promised, nominal / own, own),
-          {check(nominal <= kWorse * promised, "the nominal plan keeps its promise",
-                 fmt::format("promised {:.4g} m/s^2, hits with {:.4g}", promised, nominal)),
-           check(nominal <= kWorse * own, "the nominal constants are good enough",
-                 fmt::format("{:.2f} times the peak of the own plan", nominal / own))},
-          "`ukemi optimize` with the identified actuator plans the landing."};
+  const char *has = c.rated ? "has" : "hits with", *what = c.rated ? "largest load" : "peak";
+  return {
+      fmt::format("Planned with the nominal constants, {} {} {} where {:.4g} was promised: {:.2f} times the {} of the "
+                  "motion planned with its own constants.",
+                  c.truth, has, worth_words(nominal, c.rated), promised, nominal / own, worth_words(own, c.rated)),
+      {check(nominal <= kWorse * promised, "the nominal plan keeps its promise",
+             fmt::format("promised {}, {} {:.4g}", worth_words(promised, c.rated), has, nominal)),
+       check(nominal <= kWorse * own, "the nominal constants are good enough",
+             fmt::format("{:.2f} times the {} of the own plan", nominal / own, what))},
+      "`ukemi optimize` with the identified actuator plans the landing."};
 }
 
 std::string trajectories_csv(const Comparison& c, const Run& run) {
@@ -104,7 +112,8 @@ ComparisonTexts texts_of(const Comparison& c) {
                       .peak = "|ddr_0|",
                       .truth = "the identified actuator",
                       .motions = motion_texts(
-                          c.motions, [](const Motion& m) { return motion_words(m); }, motion_json),
+                          c.motions, [](const Motion& m) { return motion_words(m); }, motion_json,
+                          [](std::size_t, const Landing& l) { return l.peak; }),
                       .landed = c.landed()};
   for (std::size_t m = 0; m < out.motions.size(); ++m) {
     const TolerantPeak& tolerant = c.motions[m].best.tolerant;
@@ -140,15 +149,15 @@ void report_motions(const ComparisonTexts& c, Json& summary, Report& report, Run
     if (m.tolerant_peak) summary["tolerant_peaks"][m.set] = *m.tolerant_peak;
   }
   if (!c.plans.empty()) {
-    const Table plans(plan_quantities(), c.plans);
+    const Table plans(plan_quantities(c.rated), c.plans);
     summary["plans"] = plans.objects();
     report.heading("Plans for scattered drops, where the identified constants are the truth");
     (void)add_table(plans, report, run);
   }
   if (!c.landed) return;
-  const Table peaks(kPeakQuantities, c.motions);
+  const Table peaks(peak_quantities(c.rated), c.motions);
   for (std::size_t m = 0; m < 2; ++m) summary["peaks"][c.motions[m].set + "_motion"] = peaks.object(m);
-  report.heading("Peak " + c.peak + " on " + c.scene);
+  report.heading((c.rated ? "Largest load" : "Peak " + c.peak) + " on " + c.scene);
   floor_source(report, c.source);
   (void)add_table(peaks, report, run);
   const FirstScreen lesson = lesson_of(c);

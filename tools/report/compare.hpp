@@ -16,7 +16,7 @@ struct MotionTexts {
   std::string set, words;
   Json numbers;
   std::optional<Json> tolerant_peak;  ///< absent: not told
-  OfSets<double> peaks;               ///< played with each set; without meaning unless all landed
+  OfSets<double> peaks;               ///< with each set, or largest loads; without meaning unless all landed
 };
 /// A plan for scattered drops, and what it comes to with the identified constants.
 struct PlanTexts {
@@ -30,18 +30,20 @@ struct ComparisonTexts {
   std::string truth;          ///< what has the identified constants: "the identified actuator"
   std::vector<MotionTexts> motions;
   std::vector<PlanTexts> plans;
-  bool landed;  ///< all four landings were played
+  bool landed;         ///< all four landings were played
+  bool rated = false;  ///< what counts is a load / its rating
 };
 
-/// The motions of a comparison that were found.
-template <class Motion, class Words, class Numbers>
-std::vector<MotionTexts> motion_texts(const std::vector<Motion>& motions, Words&& words, Numbers&& numbers) {
+/// The motions of a comparison that were found; `worth(set, landing)`.
+template <class Motion, class Words, class Numbers, class Worth>
+std::vector<MotionTexts> motion_texts(const std::vector<Motion>& motions, Words&& words, Numbers&& numbers,
+                                      Worth&& worth) {
   std::vector<MotionTexts> out;
   for (const Motion& m : motions) {
     if (!m.best.found) continue;
     MotionTexts& texts = out.emplace_back(MotionTexts{m.set, words(m.best.motion), numbers(m.best.motion), {}, {}});
     for (std::size_t s = 0; s < 2; ++s)
-      if (m.landings[s]) texts.peaks[s] = m.landings[s]->peak;
+      if (m.landings[s]) texts.peaks[s] = worth(s, *m.landings[s]);
   }
   return out;
 }

@@ -1,3 +1,4 @@
+#include "landing/body/load.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/compare.hpp"
 #include "tools/report/scatter.hpp"
@@ -35,8 +36,10 @@ ComparisonTexts texts_of(const BodyComparison& c) {
                       .truth = "the robot with the identified ones",
                       .motions = motion_texts(
                           c.motions, [&](const BodyMotion& m) { return motion_words(robot, m); },
-                          [&](const BodyMotion& m) { return Table::of(motion_quantities(robot, m), m).object(); }),
-                      .landed = c.landed()};
+                          [&](const BodyMotion& m) { return Table::of(motion_quantities(robot, m), m).object(); },
+                          [&](std::size_t set, const BodyLanding& l) { return worth(c.scenes[set], l); }),
+                      .landed = c.landed(),
+                      .rated = rated(scene)};
   for (const ComparedBodyPlan& p : c.plans)
     out.plans.push_back({p.set, motion_words(robot, p.best.motion), p.best.value, p.truth});
   return out;

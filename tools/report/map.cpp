@@ -20,7 +20,7 @@ std::string letters(const ContactOrder& contacts) {
   return s;
 }
 
-std::string map_csv(const Run& run, const PeakMap& map, MapTexts::Contacts contacts) {
+std::string map_csv(const Run& run, const PeakMap& map, MapTexts::Contacts contacts, bool rated) {
   CsvWriter csv = run.csv();
   const bool shown = contacts == MapTexts::Contacts::kShow;
   if (shown)
@@ -30,7 +30,7 @@ std::string map_csv(const Run& run, const PeakMap& map, MapTexts::Contacts conta
   std::vector<Display> axes;
   std::vector<std::string> header;
   for (const Variable& v : map.variables) axes.push_back(display(v)), header.push_back(axes.back().key);
-  header.push_back("peak");
+  header.push_back(rated ? "largest_load" : "peak");
   if (shown) header.insert(header.end(), {"peak_contact", "contacts"});
   csv.header(header);
   for (std::size_t i = 0; i < map.grid.size(); ++i) {
@@ -75,7 +75,7 @@ Heatmap projection(const PeakMap& map, int x, int y) {
 namespace {
 
 /// Every pair of variables with a grid; of one variable a curve.
-void show(const PeakMap& map, Report& report) {
+void show(const PeakMap& map, bool rated, Report& report) {
   std::vector<int> over;
   for (int k = 0; k < int(map.cells.size()); ++k)
     if (map.cells[std::size_t(k)] > 1) over.push_back(k);
@@ -83,10 +83,12 @@ void show(const PeakMap& map, Report& report) {
     const Heatmap line = projection(map, over[0], over[0]);
     Series peaks{"", line.x, {}};
     for (std::size_t i = 0; i < line.x.size(); ++i) peaks.y.push_back(map.grid[i].peak);
-    report.plot("map", line.x_label, "peak [m/s^2]", {peaks});
+    report.plot("map", line.x_label, fmt::format("{} [{}]", rated ? "largest load" : "peak", worth_unit(rated)),
+                {peaks});
     return;
   }
-  report.heading("Smallest peak over the other variables [m/s^2]");
+  report.heading(
+      fmt::format("Smallest {} over the other variables [{}]", rated ? "largest load" : "peak", worth_unit(rated)));
   for (std::size_t x = 0; x < over.size(); ++x)
     for (std::size_t y = x + 1; y < over.size(); ++y) report.heatmap(projection(map, over[x], over[y]));
 }
@@ -97,6 +99,7 @@ void warn(const MappedPeaks& s, bool basins, Run& run) {
   if (s.lost > 0)
     run.warn(fmt::format("in {} of {} landings the drive loses the joint: their peaks are those of a link that whirls",
                          s.lost, points));
+  if (s.broken > 0) run.warn(fmt::format("{} of {} landings break a limit: they are left out", s.broken, points));
   if (s.missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", s.missing, points));
   if (!basins && s.missing == 0) run.warn("no landing of the grid could be followed to the floor: no basin was found");
 }
@@ -106,10 +109,14 @@ void warn(const MappedPeaks& s, bool basins, Run& run) {
 int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& more) {
   const std::size_t points = s.map.grid.size();
   warn(s, !texts.lines.empty(), run);
-  run.add("map.csv", map_csv(run, s.map, texts.contacts));
-  Json summary = {{"grid", s.map.cells},         {"landings", points - std::size_t(s.missing)},
-                  {"failed", s.failed},          {"joint_lost", s.lost},
-                  {"map_time_s", s.map_seconds}, {"basins", texts.basins.objects()}};
+  run.add("map.csv", map_csv(run, s.map, texts.contacts, texts.rated));
+  Json summary = {{"grid", s.map.cells},
+                  {"landings", points - std::size_t(s.missing)},
+                  {"failed", s.failed},
+                  {"broken", s.broken},
+                  {"joint_lost", s.lost},
+                  {"map_time_s", s.map_seconds},
+                  {"basins", texts.basins.objects()}};
   summary.update(more);
   if (texts.lines.empty()) return run.finish(summary, kNumbers);
   run.add("basins.csv", texts.basins.csv(run, texts.basins_comment));
@@ -119,7 +126,7 @@ int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& mo
   Report report("The box of motions: " + texts.scene);
   floor_source(report, texts.source);
   report.paragraph(fmt::format("{} landings; {} basins. The best found: {}.", points, texts.lines.size(), texts.best));
-  show(s.map, report);
+  show(s.map, texts.rated, report);
   report.heading("Basins");
   report.paragraph(texts.basins_words);
   report.table(texts.basins);

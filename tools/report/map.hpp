@@ -17,6 +17,7 @@ struct MapTexts {
   std::string basins_comment, basins_words;  ///< in basins.csv and on the page
   std::vector<std::string> lines;            ///< a basin each, the best first
   std::string best;                          ///< the best basin
+  bool rated = false;                        ///< what counts is a load / its rating
 };
 /// Tells, writes and returns the exit code; `more` comes behind the summary's keys.
 int report(const landing::MappedPeaks& peaks, const MapTexts& texts, Run& run, const Json& more = Json::object());

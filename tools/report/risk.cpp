@@ -50,7 +50,7 @@ Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
     case Kind::kTorque:
       return {"motor_torque_max" + key, fmt::format("{} pulls with more than {:.4g} Nm", motor, e.limit), e.drops, of};
     case Kind::kLoad: {
-      const Load load = t.load(e.point);
+      const Load load = t.load(e.load);
       return {"load_" + load.name, fmt::format("the load {} is beyond {:.4g} {}", load.name, e.limit, unit(load.kind)),
               e.drops, of};
     }

@@ -145,7 +145,7 @@ int report(const TradeResult& r, Run& run) {
              missing = long(t.points.size()) - found;
   if (missing > 0)
     run.warn(fmt::format("{} of {} designs: no motion was found{}", missing, t.points.size(),
-                         r.scene.limits.any() ? " that keeps the limits" : ""));
+                         r.scene.limited() ? " that keeps the limits" : ""));
   if (edges > 0)
     run.warn(fmt::format("{} of {} motions lie on an edge of their search range: beyond it may be better", edges,
                          t.points.size()));

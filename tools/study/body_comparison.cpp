@@ -1,7 +1,6 @@
 #include "tools/study/body_comparison.hpp"
 
 #include "common/error.hpp"
-#include "landing/body/load.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/scatter/sampler.hpp"
 
@@ -55,7 +54,6 @@ bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions&
 }  // namespace
 
 BodyComparison compare(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options) {
-  refuse_loads(scenes[0], "compare");
   BodyComparison out{.scenes = scenes, .constants = drive_differences(scenes)};
   BodyPlanOptions search = options.search;
   search.measure.reset(), search.scatter.reset(), search.fresh = 0;

@@ -37,6 +37,8 @@ Quantity quantity_of(const std::string& unit) {
   return of.at(unit);
 }
 
+std::string push_column(const PushPoint& p, const char* part) { return "push_" + p.name + part; }
+
 std::vector<identify::Column> known_columns(const Robot& robot) {
   std::vector<identify::Column> out = {{"t", Quantity::kTime}};
   for (const Joint& j : robot.joints) {
@@ -48,6 +50,8 @@ std::vector<identify::Column> known_columns(const Robot& robot) {
       out.push_back({std::string(kToldNames[std::size_t(q)]) + "_" + j.name, kToldQuantity[q]});
   }
   for (const DropChannel& c : body_channels_of(robot)) out.push_back({c.name, quantity_of(c.unit)});
+  for (const PushPoint& p : robot.pushes)
+    for (const char* part : kForceNames) out.push_back({push_column(p, part), Quantity::kForce});
   return out;
 }
 
@@ -69,6 +73,7 @@ class LogColumns {
     return out;
   }
   std::vector<double> command(const std::string& name) const {
+    if (const auto held = map_.constant(table_, name)) return std::vector<double>(table_.rows(), *held);
     int c = -1;
     std::vector<double> out = get(name, &c);
     if (c >= 0) table_.require_full(c);
@@ -200,6 +205,14 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
       commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
   }
   for (std::size_t o = base_channel(robot); o < channels.size(); ++o) measured[o] = log.get(channels[o].name);
+  for (const PushPoint& p : robot.pushes) {
+    auto& force = commands->push.emplace_back();
+    for (std::size_t q = 0; q < 2; ++q) force[q] = log.command(push_column(p, kForceNames[q]));
+    if (force[0].empty() && force[1].empty())
+      throw InputError({path, log.table().header_line},
+                       fmt::format("no column '{}' or '{}': the robot has this push", push_column(p, kForceNames[0]),
+                                   push_column(p, kForceNames[1])));
+  }
   const bool hops = options.cuts == RobotLogOptions::Cuts::kHops;
   if (hops && robot.base != Base::kRail)
     throw InputError("--pieces: auto: base = \"rail\" is needed: a log is cut where a robot on a rail pushes off");

@@ -59,7 +59,8 @@ struct RobotLogOptions {
 };
 /// Reads a log (CSV): t [s], phi_JOINT [rad] of every joint that is not locked; where they are logged dphi_JOINT,
 /// torque_JOINT (reported) and the other sensed_channels, and of driven joints the commands phi_ref_JOINT,
-/// dphi_ref_JOINT, torque_ff_JOINT, k_p_JOINT, k_d_JOINT, on_JOINT. A measured cell may be empty, a command's not.
+/// dphi_ref_JOINT, torque_ff_JOINT, k_p_JOINT, k_d_JOINT, on_JOINT; of each push of the robot push_NAME_x or
+/// push_NAME_y, or both [N]. A measured cell may be empty, a command's not.
 /// Throws InputError with file:line:column.
 std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing::Robot& robot,
                                           const RobotLogOptions& options);
