@@ -94,6 +94,7 @@ class BodyCourse {
       system.piece[i] = standing_at(motion[i].release_phi());
     }
     place(y);
+    system.settle_lags(0.0, y);
     return y;
   }
 

@@ -12,8 +12,9 @@ namespace ukemi::landing {
 
 /// Of a driven joint: |speed| of its motor at the output [rad/s] and |torque| [Nm].
 template <class System>
-std::pair<double, double> motor_demand(const System& s, int i, double t, const SeaState<double>& q) {
-  return {std::abs(s.drive[i].kind == DriveKind::kGeared ? q.dphi : q.dphi_m), std::abs(torque_of_motor(s, i, t, q))};
+std::pair<double, double> motor_demand(const System& s, int i, double t, const typename System::State& y) {
+  const SeaState<double> q = s.joint_state(i, y);
+  return {std::abs(s.drive[i].kind == DriveKind::kGeared ? q.dphi : q.dphi_m), std::abs(torque_of_motor(s, i, t, y))};
 }
 
 /// Collects touches, peaks, demands, the energy check and the trajectory; without kReport nothing.
@@ -76,7 +77,7 @@ class BodyRecorder {
       d.phi_min = std::min(d.phi_min, q.phi), d.phi_max = std::max(d.phi_max, q.phi);
       d.torque = std::max(d.torque, std::abs(s.torque(i, t, y)));
       if (drive.kind != DriveKind::kGeared && drive.kind != DriveKind::kElastic) continue;
-      const auto [speed, torque] = motor_demand(s, i, t, q);
+      const auto [speed, torque] = motor_demand(s, i, t, y);
       d.motor_speed = std::max(d.motor_speed, speed), d.motor_torque = std::max(d.motor_torque, torque);
     }
   }

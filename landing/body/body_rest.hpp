@@ -2,9 +2,8 @@
 //
 // After all motions have ended, no limit acts, and of what could still do something
 //     E = kinetic energy without the common sliding of a free robot + that of the motors
-//         + 1/2 a . M a / w^2,   a the accelerations were all rates 0, w = kSoft: what is out of balance, as the energy
-//         of
-//           the softest spring that may still carry it
+//         + 1/2 a . M a / w^2,   a the accelerations were all rates 0, w as `softest`: what is out of balance, as the
+//           energy of the softest spring that may still carry it
 // is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak; a free
 // robot's centre of mass also stands within its support, and E is at most kBarrierShare of the barrier to topple over
 // either end. Ours; test/legs/references.cpp follows what it ends to the end.
@@ -50,10 +49,38 @@ double support_margin(const System& s, const typename System::Pose& p, const typ
   return std::min(std::min(by_force, by_weight) - left, right - std::max(by_force, by_weight));
 }
 
+/// A lower bound of the frequency at which springs carry what is out of balance: the whole mass on the floor and, in
+/// series, on every joint at the longest lever, whose stiffness gravity may lower; where a joint has none left, or a
+/// contact is not linear, that of a pendulum longer than any robot [rad/s].
+template <class System>
+double softest(const System& s) {
+  constexpr double kSlow = 3;
+  double lever = 0, compliance = 0;  // [m], [m/N]
+  const double weight = s.body.mass * std::hypot(s.gravity[0], s.gravity[1]);
+  for (int i = 0; i < s.body.contacts; ++i) {
+    double far = 0;
+    for (int j = 0; j < s.body.bodies; ++j) far += std::hypot(s.body.contact[i].a[j], s.body.contact[i].b[j]);
+    lever = std::max(lever, s.body.base == Base::kFree ? 2 * far : far);
+    const auto& x = s.point[i];
+    if (!s.contact[i].touching) continue;
+    if (x.hunt_crossley) return kSlow;
+    compliance = std::max(compliance, 1 / x.k + (x.padded ? 1 / x.k_pad : 0));
+  }
+  for (int i = 0; i < s.body.joints; ++i) {
+    const auto& d = s.drive[i];
+    const double own = d.kind == DriveKind::kElastic  ? std::min(d.sea.k_p, d.sea.k_sea)
+                       : d.kind == DriveKind::kGeared ? d.sea.k_p
+                                                      : d.stiffness;
+    const double left = own + d.parallel_stiffness - weight * lever;
+    if (!(left > 0)) return kSlow;
+    compliance += lever * lever / left;
+  }
+  return std::max(kSlow, std::sqrt(1 / (s.body.mass * compliance)));
+}
+
 /// True where the run may end in the state y; see above.
 template <class System>
 bool at_rest(const System& s, double t, const typename System::State& y, double peak_square, double per_square) {
-  constexpr double kSoft = 3;  // [rad/s]
   for (int i = 0; i < s.body.joints; ++i)
     if (s.joint[i].phase == Phase::kMoving || s.joint[i].saturation != 0) return false;
   const double limit = per_square * peak_square;
@@ -70,14 +97,20 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   auto still = y;
   for (int i = System::kVx; i < System::kSlip; ++i) still[i] = 0;
   if (free) still[System::kVx] = slide;
-  const auto dy = s.derivative(t, still);
-  const auto acc = s.accelerations_of(dy);
-  p.vx = free ? 0 : acc.x, p.vy = acc.y;
-  for (int j = 0; j < s.body.bodies; ++j) p.omega[j] = acc.alpha[j];
-  double unheld = kinetic_energy(s.body, p);
-  for (int i = 0; i < s.body.joints; ++i)
-    unheld += 0.5 * s.drive[i].sea.i_motor * dy[System::kOmegaM + i] * dy[System::kOmegaM + i];
-  energy += unheld / (kSoft * kSoft);
+  const double soft = softest(s);
+  const auto unheld = [&] {
+    const auto dy = s.derivative(t, still);
+    const auto acc = s.accelerations_of(dy);
+    p.vx = free ? 0 : acc.x, p.vy = acc.y;
+    for (int j = 0; j < s.body.bodies; ++j) p.omega[j] = acc.alpha[j];
+    double out = kinetic_energy(s.body, p);
+    for (int i = 0; i < s.body.joints; ++i)
+      out += 0.5 * s.drive[i].sea.i_motor * dy[System::kOmegaM + i] * dy[System::kOmegaM + i];
+    return out / (soft * soft);
+  };
+  energy += unheld();
+  if constexpr (System::kWork > System::kLag)  // what is still on its way in a drive that is late
+    s.settle_lags(t, still), energy += unheld();
   if (!(energy <= limit)) return false;
   if (!free) return true;
   const auto at = s.pose(y);

@@ -12,7 +12,9 @@ BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const Sim
   if (!(rate >= 0 && rate * scene.t_end.value_or(kLongest) <= kMostRows))
     throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows");
   BodyLanding out;
-  BodyFollower<integrate::DormandPrince853, kAny, true>(scene, motion, options, out, rate).follow();
+  in_kernel<kLate, kAny>(scene.robot, [&]<Capacity kSize>() {
+    BodyFollower<integrate::DormandPrince853, kSize, true>(scene, motion, options, out, rate).follow();
+  });
   if (out.end != End::kFailed && out.end != End::kBroken &&
       !(out.energy_residual <= energy_tolerance(options.accuracy)))
     out.end = End::kFailed, out.failure = Failure::kUnbalanced;

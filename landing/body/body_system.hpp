@@ -1,7 +1,7 @@
 // A robot on the floor as a hybrid system, one smooth mode at a time. State: base, angles, motor angles, their rates,
-// then the slip z of each contact; with kAccounts the work of joints, floor and rail on the links, for the energy
-// check. Heights are distances from the floor along its normal; on a slope the frame is the floor's, and gravity is
-// turned.
+// then the slip z of each contact, the states of DriveLag of each joint where a drive is late; with kAccounts the work
+// of joints, floor and rail on the links, for the energy check. Heights are distances from the floor along its normal;
+// on a slope the frame is the floor's, and gravity is turned.
 //
 #pragma once
 
@@ -66,7 +66,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
   /// The state; kPositions of them are positions, as many rates follow, then the slips.
   enum { kX, kY, kTheta, kPhiM = kTheta + kB, kPositions = kPhiM + kJ };
-  enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kWork = kSlip + kC };
+  enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kLag = kSlip + kC };
+  static constexpr int kLags = DriveLag<T>::kStates, kWork = kLag + (kSize.late ? kLags * kJ : 0);
   static constexpr int kStates = kWork + kAccounts;
   /// Guards: of each contact, then of each joint.
   enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kOfContact };
@@ -154,6 +155,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   std::array<JointConstants<T>, kJ> drive{};
   std::array<ReferencePiece<T>, kJ> piece{};
 
+  /// The sines and cosines of the last angles are remembered: the field, the guards and the peak ask in turn.
   Pose pose(const State& y) const {
     Pose p;
     if (body.base == Base::kFree) {
@@ -162,11 +164,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       const T &ex = body.rail[0], &ey = body.rail[1];
       p.x = base[0] + y[kX] * ex, p.y = base[1] + y[kX] * ey, p.vx = y[kVx] * ex, p.vy = y[kVx] * ey;
     }
-    for (int j = 0; j < body.bodies; j += 2) {
-      const int k = j + 1 < body.bodies ? j + 1 : j;
-      const auto pair = sin_cos(y[kTheta + j], y[kTheta + k]);
-      p.sin[j] = pair[0].sin, p.cos[j] = pair[0].cos, p.sin[k] = pair[1].sin, p.cos[k] = pair[1].cos;
-    }
+    turn(y);
+    p.sin = sin_, p.cos = cos_;
     for (int j = 0; j < body.bodies; ++j) p.omega[j] = y[kOmega + j];
     return p;
   }
@@ -199,9 +198,48 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     const SeaState<T> s = joint_state(i, y);
     return joint_torque(i, s, motor, [&]() UKEMI_INLINE_LAMBDA {
       if (d.kind == DriveKind::kGeared) return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
-      return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
-                        : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
+      return elastic_motor_torque(i, t, y, s);
     });
+  }
+  /// Of the motor of an elastic drive, as late as the drive is [Nm].
+  template <class Time>
+  UKEMI_INLINE T elastic_motor_torque(int i, const Time& t, const State& y, const SeaState<T>& s) const {
+    if constexpr (kSize.late) {
+      const DriveLag<T> lag(drive[i].sea);
+      return lag.torque(asked_of(i, t, lag.seen(s, lags(i, y))), lags(i, y));
+    } else {
+      return asked_of(i, t, s);
+    }
+  }
+  /// Eq. 3 of what an elastic drive sees [Nm].
+  template <class Time>
+  UKEMI_INLINE T asked_of(int i, const Time& t, const SeaState<T>& s) const {
+    const JointConstants<T>& d = drive[i];
+    return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
+                      : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
+  }
+  /// The states of a drive that is late.
+  static auto lags(int i, const State& y) { return y.template segment<kLags>(kLag + kLags * i); }
+  /// Sets drives that are late as if the rates of y, and what is asked for at time t, had been constant for ever.
+  template <class Time>
+  void settle_lags(const Time& t, State& y) const {
+    if constexpr (kSize.late)
+      for (int i = 0; i < body.joints; ++i) {
+        if (drive[i].kind != DriveKind::kElastic) continue;
+        const SeaState<T> s = joint_state(i, y);
+        y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(asked_of(i, t, s), s);
+      }
+  }
+  template <class Time>
+  void lag_rates(const Time& t, const State& y, State& dy) const {
+    for (int i = 0; i < kJ; ++i) {
+      auto rate = dy.template segment<kLags>(kLag + kLags * i);
+      rate.setConstant(T(0));
+      if (i >= body.joints || drive[i].kind != DriveKind::kElastic) continue;
+      const DriveLag<T> lag(drive[i].sea);
+      const SeaState<T> s = joint_state(i, y);
+      rate = lag.derivative(asked_of(i, t, lag.seen(s, lags(i, y))), s, lags(i, y));
+    }
   }
   /// The same of a motor whose torque is asked() [Nm].
   template <class Asked>
@@ -294,6 +332,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   template <class Time>
   void derivative(const Time& t, const State& y, State& dy) const {
     derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor); });
+    if constexpr (kSize.late) lag_rates(t, y, dy);
   }
   /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links.
   template <class Torque, class Push = NoPush>
@@ -408,7 +447,14 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   template <class G>
   void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
-    for (int i = 0; i < body.contacts; ++i) guards_of(i, point_at(i, p, &acc), y, dy, out);
+    for (int i = 0; i < body.contacts; ++i) {
+      if constexpr (!kIsPack<T>)
+        if (!contact[i].touching) {  // its acceleration has no say
+          surface_guard(i, point_at(i, p), out);
+          continue;
+        }
+      guards_of(i, point_at(i, p, &acc), y, dy, out);
+    }
     if (has_stops()) [[unlikely]]
       stop_guards(p, acc, y, dy, out);
   }
@@ -416,6 +462,12 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   [[gnu::noinline]] void stop_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                                      integrate::Guards<kGuards, G>& out) const {
     for (int i = body.stops_begin; i < body.stops_end; ++i) guards_of(i, stop_at(i, p, y, &acc), y, dy, out);
+  }
+  template <class G>
+  void surface_guard(int i, const Point& at, integrate::Guards<kGuards, G>& out) const {
+    const auto down = contact[i].touching;
+    const G height = narrowed<G>(T(at.y - point[i].thickness)), speed = narrowed<G>(at.v);
+    out.set(kOfContact * i + kSurface, select(down, G(-height), height), select(down, G(-speed), speed));
   }
   /// Of a contact where it is.
   template <class G>
@@ -428,9 +480,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       const G v = narrowed<G>(value), r = narrowed<G>(rate);
       out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
     };
+    surface_guard(i, at, out);
     const auto down = m.touching;
-    const G height = narrowed<G>(T(at.y - x.thickness)), speed = narrowed<G>(at.v);
-    out.set(first + kSurface, select(down, G(-height), height), select(down, G(-speed), speed));
     if (!any(down)) return;
     const WithRate<T> pad = pad_force(x, at.y, at.v, at.a), floor = floor_force(x, at.y, at.v, at.a);
     if (x.padded) {
@@ -524,9 +575,39 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// Sizes below which a component need not be relatively exact.
   double tolerance_unit(int i) const {
     constexpr double kRate = 10, kLength = 0.3;
+    if (i >= kLag) return lag_unit((i - kLag) / kLags, (i - kLag) % kLags == int(DriveLag<T>::kRate));
     if (i >= kSlip) return 0.01;  // [m]
     const bool base_place = i == kX || i == kY || i == kVx || i == kVy;
     return (base_place ? kLength : 1.0) * (i >= kVx ? kRate : 1.0);
+  }
+
+ private:
+  UKEMI_INLINE void turn(const State& y) const {
+    if constexpr (kDerivatives<T> == 0) {  // angles that compare equal may still differ in their derivatives
+      auto moved = y[kTheta] != theta_[0];
+      for (int j = 1; j < body.bodies; ++j) moved = moved | (y[kTheta + j] != theta_[j]);
+      if (!any(moved)) return;
+      for (int j = 0; j < body.bodies; ++j) theta_[j] = y[kTheta + j];
+    }
+    for (int j = 0; j < body.bodies; j += 2) {
+      const int k = j + 1 < body.bodies ? j + 1 : j;
+      const auto pair = sin_cos(y[kTheta + j], y[kTheta + k]);
+      sin_[j] = pair[0].sin, cos_[j] = pair[0].cos, sin_[k] = pair[1].sin, cos_[k] = pair[1].cos;
+    }
+  }
+  /// Of a lag's rate; of its torques what Eq. 3 makes of a tenth of a radian and of 10 rad/s.
+  double lag_unit(int i, bool rate) const {
+    constexpr double kRate = 10;
+    if constexpr (kSize.late)
+      if (!rate) return 0.1 * (value_of(drive[i].sea.k_p) + kRate * value_of(drive[i].sea.k_d)) + 1e-6;
+    return kRate;
+  }
+
+  mutable std::array<T, kB> theta_ = filled(std::numeric_limits<double>::quiet_NaN()), sin_{}, cos_{};
+  static std::array<T, kB> filled(double x) {
+    std::array<T, kB> out;
+    out.fill(T(x));
+    return out;
   }
 };
 

@@ -32,12 +32,15 @@ namespace ukemi::landing {
 struct Capacity {
   int bodies, joints, contacts;
   bool exact = false;  ///< of robots of so many bodies and moving joints, no fewer: loops over them are unrolled
+  bool late = false;   ///< of robots with a drive that is late, see DriveLag
 };
 /// The kernels that there are: exact ones of the paper's robot, of a double pendulum, of legs of two joints and
 /// of three; others by size.
 inline constexpr Capacity kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true},
-    kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts};
+    kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts}, kLateLeg{3, 2, 4, false, true},
+    kLate{kMostLateLinks, kMostLateJoints, kMostLateContacts, false, true};
 inline bool fits(const Robot& robot, const Capacity& c) {
+  if (c.late != has_late_drive(robot)) return false;
   const auto locked = [](const Joint& j) { return j.kind == DriveKind::kLocked; };
   if (c.exact && (int(robot.links.size()) != c.bodies || int(robot.joints.size()) != c.joints ||
                   std::any_of(robot.joints.begin(), robot.joints.end(), locked)))
@@ -58,7 +61,7 @@ auto in_kernel(const Robot& robot, F&& f) {
 /// The same of the kernels that peaks and gradients have: those of CMakeLists.txt.
 template <class F>
 auto in_landing_kernel(const Robot& robot, F&& f) {
-  return in_kernel<kPair, kTriple, kQuad, kMiddle, kAny>(robot, f);
+  return in_kernel<kPair, kTriple, kQuad, kMiddle, kLateLeg, kLate, kAny>(robot, f);
 }
 
 /// How many there are: known to the compiler where the kernel is exact.

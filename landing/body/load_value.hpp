@@ -26,12 +26,12 @@ Vec2<typename System::State::Scalar> contact_force(const System& s, int i, const
 
 /// Of a driven joint: torque of its motor [Nm].
 template <class System, class Time>
-typename System::State::Scalar torque_of_motor(const System& s, int i, const Time& t,
-                                               const SeaState<typename System::State::Scalar>& q) {
+typename System::State::Scalar torque_of_motor(const System& s, int i, const Time& t, const typename System::State& y) {
   const auto& drive = s.drive[i];
+  const auto q = s.joint_state(i, y);
   return drive.kind == DriveKind::kGeared
              ? limited_torque<System::kSea>(drive.sea, s.geared_torque(i, t, q), s.joint[i].saturation)
-             : motor_torque<System::kSea>(drive.sea, q, s.reference(i, t));
+             : s.elastic_motor_torque(i, t, y, q);
 }
 
 /// Where in a step, and by which weight, a force is integrated: Gauss and Legendre's five points.
@@ -123,11 +123,11 @@ class LoadValue {
       case Kind::kAngle:
         return squared(q.phi - T(middle()));
       case Kind::kMotorTorque:
-        return drive.kind == DriveKind::kGeared ? geared(s, t, q) : squared(torque_of_motor(s, index_, t, q));
+        return drive.kind == DriveKind::kGeared ? geared(s, t, y) : squared(torque_of_motor(s, index_, t, y));
       default:
         break;
     }
-    if (drive.kind == DriveKind::kGeared) return geared(s, t, q);
+    if (drive.kind == DriveKind::kGeared) return geared(s, t, y);
     if (drive.kind == DriveKind::kPassive)
       return squared(drive.stiffness * (q.phi - drive.rest) + drive.damping * q.dphi);
     return limited(squared(spring_torque<System::kSea>(drive.sea, q)), drive.sea.tau_max);
@@ -153,8 +153,8 @@ class LoadValue {
     return select(square > most, most, square);
   }
   template <class Time>
-  T geared(const System& s, const Time& t, const SeaState<T>& q) const {
-    return limited(squared(torque_of_motor(s, index_, t, q)), s.drive[index_].sea.tau_max);
+  T geared(const System& s, const Time& t, const State& y) const {
+    return limited(squared(torque_of_motor(s, index_, t, y)), s.drive[index_].sea.tau_max);
   }
 
   Load load_;

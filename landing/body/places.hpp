@@ -10,6 +10,10 @@
 
 namespace ukemi::landing {
 
+/// A robot with a drive that is late (DriveLag) has at most so many; contacts with the ends of stops.
+inline constexpr int kMostLateLinks = 5, kMostLateJoints = 4, kMostLateContacts = 7;
+bool has_late_drive(const Robot& robot);
+
 /// "rail", or the name of its joint.
 std::string stop_name(const Robot& robot, const Stop& stop);
 /// f(stop, 0: its low end, 1: its high one) of every end that a robot's stops have.

@@ -56,8 +56,9 @@ void check(const Joint& j) {
   const std::string what = "joint " + quoted(j.name);
   if (j.driven()) {
     ukemi::validate(j.sea);
-    if (is_late(j.sea) || j.sea.k_t != 0)
-      throw InputError(what + ": k_t, control_delay, velocity_filter: the drives of such a robot follow Eq. 3 at once");
+    if (j.sea.k_t != 0) throw InputError(what + ": k_t: the drives of such a robot follow Eq. 3");
+    if (is_late(j.sea) && j.kind != DriveKind::kElastic)
+      throw InputError(what + ": control_delay, velocity_filter: of an elastic drive alone");
   }
   for (const double x : {j.stiffness, j.damping, j.parallel_stiffness}) check_not_negative(what + ": spring", x);
   for (const double x : {j.rest, j.parallel_rest, j.phi}) check_finite(what + ": angle", x);
@@ -67,6 +68,11 @@ void check(const Joint& j) {
 
 std::string stop_name(const Robot& robot, const Stop& stop) {
   return stop.joint < 0 ? "rail" : robot.joints.at(std::size_t(stop.joint)).name;
+}
+
+bool has_late_drive(const Robot& robot) {
+  return std::any_of(robot.joints.begin(), robot.joints.end(),
+                     [](const Joint& j) { return j.kind == DriveKind::kElastic && is_late(j.sea); });
 }
 
 std::optional<std::size_t> only_driven(const Robot& robot) {
@@ -132,6 +138,12 @@ void Robot::validate() const {
     check_positive(what + ": stiffness", s.stiffness), check_not_negative(what + ": damping", s.damping);
   }
   link_index("peak_link", peak_link), check("peak", peak);
+  if (has_late_drive(*this) && (int(links.size()) > kMostLateLinks || int(joints.size()) > kMostLateJoints ||
+                                pushing_points(*this) > kMostLateContacts))
+    throw InputError(
+        fmt::format("control_delay, velocity_filter: with a drive that is late a robot has at most {} links, "
+                    "{} joints, {} contacts and ends of stops",
+                    kMostLateLinks, kMostLateJoints, kMostLateContacts));
 }
 
 namespace {

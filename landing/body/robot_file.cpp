@@ -314,8 +314,6 @@ void set_elastic(const Actuator& a, Joint& joint, const Location& where) {
   joint.kind = DriveKind::kElastic;
   joint.sea = a.sea, joint.speed_max = a.speed_max, joint.motor_torque_max = a.motor_torque_max;
   joint.uncertain = a.uncertain, joint.covariance = a.covariance;
-  if (is_late(a.sea))
-    throw InputError(where, "control_delay, velocity_filter: 0 is needed: a robot of links has no drive that is late");
   if (a.sea.k_t != 0) throw InputError(where, "k_t: a landing needs the gains of its controller, k_p and k_d (Eq. 3)");
 }
 

@@ -130,7 +130,7 @@ BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const st
   SimulateOptions through = options;
   through.rest = SimulateOptions::Rest::kIgnore;
   const Sampling sampling{channels, times, out};
-  const BodyLanding landing = in_kernel<kSmall, kAny>(
+  const BodyLanding landing = in_kernel<kSmall, kLate, kAny>(
       scene.robot, [&]<Capacity kSize>() { return follow<kSize>(until, motion, through, sampling); });
   out.first_touchdown = landing.first_touchdown, out.peak = landing.peak;
   out.steps = landing.work.steps + landing.work.rejected;

@@ -80,7 +80,6 @@ TEST_CASE("legs: bad robots are refused with their place and the rule") {
   refused(with("k_p = 50\n", ""), "17:1: ", "the key 'k_p' is missing");
   refused(with("kind = \"geared\"", "kind = \"gear\""), "18:8: ", "\"geared\", \"passive\"");
   refused(with("i_motor = 0.01", "i_motor = 0.01\ncontrol_delay = 0.001"), "22:1: ", "unknown key 'control_delay'");
-  refused(with("kind = \"geared\"", "c_sea = 1\nk_sea = 60\ncontrol_delay = 0.001"), "17:1: ", "no drive that is late");
   refused(with("gravity = 9.81", "gravity = 9.81\nbase = \"pinned\""),
           "3:8: ", "its pin_height above the floor is needed");
   refused(with("gravity = 9.81", "gravity = 9.81\nbase = \"pinned\"\npin_height = 1"),
