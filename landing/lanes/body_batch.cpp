@@ -14,7 +14,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Without lanes, for a robot beyond the largest kernel.
+/// Without lanes, for a robot that no kernel of lanes holds.
 void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
   const std::function<bool()> over = [&] { return source.over(); };
   for (BodyBatchCase c; !source.over() && source.next(0, c);) {
@@ -31,8 +31,9 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 }  // namespace
 
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
-  if (options.accuracy < kLowOrder || !fits(robot, kMiddle)) return run_scalar(source, options);
-  in_kernel<kPair, kTriple, kQuad, kMiddle>(robot, [&]<Capacity kSize>() {
+  if (options.accuracy < kLowOrder || !(fits(robot, kMiddle) || fits(robot, kLateLeg)))
+    return run_scalar(source, options);
+  in_kernel<kPair, kTriple, kQuad, kLateLeg, kMiddle>(robot, [&]<Capacity kSize>() {
     switch (std::min(set, widest_instruction_set())) {
       case InstructionSet::kAvx512:
         return run_body_lanes<kSize, 8>(source, options);

@@ -13,6 +13,7 @@ extern template void run_body_lanes<kPair, 2>(BodyBatchSource&, const BodyBatchO
 extern template void run_body_lanes<kTriple, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kQuad, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kMiddle, 2>(BodyBatchSource&, const BodyBatchOptions&);
+extern template void run_body_lanes<kLateLeg, 2>(BodyBatchSource&, const BodyBatchOptions&);
 #endif
 
 template <Capacity kSize, int kLanes>
@@ -28,5 +29,6 @@ template void run_body_lanes<kPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const B
 template void run_body_lanes<kTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kQuad, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kMiddle, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+template void run_body_lanes<kLateLeg, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 
 }  // namespace ukemi::landing

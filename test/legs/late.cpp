@@ -5,6 +5,7 @@
 
 #include "landing/body/load.hpp"
 #include "landing/derivatives/body_gradient.hpp"
+#include "landing/lanes/body_batch.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/run/simulate.hpp"
 #include "test/legs/robots.hpp"
@@ -96,6 +97,28 @@ TEST_CASE("legs: derivatives of a landing whose drive is late, those by its dela
   CHECK(right > 8);
   CHECK(delay);
   CHECK(filter);
+}
+
+TEST_CASE("legs: drives that are late land in lanes as one by one") {
+  const BodyScene scene = late_hip();
+  std::vector<BodyMotion> motions;
+  for (int i = 0; i < 24; ++i) {
+    const double x = i / 24.0;
+    motions.push_back({{-1.2 + 2 * x, 0.8 - 1.5 * x, 0.15 + 0.3 * x}, {-0.2 - x, -1.3 + x, 0.4 - 0.2 * x}});
+  }
+  for (const InstructionSet set : {InstructionSet::kBaseline, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+    std::vector<BodyBatchCase> cases;
+    for (const BodyMotion& m : motions) cases.push_back({&scene, &m});
+    std::vector<BodyLanding> lanes(motions.size());
+    body_batch_peaks(cases, lanes, {.accuracy = 1e-7}, 1, set);
+    int off = 0;
+    for (std::size_t k = 0; k < motions.size(); ++k) {
+      const double one = peak_acceleration(scene, motions[k], {.accuracy = 1e-9}).peak;
+      off += !(std::abs(lanes[k].peak - one) < 1e-4 * one);
+      CHECK(lanes[k].work.steps > 0);
+    }
+    CHECK(off <= 1);  // one that stands beside a cliff
+  }
 }
 
 TEST_CASE("legs: a plan for drives that are late, with every goal, under scatter, and for loads") {
