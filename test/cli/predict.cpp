@@ -92,4 +92,18 @@ TEST_CASE("identify --robot: the rig of Eq. 5 is a robot of one link, and its co
     CHECK(a["verdict"] == "trusted");
     CHECK(b["verdict"] == "trusted");
   }
+  // A link that is known within 20 % only: what is in its units follows, and is not trusted any more.
+  const Arguments asked = trials + Arguments{"--robot",   dataset("robots/one_link.toml"),
+                                             "--columns", "push_hit_x=force,phi_arm=phi,phi_ref_arm=0",
+                                             "--free",    free};
+  const Result r = done(f, asked + Arguments{"--errors", "link.arm.mass=0.16", "-o", "within"});
+  CHECK_THAT(r.out, Contains("(--errors): robot.link.arm.mass 0.16 kg"));
+  const Json within = summary(f, "within");
+  CHECK(within["error_budget"]["drive.arm.i_motor"]["robot.link.arm.mass"].get<double>() > 0.9);
+  CHECK(within["parameters"]["drive.arm.i_motor"]["std"].get<double>() >
+        10 * robot["drive.arm.i_motor"]["std"].get<double>());
+  check_refused(f, asked + Arguments{"--errors", "drive.arm.k_p=1"} + kOut, {"--errors: ", "is fitted"});
+  check_refused(f, asked + Arguments{"--errors", "link.arm.mass=-1"} + kOut, {"--errors: ", "above 0"});
+  check_refused(f, asked + Arguments{"--errors", "link.arm.mas=1"} + kOut, {"--errors: ", "robot.link.arm.mass"});
+  check_refused(f, trials + Arguments{"--rig", kRig, "--errors", "k_p=1"} + kOut, {"--errors: --robot is needed"});
 }

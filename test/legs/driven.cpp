@@ -93,6 +93,39 @@ TEST_CASE("constants of a driven robot come back within their errors", "[driven]
   }
 }
 
+TEST_CASE("errors of what is not fitted count in the errors of a driven robot's constants", "[driven]") {
+  const Pendulum p;
+  const std::string known = "robot.link.thigh.com.along";
+  constexpr double kError = 0.001;  // [m]
+  Case c(p, 1, 2, 0, kFree);
+  const RobotFit exact = fit_robot(c.robot, c.trials, c.options);
+  c.options.errors = {{known, kError}};
+  const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
+  REQUIRE(fit.converged);
+  REQUIRE(fit.considered.size() == 1);
+  // What a constant does where the other is off by its error: a fit of the robot that is.
+  DrivenRobot off = c.robot;
+  off.scene.robot.links[0].com.along += kError;
+  c.options.errors.clear();
+  const RobotFit moved = fit_robot(off, c.trials, c.options);
+  REQUIRE(moved.converged);
+  double largest = 0;
+  for (std::size_t i = 0; i < fit.fitted.size(); ++i) {
+    const identify::Estimate &a = *exact.globals()[i], &b = *fit.globals()[i], &m = *moved.globals()[i];
+    const double shift = fit.considered[0].shift(long(i), 0);
+    INFO(a.name << " " << a.value << " +- " << *a.std << ", +- " << *b.std << ", shift " << shift << ", " << m.value);
+    CHECK(std::abs(m.value - a.value - shift) < 0.05 * std::abs(shift) + 0.1 * *a.std);
+    CHECK(*b.std == Approx(std::hypot(*a.std, shift)).epsilon(1e-3));
+    CHECK(*b.std_noise == Approx(*a.std).epsilon(1e-3));
+    largest = std::max(largest, std::abs(shift) / *a.std);
+  }
+  CHECK(largest > 2);  // it is what makes most of some error
+  for (const identify::ErrorBudget& b : identify::error_budget(fit))
+    CHECK(b.shares[0].second + b.shares[1].second == Approx(1));
+  c.options.errors = {{kFree[0], 0.01}};
+  CHECK_THROWS_WITH(c.options.validate(), Catch::Matchers::Contains("--prior says what is known of it"));
+}
+
 TEST_CASE("the profile likelihood of a driven robot's constants: as wide as their errors where these are small",
           "[driven]") {
   const Pendulum p;

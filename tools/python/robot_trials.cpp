@@ -123,6 +123,15 @@ void bind_result(py::module_& m) {
           },
           "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
           "trials (NaN: fewer than three) [its SI unit].")
+      .def_property_readonly(
+          "error_budget",
+          [](const RobotIdentified& r) {
+            std::map<std::string, std::map<std::string, double>> out;
+            for (const identify::ErrorBudget& b : error_budget(r.fit))
+              out[b.constant] = {b.shares.begin(), b.shares.end()};
+            return out;
+          },
+          "Of each constant the shares of its variance [1]: noise, and the stated errors of what was not fitted.")
       .def("outputs", outputs_of, py::arg("trial"), "Simulated outputs of a trial, by name.")
       .def(
           "contacts",
@@ -169,12 +178,14 @@ std::vector<RobotTrial> controlled(std::vector<RobotTrial> trials, const PyContr
 RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTrial>& given,
                            const std::optional<std::vector<std::string>>& free, const Priors& priors,
                            const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
-                           const PyController& controller, const std::vector<std::string>& profile = {}) {
+                           const PyController& controller, const std::vector<std::string>& profile = {},
+                           const Bounds& errors = {}) {
   if (given.empty()) throw InputError("trials: at least one is needed");
   const std::vector<RobotTrial> trials = controlled(given, controller);
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
   o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = profile;
+  o.errors.assign(errors.begin(), errors.end());
   const std::vector<std::string> starts_of_trials = o.terms.nuisance;
   if (free) o.terms = choose(std::move(o.terms), free, starts_of_trials, priors, lower, upper);
   return long_call([&](const std::function<bool()>& stop) {
@@ -191,15 +202,17 @@ void bind_robot_trials(py::module_& m) {
       "identify_robot",
       [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const std::vector<std::string>& free,
          const Priors& priors, const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
-         const PyController& controller, const std::vector<std::string>& profile) {
-        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller, profile);
+         const PyController& controller, const std::vector<std::string>& profile, const Bounds& errors) {
+        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller, profile,
+                          errors);
       },
       py::arg("robot"), py::arg("trials"), py::arg("free"), py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
       py::arg("upper") = Bounds{}, py::arg("starts") = 0, py::arg("seed") = 1, py::arg("threads") = 0,
-      py::arg("controller") = py::none(), py::arg("profile") = std::vector<std::string>{},
+      py::arg("controller") = py::none(), py::arg("profile") = std::vector<std::string>{}, py::arg("errors") = Bounds{},
       "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
       "names as \"drive.hip.friction\"; starts: further ones, drawn; profile: constants whose likelihood profile is "
-      "made. controller: f(t, phi, dphi) -> torques, asked at "
+      "made; errors: standard deviations of constants that are not fitted, which count in all errors and verdicts. "
+      "controller: f(t, phi, dphi) -> torques, asked at "
       "each row of a log for what it adds to the torque of each joint [Nm], from the log's clock [s], the angles [rad] "
       "and rates [rad/s] of all joints of the file; it acts as a row's command does.");
   m.def(

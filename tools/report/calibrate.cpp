@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,15 @@ const Outputs kCalibrateOutputs{"calibrate",
 using namespace landing;
 
 namespace {
+
+/// What counts beside the logs' noise: "link.arm.mass 0.01 kg".
+std::string errors_in_words(const FloorFit& c) {
+  std::vector<std::string> out;
+  for (const identify::Considered& x : c.considered)
+    for (const identify::Estimate& e : c.parameters)
+      if (e.name == x.name) out.push_back(fmt::format("{} {:.3g} {}", x.name, x.std, e.unit));
+  return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
+}
 
 FitTexts texts_of(const CalibratedDrops& c) {
   FitTexts out{c.result, {}};
@@ -184,6 +194,9 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
     if (!validation->result.converged) run.warn("validation: " + validation->result.message), converged = false;
   }
   begin(c, constant_quantities(), report, summary, run);
+  const std::string stated = errors_in_words(c);
+  run.say("errors of what is not fitted, standard deviations (--errors): " + stated);
+  (void)report_shares(c, "as far as its error is stated (" + stated + ")", report, summary, run);
   summary["trusted"] = c.trusted();
   summary["steps"] = c.steps;
   report.heading(fmt::format("Does the {} explain the {}?", texts.model, texts.many));

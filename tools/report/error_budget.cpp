@@ -33,14 +33,6 @@ const identify::RigTerm* term_of(const std::string& key) {
   return nullptr;
 }
 
-Quantities<ErrorBudget> budget_quantities(const Fit& fit) {
-  Quantities<ErrorBudget> out = {{"", "", "share of the variance [%]", {}, &ErrorBudget::constant}};
-  for (std::size_t i = 0; i <= fit.considered.size(); ++i)
-    out.push_back({"", "", i == 0 ? "noise" : fit.considered[i - 1].name, "{:.1f}",
-                   [i](const ErrorBudget& b) { return number(100 * b.shares[i].second); }});
-  return out;
-}
-
 /// What makes most of the error of the constant that is known least, and what to do about it.
 std::string what_to_measure(const Fit& fit, const std::vector<ErrorBudget>& budget) {
   const auto relative = [&](const ErrorBudget& b) {
@@ -70,18 +62,10 @@ std::string experiments(const std::vector<std::string>& terms) {
 
 void report_error_budget(const Rig& rig, const Fit& fit, Report& report, Json& summary, Run& run) {
   for (const auto& [key, at, unit] : identify::rig_error_keys()) summary["rig_errors"][key] = rig.errors.*at;
-  const std::vector<ErrorBudget> budget = error_budget(fit);
-  Json& j = summary["error_budget"] = Json::object();
-  for (const ErrorBudget& b : budget)
-    for (const auto& [source, share] : b.shares) j[b.constant][source] = number(share);
   run.say("errors of the rig, standard deviations ([errors] of its file): " + errors_in_words(rig));
+  const std::vector<ErrorBudget> budget =
+      report_shares(fit, "as far as the rig states its error (" + errors_in_words(rig) + ")", report, summary, run);
   if (budget.empty() || fit.considered.empty()) return;
-  report.heading("Where the errors come from");
-  report.paragraph(
-      "Standard errors and intervals are the whole: the logs' noise, and what was not fitted, as far as the rig states "
-      "its error (" +
-      errors_in_words(rig) + ").");
-  (void)add_table(Table(budget_quantities(fit), budget), report, run);
   const std::string advice = what_to_measure(fit, budget);
   run.say(advice), report.paragraph(advice + ".");
 }

@@ -110,4 +110,23 @@ void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantitie
   if (fit.correlation.rows() > 1) add_correlations(report, fit.fitted, fit.correlation);
 }
 
+std::vector<identify::ErrorBudget> report_shares(const identify::Estimates& fit, const std::string& stated,
+                                                 Report& report, Json& summary, Run& run) {
+  using identify::ErrorBudget;
+  const std::vector<ErrorBudget> budget = identify::error_budget(fit);
+  Json& j = summary["error_budget"] = Json::object();
+  for (const ErrorBudget& b : budget)
+    for (const auto& [source, share] : b.shares) j[b.constant][source] = number(share);
+  if (budget.empty() || fit.considered.empty()) return budget;
+  Quantities<ErrorBudget> columns = {{"", "", "share of the variance [%]", {}, &ErrorBudget::constant}};
+  for (std::size_t i = 0; i <= fit.considered.size(); ++i)
+    columns.push_back({"", "", i == 0 ? "noise" : fit.considered[i - 1].name, "{:.1f}",
+                       [i](const ErrorBudget& b) { return number(100 * b.shares[i].second); }});
+  report.heading("Where the errors come from");
+  report.paragraph("Standard errors and intervals are the whole: the logs' noise, and what was not fitted, " + stated +
+                   ".");
+  (void)add_table(Table(columns, budget), report, run);
+  return budget;
+}
+
 }  // namespace ukemi::tools

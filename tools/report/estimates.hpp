@@ -25,6 +25,11 @@ FirstScreen first_screen(const identify::Estimates& fit, const std::string& from
 void begin(const identify::Estimates& fit, const Quantities<identify::Estimate>& quantities, Report& report,
            Json& summary, Run& run);
 
+/// "error_budget" of the summary and, where errors of what was not fitted count, the table of where errors come from;
+/// `stated`: how far they do. Returns the budget.
+std::vector<identify::ErrorBudget> report_shares(const identify::Estimates& fit, const std::string& stated,
+                                                 Report& report, Json& summary, Run& run);
+
 // --- what the residuals say against a fit, trust.cpp ---
 
 /// A probability for a reader.

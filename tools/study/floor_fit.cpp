@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/eigen.hpp"
 #include "common/error.hpp"
@@ -253,6 +254,30 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
   return out;
 }
 
+/// What the errors of constants that were not fitted make of those that were. `sigma` as in the fit.
+std::vector<identify::Considered> considered_of(const DropSimulator& simulator, const CalibrationOptions& options,
+                                                const std::vector<double>& sigma, const FloorFit& c) {
+  DropLayout layout(options.terms);
+  Start start;
+  for (const Estimate* e : c.globals()) start.push_back(e->value);
+  std::vector<identify::Term> shared;
+  for (const auto& [name, std] : options.errors) {
+    const DropTerm& t = options.terms[name];
+    layout.shared.push_back(&t), shared.push_back(t);
+    start.push_back(simulator.value(t));
+    shared.back().absent = start.back();
+  }
+  const Problem problem(simulator, layout, options);
+  const auto s = identify::score_at(problem.problem(start, sigma, kWhole), c, shared, {});
+  std::vector<identify::Considered> out;
+  for (std::size_t a = 0; s && a < options.errors.size(); ++a) {
+    const auto& [name, std] = options.errors[a];
+    const int fitted = s->parameters();
+    out.push_back(identify::considered(*s, name, std, std * s->sum(0, fitted + int(a), fitted, 1), c.fitted.size()));
+  }
+  return out;
+}
+
 /// The likelihood profile of a fitted constant, the other terms refitted. Where the errors were widened, the rise is
 /// less by as much: its interval is as wide as theirs where it is a parabola.
 identify::Profile profile_of(const Problem& fitted, const LeastSquaresSolution& best, const std::vector<double>& sigma,
@@ -297,6 +322,13 @@ void CalibrationOptions::validate() const {
     for (const std::string& nuisance : terms.nuisance)
       if (terms[constant].moves_what(terms[nuisance]))
         throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
+  for (const auto& [name, std] : errors) {
+    check_positive("--errors: " + name, std);
+    for (const auto* list : {&terms.free, &terms.nuisance})
+      for (const std::string& fitted : *list)
+        if (terms[name].moves_what(terms[fitted]))
+          throw InputError(fmt::format("--errors: {}: {} is fitted: --prior says what is known of it", name, fitted));
+  }
   for (const std::string& constant : profiles)
     if (std::find(terms.free.begin(), terms.free.end(), constant) == terms.free.end())
       throw InputError("--profile: " + constant + ": it is not among the --free constants");
@@ -384,6 +416,10 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   out.steps = problem.steps;
   if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
   report(best, problem, last, out);
+  if (!options.errors.empty() && out.converged) {
+    out.considered = considered_of(drops, options, sigma, out);
+    identify::set_errors(eigen(out.noise_covariance), out);
+  }
   out.drops = problem.replay(best);
   out.rms = rms_of(out.drops);
   compare_with_noise(out);

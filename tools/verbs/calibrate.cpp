@@ -78,6 +78,11 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
       throw InputError("--prior: " + quoted(known.name) + ": it is not fitted, see --free and --nuisance");
     o.terms.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});
   }
+  for (const std::string& item : split(a.errors)) {
+    const auto [name, value] = assignment("--errors", item);
+    const Named n = named(*o.terms.table, "--errors", name, {kConstant});
+    o.errors.emplace_back(n.term, to_number("--errors", value) * n.unit);
+  }
   o.validate();
 }
 
@@ -201,6 +206,8 @@ void add_calibrate(CLI::App* verb, Action& chosen) {
                    "every constant of the scene's contact laws, CONTACT.NAME where a contact has its own]");
   verb->add_option("--nuisance", args->nuisance, nuisance_help(drop_terms(), "A drop each"));
   repeated("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand");
+  verb->add_option("--errors", args->errors,
+                   "stiffness=500,...: standard deviations of constants that are not fitted: they count in all errors");
   verb->add_option("--lower", args->lower, "stiffness=1000,pitch_deg=-20,...: lower bounds [0; pitch: -180 deg]");
   verb->add_option("--upper", args->upper, "upper bounds [none; pitch: 180 deg]");
   verb->add_option("--profile", args->profile,

@@ -14,7 +14,7 @@ namespace ukemi::tools {
 
 struct CalibrateArguments {
   std::vector<std::string> drops, validate, motion_of, height_of, speed_of, priors, actuators;
-  std::string scene, motion, free, nuisance, lower, upper, profile;
+  std::string scene, motion, free, nuisance, lower, upper, profile, errors;
   double accuracy = 1e-9;
   Doubt doubt = Doubt::kReport;
   enum class Law {

@@ -195,6 +195,7 @@ int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts pre
   if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
   if (predicts == Predicts::kYes && a.actuator.empty()) throw InputError("--actuator is required");
   check_no_pieces(a.pieces, a.tie);
+  if (!a.errors.empty()) throw InputError("--errors: --robot is needed with it: a rig's file has [errors]");
   return run_identify(a, common);
 }
 int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
@@ -229,6 +230,10 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
                      "the motor's rated torque there [Nm] [the rig's]; tau_max of the rig limits the spring");
     verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
     verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
+    verb->add_option(
+        "--errors", args->errors,
+        "with --robot: link.LINK.mass=0.01,...: standard deviations of constants that are not fitted: they "
+        "count in all errors and verdicts [none: the robot's file is exact]");
     verb->add_option("--prior", args->prior,
                      "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
     verb->add_option(

@@ -45,6 +45,7 @@ void set_options(const IdentifyArguments& a, const CommonOptions& common, RobotF
   const std::vector<std::string> starts = o.terms.nuisance;
   CalibrateArguments given;
   given.free = a.free, given.lower = a.lower, given.upper = a.upper, given.profile = a.profile;
+  given.errors = a.errors;
   given.priors = split(a.prior);
   if (a.nuisance != "none") given.nuisance = a.nuisance;
   if (a.nuisance.empty()) given.nuisance = fmt::format("{}", fmt::join(starts, ","));
@@ -129,8 +130,8 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   const bool only = predicts == Predicts::kYes;
   Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
   only_known(a.given,
-             {"--robot", "--free", "--nuisance", "--prior", "--lower", "--upper", "--profile", "--columns", "--pieces",
-              "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
+             {"--robot", "--free", "--nuisance", "--prior", "--errors", "--lower", "--upper", "--profile", "--columns",
+              "--pieces", "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
              "--robot");
   const DrivenRobot robot = robot_of(a.robot, run);
   const std::vector<RobotTrial> trials =

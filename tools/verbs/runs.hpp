@@ -27,7 +27,7 @@ struct IdentifyArguments {
   int tie = 1;                       ///< so many of them are one trial
   std::vector<std::string> given;    ///< the options that were
   std::string start_angle;           ///< predict: [rad], or "fit"
-  std::string free, nuisance, prior, lower, upper, loss = "none";
+  std::string free, nuisance, prior, errors, lower, upper, loss = "none";
   identify::FitOptions::Weights weights = identify::FitOptions::Weights::kEqual;
   TrialArguments reading;
   std::optional<double> speed_max, motor_torque_max;  ///< the motor's ratings, before the rig's
