@@ -267,7 +267,7 @@ struct MassMatrix {
     }
   }
   /// M = L D L', in place.
-  void factor(int n) {
+  UKEMI_INLINE void factor(int n) {
     for (int j = 0; j < n; ++j) {
       std::array<T, kMost> scaled{};
       for (int k = 0; k < j; ++k) scaled[k] = m[j][k] * m[k][k], m[j][j] -= m[j][k] * scaled[k];
@@ -278,7 +278,7 @@ struct MassMatrix {
       }
     }
   }
-  void solve(int n, std::array<T, kMost>& x) const {
+  UKEMI_INLINE void solve(int n, std::array<T, kMost>& x) const {
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
     for (int i = n; i-- > 0;) {
@@ -295,7 +295,7 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
                                          const T& along_rail) {
   const T &gx = gravity[0], &gy = gravity[1];
   std::array<T, MassMatrix<T, kSize>::kMost> right{};
-  const int bodies = b.bodies, unknowns = bodies + (b.base == Base::kRail);
+  const int bodies = b.bodies;
   for (int j = 0; j < bodies; ++j) {
     right[j] = load.torque[j];
     if (b.base != Base::kFree) right[j] += y_of(b.moment, p, j) * gx + x_of(b.moment, p, j) * gy;
@@ -303,8 +303,10 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   const T fx = load.x + b.mass * gx, fy = load.y + b.mass * gy;
   if (b.base == Base::kRail) right[bodies] = b.rail[0] * fx + b.rail[1] * fy + along_rail;
   MassMatrix<T, kSize> mass(b, p, right);
-  mass.factor(unknowns);
-  mass.solve(unknowns, right);
+  if (b.base == Base::kRail)  // loops of a number that the compiler knows, where the kernel is exact
+    mass.factor(bodies + 1), mass.solve(bodies + 1, right);
+  else
+    mass.factor(bodies), mass.solve(bodies, right);
   TreeAccelerations<T, kSize.bodies> out;
   for (int j = 0; j < bodies; ++j) out.alpha[j] = right[j];
   if (b.base == Base::kFree)
