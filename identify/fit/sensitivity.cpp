@@ -134,15 +134,16 @@ bool states_errors(const AtMinimum& at) {
                      [&](const RigTerm& t) { return largest_error(t, at) > 0; });
 }
 
-Considered considered(const Sensitivity& s, const std::string& name, double std, const MatrixXd& effect,
-                      std::size_t fitted) {
-  const MatrixXd moved = -ScaledSolver(s.information)(effect);
+Considered considered(const Sensitivity& s, const ScaledSolver& solve, const std::string& name, double std,
+                      const MatrixXd& effect, std::size_t fitted) {
+  const MatrixXd moved = -solve(effect);
   Considered out{name, std, MatrixXd::Zero(long(fitted), moved.cols())};
   for (int f = 0; f < s.parameters(); ++f) eigen(out.shift).row(s.free[std::size_t(f)]) = moved.row(f);
   return out;
 }
 
 std::vector<Considered> considered_of(const AtMinimum& at, const Sensitivity& s) {
+  const ScaledSolver solve(s.information);
   const int F = s.parameters(), M = s.trials();
   std::vector<Considered> out;
   const auto add = [&](const RigTerm& t, int column) {
@@ -153,7 +154,7 @@ std::vector<Considered> considered_of(const AtMinimum& at, const Sensitivity& s)
       effect.col(long(m)) += error_in(at, m, t) * s.parts[p].block(0, column, F, 1);
     }
     if (t.scope == Scope::kShared) effect = effect.rowwise().sum().eval();
-    out.push_back(considered(s, t.error->key, at.rig.errors.*t.error->at, effect, at.globals.size()));
+    out.push_back(considered(s, solve, t.error->key, at.rig.errors.*t.error->at, effect, at.globals.size()));
   };
   for (std::size_t a = 0; a < s.shared.size(); ++a) add(s.shared[a], F + int(a));
   for (std::size_t b = 0; b < s.of_trial.size(); ++b) add(s.of_trial[b], F + int(s.shared.size() + b));

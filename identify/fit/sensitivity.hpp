@@ -64,11 +64,6 @@ struct AtMinimum {
 /// These terms, with what they do to the constants.
 [[nodiscard]] std::vector<Considered> considered_of(const AtMinimum& at, const Sensitivity& sensitivity);
 
-/// What a term of standard deviation `std` does to what was fitted, from its effect std J' W j, a column for each
-/// independent draw of it; `fitted` as the number of Estimates::fitted.
-[[nodiscard]] Considered considered(const Sensitivity& sensitivity, const std::string& name, double std,
-                                    const Eigen::MatrixXd& effect, std::size_t fitted);
-
 /// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.
 class ScaledSolver {
  public:
@@ -84,5 +79,10 @@ class ScaledSolver {
   Eigen::VectorXd unit_;
   LeastNorm decomposition_;
 };
+
+/// What a term of standard deviation `std` does to what was fitted, from its effect std J' W j, a column for each
+/// independent draw of it; `solve`: by the sensitivity's information; `fitted` as the number of Estimates::fitted.
+[[nodiscard]] Considered considered(const Sensitivity& sensitivity, const ScaledSolver& solve, const std::string& name,
+                                    double std, const Eigen::MatrixXd& effect, std::size_t fitted);
 
 }  // namespace ukemi::identify

@@ -2,12 +2,12 @@
 // then the slip z of each contact, the states of DriveLag of each joint where a drive is late; with kAccounts the work
 // of joints, floor and rail on the links, for the energy check. Heights are distances from the floor along its normal;
 // on a slope the frame is the floor's, and gravity is turned.
-//
 #pragma once
 
 #include "common/integrate/guards.hpp"
 #include "landing/body/contact.hpp"
 #include "landing/body/equations.hpp"
+#include "landing/body/joint.hpp"
 #include "landing/model/motion.hpp"
 #include "landing/model/two_link.hpp"
 
@@ -15,38 +15,6 @@ namespace ukemi::landing {
 
 /// Below this speed the sign of a rail's dry friction is smooth [m/s].
 inline constexpr double kRailSpeed = 0.005;
-
-/// The drive of a joint in its scalar.
-template <class T>
-struct JointConstants {
-  DriveKind kind = DriveKind::kElastic;
-  SeaParameters<T> sea{T(0), T(0), T(0), T(0), T(1)};
-  T stiffness{0}, damping{0}, rest{0};  ///< passive
-  T parallel_stiffness{0}, parallel_rest{0};
-
-  bool extended = false;  ///< it has friction, or a spring that stiffens
-
-  template <class Other>
-  void take_structure(const Other& o) {
-    kind = o.kind, sea.feedback = o.sea.feedback, extended = o.extended;
-  }
-  template <class Other>
-  bool same_structure(const Other& o) const {
-    return kind == o.kind && sea.feedback == o.sea.feedback && extended == o.extended;
-  }
-  /// f(a's, b's) of every constant.
-  template <class A, class B, class F>
-  static void for_each(A& a, const B& b, F&& f) {
-    SeaParameters<T>::for_each(a.sea, b.sea, f);
-    f(a.stiffness, b.stiffness), f(a.damping, b.damping), f(a.rest, b.rest);
-    f(a.parallel_stiffness, b.parallel_stiffness), f(a.parallel_rest, b.parallel_rest);
-  }
-};
-
-struct JointMode {
-  int saturation = 0;  ///< of the spring's torque, or of the geared motor's
-  Phase phase = Phase::kBefore;
-};
 
 template <Capacity kSize>
 struct BodyMode {
@@ -191,22 +159,27 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// x = y, without y's derivatives.
   static constexpr auto kWithout = [](T& x, const auto& y) { x = T(value_of(y)); };
 
-  /// Of joint i on its child [Nm]; of a motor behind a spring, its acceleration in `motor`.
+  /// Of joint i on its child [Nm]; of a motor behind a spring, its acceleration in `motor`, and in `dy` the rates of a
+  /// drive that is late.
   template <class Time>
-  T torque(int i, const Time& t, const State& y, T* motor = nullptr) const {
+  T torque(int i, const Time& t, const State& y, T* motor = nullptr, State* dy = nullptr) const {
     const JointConstants<T>& d = drive[i];
     const SeaState<T> s = joint_state(i, y);
     return joint_torque(i, s, motor, [&]() UKEMI_INLINE_LAMBDA {
       if (d.kind == DriveKind::kGeared) return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
-      return elastic_motor_torque(i, t, y, s);
+      return elastic_motor_torque(i, t, y, s, dy);
     });
   }
   /// Of the motor of an elastic drive, as late as the drive is [Nm].
   template <class Time>
-  UKEMI_INLINE T elastic_motor_torque(int i, const Time& t, const State& y, const SeaState<T>& s) const {
+  UKEMI_INLINE T elastic_motor_torque(int i, const Time& t, const State& y, const SeaState<T>& s,
+                                      [[maybe_unused]] State* dy = nullptr) const {
     if constexpr (kSize.late) {
+      const auto x = y.template segment<kLags>(kLag + kLags * i);
       const DriveLag<T> lag(drive[i].sea);
-      return lag.torque(asked_of(i, t, lag.seen(s, lags(i, y))), lags(i, y));
+      const T ask = asked_of(i, t, lag.seen(s, x));
+      if (dy) dy->template segment<kLags>(kLag + kLags * i) = lag.derivative(ask, s, x);
+      return lag.torque(ask, x);
     } else {
       return asked_of(i, t, s);
     }
@@ -218,8 +191,6 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
                       : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
   }
-  /// The states of a drive that is late.
-  static auto lags(int i, const State& y) { return y.template segment<kLags>(kLag + kLags * i); }
   /// Sets drives that are late as if the rates of y, and what is asked for at time t, had been constant for ever.
   template <class Time>
   void settle_lags(const Time& t, State& y) const {
@@ -229,17 +200,6 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
         const SeaState<T> s = joint_state(i, y);
         y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(asked_of(i, t, s), s);
       }
-  }
-  template <class Time>
-  void lag_rates(const Time& t, const State& y, State& dy) const {
-    for (int i = 0; i < kJ; ++i) {
-      auto rate = dy.template segment<kLags>(kLag + kLags * i);
-      rate.setConstant(T(0));
-      if (i >= body.joints || drive[i].kind != DriveKind::kElastic) continue;
-      const DriveLag<T> lag(drive[i].sea);
-      const SeaState<T> s = joint_state(i, y);
-      rate = lag.derivative(asked_of(i, t, lag.seen(s, lags(i, y))), s, lags(i, y));
-    }
   }
   /// The same of a motor whose torque is asked() [Nm].
   template <class Asked>
@@ -331,8 +291,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   };
   template <class Time>
   void derivative(const Time& t, const State& y, State& dy) const {
-    derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor); });
-    if constexpr (kSize.late) lag_rates(t, y, dy);
+    if constexpr (kSize.late) dy.template segment<kLags * kJ>(kLag).setConstant(T(0));
+    derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor, &dy); });
   }
   /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links.
   template <class Torque, class Push = NoPush>

@@ -173,11 +173,11 @@ class DrivenRun {
   /// What is of a row at its own time.
   void sample_row(std::size_t row) {
     ask(row);
+    const bool last = row + 1 >= commands_.t.size();
+    pushed_from_ = commands_.t[row];
     for (std::size_t i = 0; i < pushed_.size(); ++i)
       for (const std::size_t q : {0, 1}) {
         const std::vector<double>& f = commands_.push[i][q];
-        const bool last = row + 1 >= commands_.t.size();
-        pushed_from_ = commands_.t[row];
         pushed_[i].force[q] = f.empty() ? 0 : f[row];
         pushed_[i].rate[q] = f.empty() || last ? 0 : (f[row + 1] - f[row]) / (commands_.t[row + 1] - commands_.t[row]);
       }

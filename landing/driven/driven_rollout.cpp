@@ -20,6 +20,12 @@ void check_driven(const Robot& robot) {
 
 namespace {
 
+void check(const Commands& commands, const Robot& robot) {
+  if (!commands.push.empty() && commands.push.size() != robot.pushes.size())
+    throw InputError(std::to_string(commands.push.size()) + " forces: one for each of " +
+                     std::to_string(robot.pushes.size()) + " pushes of the robot is needed");
+}
+
 template <class F>
 auto in_its_kernel(const Robot& robot, F&& f) {
   return in_kernel<kPendulum, kTriple, kQuad, kSmall, kAny>(robot, f);
@@ -47,6 +53,7 @@ std::vector<double> extensions(const Robot& robot, const std::vector<std::vector
 }
 
 double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start) {
+  check(commands, robot);
   return in_its_kernel(robot, [&]<Capacity kSize>() { return stable_in_kernel<kSize>(robot, path, commands, start); });
 }
 
@@ -54,9 +61,7 @@ DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Com
                           const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options) {
   check_driven(robot);
   if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
-  if (!commands.push.empty() && commands.push.size() != robot.pushes.size())
-    throw InputError(std::to_string(commands.push.size()) + " forces: one for each of " +
-                     std::to_string(robot.pushes.size()) + " pushes of the robot is needed");
+  check(commands, robot);
   DrivenOptions with = options;
   if (with.step <= 0) with.step = stable_step(robot, path, commands, start);
   return in_its_kernel(

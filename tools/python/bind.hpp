@@ -133,6 +133,15 @@ void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates
       .def_property_readonly(
           "message", [=](const Result& r) { return of(r).message; }, "Why it did not converge; empty where it did.")
       .def_property_readonly(
+          "error_budget",
+          [=](const Result& r) {
+            std::map<std::string, std::map<std::string, double>> out;
+            for (const identify::ErrorBudget& b : identify::error_budget(of(r)))
+              out[b.constant] = {b.shares.begin(), b.shares.end()};
+            return out;
+          },
+          "Of each constant the shares of its variance [1]: noise, and the stated errors of what was not fitted.")
+      .def_property_readonly(
           "warnings", [=](const Result& r) { return of(r).warnings; }, "What a reader should know, a sentence each.");
 }
 

@@ -152,14 +152,6 @@ void bind_identification(py::class_<Identified>& c) {
           "identifiable", [](const Identified& i) { return i.found.fit.identifiable; },
           "Whether the trials determine every fitted constant.")
       .def_property_readonly(
-          "error_budget",
-          [](const Identified& i) {
-            std::map<std::string, std::map<std::string, double>> out;
-            for (const ErrorBudget& b : error_budget(i.found.fit)) out[b.constant] = {b.shares.begin(), b.shares.end()};
-            return out;
-          },
-          "Of each constant the shares of its variance [1]: noise, and what the rig states an error of.")
-      .def_property_readonly(
           "feedback", [](const Identified& i) { return i.found.fit.sea.feedback; },
           "What the drive feeds back: the rig's, else the side whose fit is better.")
       .def_property_readonly(

@@ -123,15 +123,6 @@ void bind_result(py::module_& m) {
           },
           "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
           "trials (NaN: fewer than three) [its SI unit].")
-      .def_property_readonly(
-          "error_budget",
-          [](const RobotIdentified& r) {
-            std::map<std::string, std::map<std::string, double>> out;
-            for (const identify::ErrorBudget& b : error_budget(r.fit))
-              out[b.constant] = {b.shares.begin(), b.shares.end()};
-            return out;
-          },
-          "Of each constant the shares of its variance [1]: noise, and the stated errors of what was not fitted.")
       .def("outputs", outputs_of, py::arg("trial"), "Simulated outputs of a trial, by name.")
       .def(
           "contacts",

@@ -52,7 +52,7 @@ Quantities<identify::Trial> residual_quantities(const Comparison& c) {
 
 Quantities<MotionTexts> peak_quantities(bool rated) {
   const auto heading = [rated](const char* set) {
-    return fmt::format("{} with {} [{}]", rated ? "largest load" : "peak", set, worth_unit(rated));
+    return fmt::format("{} with {} [{}]", worth_name(rated), set, worth_unit(rated));
   };
   return {
       {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, m.words); }},
@@ -84,7 +84,7 @@ void warn(const Comparison& c, Run& run) {
 /// What planning with the nominal constants would have cost on the identified actuator.
 FirstScreen lesson_of(const ComparisonTexts& c) {
   const double own = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
-  const char *has = c.rated ? "has" : "hits with", *what = c.rated ? "largest load" : "peak";
+  const char* has = c.rated ? "has" : "hits with";
   return {
       fmt::format("Planned with the nominal constants, {} {} {} where {:.4g} was promised: {:.2f} times the {} of the "
                   "motion planned with its own constants.",
@@ -92,7 +92,7 @@ FirstScreen lesson_of(const ComparisonTexts& c) {
       {check(nominal <= kWorse * promised, "the nominal plan keeps its promise",
              fmt::format("promised {}, {} {:.4g}", worth_words(promised, c.rated), has, nominal)),
        check(nominal <= kWorse * own, "the nominal constants are good enough",
-             fmt::format("{:.2f} times the {} of the own plan", nominal / own, what))},
+             fmt::format("{:.2f} times the {} of the own plan", nominal / own, worth_name(c.rated)))},
       "`ukemi optimize` with the identified actuator plans the landing."};
 }
 

@@ -88,6 +88,7 @@ Check converged(const landing::Sensitivity& s, bool wrong) {
                       s.sensitive ? "; a slightly different drop lands otherwise" : "")};
 }
 
+const char* worth_name(bool rated) { return rated ? "largest load" : "peak"; }
 const char* worth_unit(bool rated) { return rated ? "of the rating" : "m/s^2"; }
 std::string worth_words(double value, bool rated) { return fmt::format("{:.4g} {}", value, worth_unit(rated)); }
 

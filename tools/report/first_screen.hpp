@@ -45,6 +45,7 @@ Check converged(bool converged, const std::string& message);
 Check converged(const landing::Sensitivity& sensitivity, bool wrong);
 /// What a plan makes small: an acceleration [m/s^2] or, where loads are `rated`, the largest as a part of its rating.
 std::string worth_words(double value, bool rated);
+const char* worth_name(bool rated);  ///< "largest load", "peak"
 const char* worth_unit(bool rated);
 /// The worst tenth of drops against that of holding still.
 Check under_scatter_check(double planned, double held, bool rated = false);

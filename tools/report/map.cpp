@@ -83,12 +83,10 @@ void show(const PeakMap& map, bool rated, Report& report) {
     const Heatmap line = projection(map, over[0], over[0]);
     Series peaks{"", line.x, {}};
     for (std::size_t i = 0; i < line.x.size(); ++i) peaks.y.push_back(map.grid[i].peak);
-    report.plot("map", line.x_label, fmt::format("{} [{}]", rated ? "largest load" : "peak", worth_unit(rated)),
-                {peaks});
+    report.plot("map", line.x_label, fmt::format("{} [{}]", worth_name(rated), worth_unit(rated)), {peaks});
     return;
   }
-  report.heading(
-      fmt::format("Smallest {} over the other variables [{}]", rated ? "largest load" : "peak", worth_unit(rated)));
+  report.heading(fmt::format("Smallest {} over the other variables [{}]", worth_name(rated), worth_unit(rated)));
   for (std::size_t x = 0; x < over.size(); ++x)
     for (std::size_t y = x + 1; y < over.size(); ++y) report.heatmap(projection(map, over[x], over[y]));
 }

@@ -53,9 +53,8 @@ int report(const BodySurvey& s, Run& run) {
                      "and the worst peak within the execution tolerance. The minima of the grid itself: summary.json.",
                  .rated = of_loads};
   for (const BodyBasin& b : s.basins)
-    texts.lines.push_back(fmt::format("{}; {} {}; tolerant {}", motion_words(robot, b.motion),
-                                      of_loads ? "largest load" : "peak", worth_words(b.peak, of_loads),
-                                      worth_words(b.tolerant, of_loads)));
+    texts.lines.push_back(fmt::format("{}; {} {}; tolerant {}", motion_words(robot, b.motion), worth_name(of_loads),
+                                      worth_words(b.peak, of_loads), worth_words(b.tolerant, of_loads)));
   if (!s.basins.empty())
     texts.best =
         fmt::format("{} at {}", worth_words(s.basins[0].peak, of_loads), motion_words(robot, s.basins[0].motion));

@@ -35,7 +35,7 @@ Quantities<Distribution> distribution_quantities() {
 }
 
 std::string distributed_words(const std::string& acceleration, bool rated) {
-  return fmt::format("{} [{}]", rated ? "largest load" : "peak " + acceleration, worth_unit(rated));
+  return fmt::format("{} [{}]", rated ? worth_name(rated) : "peak " + acceleration, worth_unit(rated));
 }
 
 Quantities<NamedDistribution> named_quantities(const std::string& what) {

@@ -219,22 +219,22 @@ std::vector<identify::ResidualSeries> residuals_of(const DropSimulator& simulato
   return series;
 }
 
-/// Tests the floor, see fit_floor. `sigma` as in the fit.
-identify::ResidualTests test_floor(const DropSimulator& simulator, const CalibrationOptions& options,
-                                   const std::vector<double>& sigma, const FloorFit& c) {
-  const DropLayout fitted(options.terms);
-  DropLayout layout = fitted;
-  Start start;
-  for (const Estimate* e : c.globals()) start.push_back(e->value);
-  std::vector<identify::Term> shared, of_drop;
-  for (const DropTerm& t : *options.terms.table) {
-    // A term that moves the same numbers as a fitted one is that term, or Chow's test.
-    bool covered = options.terms.fits(t.name);
-    for (const auto* list : {&fitted.shared, &fitted.own})
-      for (const DropTerm* other : *list) covered = covered || t.moves_what(*other);
-    for (const DropTerm* other : layout.shared)  // of a constant of all contacts, and of one
-      covered = covered || (t.is_constant() && other->is_constant() && t.moves_what(*other));
-    if (covered) continue;
+/// Terms that were not fitted, at a minimum: how the residuals there move with them and with what was.
+struct FurtherTerms {
+  const DropSimulator& simulator;
+  const CalibrationOptions& options;
+  const std::vector<double>& sigma;  ///< as in the fit
+  const FloorFit& fit;
+  DropLayout layout{options.terms};  ///< what was fitted, then these
+  Start start{};                     ///< of layout.shared
+  std::vector<identify::Term> shared{}, of_drop{};
+
+  FurtherTerms(const DropSimulator& s, const CalibrationOptions& o, const std::vector<double>& weights,
+               const FloorFit& c)
+      : simulator(s), options(o), sigma(weights), fit(c) {
+    for (const Estimate* e : c.globals()) start.push_back(e->value);
+  }
+  void add(const DropTerm& t) {
     identify::Term absent = t;
     if (t.is_constant()) {  // it may be above or below the value that it is held at, except at its bound
       absent.absent = simulator.value(t);
@@ -244,11 +244,29 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
     if (!each) start.push_back(absent.absent);
     (each ? of_drop : shared).push_back(std::move(absent)), (each ? layout.own : layout.shared).push_back(&t);
   }
+  std::optional<identify::Sensitivity> sensitivity() const {
+    const Problem problem(simulator, layout, options);
+    return identify::score_at(problem.problem(start, sigma, kWhole), fit, shared, of_drop);
+  }
+};
+
+/// Tests the floor, see fit_floor. `sigma` as in the fit.
+identify::ResidualTests test_floor(const DropSimulator& simulator, const CalibrationOptions& options,
+                                   const std::vector<double>& sigma, const FloorFit& c) {
+  const DropLayout fitted(options.terms);
+  FurtherTerms further(simulator, options, sigma, c);
+  for (const DropTerm& t : *options.terms.table) {
+    // A term that moves the same numbers as a fitted one is that term, or Chow's test.
+    bool covered = options.terms.fits(t.name);
+    for (const auto* list : {&fitted.shared, &fitted.own})
+      for (const DropTerm* other : *list) covered = covered || t.moves_what(*other);
+    for (const DropTerm* other : further.layout.shared)  // of a constant of all contacts, and of one
+      covered = covered || (t.is_constant() && other->is_constant() && t.moves_what(*other));
+    if (!covered) further.add(t);
+  }
   const std::vector<identify::ResidualSeries> series = residuals_of(simulator, c);
-  const Problem problem(simulator, layout, options);
   std::optional<identify::Sensitivity> score;
-  if (c.converged && !series.empty())
-    score = identify::score_at(problem.problem(start, sigma, kWhole), c, shared, of_drop);
+  if (c.converged && !series.empty()) score = further.sensitivity();
   identify::ResidualTests out = identify::test_residuals(series, std::move(score));
   if (out.score) out.chow = identify::chow_tests_of(*out.score);
   return out;
@@ -257,24 +275,16 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
 /// What the errors of constants that were not fitted make of those that were. `sigma` as in the fit.
 std::vector<identify::Considered> considered_of(const DropSimulator& simulator, const CalibrationOptions& options,
                                                 const std::vector<double>& sigma, const FloorFit& c) {
-  DropLayout layout(options.terms);
-  Start start;
-  for (const Estimate* e : c.globals()) start.push_back(e->value);
-  std::vector<identify::Term> shared;
-  for (const auto& [name, std] : options.errors) {
-    const DropTerm& t = options.terms[name];
-    layout.shared.push_back(&t), shared.push_back(t);
-    start.push_back(simulator.value(t));
-    shared.back().absent = start.back();
-  }
-  const Problem problem(simulator, layout, options);
-  const auto s = identify::score_at(problem.problem(start, sigma, kWhole), c, shared, {});
+  FurtherTerms further(simulator, options, sigma, c);
+  for (const auto& [name, std] : options.errors) further.add(options.terms[name]);
+  const std::optional<identify::Sensitivity> s = further.sensitivity();
   std::vector<identify::Considered> out;
-  for (std::size_t a = 0; s && a < options.errors.size(); ++a) {
-    const auto& [name, std] = options.errors[a];
-    const int fitted = s->parameters();
-    out.push_back(identify::considered(*s, name, std, std * s->sum(0, fitted + int(a), fitted, 1), c.fitted.size()));
-  }
+  if (!s) return out;
+  const identify::ScaledSolver solve(s->information);
+  int column = s->parameters();
+  for (const auto& [name, std] : options.errors)
+    out.push_back(
+        identify::considered(*s, solve, name, std, std * s->sum(0, column++, s->parameters(), 1), c.fitted.size()));
   return out;
 }
 
