@@ -120,6 +120,13 @@ constexpr ContactLaw kNoFloor{.stiffness = 1};
 /// What a file is read for: a landing, whose drop it has or not, or a robot that is driven.
 enum class For { kLanding, kDrop, kDriven };
 
+/// [identified], which `predict` asks for alone.
+void pass_over_identified(TomlFile& file) {
+  auto known = file.optional("identified");
+  for (const char* key : {"order", "covariance", "outputs", "rms"})
+    if (known) known->accept(key);
+}
+
 BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, For what) {
   TomlFile file(path);
   BodyScene out;
@@ -132,10 +139,12 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
     TomlFile other(out.robot_file);
     read_robot_tables(other, &file, law, drives, out);
     commands = read_command_path(other, out.robot);
+    pass_over_identified(other);
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
     commands = read_command_path(file, out.robot);
+    pass_over_identified(file);
   }
   if (what != For::kDriven) apply(commands, out.robot);
   out.search.resize(out.robot.joints.size());

@@ -287,3 +287,30 @@ TEST_CASE("an accelerometer and a force plate tell what angles leave open", "[dr
     CHECK(with.rms[o] == Approx(noise).epsilon(0.15));
   }
 }
+
+TEST_CASE("a band of a touchdown is how it moves with the constants' errors", "[driven]") {
+  const Leg leg;
+  const test::Folder folder;
+  DrivenRobot robot = read_driven_robot(folder.write("robot.toml", robot_of(leg, 1)));
+  const auto trials =
+      read_robot_trials(folder.write("log.csv", log_of(leg, 400, 1.3, 1)), robot.scene.robot, {.columns = ""});
+  const double error = 0.01 * leg.mass[1];
+  robot.known = {{{"robot.link.shank.mass"}, Eigen::Matrix<double, 1, 1>(error * error)}, {}};
+  RobotFitOptions options;
+  options.terms = robot_terms(robot, trials);
+  const RobotFit here = predict_robot(robot, trials, options);
+  robot.scene.robot.links[2].mass += error;
+  const RobotFit moved = predict_robot(robot, trials, options);
+  const auto &before = here.drops[0].changes, &after = moved.drops[0].changes;
+  REQUIRE(here.promises.at(0).known());
+  REQUIRE(before.size() == after.size());
+  REQUIRE(before.size() > 1);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    INFO("change " << i << " at " << before[i].t << " moves by " << after[i].t - before[i].t);
+    const double promised = here.promises[0].half_band(i) / kNormal975;
+    CHECK(promised == Approx(std::abs(after[i].t - before[i].t)).epsilon(0.1).margin(5e-6));
+    if (i > 0)
+      CHECK(here.promises[0].half_band(i - 1, i) / kNormal975 ==
+            Approx(std::abs(after[i].t - before[i].t - after[i - 1].t + before[i - 1].t)).epsilon(0.1).margin(5e-6));
+  }
+}

@@ -247,6 +247,8 @@ def test_driven_robots(driven, hopper, tmp_path):
     assert found.rms["phi_servo"] < 1e-5 and found.outputs(0)["phi_servo"].shape == trials[0].t.shape
     assert found.baselines["phi_servo"]["model"] < found.baselines["phi_servo"]["held"]
     assert math.isnan(found.baselines["phi_servo"]["mean"]) and found.contacts(0) == []
+    promised = ukemi.predict_robot(found.robot, trials).bands(0)["phi_servo"]
+    assert promised.shape == trials[0].t.shape and (promised > 0).all() and found.bands(0) == {}
     for wrong in ({"free": ["drive.toe.k_p"]}, {"free": ["drive.servo.k_p"], "lower": {"drive.toe.k_p": 1}}):
         with pytest.raises(ukemi.InputError):
             ukemi.identify_robot(robot, trials, **wrong)

@@ -81,13 +81,19 @@ void bind_trials_of(py::module_& m) {
       "`design_robot`; tie: so many pieces that follow each other are one trial.");
 }
 
+py::dict by_output(const RobotIdentified& r, const std::vector<std::vector<double>>& values) {
+  py::dict out;
+  for (std::size_t o = 0; o < values.size(); ++o)
+    if (!values[o].empty()) out[r.fit.channels[o].name.c_str()] = py::array_t<double>(py::cast(values[o]));
+  return out;
+}
 py::dict outputs_of(const RobotIdentified& r, std::size_t trial) {
   if (trial >= r.trials.size()) throw py::index_error("no such trial");
-  py::dict out;
-  const tools::DropResult& drop = r.fit.drops[trial];
-  for (std::size_t o = 0; o < r.fit.channels.size(); ++o)
-    if (!drop.value[o].empty()) out[r.fit.channels[o].name.c_str()] = py::array_t<double>(py::cast(drop.value[o]));
-  return out;
+  return by_output(r, r.fit.drops[trial].value);
+}
+py::dict bands_of(const RobotIdentified& r, std::size_t trial) {
+  if (trial >= r.trials.size()) throw py::index_error("no such trial");
+  return r.fit.promises.empty() ? py::dict() : by_output(r, r.fit.promises[trial].band);
 }
 
 void bind_result(py::module_& m) {
@@ -124,6 +130,9 @@ void bind_result(py::module_& m) {
           "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
           "trials (NaN: fewer than three) [its SI unit].")
       .def("outputs", outputs_of, py::arg("trial"), "Simulated outputs of a trial, by name.")
+      .def("bands", bands_of, py::arg("trial"),
+           "Of a prediction, by name: half of the 95 % band about each of `outputs`, of the errors of the robot's "
+           "constants and of what the fit left [its SI unit]; empty where it is not known how well they are known.")
       .def(
           "contacts",
           [](const RobotIdentified& r, std::size_t trial) {

@@ -9,6 +9,7 @@
 #include "tools/program/interrupt.hpp"
 #include "tools/report/calibrate.hpp"
 #include "tools/report/estimates.hpp"
+#include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/study/baselines.hpp"
 #include "tools/study/calibration.hpp"
@@ -38,14 +39,32 @@ FitTexts texts_of(const CalibratedDrops& c) {
   return out;
 }
 
+/// Of the samples of an output that count, the share within the band that the fit promised; NaN: none was.
+double within_band(const FitTexts& c, std::size_t output) {
+  double n = 0, within = 0;
+  for (std::size_t m = 0; m < c.result.promises.size(); ++m) {
+    const DropResult& d = c.result.drops[m];
+    for (std::size_t i = 0; c.result.promises[m].known() && i < d.value[output].size(); ++i)
+      if (d.used[output][i])
+        n += 1, within +=
+                std::abs(d.value[output][i] - c.logs[m]->output[output][i]) <= c.result.promises[m].band[output][i];
+  }
+  return n > 0 ? within / n : std::numeric_limits<double>::quiet_NaN();
+}
+
 /// An output that some drop measured, over all drops.
-Quantities<std::size_t> output_quantities(const FloorFit& c) {
-  return {
+Quantities<std::size_t> output_quantities(const FitTexts& texts) {
+  const FloorFit& c = texts.result;
+  Quantities<std::size_t> out = {
       {"", "", "output", {}, [&c](auto& o) { return c.channels[o].name; }},
       {"", "rms", "residual rms", "{:.3g}", [&c](auto& o) { return c.rms[o]; }},
       {"", "noise", "the logs' noise", "{:.3g}", [&c](auto& o) { return c.noise[o]; }},
       {"", "unit", "unit", {}, [&c](auto& o) { return c.channels[o].unit; }},
   };
+  if (!c.promises.empty())
+    out.push_back({"", "within_band", "within the 95 % band", percent_words,
+                   [&texts](auto& o) { return number(within_band(texts, o)); }});
+  return out;
 }
 std::vector<std::size_t> measured(const FloorFit& c) {
   std::vector<std::size_t> out;
@@ -78,7 +97,13 @@ std::string samples_csv(const Run& run, const FitTexts& c) {
       "residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration "
       "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.",
       words(c.result.logs_of).one));
-  csv.header({words(c.result.logs_of).one, "t", "output", "measured", "simulated", "residual", "used"});
+  std::vector<std::string> header = {
+      words(c.result.logs_of).one, "t", "output", "measured", "simulated", "residual", "used"};
+  const bool promised = !c.result.promises.empty();
+  if (promised)
+    csv.comment("band: half of the 95 % band about what is simulated: the constants' errors and what the fit left.");
+  if (promised) header.push_back("band");
+  csv.header(header);
   for (std::size_t m = 0; m < c.logs.size(); ++m)
     for (std::size_t o = 0; o < c.result.channels.size(); ++o) {
       const DropResult& result = c.result.drops[m];
@@ -86,7 +111,12 @@ std::string samples_csv(const Run& run, const FitTexts& c) {
         const double log = c.logs[m]->output[o][i], simulated = result.value[o][i];
         if (!std::isfinite(log) || !std::isfinite(simulated)) continue;
         csv.cell(long(m + 1)).cell(c.logs[m]->t[i]).cell(c.result.channels[o].name).cell(log).cell(simulated);
-        csv.cell(simulated - log).cell(int(result.used[o][i])).end_row();
+        csv.cell(simulated - log).cell(int(result.used[o][i]));
+        if (promised) {
+          const Promise& p = c.result.promises[m];
+          csv.cell(p.known() ? p.band[o][i] : std::numeric_limits<double>::quiet_NaN());
+        }
+        csv.end_row();
       }
     }
   return csv.text();
@@ -167,7 +197,7 @@ std::vector<std::string> findings(const FloorFit& c) {
 
 /// "outputs" and "drops" of the summary, as tables and, drop by drop, as figures.
 void report_drops(const FitTexts& c, const char* set, Report& report, Json& summary, Run& run) {
-  const Table outputs(output_quantities(c.result), measured(c.result));
+  const Table outputs(output_quantities(c), measured(c.result));
   summary["outputs"] = outputs.keyed();
   (void)add_table(outputs, report, run);
   summary[words(c.result.logs_of).many] = add_table(Table(drop_quantities(c.result), c.result.drops), report, run);
@@ -228,35 +258,52 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
 
 namespace {
 
-/// A contact that touches its surface, from when to when.
+/// A contact that touches its surface, from when to when: changes of the trial's DropResult.
 struct Stance {
   std::size_t trial;  ///< counts from 1
   int contact;
-  std::optional<double> touchdown, liftoff;  ///< from the trial's first row [s]; absent: before it, after its last
+  std::optional<std::size_t> touchdown, liftoff;  ///< absent: before the trial's first row, after its last
+  std::optional<std::size_t> left;                ///< the contact's liftoff before
 };
 std::vector<Stance> stances(const FloorFit& c) {
   std::vector<Stance> out;
   for (std::size_t m = 0; m < c.drops.size(); ++m) {
     const std::size_t first = out.size();
-    for (const ContactChange& change : c.drops[m].changes)
-      if (change.touches) {
-        out.push_back({m + 1, change.contact, change.t > 0 ? std::optional(change.t) : std::nullopt, std::nullopt});
-      } else {
-        const auto open = std::find_if(out.begin() + long(first), out.end(),
-                                       [&](const Stance& s) { return s.contact == change.contact && !s.liftoff; });
-        if (open != out.end()) open->liftoff = change.t;
-      }
+    for (std::size_t i = 0; i < c.drops[m].changes.size(); ++i) {
+      const ContactChange& change = c.drops[m].changes[i];
+      const auto end = out.rend() - long(first),
+                 last = std::find_if(out.rbegin(), end, [&](const Stance&s) { return s.contact == change.contact; });
+      if (change.touches)
+        out.push_back({m + 1, change.contact, change.t > 0 ? std::optional(i) : std::nullopt, std::nullopt,
+                       last == end ? std::nullopt : last->liftoff});
+      else if (last != end && !last->liftoff)
+        last->liftoff = i;
+    }
   }
   return out;
 }
-Quantities<Stance> stance_quantities(const std::vector<std::string>& contacts) {
-  return {{"trial", "trial", "trial", {}, [](auto& s) { return s.trial; }},
-          {"contact", "contact", "contact", {}, [&contacts](auto& s) { return contacts[std::size_t(s.contact)]; }},
-          {"touchdown", "touchdown", "touches from [s]", "{:.4f}", [](auto& s) { return number(s.touchdown); }},
-          {"liftoff", "liftoff", "to [s]", "{:.4f}", [](auto& s) { return number(s.liftoff); }},
-          {"duration", "duration", "for [s]", "{:.4f}", [](auto& s) {
-             return number(s.touchdown && s.liftoff ? std::optional(*s.liftoff - *s.touchdown) : std::nullopt);
-           }}};
+Quantities<Stance> stance_quantities(const FloorFit& c, const std::vector<std::string>& contacts) {
+  Quantities<Stance> out = {
+      {"trial", "trial", "trial", {}, [](auto& s) { return s.trial; }},
+      {"contact", "contact", "contact", {}, [&contacts](auto& s) { return contacts[std::size_t(s.contact)]; }}};
+  using Change = std::optional<std::size_t> Stance::*;
+  const auto add = [&](const std::string& key, const char* words, Change from, Change to) {
+    out.push_back({key, key, std::string(words) + " [s]", "{:.4f}", [&c, from, to](const Stance& s) -> Json {
+                     const auto& changes = c.drops[s.trial - 1].changes;
+                     if (!(s.*to) || (from && !(s.*from))) return {};
+                     return number(changes[*(s.*to)].t - (from ? changes[*(s.*from)].t : 0));
+                   }});
+    if (c.promises.empty()) return;
+    out.push_back({key + "_band", key + "_band", "+- [s]", "{:.4f}", [&c, from, to](const Stance& s) -> Json {
+                     const Promise& p = c.promises[s.trial - 1];
+                     if (!p.known() || !(s.*to) || (from && !(s.*from))) return {};
+                     return number(from ? p.half_band(*(s.*from), *(s.*to)) : p.half_band(*(s.*to)));
+                   }});
+  };
+  add("touchdown", "touches from", nullptr, &Stance::touchdown), add("liftoff", "to", nullptr, &Stance::liftoff);
+  add("duration", "for", &Stance::touchdown, &Stance::liftoff);
+  add("flight", "after a flight of", &Stance::left, &Stance::touchdown);
+  return out;
 }
 
 Quantities<std::size_t> baseline_quantities(const FloorFit& c, const std::vector<Baseline>& all) {
@@ -294,6 +341,20 @@ Check report_baselines(const FitTexts& played, Report& report, Json& summary, Ru
           unbeaten.empty() ? "" : fmt::format("not in {}", fmt::join(unbeaten, ", "))};
 }
 
+/// Whether the logs lie within the bands that were promised: the line of the checklist.
+Check check_promises(const FitTexts& played, Run& run) {
+  constexpr double kLeast = 0.9;  // of the samples, where 95 % are promised
+  std::vector<std::string> beyond;
+  for (const std::size_t o : measured(played.result))
+    if (const double within = within_band(played, o); within < kLeast) {
+      beyond.push_back(played.result.channels[o].name);
+      run.warn(fmt::format("{}: {:.0f} % of the log within the band that 95 % were promised for", beyond.back(),
+                           100 * within));
+    }
+  return check(beyond.empty(), "within what its constants' errors promise",
+               beyond.empty() ? "" : fmt::format("not {}", fmt::join(beyond, ", ")));
+}
+
 }  // namespace
 
 int report_prediction(const FitTexts& played, const std::vector<std::string>& contacts, Run& run) {
@@ -310,14 +371,17 @@ int report_prediction(const FitTexts& played, const std::vector<std::string>& co
   const Check nearer = report_baselines(played, report, summary, run);
   if (!contacts.empty()) {
     report.heading("When its contacts touch");
-    summary["contacts"] = add_table(Table(stance_quantities(contacts), stances(c)), report, run, "contacts.csv",
-                                    "Of the simulation; t from each trial's first row. Units: s.");
+    summary["contacts"] =
+        add_table(Table(stance_quantities(c, contacts), stances(c)), report, run, "contacts.csv",
+                  "Of the simulation; t from each trial's first row; flight: since the contact's liftoff before; "
+                  "..._band: half of the 95 % band of the constants' errors. Units: s.");
   }
   run.add("fit.csv", samples_csv(run, played));
   FirstScreen first;
   first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), words(c.logs_of).many);
   first.checks.push_back(check(c.converged, "followed to the end", c.converged ? "" : c.message));
   first.checks.push_back(nearer);
+  if (!c.promises.empty()) first.checks.push_back(check_promises(played, run));
   report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, c.converged ? kDone : kNumbers);

@@ -1,6 +1,7 @@
 #include "tools/report/robot_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -8,6 +9,7 @@
 #include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/toml_edit.hpp"
+#include "common/uncertainty_file.hpp"
 #include "landing/body/places.hpp"
 #include "tools/report/body_scene_text.hpp"
 
@@ -77,6 +79,16 @@ void set_command(TomlEdit& file, const std::vector<std::string>& parts, double v
   appended.insert(appended.find(head) + head.size(), fmt::format("{} = {}\n", key, shortest(value)));
 }
 
+std::string identified_text(const Identified& known) {
+  std::vector<std::string> outputs, rms;
+  for (const auto& [output, left] : known.rms) outputs.push_back(output), rms.push_back(shortest(left));
+  const auto names = [](const std::vector<std::string>& all) {
+    return all.empty() ? "[]" : fmt::format("[\"{}\"]", fmt::join(all, "\", \""));
+  };
+  return fmt::format("\n[identified]\norder = {}\n{}outputs = {}\nrms = [{}]\n", names(known.constants.order),
+                     covariance_lines(known.constants.covariance), names(outputs), fmt::join(rms, ", "));
+}
+
 }  // namespace
 
 std::string robot_text(const std::string& path, const DrivenRobot& robot,
@@ -103,7 +115,9 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
       set_link(file, robot, parts[2], parts[3], value);
   }
   move_drives(robot.scene.robot, own.empty() ? path : own, folder, file);
+  file.remove_table("identified");
   file.append(appended);
+  if (robot.known) file.append(identified_text(*robot.known));
   CsvWriter head;
   head.comment(comments);
   return head.text() + file.text();

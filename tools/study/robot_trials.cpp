@@ -8,6 +8,7 @@
 #include <map>
 
 #include "common/error.hpp"
+#include "common/uncertainty_file.hpp"
 #include "landing/body/places.hpp"
 #include "landing/plan/design_numbers.hpp"
 
@@ -96,6 +97,27 @@ bool is_possible(const Robot& robot) {
   return true;
 }
 
+Identified read_identified(TomlSection& s, const DrivenRobot& robot) {
+  const std::vector<std::string> none, order = s.optional_texts("order").value_or(none),
+                                       outputs = s.optional_texts("outputs").value_or(none);
+  Identified out{read_uncertainty(s, order, "the robot"), {}};
+  for (const std::string& name : order) try {
+      (void)number_of(robot, name);
+    } catch (const InputError& e) {
+      s.fail("order", e.what());
+    }
+  std::vector<std::string> known;
+  for (const DropChannel& c : sensed_channels(robot.scene.robot)) known.push_back(c.name);
+  const std::vector<double> rms = s.optional_list("rms", known.size(), Range::positive());
+  if (rms.size() != outputs.size())
+    s.fail("rms", fmt::format("{} numbers: 'outputs' names {}", rms.size(), outputs.size()));
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    if (std::find(known.begin(), known.end(), outputs[o]) == known.end()) s.fail("outputs", one_of(outputs[o], known));
+    out.rms[outputs[o]] = rms[o];
+  }
+  return out;
+}
+
 }  // namespace
 
 DrivenRobot read_driven_robot(const std::string& path) {
@@ -107,6 +129,7 @@ DrivenRobot read_driven_robot(const std::string& path) {
   } catch (const InputError& e) {
     throw InputError(Location{path}, e.what());
   }
+  if (auto s = file.optional("identified")) out.known = read_identified(*s, out);
   return out;
 }
 
@@ -257,8 +280,17 @@ namespace {
 
 /// The robot with the constants that a fit found.
 DrivenRobot robot_of(DrivenRobot robot, const identify::Terms<DropTerm>& terms, const FloorFit& fit) {
-  for (const identify::Estimate& e : fit.parameters)
+  std::vector<std::string> constants;
+  for (const identify::Estimate& e : fit.parameters) {
+    constants.push_back(e.name);
     if (e.free) set_in(robot, terms[e.name], e.value);
+  }
+  robot.known.reset();
+  if (const auto well = fit.uncertainty(&constants)) {
+    robot.known = {*well, {}};
+    for (std::size_t o = 0; o < fit.channels.size(); ++o)
+      if (std::isfinite(fit.noise[o])) robot.known->rms[fit.channels[o].name] = std::fmax(fit.rms[o], fit.noise[o]);
+  }
   return robot;
 }
 
@@ -272,7 +304,10 @@ RobotFit fit_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& tria
 
 RobotFit predict_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
                        const RobotFitOptions& options) {
-  return {validate_floor(RobotTrials(robot, trials, options), options), robot};
+  const RobotTrials simulator(robot, trials, options);
+  RobotFit out{validate_floor(simulator, options), robot};
+  if (robot.known) out.promises = promises(simulator, options, out, *robot.known);
+  return out;
 }
 
 }  // namespace ukemi::tools

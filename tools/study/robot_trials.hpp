@@ -22,6 +22,7 @@ namespace ukemi::tools {
 struct DrivenRobot {
   landing::BodyScene scene;
   landing::CommandPath path;
+  std::optional<Identified> known = {};  ///< by the names of terms: [identified] of the file, which a fit writes
 };
 /// Of a file of a robot, or of a scene that has one. Throws InputError with file:line:column, and where trials have no
 /// law for it.
@@ -130,7 +131,8 @@ struct RobotFit : FloorFit {
 /// InputError as fit_floor.
 [[nodiscard]] RobotFit fit_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
                                  const RobotFitOptions& options);
-/// The trials for the robot's constants; only how each starts is fitted.
+/// The trials for the robot's constants; only how each starts is fitted. Where it is known how well these are known,
+/// with what that promises.
 [[nodiscard]] RobotFit predict_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
                                      const RobotFitOptions& options);
 

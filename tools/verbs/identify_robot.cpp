@@ -112,7 +112,8 @@ DrivenRobot robot_of(const std::string& path, Run& run) {
 
 std::vector<double> logged_peaks(const std::string& path, const LogArguments& logs, const CommonOptions& common,
                                  Run& run) {
-  const DrivenRobot robot = read_driven_robot(path);
+  DrivenRobot robot = read_driven_robot(path);
+  robot.known.reset();  // bands are not asked for
   const std::vector<RobotTrial> trials = read_trials(logs, {}, robot, run);
   run.info(fmt::format("following {} trials of the logs", trials.size()));
   RobotFitOptions options;
