@@ -102,6 +102,18 @@ TEST_CASE("identify --robot: the rig of Eq. 5 is a robot of one link, and its co
   CHECK_FALSE(summary(f)["outputs"]["phi_arm"].contains("within_band"));
   CHECK_THAT(read(f.at("out/fit.csv")), Contains("trial,t,output,measured,simulated,residual,used\n"));
   done(f, {"robot", "robot/robot.toml", "-o", "shown"});  // [identified] is in nobody's way
+  const Arguments two = {"identify",
+                         dataset("impact/trial_1.csv"),
+                         dataset("impact/trial_2.csv"),
+                         "--robot",
+                         dataset("robots/one_link.toml"),
+                         "--columns",
+                         "push_hit_x=force,phi_arm=phi,phi_ref_arm=0"};
+  CHECK_THAT(done(f, two + Arguments{"--free", free, "--per-run", "drive.arm.k_d", "-o", "own"}).out,
+             Contains("drive.arm.k_d@2") && Contains("@2: " + two[2]));
+  CHECK(summary(f, "own")["runs"].size() == 2);
+  check_refused(f, two + Arguments{"--free", free, "--per-run", "link.arm.mass"} + kOut, {"--per-run: ", "not fitted"});
+  check_refused(f, trials + Arguments{"--rig", kRig, "--per-run", "k_d"} + kOut, {"--per-run: --robot is needed"});
   // A link that is known within 20 % only: what is in its units follows, and is not trusted any more.
   const Arguments asked = trials + Arguments{"--robot",   dataset("robots/one_link.toml"),
                                              "--columns", "push_hit_x=force,phi_arm=phi,phi_ref_arm=0",

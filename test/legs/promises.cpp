@@ -19,7 +19,7 @@ DrivenRobot fitted(const Case& c) {
   REQUIRE(fit.converged);
   DrivenRobot out = fit.robot;
   REQUIRE(out.known);
-  CHECK(out.known->constants.order == kFree);
+  CHECK(out.known->constants.order.size() == kFree.size());
   CHECK(out.known->rms.at("phi_knee") == Approx(kCoarse).epsilon(0.1));
   return out;
 }
@@ -87,6 +87,52 @@ TEST_CASE("a band is how a prediction moves with the constants' errors", "[drive
     INFO(c.trials[0].log.output.size() << " outputs, of output " << o << " off " << std::sqrt(off / squares));
     CHECK(off < 0.05 * 0.05 * squares);
   }
+}
+
+TEST_CASE("each run has constants of its own, and a run to come is promised what they scatter by", "[driven]") {
+  const std::vector<double> of_run = {0.07, 0.12, 0.10};
+  const std::string friction = "drive.hip.friction";
+  std::vector<std::string> free = kFree;
+  free.push_back("command.delay");
+  Case c(Pendulum{}, 1, 0, 0, free);
+  double mean = 0;
+  for (std::size_t r = 0; r < of_run.size(); ++r) {
+    Pendulum p;
+    p.delay = 0.0017, p.dry[0] = of_run[r], mean += of_run[r] / double(of_run.size());
+    for (auto& t : read_robot_trials(c.folder.write(fmt::format("run_{}.csv", r), log_of(p, 500, r, 1e-3)),
+                                     c.robot.scene.robot, {.columns = "", .pieces = 1}))
+      c.trials.push_back(t);
+  }
+  REQUIRE(c.trials.size() == 6);  // two pieces of each
+  CHECK(runs_of(c.trials).size() == of_run.size());
+  c.options.terms = robot_terms(c.robot, c.trials), c.options.terms.free = free;
+  c.options.terms.upper[friction] = 0.2;
+  const RobotFit shared = fit_robot(c.robot, c.trials, c.options);
+  give_each_run({friction}, c.trials, c.options);
+  CHECK(c.options.terms.free.size() == free.size() + 2);
+  CHECK(c.options.terms.upper.at(friction + "@3") == 0.2);
+  const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
+  REQUIRE(fit.converged);
+  CHECK(fit.rms[kAngle] < 0.5 * shared.rms[kAngle]);
+  CHECK_FALSE(shared.trusted());
+  CHECK(fit.trusted());
+  double found = 0;
+  for (std::size_t r = 0; r < of_run.size(); ++r)
+    for (const auto& e : fit.parameters)
+      if (e.name == fmt::format("{}@{}", friction, r + 1)) {
+        CHECK(std::abs(e.value - of_run[r]) < 4 * *e.std);
+        CHECK(*e.std < 0.05 * of_run[r]);
+        found += e.value / double(of_run.size());
+      }
+  CHECK(number_of(fit.robot, friction) == Approx(found).epsilon(1e-12));
+  CHECK(found == Approx(mean).epsilon(0.02));
+  REQUIRE(fit.robot.known);
+  const auto& [order, covariance] = fit.robot.known->constants;
+  const auto at = std::find(order.begin(), order.end(), friction) - order.begin();
+  REQUIRE(order.size() == free.size());
+  CHECK(std::sqrt(covariance(at, at)) == Approx(0.0252).epsilon(0.05));  // the scatter of the three
+  CHECK_THROWS_WITH(give_each_run({"drive.hip.k_p"}, c.trials, c.options), Catch::Contains("it is not fitted"));
+  CHECK_THROWS_WITH(give_each_run({"drive.hip.frction"}, c.trials, c.options), Catch::Contains("drive.hip.frction"));
 }
 
 TEST_CASE("how well a robot's constants are known is read with it, or not at all", "[driven]") {

@@ -249,6 +249,10 @@ def test_driven_robots(driven, hopper, tmp_path):
     assert math.isnan(found.baselines["phi_servo"]["mean"]) and found.contacts(0) == []
     promised = ukemi.predict_robot(found.robot, trials).bands(0)["phi_servo"]
     assert promised.shape == trials[0].t.shape and (promised > 0).all() and found.bands(0) == {}
+    each = ukemi.identify_robot(robot, trials, ["drive.servo.friction"], per_run=["drive.servo.friction"])
+    assert list(n for n, p in each.parameters.items() if p.free) == ["drive.servo.friction@1"]
+    with pytest.raises(ukemi.InputError, match="it is not fitted"):
+        ukemi.identify_robot(robot, trials, ["drive.servo.friction"], per_run=["drive.servo.i_motor"])
     for wrong in ({"free": ["drive.toe.k_p"]}, {"free": ["drive.servo.k_p"], "lower": {"drive.toe.k_p": 1}}):
         with pytest.raises(ukemi.InputError):
             ukemi.identify_robot(robot, trials, **wrong)

@@ -54,7 +54,7 @@ using tools::FloorFit;
 template <>
 struct Carry<FloorFit>
     : OnBase<FloorFit, Estimates, &FloorFit::logs_of, &FloorFit::tests, &FloorFit::channels, &FloorFit::noise,
-             &FloorFit::rms, &FloorFit::drops, &FloorFit::profiles, &FloorFit::steps> {};
+             &FloorFit::rms, &FloorFit::drops, &FloorFit::promises, &FloorFit::profiles, &FloorFit::steps> {};
 template <>
 struct Carry<Calibration> : OnBase<Calibration, FloorFit, &Calibration::scene> {};
 template <>

@@ -179,7 +179,7 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
                            const std::optional<std::vector<std::string>>& free, const Priors& priors,
                            const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
                            const PyController& controller, const std::vector<std::string>& profile = {},
-                           const Bounds& errors = {}) {
+                           const Bounds& errors = {}, const std::vector<std::string>& per_run = {}) {
   if (given.empty()) throw InputError("trials: at least one is needed");
   const std::vector<RobotTrial> trials = controlled(given, controller);
   RobotFitOptions o;
@@ -188,6 +188,7 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
   o.errors.assign(errors.begin(), errors.end());
   const std::vector<std::string> starts_of_trials = o.terms.nuisance;
   if (free) o.terms = choose(std::move(o.terms), free, starts_of_trials, priors, lower, upper);
+  tools::give_each_run(per_run, trials, o);
   return long_call([&](const std::function<bool()>& stop) {
     o.monitor.stop = stop;
     return RobotIdentified{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), given};
@@ -202,16 +203,19 @@ void bind_robot_trials(py::module_& m) {
       "identify_robot",
       [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const std::vector<std::string>& free,
          const Priors& priors, const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
-         const PyController& controller, const std::vector<std::string>& profile, const Bounds& errors) {
-        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller, profile,
-                          errors);
+         const PyController& controller, const std::vector<std::string>& profile, const Bounds& errors,
+         const std::vector<std::string>& per_run) {
+        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller, profile, errors,
+                          per_run);
       },
       py::arg("robot"), py::arg("trials"), py::arg("free"), py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
       py::arg("upper") = Bounds{}, py::arg("starts") = 0, py::arg("seed") = 1, py::arg("threads") = 0,
       py::arg("controller") = py::none(), py::arg("profile") = std::vector<std::string>{}, py::arg("errors") = Bounds{},
+      py::arg("per_run") = std::vector<std::string>{},
       "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
       "names as \"drive.hip.friction\"; starts: further ones, drawn; profile: constants whose likelihood profile is "
-      "made; errors: standard deviations of constants that are not fitted, which count in all errors and verdicts. "
+      "made; errors: standard deviations of constants that are not fitted, which count in all errors and verdicts; "
+      "per_run: of `free`, those that each log has for its own, \"NAME@1\" of the first; `.robot` has their mean. "
       "controller: f(t, phi, dphi) -> torques, asked at "
       "each row of a log for what it adds to the torque of each joint [Nm], from the log's clock [s], the angles [rad] "
       "and rates [rad/s] of all joints of the file; it acts as a row's command does.");

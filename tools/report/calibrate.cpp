@@ -224,6 +224,8 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
     if (!validation->result.converged) run.warn("validation: " + validation->result.message), converged = false;
   }
   begin(c, constant_quantities(), report, summary, run);
+  if (!fitted.runs.empty()) summary["runs"] = fitted.runs;
+  for (std::size_t r = 0; r < fitted.runs.size(); ++r) run.say(fmt::format("@{}: {}", r + 1, fitted.runs[r]));
   const std::string stated = errors_in_words(c);
   run.say("errors of what is not fitted, standard deviations (--errors): " + stated);
   (void)report_shares(c, "as far as its error is stated (" + stated + ")", report, summary, run);

@@ -16,6 +16,7 @@ namespace ukemi::tools {
 struct FitTexts {
   const FloorFit& result;
   std::vector<const landing::DropLog*> logs;
+  std::vector<std::string> runs = {};  ///< the files that constants NAME@1, NAME@2, ... are of; empty: there are none
 };
 /// What stands above a scene with fitted constants.
 std::string scene_comments(const Run& run, const FloorFit& fit);

@@ -14,6 +14,7 @@ struct DropTerm : identify::Term {
   /// them, a nuisance is added to it. None: it shifts the log.
   std::vector<std::string> moves = {};
   double spread = 2;  ///< of drawn starts about the scene's: a factor either way, or where it has a sign, an amount
+  int run = -1;       ///< of the drops of this run alone; -1: of all
 
   bool shifts_log() const { return moves.empty(); }
   /// Whether both change a number of a scene.

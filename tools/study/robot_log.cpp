@@ -227,7 +227,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
     if (to < from + kLeast)
       throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kLeast, path,
                                    commands->t[std::min(from, commands->t.size() - 1)]));
-    RobotTrial trial{.log = {}, .origin = commands->t[from], .commands = commands};
+    RobotTrial trial{.log = {}, .origin = commands->t[from], .run = path, .commands = commands};
     trial.log.file = to - from == commands->t.size()
                          ? path
                          : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);

@@ -1,4 +1,6 @@
 // The terms of driven robots.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -204,6 +206,39 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
     if (!t.is_constant() && (t.name != "start.x" || sees_place(r, trials))) out.nuisance.push_back(t.name);
   out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table.out));
   return out;
+}
+
+void give_each_run(const std::vector<std::string>& names, const std::vector<RobotTrial>& trials,
+                   RobotFitOptions& options) {
+  const std::size_t runs = runs_of(trials).size();
+  identify::Terms<DropTerm>& terms = options.terms;
+  const auto in_place = [runs](auto& list, const auto& is_it, const auto& of_run) {
+    std::remove_reference_t<decltype(list)> out;
+    for (const auto& item : list)
+      for (std::size_t r = 0; r < (is_it(item) ? runs : 1); ++r) out.push_back(is_it(item) ? of_run(item, r) : item);
+    list = std::move(out);
+  };
+  for (const std::string& given : names) {
+    const std::string name = terms[given].name;
+    if (std::find(terms.free.begin(), terms.free.end(), name) == terms.free.end())
+      throw InputError("--per-run: " + quoted(given) + ": it is not fitted, see --free");
+    const auto named = [&](std::size_t run) { return fmt::format("{}@{}", name, run + 1); };
+    const auto is_name = [&](const std::string& other) { return other == name; };
+    const auto name_of_run = [&](const std::string&, std::size_t run) { return named(run); };
+    in_place(terms.free, is_name, name_of_run), in_place(options.profiles, is_name, name_of_run);
+    in_place(
+        terms.priors, [&](const identify::Prior& p) { return p.term == name; },
+        [&](identify::Prior p, std::size_t run) { return p.term = named(run), p; });
+    for (auto* bounds : {&terms.lower, &terms.upper})
+      if (const auto bound = bounds->find(name); bound != bounds->end())
+        for (std::size_t r = 0; r < runs; ++r) (*bounds)[named(r)] = bound->second;
+    terms.lower.erase(name), terms.upper.erase(name);
+    std::vector<DropTerm> table = *terms.table;
+    in_place(
+        table, [&](const DropTerm& t) { return t.name == name; },
+        [&](DropTerm t, std::size_t run) { return t.name = named(run), t.alias = "", t.run = int(run), t; });
+    terms.table = std::make_shared<const std::vector<DropTerm>>(std::move(table));
+  }
 }
 
 }  // namespace ukemi::tools

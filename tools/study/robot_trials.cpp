@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "common/eigen.hpp"
 #include "common/error.hpp"
 #include "common/uncertainty_file.hpp"
 #include "landing/body/places.hpp"
@@ -139,6 +140,13 @@ std::vector<const DropLog*> logs_of(const std::vector<RobotTrial>& trials) {
   return out;
 }
 
+std::vector<std::string> runs_of(const std::vector<RobotTrial>& trials) {
+  std::vector<std::string> out;
+  for (const RobotTrial& t : trials)
+    if (std::find(out.begin(), out.end(), t.run) == out.end()) out.push_back(t.run);
+  return out;
+}
+
 double number_of(const DrivenRobot& robot, const std::string& name) {
   if (!begins(name, kCommand)) return design_number(robot.scene, name);
   CommandPath path = robot.path;
@@ -156,7 +164,11 @@ void set_in(DrivenRobot& robot, const DropTerm& term, double value) {
 RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
                          const RobotFitOptions& options)
     : robot_(robot), trials_(trials), options_(options), channels_(sensed_channels(robot.scene.robot)) {
-  for (const RobotTrial& t : trials) start_.push_back(start_of(t.log, robot.scene.robot));
+  const std::vector<std::string> runs = runs_of(trials);
+  for (const RobotTrial& t : trials) {
+    start_.push_back(start_of(t.log, robot.scene.robot));
+    run_.push_back(int(std::find(runs.begin(), runs.end(), t.run) - runs.begin()));
+  }
   for (const DropTerm& t : *options.terms.table)
     for (const std::string& name : t.moves)
       if (!begins(name, kCommand) && !begins(name, kStart)) setters_[name] = design_setter(robot.scene, name);
@@ -203,7 +215,7 @@ double RobotTrials::value(const DropTerm& constant) const { return number_of(rob
 std::optional<RobotTrials::Posed> RobotTrials::pose(std::size_t m, const Settings& settings) const {
   Posed out{robot_, start_[m]};
   for (const auto& [term, value] : settings)
-    for (const std::string& name : term->moves)
+    for (const std::string& name : has(m, *term) ? term->moves : std::vector<std::string>{})
       if (begins(name, kStart))
         number_in(out.start, robot_.scene.robot, name) += value;
       else if (begins(name, kCommand))
@@ -262,7 +274,9 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
   const double difference = options_.difference * (here->robot.scene.robot.contacts.empty() ? 1 : kOfContacts);
   return differentiate_by_differences(
       settings, difference, options_.threads,
-      [&](const Settings& beside, const DropTerm&, double) { return roll(m, beside, times, {.step = step}); },
+      [&](const Settings& beside, const DropTerm& term, double) {
+        return has(m, term) ? roll(m, beside, times, {.step = step}) : followed;
+      },
       followed);
 }
 
@@ -278,19 +292,66 @@ double RobotTrials::peak(std::size_t m, const Settings& settings, double until, 
 
 namespace {
 
+/// A constant of the robot, and its fitted values: one, or one of each run.
+struct FoundNumber {
+  std::string name;
+  std::vector<const identify::Estimate*> of_run;
+  double mean() const {
+    double sum = 0;
+    for (const auto* e : of_run) sum += e->value;
+    return sum / double(of_run.size());
+  }
+  /// Of the runs' values.
+  double variance() const {
+    double sum = 0;
+    for (const auto* e : of_run) sum += std::pow(e->value - mean(), 2);
+    return of_run.size() > 1 ? sum / double(of_run.size() - 1) : 0;
+  }
+};
+std::vector<FoundNumber> found_numbers(const identify::Terms<DropTerm>& terms, const FloorFit& fit) {
+  std::vector<FoundNumber> out;
+  for (const identify::Estimate& e : fit.parameters) {
+    if (!e.free) continue;
+    const std::string& name = terms[e.name].moves.front();
+    auto found = std::find_if(out.begin(), out.end(), [&](const FoundNumber& n) { return n.name == name; });
+    if (found == out.end()) found = out.insert(out.end(), {name, {}});
+    found->of_run.push_back(&e);
+  }
+  return out;
+}
+
+/// How well these are known, of a run to come too; none of those without an error.
+std::optional<Identified> known_of(const std::vector<FoundNumber>& numbers, const FloorFit& fit) {
+  std::vector<std::string> names;
+  for (const FoundNumber& n : numbers)
+    for (const auto* e : n.of_run) names.push_back(e->name);
+  const std::optional<Uncertainty> well = fit.uncertainty(&names);
+  if (!well) return std::nullopt;
+  Identified out;
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(long(numbers.size()), long(well->order.size()));
+  Eigen::VectorXd between = Eigen::VectorXd::Zero(mean.rows());
+  long row = 0;
+  for (const FoundNumber& n : numbers) {
+    std::vector<long> columns;
+    for (const auto* e : n.of_run)
+      if (const auto at = std::find(well->order.begin(), well->order.end(), e->name); at != well->order.end())
+        columns.push_back(at - well->order.begin());
+    if (columns.size() < n.of_run.size()) continue;
+    for (const long column : columns) mean(row, column) = 1 / double(columns.size());
+    out.constants.order.push_back(n.name), between[row++] = n.variance();
+  }
+  const Eigen::MatrixXd all = mean * eigen(well->covariance) * mean.transpose();
+  out.constants.covariance = all.topLeftCorner(row, row) + Eigen::MatrixXd(between.head(row).asDiagonal());
+  for (std::size_t o = 0; o < fit.channels.size(); ++o)
+    if (std::isfinite(fit.noise[o])) out.rms[fit.channels[o].name] = std::fmax(fit.rms[o], fit.noise[o]);
+  return out;
+}
+
 /// The robot with the constants that a fit found.
 DrivenRobot robot_of(DrivenRobot robot, const identify::Terms<DropTerm>& terms, const FloorFit& fit) {
-  std::vector<std::string> constants;
-  for (const identify::Estimate& e : fit.parameters) {
-    constants.push_back(e.name);
-    if (e.free) set_in(robot, terms[e.name], e.value);
-  }
-  robot.known.reset();
-  if (const auto well = fit.uncertainty(&constants)) {
-    robot.known = {*well, {}};
-    for (std::size_t o = 0; o < fit.channels.size(); ++o)
-      if (std::isfinite(fit.noise[o])) robot.known->rms[fit.channels[o].name] = std::fmax(fit.rms[o], fit.noise[o]);
-  }
+  const std::vector<FoundNumber> numbers = found_numbers(terms, fit);
+  for (const FoundNumber& n : numbers) set_in(robot, terms[n.of_run.front()->name], n.mean());
+  robot.known = known_of(numbers, fit);
   return robot;
 }
 

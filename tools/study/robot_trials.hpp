@@ -32,9 +32,12 @@ DrivenRobot read_driven_robot(const std::string& path);
 struct RobotTrial {
   landing::DropLog log;  ///< of sensed_channels; t counts from the first row
   double origin = 0;     ///< what the log's clock read there [s]
+  std::string run;       ///< the file that it is of
   std::shared_ptr<const landing::Commands> commands;
 };
 std::vector<const landing::DropLog*> logs_of(const std::vector<RobotTrial>& trials);
+/// The files that they are of, each once, in their order.
+std::vector<std::string> runs_of(const std::vector<RobotTrial>& trials);
 /// phi_JOINT, dphi_JOINT and torque_JOINT of every joint, torque of driven ones alone; of a free base x_LINK, y_LINK,
 /// theta_LINK and dtheta_LINK of the first link; then acc, ax, ay, sf_along, sf_across, and f_CONTACT_x, f_CONTACT_y of
 /// every contact.
@@ -81,6 +84,12 @@ struct RobotFitOptions : CalibrationOptions {
   double difference = 1e-6;     ///< step of the differences, of a term's size; of a robot with contacts ten times that
 };
 
+/// Each run has these fitted constants for its own: NAME@1 of the first file of the trials, and so on, with the bounds,
+/// priors and profiles of NAME. The fitted robot has their mean; of a run to come they are known as the runs scatter.
+/// Throws InputError where one is not fitted.
+void give_each_run(const std::vector<std::string>& names, const std::vector<RobotTrial>& trials,
+                   RobotFitOptions& options);
+
 /// A number of it by the name of its term.
 double number_of(const DrivenRobot& robot, const std::string& name);
 /// The robot with terms at their values.
@@ -112,6 +121,7 @@ class RobotTrials : public DropSimulator {
     landing::DrivenStart start;
   };
   void guess_height(std::size_t m);
+  bool has(std::size_t m, const DropTerm& term) const { return term.run < 0 || term.run == run_[m]; }
   std::optional<Posed> pose(std::size_t m, const Settings& settings) const;
   FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times,
                     const landing::DrivenOptions& asked = {}) const;
@@ -121,6 +131,7 @@ class RobotTrials : public DropSimulator {
   const RobotFitOptions& options_;
   std::vector<landing::DropChannel> channels_;
   std::vector<landing::DrivenStart> start_;  ///< of each trial, as its log says
+  std::vector<int> run_;                     ///< that each trial is of
   std::map<std::string, std::function<void(landing::BodyScene&, double)>> setters_;
 };
 

@@ -45,19 +45,24 @@ Named named(const std::vector<DropTerm>& table, const std::string& option, const
 
 }  // namespace
 
+std::vector<std::string> named_terms(const std::vector<DropTerm>& table, const std::string& option,
+                                     const std::string& list, identify::Term::Role role) {
+  std::vector<std::string> out;
+  for (const std::string& item : split(list)) {
+    const std::string term = named(table, option, item, {role}).term;
+    if (std::find(out.begin(), out.end(), term) != out.end())
+      throw InputError(option + ": " + quoted(item) + ": named twice");
+    out.push_back(term);
+  }
+  return out;
+}
+
 void set_options(const CalibrateArguments& a, const CommonOptions& common, CalibrationOptions& o) {
   using enum identify::Term::Role;
   o.seed = common.seed;
   o.accuracy = a.accuracy;
   const auto terms = [&o](const std::string& option, const std::string& list, identify::Term::Role role) {
-    std::vector<std::string> out;
-    for (const std::string& item : split(list)) {
-      const std::string term = named(*o.terms.table, option, item, {role}).term;
-      if (std::find(out.begin(), out.end(), term) != out.end())
-        throw InputError(option + ": " + quoted(item) + ": named twice");
-      out.push_back(term);
-    }
-    return out;
+    return named_terms(*o.terms.table, option, list, role);
   };
   if (!a.free.empty()) o.terms.free = terms("--free", a.free, kConstant);
   o.terms.nuisance = terms("--nuisance", a.nuisance, kNuisance);

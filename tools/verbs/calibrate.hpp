@@ -25,6 +25,10 @@ struct CalibrateArguments {
   std::optional<Law> law;  ///< of a robot of links; absent: kScene
 };
 
+/// Terms of a list, at commas, by their names or aliases. Throws InputError "OPTION: ...", where one is named twice
+/// too.
+std::vector<std::string> named_terms(const std::vector<DropTerm>& table, const std::string& option,
+                                     const std::string& list, identify::Term::Role role);
 /// What the arguments say of a fit, by the names of its table of terms.
 void set_options(const CalibrateArguments& arguments, const CommonOptions& common, CalibrationOptions& options);
 /// Throws InputError where an option means a drop that is not there.

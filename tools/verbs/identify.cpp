@@ -196,6 +196,7 @@ int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts pre
   if (predicts == Predicts::kYes && a.actuator.empty()) throw InputError("--actuator is required");
   check_no_pieces(a.pieces, a.tie);
   if (!a.errors.empty()) throw InputError("--errors: --robot is needed with it: a rig's file has [errors]");
+  if (!a.per_run.empty()) throw InputError("--per-run: --robot is needed with it");
   return run_identify(a, common);
 }
 int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
@@ -229,6 +230,8 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
     verb->add_option("--motor-torque-max", args->motor_torque_max,
                      "the motor's rated torque there [Nm] [the rig's]; tau_max of the rig limits the spring");
     verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
+    verb->add_option("--per-run", args->per_run,
+                     "with --robot: constants of --free that each log has for its own, NAME@1 of the first [none]");
     verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
     verb->add_option(
         "--errors", args->errors,

@@ -53,10 +53,10 @@ void set_options(const IdentifyArguments& a, const CommonOptions& common, RobotF
   o.restarts = a.starts, o.threads = common.threads;
 }
 
-std::vector<std::pair<std::string, double>> fitted_values(const identify::Estimates& fit) {
+/// The robot's numbers by their names.
+std::vector<std::pair<std::string, double>> values_of(const DrivenRobot& robot, const std::vector<std::string>& names) {
   std::vector<std::pair<std::string, double>> out;
-  for (const identify::Estimate& e : fit.parameters)
-    if (e.free) out.emplace_back(e.name, e.value);
+  for (const std::string& name : names) out.emplace_back(name, number_of(robot, name));
   return out;
 }
 
@@ -131,8 +131,8 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   const bool only = predicts == Predicts::kYes;
   Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
   only_known(a.given,
-             {"--robot", "--free", "--nuisance", "--prior", "--errors", "--lower", "--upper", "--profile", "--columns",
-              "--pieces", "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
+             {"--robot", "--free", "--per-run", "--nuisance", "--prior", "--errors", "--lower", "--upper", "--profile",
+              "--columns", "--pieces", "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
              "--robot");
   const DrivenRobot robot = robot_of(a.robot, run);
   const std::vector<RobotTrial> trials =
@@ -143,15 +143,17 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   if (a.free.empty()) throw InputError("--free: with --robot the constants that are fitted must be named");
   set_options(a, common, options);
   options.monitor = run.monitor("identify", "parts");
-  std::vector<std::pair<std::string, double>> given;  // what cannot be written is said before the work
-  for (const std::string& name : options.terms.free) given.emplace_back(name, 1);
-  (void)robot_text(a.robot, robot, given, "", run.folder());
+  const std::vector<std::string> free = options.terms.free;
+  (void)robot_text(a.robot, robot, values_of(robot, free), "", run.folder());  // what cannot be written is said first
+  give_each_run(named_terms(*options.terms.table, "--per-run", a.per_run, identify::Term::Role::kConstant), trials,
+                options);  // the file holds their means
   run.info(fmt::format("fitting {} trials", trials.size()));
   const RobotFit fit = fit_robot(robot, trials, options);
-  return report(
-      {fit, logs_of(trials)}, std::nullopt, a.doubt,
-      {{"robot.toml", robot_text(a.robot, fit.robot, fitted_values(fit), scene_comments(run, fit), run.folder())}}, {},
-      run);
+  return report({fit, logs_of(trials), a.per_run.empty() ? std::vector<std::string>{} : runs_of(trials)}, std::nullopt,
+                a.doubt,
+                {{"robot.toml",
+                  robot_text(a.robot, fit.robot, values_of(fit.robot, free), scene_comments(run, fit), run.folder())}},
+                {}, run);
 }
 
 }  // namespace ukemi::tools

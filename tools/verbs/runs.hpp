@@ -27,6 +27,7 @@ struct IdentifyArguments {
   int tie = 1;                       ///< so many of them are one trial
   std::vector<std::string> given;    ///< the options that were
   std::string start_angle;           ///< predict: [rad], or "fit"
+  std::string per_run;               ///< of `free`, those that each log has for its own
   std::string free, nuisance, prior, errors, lower, upper, loss = "none";
   identify::FitOptions::Weights weights = identify::FitOptions::Weights::kEqual;
   TrialArguments reading;
