@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "landing/body/body_system.hpp"
 #include "landing/body/load_value.hpp"
@@ -55,27 +56,20 @@ class DrivenRun {
     sample_row(sampled_++);
     read_row(row_ > 0 ? row_ - 1 : 0);
   }
-  /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
+  /// To `until`, in coarse steps where they follow.
   bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
-    const long n = long(std::ceil((until - t_) / options.step - 1e-9));
-    while (true) {
-      constexpr double kNever = std::numeric_limits<double>::infinity();
-      const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : kNever;
-      const bool by_row = commands_.controller || !pushed_.empty();
-      const double asks = by_row && sampled_ < commands_.t.size() ? commands_.t[sampled_] : kNever;
-      const double to = std::min({until, edge, asks});
-      if (const double length = to - t_; length > 0) {
-        if ((out.steps += n) > options.most) return false;
-        steps(length / double(n), n, out);
-        t_ = to;
-      }
-      if (to >= until) break;
-      if (asks <= to)
-        sample_row(sampled_++);
-      else
-        read_row(row_++);
-    }
-    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
+    const bool longer = options.steps.coarse > options.steps.fine && !commands_.controller;
+    const bool coarse = options.coarse ? (*options.coarse)[out.coarse.size()] : longer && moves_on(y_, y_);
+    out.coarse.push_back(coarse);
+    if (!coarse) return walk(until, options.steps.fine, options, out);
+    const auto [y, t, row, sampled] = std::tuple(y_, t_, row_, sampled_);
+    moved_on_ = true;
+    const bool followed = walk(until, options.steps.coarse, options, out);
+    if (options.coarse || (followed && moved_on_)) return followed;
+    out.coarse.back() = false;
+    y_ = y, t_ = t, row_ = row, sampled_ = sampled;
+    sample_row(sampled_ - 1), read_row(row_ > 0 ? row_ - 1 : 0);
+    return walk(until, options.steps.fine, options, out);
   }
   void sample(DrivenRollout& out) const {
     for (int i = 0; i < system_.body.joints; ++i) {
@@ -103,9 +97,9 @@ class DrivenRun {
       for (int q : {0, 1}) out.force[std::size_t(i)][std::size_t(q)].push_back(f[q]);
     }
   }
-  /// See stable_step.
-  double stable() const {
-    double fastest = 1;  // [1/s]
+  /// See stable_steps.
+  DrivenSteps stable() const {
+    double at_rest = 1, moving = 1;  // the fastest [1/s]
     for (int i = 0; i < system_.body.joints; ++i) {
       const JointConstants<double>& d = system_.drive[i];
       State still = State::Zero(), dy;
@@ -128,19 +122,59 @@ class DrivenRun {
       };
       viscous += of(i).torque_gain * most(kKd, d.sea.k_d), stiff += of(i).torque_gain * most(kKp, d.sea.k_p);
       const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
-      fastest = std::max({fastest, inverse * damping, std::sqrt(inverse * stiff)});
+      moving = std::max({moving, inverse * viscous, std::sqrt(inverse * stiff)});
+      at_rest = std::max({at_rest, moving, inverse * damping});
     }
-    if (system_.body.base == Base::kRail)  // of the whole mass, pressed by its weight
-      fastest =
-          std::max(fastest, system_.rail_viscous / system_.body.mass +
-                                (system_.rail_friction / system_.body.mass +
-                                 system_.rail_load_friction * std::hypot(system_.gravity[0], system_.gravity[1])) /
-                                    kRailSpeed);
-    constexpr double kPart = 2, kLongest = 1e-3, kInContact = 2e-4;  // of the decay: the method holds up to 2.78; [s]
-    return std::min(kPart / fastest, pushes() ? kInContact : kLongest);
+    if (system_.body.base == Base::kRail) {  // of the whole mass, pressed by its weight
+      const double rubs = system_.rail_friction / system_.body.mass +
+                          system_.rail_load_friction * std::hypot(system_.gravity[0], system_.gravity[1]);
+      moving = std::max(moving, system_.rail_viscous / system_.body.mass);
+      at_rest = std::max({at_rest, moving, system_.rail_viscous / system_.body.mass + rubs / kRailSpeed});
+    }
+    // Of a decay: the method holds up to 2.78, and is exact enough up to kExact; [s].
+    constexpr double kHolds = 2, kExact = 0.2, kLongest = 1e-3, kInContact = 2e-4;
+    const double longest = pushes() ? kInContact : kLongest, fine = std::min(kHolds / at_rest, longest);
+    return {fine, std::max(fine, std::min(kExact / moving, longest))};
   }
 
  private:
+  /// In steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
+  bool walk(double until, double step, const DrivenOptions& options, DrivenRollout& out) {
+    const long n = long(std::ceil((until - t_) / step - 1e-9));
+    while (true) {
+      constexpr double kNever = std::numeric_limits<double>::infinity();
+      const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : kNever;
+      const bool by_row = commands_.controller || !pushed_.empty();
+      const double asks = by_row && sampled_ < commands_.t.size() ? commands_.t[sampled_] : kNever;
+      const double to = std::min({until, edge, asks});
+      if (const double length = to - t_; length > 0) {
+        if ((out.steps += n) > options.most) return false;
+        steps(length / double(n), n, out);
+        t_ = to;
+      }
+      if (to >= until) break;
+      if (asks <= to)
+        sample_row(sampled_++);
+      else
+        read_row(row_++);
+    }
+    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
+  }
+  /// Whether all that rubs dry turns on from y to z, far from where friction turns.
+  bool moves_on(const State& y, const State& z) const {
+    constexpr double kFar = 20;  // of the speed below which friction is smooth
+    const auto on = [](double v, double w, double smooth) { return v * w > 0 && std::abs(w) > kFar * smooth; };
+    for (int i = 0; i < system_.body.joints; ++i) {
+      const JointConstants<double>& d = system_.drive[i];
+      const SeaState<double> a = system_.joint_state(i, y), b = system_.joint_state(i, z);
+      const bool elastic = d.kind == DriveKind::kElastic;
+      const bool rubs = d.sea.friction > 0 || d.sea.spring_loss > 0;
+      if (rubs && !on(elastic ? a.dphi_m : a.dphi, elastic ? b.dphi_m : b.dphi, kFrictionSpeed)) return false;
+      if (elastic && d.sea.output_friction > 0 && !on(a.dphi, b.dphi, kFrictionSpeed)) return false;
+    }
+    const bool rail = system_.rail_friction > 0 || system_.rail_load_friction > 0;
+    return !(system_.body.base == Base::kRail && rail) || on(y[System::kVx], z[System::kVx], kRailSpeed);
+  }
   double gap(int i) const { return system_.point_at(i, system_.pose(y_)).y - system_.point[i].thickness; }
   bool pushes() const { return system_.body.contacts > 0 || system_.has_stops(); }
   int lowest_contact() const {
@@ -266,7 +300,11 @@ class DrivenRun {
   /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
   void steps(double h, long n, DrivenRollout& out) {
     if (!pushes()) {
-      for (long k = 0; k < n; ++k) y_ = after(derivative(t_, y_), h), t_ += h;
+      for (long k = 0; k < n; ++k) {
+        const State from = y_;
+        y_ = after(derivative(t_, y_), h), t_ += h;
+        moved_on_ = moved_on_ && moves_on(from, y_);
+      }
       return;
     }
     Here from = here(t_, y_);
@@ -313,6 +351,7 @@ class DrivenRun {
   std::vector<Now> now_;
   State y_;
   double t_ = 0;
+  bool moved_on_ = false;                              ///< see moves_on; on every step since it was set
   std::size_t row_ = 0, sampled_ = 0;                  ///< whose command is the next; at which the controller is asked
   std::vector<std::array<double, kMostJoints>> told_;  ///< by the controller, row by row [Nm]
 };
@@ -320,8 +359,8 @@ class DrivenRun {
 }  // namespace
 
 template <Capacity kSize>
-double stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
-                        const DrivenStart& start) {
+DrivenSteps stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
+                             const DrivenStart& start) {
   DrivenRun<kSize> run(robot, path, commands);
   run.start(start, commands.t.front());
   return run.stable();
@@ -344,7 +383,8 @@ DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const 
   return out;
 }
 
-template double stable_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&, const DrivenStart&);
+template DrivenSteps stable_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&,
+                                                    const DrivenStart&);
 template DrivenRollout roll_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&,
                                                     const DrivenStart&, const std::vector<double>&,
                                                     const DrivenOptions&);

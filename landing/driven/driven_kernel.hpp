@@ -6,11 +6,11 @@
 
 namespace ukemi::landing {
 
-/// See stable_step.
+/// See stable_steps.
 template <Capacity kSize>
-double stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
-                        const DrivenStart& start);
-/// See roll_driven; the options name a step.
+DrivenSteps stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
+                             const DrivenStart& start);
+/// See roll_driven; the options name steps.
 template <Capacity kSize>
 DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
                              const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options);

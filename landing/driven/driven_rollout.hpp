@@ -1,7 +1,8 @@
 // A robot that is driven by a log's commands: angles, rates and reported torques of its joints, at given times.
 //
 // Fixed steps of the classical Runge-Kutta method, as many to each command between two of the times, so that what comes
-// out depends smoothly on every number of the robot: differences are derivatives. A contact's touchdown, lift-off,
+// out depends smoothly on every number of the robot: differences are derivatives. They are longer while everything that
+// rubs moves fast; a run beside another takes its steps. A contact's touchdown, lift-off,
 // sticking and sliding are found within their step, which is parted there. Dry friction is that of a
 // landing, smooth below kFrictionSpeed. Ours. Tests: test/legs/driven.cpp.
 #pragma once
@@ -12,17 +13,25 @@
 
 namespace ukemi::landing {
 
-struct DrivenOptions {
-  double step = 0;        ///< longest [s], > 0; 0: that of stable_step
-  long most = 2'000'000;  ///< steps of one run
-  bool loads = false;     ///< accelerations and forces are sampled too, at a derivative a time
+/// Longest steps [s].
+struct DrivenSteps {
+  double fine = 0;
+  double coarse = 0;  ///< while all that rubs dry moves at 20 times kFrictionSpeed or faster, one way; at least `fine`
 };
 
-/// A step over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
-/// that a torque on each joint alone gives, its damping, that of dry friction near rest, and its stiffness; of a robot
-/// with contacts at most 0.2 ms [s]. Runs whose difference is a derivative need one step.
-[[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
-                                 const DrivenStart& start);
+struct DrivenOptions {
+  DrivenSteps steps;      ///< > 0; 0: those of stable_steps
+  long most = 2'000'000;  ///< steps of one run
+  bool loads = false;     ///< accelerations and forces are sampled too, at a derivative a time
+  /// DrivenRollout::coarse of another run at the same times, whose steps are taken; none: as the robot moves.
+  const std::vector<bool>* coarse = nullptr;
+};
+
+/// Steps over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
+/// that a torque on each joint alone gives, its damping, that of dry friction near rest (not of coarse ones), and its
+/// stiffness; of a robot with contacts at most 0.2 ms [s]. Runs whose difference is a derivative need the same.
+[[nodiscard]] DrivenSteps stable_steps(const Robot& robot, const CommandPath& path, const Commands& commands,
+                                       const DrivenStart& start);
 
 struct DrivenRollout {
   /// Of Robot::joints, then by Sensed: one a time.
@@ -31,7 +40,8 @@ struct DrivenRollout {
   std::array<std::vector<double>, kBodySensed> acceleration;  ///< likewise [m/s^2]; empty: not sampled
   std::vector<std::array<std::vector<double>, 2>> force;      ///< of Robot::contacts, on the robot [N]; likewise
   std::vector<ContactChange> changes;                         ///< in their order; those that touch at the start first
-  bool complete = false;  ///< every time has its values: no state left the range of numbers or of the joints
+  std::vector<bool> coarse;  ///< of each time, whether the way there from the one before took coarse steps
+  bool complete = false;     ///< every time has its values: no state left the range of numbers or of the joints
   long steps = 0;
 };
 

@@ -2,6 +2,7 @@
 // errors.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -65,6 +66,36 @@ TEST_CASE("a driven robot moves as the textbook's pendulum does", "[driven]") {
     CHECK(limited > 20);  // rows at the level: it is reached
     CHECK(limited < 600);
   }
+}
+
+TEST_CASE("steps of a driven robot are longer where nothing that rubs is slow, and as exact", "[driven]") {
+  Pendulum p;
+  for (double& friction : p.dry) friction *= 4;  // near rest 0.2 ms are needed
+  const Case c(p, 1, 1, 0, kFree, 0);
+  const RobotTrial& t = c.trials[0];
+  const DrivenStart start{{{0.1, 0, 0}, {-0.2, 0, 0}}};
+  const auto rolled = [&](const DrivenOptions& options) {
+    return roll_driven(c.robot.scene.robot, c.robot.path, *t.commands, start, t.log.t, options);
+  };
+  const auto apart = [](const DrivenRollout& a, const DrivenRollout& b) {
+    double worst = 0;
+    for (std::size_t j = 0; j < 2; ++j)
+      for (std::size_t i = 0; i < a.joint[j][kAngle].size(); ++i)
+        worst = std::max(worst, std::abs(a.joint[j][kAngle][i] - b.joint[j][kAngle][i]));
+    return worst;
+  };
+  const DrivenSteps steps = stable_steps(c.robot.scene.robot, c.robot.path, *t.commands, start);
+  CHECK(steps.coarse > 2 * steps.fine);
+  const DrivenRollout usual = rolled({}), fine = rolled({.steps = {steps.fine, steps.fine}}),
+                      exact = rolled({.steps = {2e-5, 2e-5}});
+  CHECK(usual.steps < 0.7 * double(fine.steps));
+  CHECK(std::count(fine.coarse.begin(), fine.coarse.end(), true) == 0);
+  INFO("off " << apart(usual, exact) << ", in fine steps " << apart(fine, exact));
+  CHECK(apart(usual, exact) < 2 * apart(fine, exact) + 1e-7);
+  // In the steps of another run: the same again, and of a robot beside it no more.
+  const DrivenRollout again = rolled({.steps = steps, .coarse = &usual.coarse});
+  CHECK(apart(usual, again) == 0);
+  CHECK(again.steps < usual.steps);
 }
 
 TEST_CASE("constants of a driven robot come back within their errors", "[driven]") {
@@ -286,8 +317,8 @@ TEST_CASE("a leg that follows a log's commands lands as the landing of the same 
   const HeldLanding held("hopper");
   REQUIRE(held.landing.touches.size() >= 2);
   const auto worst = [&](double step) {
-    const DrivenRollout r =
-        roll_driven(held.scene.robot, held.path, held.commands, held.start, held.times, {.step = step, .loads = true});
+    const DrivenRollout r = roll_driven(held.scene.robot, held.path, held.commands, held.start, held.times,
+                                        {.steps = {step, step}, .loads = true});
     REQUIRE(r.complete);
     double out = 0;
     for (std::size_t j = 0; j < held.scene.robot.joints.size(); ++j)
@@ -315,7 +346,7 @@ TEST_CASE("a thrown robot that follows a log's commands lands as the landing of 
   const HeldLanding held("foot");
   const Robot& robot = held.scene.robot;
   const DrivenRollout r =
-      roll_driven(robot, held.path, held.commands, held.start, held.times, {.step = 2e-5, .loads = true});
+      roll_driven(robot, held.path, held.commands, held.start, held.times, {.steps = {2e-5, 2e-5}, .loads = true});
   REQUIRE(r.complete);
   for (std::size_t k = 0; k < held.times.size(); ++k) {
     const BodySample& row = *held.rows[k];

@@ -239,13 +239,14 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const st
   std::vector<double> clock = times;
   for (double& t : clock) t += trials_[m].origin;
   DrivenOptions options = options_.roll;
-  if (asked.step > 0) options.step = asked.step;
+  if (asked.coarse) options.steps = asked.steps, options.coarse = asked.coarse;
   const auto& measured = trials_[m].log.output;
   const auto loads = measured.begin() + long(acceleration_channel(robot_.scene.robot));
   options.loads = asked.loads || std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
   DrivenRollout rolled =
       roll_driven(posed->robot.scene.robot, posed->robot.path, *trials_[m].commands, posed->start, clock, options);
   out.complete = rolled.complete, out.steps = rolled.steps, out.changes = std::move(rolled.changes);
+  out.coarse = std::move(rolled.coarse);
   for (ContactChange& c : out.changes) c.t -= trials_[m].origin, out.jumps.push_back(c.t);
   for (auto& joint : rolled.joint)
     for (auto& values : joint) out.value.push_back(std::move(values));
@@ -268,14 +269,15 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
   constexpr double kOfContacts = 10;  // touchdowns make a rollout's smallest differences rough
   const std::optional<Posed> here = pose(m, settings);
   if (!here) return false;
-  const double step = options_.roll.step > 0
-                          ? options_.roll.step
-                          : stable_step(here->robot.scene.robot, here->robot.path, *trials_[m].commands, here->start);
+  const DrivenSteps steps = options_.roll.steps.fine > 0 ? options_.roll.steps
+                                                         : stable_steps(here->robot.scene.robot, here->robot.path,
+                                                                        *trials_[m].commands, here->start);
+  const std::vector<bool> coarse = followed.coarse;
   const double difference = options_.difference * (here->robot.scene.robot.contacts.empty() ? 1 : kOfContacts);
   return differentiate_by_differences(
       settings, difference, options_.threads,
       [&](const Settings& beside, const DropTerm& term, double) {
-        return has(m, term) ? roll(m, beside, times, {.step = step}) : followed;
+        return has(m, term) ? roll(m, beside, times, {.steps = steps, .coarse = &coarse}) : followed;
       },
       followed);
 }
