@@ -21,7 +21,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   friend Engine;
   using Engine::abandon_square_, Engine::active_, Engine::stale_, Engine::kStates;
   using Engine::system_, Engine::step_, Engine::h_next_, Engine::stop_, Engine::peak_, Engine::steps_,
-      Engine::accepted_;
+      Engine::accepted_, Engine::shift_;
   using typename Engine::Largest;
   using typename Engine::M, typename Engine::State, typename Engine::T;
   using Values = typename Course::State;
@@ -65,8 +65,6 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
   static bool suits(const BodyScene& scene) {
     if (!scene.touches() || !fits(scene.robot, kSize)) return false;
-    for (const Load& l : scene.loads)
-      if (l.kind == Load::Kind::kImpulse) return false;
     for (const ContactPoint& c : scene.robot.contacts)
       if (c.law.hunt_crossley) return false;
     for (const Joint& j : scene.robot.joints)
@@ -124,7 +122,10 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     Values y = values(i);
     const typename Course::Crossing crossing = course.cross(g, t, y);
     for (int k = System::kSlip; k < kStates; ++k) step_.y[k].set(i, y[k]);
-    if (crossing.touched >= 0) touched(i, crossing.touched);
+    if (crossing.touched >= 0)
+      touched(i, crossing.touched);
+    else if (crossing.surface)
+      lifted(i, g / System::kOfContact);
     if (crossing.lands) land(i);
     enter(i);
     return !(out_[i].broken && case_[i].scene->ends_broken);
@@ -145,20 +146,26 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
 
   // --- loads, as load_observer.hpp ---
 
-  /// One that has its value at every state, of all lanes.
+  /// Of all lanes: one that has its value at every state, or an impulse, whose largest value is that of touches that
+  /// have ended.
   struct alignas(8 * W) LaneLoad {  // for what is compiled for wider registers than the allocation
     LoadValue<System> of;
     int index;  ///< of BodyScene::loads
     bool own = false;
     Largest largest{};
     T most{0.0};  ///< square of what is tracked beyond which a limit is broken, or the landing worse than is asked for
+    M down{false};                              ///< a touch gathers its impulse:
+    std::array<T, 2> gathered{T(0.0), T(0.0)};  ///< [N s]
     const Load& load() const { return of.load(); }
+    bool is_impulse() const { return load().kind == Load::Kind::kImpulse; }
+    bool is_followed() const { return !own && !is_impulse(); }
   };
   std::vector<LaneLoad> loads_of_lanes(const BodyScene& scene) const {
     std::vector<LaneLoad> out;
     for (std::size_t k = 0; k < scene.loads.size(); ++k) {
       const Load& l = scene.loads[k];
-      if (at_every_state(l.kind)) out.push_back({.of{l, system_}, .index = int(k), .own = own(l, scene.robot)});
+      if (at_every_state(l.kind) || l.kind == Load::Kind::kImpulse)
+        out.push_back({.of{l, system_}, .index = int(k), .own = own(l, scene.robot)});
     }
     return out;
   }
@@ -179,23 +186,38 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       const double rating = these[k].load().rating,
                    most = tracked(x.load(), x.load().limit ? rating : case_[i].abandon_above * rating);
       x.most.set(i, most * most);
-      x.largest.square.set(i, 0), x.largest.t.set(i, 0), x.largest.start.set(i, 0);
+      x.largest.square.set(i, 0), x.largest.t.set(i, 0), x.largest.start.set(i, 0), x.down.set(i, false);
     }
     out_[i].loads.assign(case_[i].scene->loads.size(), {});
   }
   void tell_loads(int i) {
+    for (LaneLoad& x : loads_) end_touch(i, x);
     for (const LaneLoad& x : loads_)
       out_[i].loads[std::size_t(x.index)] = x.own
                                                 ? LoadPeak{out_[i].peak, out_[i].t_peak}
                                                 : LoadPeak{x.of.value(std::sqrt(x.largest.square[i])), x.largest.t[i]};
   }
   void touched(int i, int contact) {
+    for (LaneLoad& x : loads_)
+      if (x.is_impulse() && x.load().index == contact)
+        x.down.set(i, true), x.gathered[0].set(i, 0), x.gathered[1].set(i, 0);
     const std::vector<Load>& loads = case_[i].scene->loads;
     for (std::size_t k = 0; k < loads.size(); ++k) {
       if (loads[k].kind != Load::Kind::kTouch || loads[k].index != contact) continue;
       if (out_[i].loads[k].value == 0) out_[i].loads[k] = {1, step_.t[i]};
       if (loads[k].rating < 1) broken(i, {int(k), step_.t[i]});
     }
+  }
+  void lifted(int i, int contact) {
+    for (LaneLoad& x : loads_)
+      if (x.is_impulse() && x.load().index == contact) end_touch(i, x);
+  }
+  void end_touch(int i, LaneLoad& x) {
+    if (!x.down[i]) return;
+    const double square = x.gathered[0][i] * x.gathered[0][i] + x.gathered[1][i] * x.gathered[1][i];
+    x.down.set(i, false);
+    if (square > x.largest.square[i]) x.largest.square.set(i, square), x.largest.t.set(i, step_.t[i]);
+    if (x.load().limit && square > x.most[i]) broken(i, {x.index, step_.t[i]});
   }
   /// The landing motions start.
   void land(int i) {
@@ -214,8 +236,11 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
   double rest_square(int i) const {
     RestSquare out(peak_.square[i]);
-    for (const LaneLoad& x : loads_)
-      if (!x.own) out.add(x.load().kind, large_square(x.load(), x.largest.square[i], x.most[i]), x.largest.start[i]);
+    for (const LaneLoad& x : loads_) {
+      if (x.down[i]) return -1;
+      if (x.is_followed())
+        out.add(x.load().kind, large_square(x.load(), x.largest.square[i], x.most[i]), x.largest.start[i]);
+    }
     return out.value();
   }
 
@@ -229,13 +254,26 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
   UKEMI_BATCH_STAGE void start_loads(const M& where) {
     for (LaneLoad& x : loads_)
-      if (!x.own) this->follow_start(x.largest, where, x.of.square(system_, step_.t, step_.y, step_.slope));
+      if (x.is_followed()) this->follow_start(x.largest, where, x.of.square(system_, step_.t, step_.y, step_.slope));
   }
   UKEMI_BATCH_STAGE void look_at_loads() {
-    for (LaneLoad& x : loads_)
-      if (!x.own)
+    for (LaneLoad& x : loads_) {
+      if (x.is_impulse()) gather(x);
+      if (x.is_followed())
         this->follow(x.largest, [this, &x](const T& t, const State& y, const State& dy)
                                     UKEMI_INLINE_LAMBDA { return x.of.square(system_, t, y, dy); });
+    }
+  }
+  /// The accepted steps' parts of the integral of the force, up to their events.
+  UKEMI_INLINE void gather(LaneLoad& x) {
+    const M where = accepted_ & x.down;
+    if (!any(where)) return;
+    const T part = T(1.0) + shift_ / max(step_.h, T(1e-12)), h = step_.h + shift_;
+    for (const auto& [at, weight] : kImpulseNodes) {
+      const State y = step_.at(T(at) * part);
+      const Vec2<T> f = contact_force(system_, x.load().index, system_.pose(y), y);
+      for (const std::size_t q : {0, 1}) assign(x.gathered[q], where, T(x.gathered[q] + T(weight) * h * f[long(q)]));
+    }
   }
   M beyond(const M& where) const {
     M out = where & (peak_.square > abandon_square_);
