@@ -15,7 +15,8 @@ struct Key {
 constexpr Key kKeys[] = {{"torque_gain", &CommandPath::Joint::torque_gain},
                          {"report_gain", &CommandPath::Joint::report_gain},
                          {"torque_low", &CommandPath::Joint::torque_low},
-                         {"torque_high", &CommandPath::Joint::torque_high}};
+                         {"torque_high", &CommandPath::Joint::torque_high},
+                         {"offset", &CommandPath::Joint::offset}};
 
 }  // namespace
 
@@ -36,6 +37,10 @@ CommandPath read_command_path(TomlFile& file, const Robot& robot) {
   if (!s) return out;
   const Range late{0, kMostCommandDelay, false, fmt::format("from 0 to {:g} s", kMostCommandDelay)},
       below{-std::numeric_limits<double>::max(), 0, false, "at most 0"};
+  const auto range = [&](const Key& k) {
+    if (k.at == &CommandPath::Joint::offset) return Range::any();
+    return k.at == &CommandPath::Joint::torque_low ? below : Range::positive();
+  };
   out.delay = s->optional_number("delay", late).value_or(0);
   out.rows = int(s->optional_count("rows", 0, kMostCommandRows).value_or(0));
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
@@ -44,10 +49,8 @@ CommandPath read_command_path(TomlFile& file, const Robot& robot) {
     if (!own) continue;
     if (!joint.driven())
       s->fail(joint.name, std::string("the joint is ") + name(joint.kind) + ": a joint that is driven is needed");
-    for (const Key& k : kKeys) {
-      const bool low = k.at == &CommandPath::Joint::torque_low;
-      if (const auto v = own->optional_number(k.key, low ? below : Range::positive())) out.joints[i].*k.at = *v;
-    }
+    for (const Key& k : kKeys)
+      if (const auto v = own->optional_number(k.key, range(k))) out.joints[i].*k.at = *v;
   }
   return out;
 }

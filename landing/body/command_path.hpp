@@ -1,7 +1,8 @@
 // What a logged command passes through on its way to a joint's motor, and the motor's torque on its way back into the
 // log. Ours.
 //
-//     asked    = clamp(K_p (phi_ref - phi) + K_d (dphi_ref - dphi) + torque_ff, low, high)
+//     phi_read = phi + offset
+//     asked    = clamp(K_p (phi_ref - phi_read) + K_d (dphi_ref - dphi) + torque_ff, low, high)
 //     motor    = torque_gain asked
 //     reported = report_gain asked
 //
@@ -27,6 +28,7 @@ struct CommandPath {
     double report_gain = 1;                                        ///< > 0
     double torque_low = -std::numeric_limits<double>::infinity();  ///< levels of `asked` [Nm], < 0
     double torque_high = std::numeric_limits<double>::infinity();  ///< > 0
+    double offset = 0;  ///< what the encoder reads beyond the joint's angle, its zero's error [rad]
   };
   double delay = 0;           ///< [s], from 0 to kMostCommandDelay
   int rows = 0;               ///< a row acts so many rows late, from 0 to kMostCommandRows
@@ -40,7 +42,7 @@ double* command_number(CommandPath& path, const Robot& robot, const std::string&
 CommandPath read_command_path(TomlFile& file, const Robot& robot);
 
 /// The drives as a landing has them, behind the same path: of a geared motor gains and limit are torque_gain times as
-/// large, the limit that of the level that is nearer to zero. Delays are left out.
+/// large, the limit that of the level that is nearer to zero. Delays and offsets are left out: angles are the joint's.
 void apply(const CommandPath& path, Robot& robot);
 
 }  // namespace ukemi::landing

@@ -41,10 +41,11 @@ class DrivenRun {
       const JointPlace& at = system_.body.joint[i];
       const JointStart& s = from.joint[std::size_t(at.joint)];
       const bool ground = at.parent < 0;
-      y_[System::kTheta + at.child] = s.phi - at.offset + (ground ? 0 : y_[System::kTheta + at.parent]);
+      const double phi = s.phi - of(i).offset;
+      y_[System::kTheta + at.child] = phi - at.offset + (ground ? 0 : y_[System::kTheta + at.parent]);
       y_[System::kOmega + at.child] = s.dphi + (ground ? 0 : y_[System::kOmega + at.parent]);
       if (system_.drive[i].kind == DriveKind::kElastic)
-        y_[System::kPhiM + i] = s.phi + s.spring, y_[System::kOmegaM + i] = s.dphi;
+        y_[System::kPhiM + i] = phi + s.spring, y_[System::kOmegaM + i] = s.dphi;
     }
     if (system_.body.base != Base::kPinned) stand(from);
     for (int i = 0; i < system_.body.contacts; ++i)
@@ -75,7 +76,7 @@ class DrivenRun {
     for (int i = 0; i < system_.body.joints; ++i) {
       auto& to = out.joint[std::size_t(system_.body.joint[i].joint)];
       const SeaState<double> s = system_.joint_state(i, y_);
-      to[kAngle].push_back(s.phi), to[kRate].push_back(s.dphi);
+      to[kAngle].push_back(s.phi + of(i).offset), to[kRate].push_back(s.dphi);
       to[kTorque].push_back(of(i).report_gain * asked(i, s));
     }
     if (system_.body.base != Base::kFree) return;
@@ -223,7 +224,7 @@ class DrivenRun {
     for (int i = 0; i < system_.body.joints; ++i) {
       const SeaState<double> s = system_.joint_state(i, y_);
       const auto joint = std::size_t(system_.body.joint[i].joint);
-      phi[joint] = s.phi, dphi[joint] = s.dphi;
+      phi[joint] = s.phi + of(i).offset, dphi[joint] = s.dphi;
     }
     const std::size_t joints = commands_.joint.size();
     told_.resize(std::max(told_.size(), row + 1));
@@ -253,7 +254,7 @@ class DrivenRun {
     const Now& c = now_[std::size_t(i)];
     const bool motor =
         system_.drive[i].kind == DriveKind::kElastic && system_.drive[i].sea.feedback == Feedback::kMotor;
-    const double phi = motor ? s.phi_m : s.phi, dphi = motor ? s.dphi_m : s.dphi;
+    const double phi = (motor ? s.phi_m : s.phi) + of(i).offset, dphi = motor ? s.dphi_m : s.dphi;
     return c.on * std::clamp(c.k_p * (c.phi_ref - phi) + c.k_d * (c.dphi_ref - dphi) + c.ff, of(i).torque_low,
                              of(i).torque_high);
   }

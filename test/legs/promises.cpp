@@ -135,6 +135,36 @@ TEST_CASE("each run has constants of its own, and a run to come is promised what
   CHECK_THROWS_WITH(give_each_run({"drive.hip.frction"}, c.trials, c.options), Catch::Contains("drive.hip.frction"));
 }
 
+TEST_CASE("an encoder's zero is told, of each run its own, by gravity and by what was asked", "[driven]") {
+  const std::vector<double> zeros = {-0.01, 0.03};
+  const std::string zero = "command.hip.offset";
+  std::vector<std::string> free = {zero, "robot.link.shank.mass", "drive.hip.friction", "drive.knee.friction"};
+  Case c(Pendulum{}, 1, 0, 0, free);
+  for (std::size_t r = 0; r < zeros.size(); ++r) {
+    const std::string zero_of_run = fmt::format("{}", zeros[r]);
+    for (auto& t : read_robot_trials(c.folder.write(fmt::format("run_{}.csv", r), log_of(Pendulum{}, 500, r, 2e-4)),
+                                     c.robot.scene.robot, {.columns = ""})) {
+      for (double& phi : t.log.output[kAngle]) phi += zeros[r];
+      auto told = std::make_shared<Commands>(*t.commands);
+      for (double& phi : told->joint[0][kPhiRef]) phi += zeros[r];
+      t.commands = told;
+      c.trials.push_back(t);
+    }
+  }
+  c.options.terms = robot_terms(c.robot, c.trials), c.options.terms.free = free;
+  give_each_run({zero}, c.trials, c.options);
+  const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
+  REQUIRE(fit.converged);
+  CHECK(fit.rms[kAngle] == Approx(2e-4).epsilon(0.1));
+  for (std::size_t r = 0; r < zeros.size(); ++r)
+    for (const auto& e : fit.parameters)
+      if (e.name == fmt::format("{}@{}", zero, r + 1)) {
+        CHECK(std::abs(e.value - zeros[r]) < 4 * *e.std);
+        CHECK(*e.std < 1e-3);
+      }
+  CHECK(number_of(fit.robot, zero) == Approx(0.01).margin(2e-3));
+}
+
 TEST_CASE("how well a robot's constants are known is read with it, or not at all", "[driven]") {
   const Pendulum p;
   const test::Folder folder;
