@@ -44,8 +44,8 @@ using Sea = SeaParameters<double>;
 
 /// One of the five, whose bound is 0.
 template <class F>
-RigTerm constant(std::size_t i, const char* words, double smallest_part, F field) {
-  RigTerm t{{.name = kConstantNames[i], .unit = kConstantUnits[i], .words = words}, input_field(field)};
+RigTerm constant(std::size_t i, const char* words, double size, double smallest_part, F field) {
+  RigTerm t{{.name = kConstantNames[i], .unit = kConstantUnits[i], .words = words, .size = size}, input_field(field)};
   t.role = Term::Role::kConstant, t.lower = 0, t.smallest_part = smallest_part, t.key = t.name;
   return t;
 }
@@ -79,7 +79,9 @@ RigTerm stored(RigTerm t) {
 /// Of a Coulomb friction: both levels stay above 0.
 template <class F>
 RigTerm asymmetry(const char* name, const char* words, F field, double Sea::*friction) {
-  return only_with(stored(bounded(nuisance(name, "1", words, Scope::kShared, 0.2, field), -0.95, 0.95, 0)), {friction});
+  RigTerm t = stored(bounded(nuisance(name, "1", words, Scope::kShared, 0.2, field), -0.95, 0.95, 0));
+  t.judged_size = 1;
+  return only_with(std::move(t), {friction});
 }
 /// Of Trial::force_smooth: what the log's own force lacks of the smooth curve, or has too much of it.
 RigTerm between_samples() {
@@ -125,17 +127,17 @@ RigTerm in_ladder(RigTerm t) {
 std::vector<RigTerm> table() {
   constexpr auto kShared = Scope::kShared, kEach = Scope::kEach;
   return {
-      constant(0, "proportional gain of the motor", 0, [](auto& in) { return &in.sea.k_p; }),
-      constant(1, "derivative gain of the motor", 0, [](auto& in) { return &in.sea.k_d; }),
-      constant(2, "stiffness of the spring", 0, [](auto& in) { return &in.sea.k_sea; }),
-      constant(3, "damping of the spring", 0, [](auto& in) { return &in.sea.c_sea; }),
+      constant(0, "proportional gain of the motor", 1, 0, [](auto& in) { return &in.sea.k_p; }),
+      constant(1, "derivative gain of the motor", 0.1, 0, [](auto& in) { return &in.sea.k_d; }),
+      constant(2, "stiffness of the spring", 10, 0, [](auto& in) { return &in.sea.k_sea; }),
+      constant(3, "damping of the spring", 0.1, 0, [](auto& in) { return &in.sea.c_sea; }),
       // It divides Eq. 4.
-      constant(4, "reflected inertia of the motor", 1e-6, [](auto& in) { return &in.sea.i_motor; }),
+      constant(4, "reflected inertia of the motor", 1e-3, 1e-6, [](auto& in) { return &in.sea.i_motor; }),
       in_ladder(optional(nuisance("friction", "Nm", "dry friction on the motor", kShared, 0.1,
                                   [](auto& in) { return &in.sea.friction; }),
                          0.01, &Sea::k_p, "friction")),
-      also("viscous", optional(nuisance("viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared, 0.1,
-                                        [](auto& in) { return &in.sea.viscous; }),
+      also("viscous", optional(nuisance("viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared,
+                                        0.01, [](auto& in) { return &in.sea.viscous; }),
                                0.1, &Sea::k_d, "viscous_friction")),
       asymmetry(
           "friction_asymmetry", "of friction: half the difference of both directions' levels over their mean",
@@ -144,7 +146,7 @@ std::vector<RigTerm> table() {
                                   [](auto& in) { return &in.sea.output_friction; }),
                          0.01, &Sea::k_p, "output_friction")),
       also("output_viscous_friction",
-           optional(nuisance("output_viscous", "Nm/(rad/s)", "viscous friction on the output", kShared, 0.1,
+           optional(nuisance("output_viscous", "Nm/(rad/s)", "viscous friction on the output", kShared, 0.01,
                              [](auto& in) { return &in.sea.output_viscous; }),
                     0.1, &Sea::k_d, "output_viscous")),
       asymmetry(

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/actuator_constants.hpp"
+#include "identify/fit/rig_terms.hpp"
 #include "landing/body/places.hpp"
 #include "landing/plan/design_numbers.hpp"
 #include "tools/study/robot_trials.hpp"
@@ -24,21 +24,11 @@ struct Kind {
   double lower, upper, size;
   double judged = 0;
 };
-constexpr Kind kGeared[] = {
-    {"i_motor", "kg m^2", "inertia of the motor at the joint", 0, kInfinity, 1e-3},
-    {"friction", "Nm", "dry friction of the drive", 0, kInfinity, 0.1},
-    {"viscous_friction", "Nm/(rad/s)", "viscous friction of the drive", 0, kInfinity, 0.01},
-    {"friction_asymmetry", "of friction", "half the difference of the dry friction's two levels", -1, 1, 0.1, 1},
-    {"breakaway", "of friction", "by which dry friction is larger at rest", 0, kInfinity, 0.5},
-    {"stribeck_speed", "rad/s", "at which it has fallen to 1/e of that", 1e-3, kInfinity, 0.1},
-    {"spring_loss", "of the torque", "dry friction that grows with the motor's torque", 0, 1, 0.05}};
-constexpr Kind kGains[] = {{"k_p", "Nm/rad", "proportional gain", 0, kInfinity, 1},
-                           {"k_d", "Nm/(rad/s)", "derivative gain", 0, kInfinity, 0.1}};
-constexpr Kind kElastic[] = {{"k_sea", "Nm/rad", "stiffness of the spring", 0, kInfinity, 10},
-                             {"c_sea", "Nm/(rad/s)", "damping of the spring", 0, kInfinity, 0.1},
-                             {"k_sea_cubic", "Nm/rad^3", "cubic stiffness", -kInfinity, kInfinity, 10},
-                             {"output_friction", "Nm", "dry friction on the output", 0, kInfinity, 0.1},
-                             {"output_viscous", "Nm/(rad/s)", "viscous friction on the output", 0, kInfinity, 0.01}};
+/// Constants of a drive, by their keys in its file; what they are says identify's table.
+constexpr const char* kGeared[] = {"i_motor",   "friction",       "viscous_friction", "friction_asymmetry",
+                                   "breakaway", "stribeck_speed", "spring_loss"};
+constexpr const char *kProportional[] = {"k_p"}, *kDerivative[] = {"k_d"};
+constexpr const char* kElastic[] = {"k_sea", "c_sea", "k_sea_cubic", "output_friction", "output_viscous"};
 constexpr Kind kPassive[] = {{"stiffness", "Nm/rad", "stiffness of the joint", 0, kInfinity, 1},
                              {"damping", "Nm/(rad/s)", "damping of the joint", 0, kInfinity, 0.01},
                              {"rest_deg", "deg", "where its spring rests", -180, 180, 5, 10}};
@@ -61,16 +51,28 @@ class TableOf {
     for (const Kind& k : kinds) add(prefix, k);
   }
   void add(const std::string& prefix, const Kind& k) {
-    DropTerm t;
-    t.name = prefix + k.key, t.unit = k.unit, t.words = k.words;
-    t.role = Term::Role::kConstant;
-    t.lower = k.lower, t.upper = k.upper, t.judged_size = k.judged;
+    Term t{.name = prefix + k.key, .unit = k.unit, .words = k.words};
+    t.lower = k.lower, t.upper = k.upper, t.size = k.size, t.judged_size = k.judged;
+    add(std::move(t));
+  }
+  template <std::size_t N>
+  void add(const std::string& prefix, const char* const (&keys)[N]) {
+    for (const std::string key : keys)
+      for (const identify::RigTerm& of_rig : identify::rig_terms())
+        if (of_rig.key == key) {
+          Term t = of_rig;
+          t.name = prefix + key;
+          add(std::move(t));
+        }
+  }
+  void add(Term term) {
+    DropTerm t{std::move(term)};
+    t.role = Term::Role::kConstant, t.absent = 0, t.alias = "";
     t.moves = {t.name};
     if (t.name.rfind("robot.link.", 0) == 0) t.alias = t.name.substr(6);
-    const double given = number_of(robot_, t.name);
-    t.size = std::isfinite(given) && given != 0 && k.lower >= 0 ? std::abs(given) : k.size;
-    t.smallest_part = k.lower == 0 && std::string(k.key) == "i_motor" ? 1e-6 : 0;
-    t.spread = k.lower >= 0 ? 2 : k.size;
+    t.spread = t.lower >= 0 ? 2 : t.size;
+    if (const double given = number_of(robot_, t.name); std::isfinite(given) && given != 0 && t.lower >= 0)
+      t.size = std::abs(given);
     out.push_back(std::move(t));
   }
   void add_link(std::size_t i) {
@@ -170,8 +172,8 @@ void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const st
   if (j.kind == DriveKind::kPassive) table.add(drive, kPassive);
   if (j.driven()) {
     const bool refers = has_column(trials, i, kPhiRef);
-    if (refers && !has_column(trials, i, kKp)) table.add(drive, kGains[0]);
-    if ((refers || has_column(trials, i, kDphiRef)) && !has_column(trials, i, kKd)) table.add(drive, kGains[1]);
+    if (refers && !has_column(trials, i, kKp)) table.add(drive, kProportional);
+    if ((refers || has_column(trials, i, kDphiRef)) && !has_column(trials, i, kKd)) table.add(drive, kDerivative);
     table.add(drive, kGeared), table.add(command, kCommand);
     if (j.kind == DriveKind::kElastic) table.add(drive, kElastic);
     if (sensed(trials, i, kTorque)) table.add(command, kReport);
