@@ -35,7 +35,7 @@ constexpr Kind kPassive[] = {{"stiffness", "Nm/rad", "stiffness of the joint", 0
 constexpr Kind kBesideDrive[] = {
     {"parallel_stiffness", "Nm/rad", "stiffness of a spring beside the drive", 0, kInfinity, 0.1}};
 constexpr Kind kBesideRest[] = {{"parallel_rest_deg", "deg", "where that spring rests", -180, 180, 5, 10}};
-constexpr Kind kCommand[] = {
+constexpr Kind kOfCommand[] = {
     {"torque_gain", "1", "the motor's torque over what is asked", 1e-3, kInfinity, 1},
     {"offset", "rad", "what the encoder reads beyond the angle", -kInfinity, kInfinity, 0.01, 0.1}};
 constexpr Kind kReport[] = {{"report_gain", "1", "the reported torque over what is asked", 1e-3, kInfinity, 1}};
@@ -174,7 +174,7 @@ void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const st
     const bool refers = has_column(trials, i, kPhiRef);
     if (refers && !has_column(trials, i, kKp)) table.add(drive, kProportional);
     if ((refers || has_column(trials, i, kDphiRef)) && !has_column(trials, i, kKd)) table.add(drive, kDerivative);
-    table.add(drive, kGeared), table.add(command, kCommand);
+    table.add(drive, kGeared), table.add(command, kOfCommand);
     if (j.kind == DriveKind::kElastic) table.add(drive, kElastic);
     if (sensed(trials, i, kTorque)) table.add(command, kReport);
     if (std::isfinite(robot.path.joints[i].torque_high)) table.add(command, kLevels[1]);
