@@ -13,7 +13,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "common/verdict.hpp"
 #include "identify/trust/profile.hpp"
 #include "tools/study/drop_simulator.hpp"
+#include "tools/study/promise.hpp"
 
 namespace ukemi::tools {
 
@@ -60,28 +60,6 @@ struct DropResult {
   double peak_between = 0;                       ///< the simulated one over all times up to the log's end [m/s^2]
 };
 
-/// What a fit knows: how well its constants, and what it left of its logs in each output, by name, at least their
-/// noise.
-struct Identified {
-  Uncertainty constants;
-  std::map<std::string, double> rms;
-};
-
-/// What a fit promises of a drop that it has not seen.
-struct Promise {
-  /// Of DropResult::value: half of the 95 % band about it, of the constants' errors and of what the fit left, or where
-  /// that is not known or less, of the log's noise.
-  std::vector<std::vector<double>> band;
-  /// How each of DropResult::changes moves [s] with errors that are independent and of variance 1, a column each.
-  Eigen::MatrixXd change;
-  bool known() const { return !band.empty(); }
-  /// Of the time of a change, and of that between two [s].
-  double half_band(std::size_t i) const { return kNormal975 * change.row(long(i)).norm(); }
-  double half_band(std::size_t i, std::size_t j) const {
-    return kNormal975 * (change.row(long(j)) - change.row(long(i))).norm();
-  }
-};
-
 /// The constants of a floor, and the nuisance terms drop by drop.
 struct FloorFit : identify::Estimates {
   LogsOf logs_of = LogsOf::kDrops;
@@ -113,13 +91,6 @@ void check_logs(const DropSimulator& drops);
 /// The drops for the simulator's constants. The nuisance terms, which are each drop's own, are fitted to it; no
 /// constant is.
 [[nodiscard]] FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& options);
-
-/// What constants that are `known` so well promise of the drops that validate_floor has played with them. A constant
-/// moves by a tenth of its standard error, and what is each drop's own follows as if it were fitted again. Constants
-/// that are no terms of the table have no say. Nothing of a drop that cannot be followed so; NaN of contacts that then
-/// come in another order.
-[[nodiscard]] std::vector<Promise> promises(const DropSimulator& drops, const CalibrationOptions& options,
-                                            const FloorFit& predicted, const Identified& known);
 
 /// Fisher information of the fitted terms, drop by drop, at the simulator's constants, for residuals of standard
 /// deviation `sigma` in each channel; the drop's own nuisance terms eliminated, which stand where `own` says, else
