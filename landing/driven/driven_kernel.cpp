@@ -57,20 +57,24 @@ class DrivenRun {
     sample_row(sampled_++);
     read_row(row_ > 0 ? row_ - 1 : 0);
   }
-  /// To `until`, in coarse steps where they follow.
+  /// To `until`, in coarse steps where they follow. What a controller was told and what touched could not be taken
+  /// back.
   bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
-    const bool longer = options.steps.coarse > options.steps.fine && !commands_.controller;
-    const bool coarse = options.coarse ? (*options.coarse)[out.coarse.size()] : longer && moves_on(y_, y_);
-    out.coarse.push_back(coarse);
-    if (!coarse) return walk(until, options.steps.fine, options, out);
-    const auto [y, t, row, sampled] = std::tuple(y_, t_, row_, sampled_);
-    moved_on_ = true;
-    const bool followed = walk(until, options.steps.coarse, options, out);
-    if (options.coarse || (followed && moved_on_)) return followed;
-    out.coarse.back() = false;
-    y_ = y, t_ = t, row_ = row, sampled_ = sampled;
-    sample_row(sampled_ - 1), read_row(row_ > 0 ? row_ - 1 : 0);
-    return walk(until, options.steps.fine, options, out);
+    const auto [fine, coarse] = options.steps;
+    if (options.coarse) {
+      out.coarse.push_back((*options.coarse)[out.coarse.size()]);
+      return walk(until, out.coarse.back() ? coarse : fine, Pace::kAny, options, out);
+    }
+    const bool may = coarse > fine && !commands_.controller && !pushes();
+    out.coarse.push_back(may && moves_on(y_, y_));
+    if (out.coarse.back()) {
+      const auto [y, t, row, sampled] = std::tuple(y_, t_, row_, sampled_);
+      if (walk(until, coarse, Pace::kMovingOn, options, out)) return true;
+      out.coarse.back() = false;
+      y_ = y, t_ = t, row_ = row, sampled_ = sampled;
+      sample_row(sampled_ - 1), read_row(row_ > 0 ? row_ - 1 : 0);
+    }
+    return walk(until, fine, Pace::kAny, options, out);
   }
   void sample(DrivenRollout& out) const {
     for (int i = 0; i < system_.body.joints; ++i) {
@@ -129,8 +133,8 @@ class DrivenRun {
     if (system_.body.base == Base::kRail) {  // of the whole mass, pressed by its weight
       const double rubs = system_.rail_friction / system_.body.mass +
                           system_.rail_load_friction * std::hypot(system_.gravity[0], system_.gravity[1]);
-      moving = std::max(moving, system_.rail_viscous / system_.body.mass);
-      at_rest = std::max({at_rest, moving, system_.rail_viscous / system_.body.mass + rubs / kRailSpeed});
+      const double viscous = system_.rail_viscous / system_.body.mass;
+      moving = std::max(moving, viscous), at_rest = std::max({at_rest, moving, viscous + rubs / kRailSpeed});
     }
     // Of a decay: the method holds up to 2.78, and is exact enough up to kExact; [s].
     constexpr double kHolds = 2, kExact = 0.2, kLongest = 1e-3, kInContact = 2e-4;
@@ -139,8 +143,10 @@ class DrivenRun {
   }
 
  private:
+  /// Whether a way ends unfinished where something that rubs comes near rest.
+  enum class Pace { kAny, kMovingOn };
   /// In steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
-  bool walk(double until, double step, const DrivenOptions& options, DrivenRollout& out) {
+  bool walk(double until, double step, Pace pace, const DrivenOptions& options, DrivenRollout& out) {
     const long n = long(std::ceil((until - t_) / step - 1e-9));
     while (true) {
       constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -150,7 +156,7 @@ class DrivenRun {
       const double to = std::min({until, edge, asks});
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
-        steps(length / double(n), n, out);
+        if (!steps(length / double(n), n, pace, out)) return false;
         t_ = to;
       }
       if (to >= until) break;
@@ -299,17 +305,18 @@ class DrivenRun {
     return out;
   }
   /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
-  void steps(double h, long n, DrivenRollout& out) {
+  bool steps(double h, long n, Pace pace, DrivenRollout& out) {
     if (!pushes()) {
       for (long k = 0; k < n; ++k) {
-        const State from = y_;
-        y_ = after(derivative(t_, y_), h), t_ += h;
-        moved_on_ = moved_on_ && moves_on(from, y_);
+        const State to = after(derivative(t_, y_), h);
+        if (pace == Pace::kMovingOn && !moves_on(y_, to)) return false;
+        y_ = to, t_ += h;
       }
-      return;
+      return true;
     }
     Here from = here(t_, y_);
     for (long k = 0; k < n; ++k) step(h, from, out);
+    return true;
   }
   void step(double h, Here& from, DrivenRollout& out) {
     constexpr int kMostParts = 24;  // beyond: contacts chatter, and keep their mode to the step's end
@@ -352,7 +359,6 @@ class DrivenRun {
   std::vector<Now> now_;
   State y_;
   double t_ = 0;
-  bool moved_on_ = false;                              ///< see moves_on; on every step since it was set
   std::size_t row_ = 0, sampled_ = 0;                  ///< whose command is the next; at which the controller is asked
   std::vector<std::array<double, kMostJoints>> told_;  ///< by the controller, row by row [Nm]
 };

@@ -16,7 +16,9 @@ namespace ukemi::landing {
 /// Longest steps [s].
 struct DrivenSteps {
   double fine = 0;
-  double coarse = 0;  ///< while all that rubs dry moves at 20 times kFrictionSpeed or faster, one way; at least `fine`
+  /// While all that rubs dry moves at 20 times kFrictionSpeed or faster, one way, where there is no contact, no stop
+  /// and no controller; at least `fine`.
+  double coarse = 0;
 };
 
 struct DrivenOptions {

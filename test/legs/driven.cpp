@@ -313,6 +313,14 @@ struct HeldLanding {
 
 }  // namespace
 
+TEST_CASE("a robot that may touch takes fine steps, however fast it moves", "[driven]") {
+  const HeldLanding held("hopper");
+  const DrivenRollout r =
+      roll_driven(held.scene.robot, held.path, held.commands, held.start, held.times, {.steps = {2e-5, 1e-4}});
+  REQUIRE(r.complete);
+  CHECK(std::count(r.coarse.begin(), r.coarse.end(), true) == 0);
+}
+
 TEST_CASE("a leg that follows a log's commands lands as the landing of the same reference does", "[driven]") {
   const HeldLanding held("hopper");
   REQUIRE(held.landing.touches.size() >= 2);

@@ -141,7 +141,6 @@ TEST_CASE("an encoder's zero is told, of each run its own, by gravity and by wha
   std::vector<std::string> free = {zero, "robot.link.shank.mass", "drive.hip.friction", "drive.knee.friction"};
   Case c(Pendulum{}, 1, 0, 0, free);
   for (std::size_t r = 0; r < zeros.size(); ++r) {
-    const std::string zero_of_run = fmt::format("{}", zeros[r]);
     for (auto& t : read_robot_trials(c.folder.write(fmt::format("run_{}.csv", r), log_of(Pendulum{}, 500, r, 2e-4)),
                                      c.robot.scene.robot, {.columns = ""})) {
       for (double& phi : t.log.output[kAngle]) phi += zeros[r];

@@ -92,7 +92,7 @@ ResidualBlock DropResiduals::block(const std::vector<double>& sigma, double seco
           }};
 }
 
-DropResult DropResiduals::replay(const double* shared, const double* own) const {
+DropResult DropResiduals::replay(const double* shared, const double* own, Peaks peaks) const {
   const std::size_t outputs = log().output.size();
   DropResult out{.file = log().file};
   out.value.resize(outputs), out.used.resize(outputs), out.rms.assign(outputs, kNaN);
@@ -118,6 +118,7 @@ DropResult DropResiduals::replay(const double* shared, const double* own) const 
   }
   for (const double t : rolled.drop.jumps) out.jumps.push_back(t - rolled.shift);
   out.changes = rolled.drop.changes;
+  if (peaks == Peaks::kLeave) return out;
   out.peak_between = simulator_.peak(drop_, rolled.settings, log().t.back() + rolled.shift, options_);
   if (std::isnan(out.peak_between) || simulator_.logs_of() == LogsOf::kTrials) return out;
   for (std::size_t i = first_; i < log().t.size(); ++i) {

@@ -22,8 +22,9 @@ class DropResiduals {
   identify::ResidualBlock block(const std::vector<double>& sigma, double seconds,
                                 const std::vector<Prior>& priors) const;
 
-  /// The whole drop and its log.
-  DropResult replay(const double* shared, const double* own) const;
+  enum class Peaks { kFind, kLeave };
+  /// The whole drop and its log; its peaks take a run of their own.
+  DropResult replay(const double* shared, const double* own, Peaks peaks = Peaks::kFind) const;
 
  private:
   struct Rolled {

@@ -45,7 +45,8 @@ class PromiseOf {
     const DropProblem::Start constants = problem.given();
     std::vector<double> own;
     for (const DropTerm* t : layout_.own) own.push_back(value_of(t->name, m));
-    const DropResult here = problem.models[0].replay(constants.data(), own.data());
+    constexpr auto kLeave = DropResiduals::Peaks::kLeave;
+    const DropResult here = problem.models[0].replay(constants.data(), own.data(), kLeave);
     const std::optional<Eigen::MatrixXd> follows = own_by_constants(problem, constants, own);
     if (!here.simulated || !follows) return out;
     std::vector<DropResult> moved;
@@ -54,7 +55,7 @@ class PromiseOf {
       beside[std::size_t(k)] += kPart * std_[k];
       std::vector<double> with = own;
       for (std::size_t l = 0; l < with.size(); ++l) with[l] += (*follows)(long(l), k) * kPart * std_[k];
-      moved.push_back(problem.models[0].replay(beside.data(), with.data()));
+      moved.push_back(problem.models[0].replay(beside.data(), with.data(), kLeave));
       if (!moved.back().simulated) return out;
     }
     out.band.resize(here.value.size());

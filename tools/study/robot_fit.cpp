@@ -21,7 +21,7 @@ struct FoundNumber {
   /// Of the runs' values.
   double variance() const {
     double sum = 0;
-    for (const auto* e : of_run) sum += std::pow(e->value - mean(), 2);
+    for (const double middle = mean(); const auto* e : of_run) sum += std::pow(e->value - middle, 2);
     return of_run.size() > 1 ? sum / double(of_run.size() - 1) : 0;
   }
 };
