@@ -13,6 +13,7 @@
 #include "landing/body/load.hpp"
 #include "landing/body/places.hpp"
 #include "landing/body/robot_file.hpp"
+#include "landing/body/sensors.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/model/scene_file.hpp"
 
@@ -138,12 +139,12 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
     out.robot_file = (std::filesystem::path(path).parent_path() / *name).string();
     TomlFile other(out.robot_file);
     read_robot_tables(other, &file, law, drives, out);
-    commands = read_command_path(other, out.robot);
+    commands = read_command_path(other, out.robot), (void)read_sensors(other, out.robot);
     pass_over_identified(other);
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
-    commands = read_command_path(file, out.robot);
+    commands = read_command_path(file, out.robot), (void)read_sensors(file, out.robot);
     pass_over_identified(file);
   }
   if (what != For::kDriven) apply(commands, out.robot);

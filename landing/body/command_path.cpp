@@ -13,7 +13,6 @@ struct Key {
   double CommandPath::Joint::*at;
 };
 constexpr Key kKeys[] = {{"torque_gain", &CommandPath::Joint::torque_gain},
-                         {"report_gain", &CommandPath::Joint::report_gain},
                          {"torque_low", &CommandPath::Joint::torque_low},
                          {"torque_high", &CommandPath::Joint::torque_high},
                          {"offset", &CommandPath::Joint::offset}};

@@ -1,10 +1,8 @@
-// What a logged command passes through on its way to a joint's motor, and the motor's torque on its way back into the
-// log. Ours.
+// What a logged command passes through on its way to a joint's motor. What is logged of the torque: sensors.hpp. Ours.
 //
 //     phi_read = phi + offset
 //     asked    = clamp(K_p (phi_ref - phi_read) + K_d (dphi_ref - dphi) + torque_ff, low, high)
 //     motor    = torque_gain asked
-//     reported = report_gain asked
 //
 // A row's command acts `delay` after the time of the row that is `rows` behind it, until the next one does.
 #pragma once
@@ -25,7 +23,6 @@ inline constexpr int kMostCommandRows = 100;
 struct CommandPath {
   struct Joint {
     double torque_gain = 1;                                        ///< > 0
-    double report_gain = 1;                                        ///< > 0
     double torque_low = -std::numeric_limits<double>::infinity();  ///< levels of `asked` [Nm], < 0
     double torque_high = std::numeric_limits<double>::infinity();  ///< > 0
     double offset = 0;  ///< what the encoder reads beyond the joint's angle, its zero's error [rad]

@@ -20,17 +20,21 @@ class DrivenRun {
   using System = BodySystem<kSize>;
   using State = typename System::State;
 
-  DrivenRun(const Robot& robot, const CommandPath& path, const Commands& commands)
+  DrivenRun(const Robot& robot, const CommandPath& path, const Commands& commands, const Sensors* sensors = nullptr)
       : system_(robot, 0),
         path_(path),
         commands_(commands),
         peak_axis_(shifted(system_.body, Arms<double, System::kB>{}, robot.peak_link, Place{1, 0})),
         now_(std::size_t(system_.body.joints)) {
     if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
+    const std::vector<MeasuredColumn> columns = push_columns(robot);
     for (std::size_t i = 0; i < commands.push.size(); ++i) {
       const PushPoint& p = robot.pushes[i];
-      pushed_.push_back({shifted(system_.body, system_.body.origin[std::size_t(p.link)], p.link, p.at), {}, {}});
+      pushed_.push_back({.at = shifted(system_.body, system_.body.origin[std::size_t(p.link)], p.link, p.at)});
+      for (const std::size_t q : {0, 1})
+        if (sensors) pushed_.back().sensor[q] = sensors->of(columns[2 * i + q].name);
     }
+    if (sensors) time_shift_ = sensors->time_shift;
   }
 
   void start(const DrivenStart& from, double t, DrivenRollout* out = nullptr) {
@@ -52,9 +56,13 @@ class DrivenRun {
       if (gap(i) < 0) cross(System::kOfContact * i + System::kSurface, out);
     for (int i = system_.body.stops_begin; i < system_.body.stops_end; ++i)
       if (system_.stop_at(i, system_.pose(y_), y_).y < 0) cross(System::kOfContact * i + System::kSurface, out);
-    row_ = std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), t - path_.delay) - commands_.t.begin());
-    sampled_ = row_ > 0 ? row_ - 1 : 0;
-    sample_row(sampled_++);
+    const auto rows_until = [&](double time) {
+      return std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), time) - commands_.t.begin());
+    };
+    row_ = rows_until(t - path_.delay);
+    asked_ = row_ > 0 ? row_ - 1 : 0;
+    ask(asked_++);
+    push_by(pushed_rows_ = rows_until(t - time_shift_));
     read_row(row_ > 0 ? row_ - 1 : 0);
   }
   /// To `until`, in coarse steps where they follow. What a controller was told and what touched could not be taken
@@ -68,11 +76,11 @@ class DrivenRun {
     const bool may = coarse > fine && !commands_.controller && !pushes();
     out.coarse.push_back(may && moves_on(y_, y_));
     if (out.coarse.back()) {
-      const auto [y, t, row, sampled] = std::tuple(y_, t_, row_, sampled_);
+      const auto [y, t, row, pushed] = std::tuple(y_, t_, row_, pushed_rows_);
       if (walk(until, coarse, Pace::kMovingOn, options, out)) return true;
       out.coarse.back() = false;
-      y_ = y, t_ = t, row_ = row, sampled_ = sampled;
-      sample_row(sampled_ - 1), read_row(row_ > 0 ? row_ - 1 : 0);
+      y_ = y, t_ = t, row_ = row, pushed_rows_ = pushed;
+      push_by(pushed_rows_), read_row(row_ > 0 ? row_ - 1 : 0);
     }
     return walk(until, fine, Pace::kAny, options, out);
   }
@@ -81,7 +89,7 @@ class DrivenRun {
       auto& to = out.joint[std::size_t(system_.body.joint[i].joint)];
       const SeaState<double> s = system_.joint_state(i, y_);
       to[kAngle].push_back(s.phi + of(i).offset), to[kRate].push_back(s.dphi);
-      to[kTorque].push_back(of(i).report_gain * asked(i, s));
+      to[kTorque].push_back(asked(i, s));
     }
     if (system_.body.base != Base::kFree) return;
     const Vec2<double> origin = position(system_.body.first, system_.pose(y_), system_.body.bodies);
@@ -150,18 +158,21 @@ class DrivenRun {
     const long n = long(std::ceil((until - t_) / step - 1e-9));
     while (true) {
       constexpr double kNever = std::numeric_limits<double>::infinity();
-      const double edge = row_ < commands_.t.size() ? commands_.t[row_] + path_.delay : kNever;
-      const bool by_row = commands_.controller || !pushed_.empty();
-      const double asks = by_row && sampled_ < commands_.t.size() ? commands_.t[sampled_] : kNever;
-      const double to = std::min({until, edge, asks});
+      const auto time_of = [&](std::size_t row) { return row < commands_.t.size() ? commands_.t[row] : kNever; };
+      const double edge = time_of(row_) + path_.delay;
+      const double asks = commands_.controller ? time_of(asked_) : kNever;
+      const double forces = pushed_.empty() ? kNever : time_of(pushed_rows_) + time_shift_;
+      const double to = std::min({until, edge, asks, forces});
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
         if (!steps(length / double(n), n, pace, out)) return false;
         t_ = to;
       }
       if (to >= until) break;
-      if (asks <= to)
-        sample_row(sampled_++);
+      if (forces <= to)
+        push_by(++pushed_rows_);
+      else if (asks <= to)
+        ask(asked_++);
       else
         read_row(row_++);
     }
@@ -211,16 +222,18 @@ class DrivenRun {
   };
   const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
 
-  /// What is of a row at its own time.
-  void sample_row(std::size_t row) {
-    ask(row);
-    const bool last = row + 1 >= commands_.t.size();
-    pushed_from_ = commands_.t[row];
+  /// Between the rows before and behind `rows` of them; the first and the last force stays before and after.
+  void push_by(std::size_t rows) {
+    const std::size_t last = commands_.t.size() - 1, row = rows > 0 ? rows - 1 : 0, next = std::min(rows, last);
+    const double span = commands_.t[next] - commands_.t[row];
+    pushed_from_ = commands_.t[row] + time_shift_;
     for (std::size_t i = 0; i < pushed_.size(); ++i)
       for (const std::size_t q : {0, 1}) {
         const std::vector<double>& f = commands_.push[i][q];
-        pushed_[i].force[q] = f.empty() ? 0 : f[row];
-        pushed_[i].rate[q] = f.empty() || last ? 0 : (f[row + 1] - f[row]) / (commands_.t[row + 1] - commands_.t[row]);
+        if (f.empty()) continue;
+        const Sensor& sensor = pushed_[i].sensor[q];
+        pushed_[i].force[q] = sensor.actual(f[row]);
+        pushed_[i].rate[q] = span > 0 ? (f[next] - f[row]) / (sensor.gain * span) : 0;
       }
   }
   /// What the controller asks for by the state now, in the row that is logged now.
@@ -351,15 +364,17 @@ class DrivenRun {
   const Commands& commands_;
   struct Pushed {
     Arms<double, System::kB> at;
-    std::array<double, 2> force, rate;  ///< at pushed_from_ [N], [N/s]
+    std::array<Sensor, 2> sensor = {};
+    std::array<double, 2> force = {}, rate = {};  ///< at pushed_from_ [N], [N/s]
   };
   Arms<double, System::kB> peak_axis_;  ///< a metre along the link of the point that counts
   std::vector<Pushed> pushed_;
-  double pushed_from_ = 0;  ///< [s]
+  double pushed_from_ = 0, time_shift_ = 0;  ///< [s]
   std::vector<Now> now_;
   State y_;
   double t_ = 0;
-  std::size_t row_ = 0, sampled_ = 0;                  ///< whose command is the next; at which the controller is asked
+  /// Of the commands: whose is the next, at which the controller is asked next, and how many push already.
+  std::size_t row_ = 0, asked_ = 0, pushed_rows_ = 0;
   std::vector<std::array<double, kMostJoints>> told_;  ///< by the controller, row by row [Nm]
 };
 
@@ -379,7 +394,7 @@ DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const 
   DrivenRollout out;
   out.joint.resize(robot.joints.size());
   if (options.loads) out.force.resize(robot.contacts.size());
-  DrivenRun<kSize> run(robot, path, commands);
+  DrivenRun<kSize> run(robot, path, commands, options.sensors);
   run.start(start, times.front(), &out);
   for (const double t : times) {
     if (!run.advance(t, options, out)) return out;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "landing/body/robot.hpp"
+#include "landing/body/sensors.hpp"
 
 namespace ukemi::landing {
 
@@ -34,26 +34,11 @@ struct Commands {
   std::vector<std::array<std::vector<double>, 2>> push;
 };
 
-/// What is measured of a driven joint.
-enum Sensed { kAngle, kRate, kTorque, kSensed };
-inline constexpr std::array<const char*, kSensed> kSensedNames = {"phi", "dphi", "torque"};
-inline constexpr std::array<const char*, kSensed> kSensedUnits = {"rad", "rad/s", "Nm"};
-
-/// What is measured of the first link of a free base: its origin, absolute angle and its rate.
-enum BaseSensed { kOriginX, kOriginY, kPitch, kPitchRate, kBaseSensed };
-inline constexpr std::array<const char*, kBaseSensed> kBaseSensedNames = {"x", "y", "theta", "dtheta"};
-inline constexpr std::array<const char*, kBaseSensed> kBaseSensedUnits = {"m", "m", "rad", "rad/s"};
-
-/// What is measured at the point that counts: its acceleration, as landings have it, norm and parts along and across
-/// the floor; and what an accelerometer there reads, the acceleration less gravity along and across its link.
-enum BodySensed { kNorm, kAlong, kAcross, kSpecificAlong, kSpecificAcross, kBodySensed };
-inline constexpr std::array<const char*, kBodySensed> kBodySensedNames = {"acc", "ax", "ay", "sf_along", "sf_across"};
-/// And of each contact, or push: the force on the robot, along and across the floor.
-inline constexpr std::array<const char*, 2> kForceNames = {"_x", "_y"};
-
 /// Angle and rate of a joint, and of the motor behind a spring.
 struct JointStart {
   double phi = 0, dphi = 0, spring = 0;  ///< spring: phi_m - phi, the motor's rate is the joint's
+
+  bool operator==(const JointStart&) const = default;
 };
 
 /// Where a trial starts. A base that is not pinned stands so that the lowest contact is `height` over its surface [m]
@@ -64,6 +49,8 @@ struct DrivenStart {
   double x = 0, forward_speed = 0;         ///< of a free base: its first link's origin [m], [m/s]
   double pitch = 0, pitch_rate = 0;        ///< and its absolute angle [rad], [rad/s]
   std::optional<std::array<double, 2>> y;  ///< [m], [m/s]
+
+  bool operator==(const DrivenStart&) const = default;
 };
 
 /// How far a robot on a rail reaches below its base, along the rail, at each row of joint angles (of Robot::joints)

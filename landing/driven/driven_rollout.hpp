@@ -27,6 +27,7 @@ struct DrivenOptions {
   bool loads = false;     ///< accelerations and forces are sampled too, at a derivative a time
   /// DrivenRollout::coarse of another run at the same times, whose steps are taken; none: as the robot moves.
   const std::vector<bool>* coarse = nullptr;
+  const Sensors* sensors = nullptr;  ///< of the pushes; what is sampled is what is, not what they say; none: exact
 };
 
 /// Steps over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration

@@ -269,7 +269,8 @@ TEST_CASE("calibrate of a robot of links: its floor, in a scene that every verb 
 TEST_CASE("calibrate of a robot of links: a contact's own constants stand in the robot's file") {
   const Folder f;
   f.write("leg.toml", replaced(read(dataset("robots/hopper.toml")), "at = [0.2, 0]\n",
-                               "at = [0.2, 0]\npad = { thickness = 0.005, stiffness = 3000 }\nfriction = 0.5\n"));
+                               "at = [0.2, 0]\npad = { thickness = 0.005, stiffness = 3000 }\nfriction = 0.5\n") +
+                          "\n[identified]\norder = [\"drive.hip.i_motor\"]\ncovariance = [[1e-8]]\n");
   f.write("scene.toml", replaced(read(kHopper), "\"../robots/hopper.toml\"", "\"leg.toml\""));
   const Arguments some = {"--law", "only", "--no-report", "--free", "stiffness,foot.friction,pad_stiffness"};
   (void)run(of_hopper({1}, "scene.toml") + some + kOut, f.at(""));
@@ -280,7 +281,8 @@ TEST_CASE("calibrate of a robot of links: a contact's own constants stand in the
   CHECK_THAT(read(f.at("out/scene.toml")), Contains("robot = \"robot.toml\"") && Contains("friction = 0.8\n"));
   const std::string robot = read(f.at("out/robot.toml"));
   CHECK_THAT(robot, Contains("pad = { thickness = 0.005, stiffness = ") && !Contains("stiffness = 3000 }") &&
-                        !Contains("\nfriction = 0.5\n") && Contains("k_p = 50                              # Nm/rad"));
+                        !Contains("\nfriction = 0.5\n") && !Contains("[identified]") &&
+                        Contains("k_p = 50                              # Nm/rad"));
   done(f, {"simulate", "out/scene.toml", "--no-report", "-o", "sim"});
 }
 

@@ -129,3 +129,38 @@ TEST_CASE("identify --robot: the rig of Eq. 5 is a robot of one link, and its co
   check_refused(f, asked + Arguments{"--errors", "link.arm.mas=1"} + kOut, {"--errors: ", "robot.link.arm.mass"});
   check_refused(f, trials + Arguments{"--rig", kRig, "--errors", "k_p=1"} + kOut, {"--errors: --robot is needed"});
 }
+
+TEST_CASE("identify --robot: sensors of the rig as a robot are those of --rig, and stand in the robot's file") {
+  const Folder f;
+  const Arguments trials = {"identify", dataset("impact/trial_1.csv"), dataset("impact/trial_2.csv")};
+  done(f, trials +
+              Arguments{"--rig", kRig, "--nuisance", "initial_angle,initial_rate,force_bias,time_shift", "-o", "rig"});
+  const Arguments constants = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
+  const std::string sensors = "sensor.push_hit_x.bias,sensor.time_shift";
+  std::string free = sensors;
+  for (const std::string& c : constants) free += ",drive.arm." + c;
+  done(f, trials + Arguments{"--robot", dataset("robots/one_link.toml"), "--columns",
+                             "push_hit_x=force,phi_arm=phi,phi_ref_arm=0", "--free", free, "--per-run", sensors, "-o",
+                             "robot"});
+  const Json rig = summary(f, "rig"), fit = summary(f, "robot")["parameters"];
+  const auto near = [&](const std::string& name, double value) {
+    INFO(name << " " << fit[name].dump() << ", rig " << value);
+    // How the spring is strained at the start is fitted too: it moves by less than what that leaves open.
+    CHECK(std::abs(fit[name]["value"].get<double>() - value) < fit[name]["std"].get<double>());
+  };
+  for (const std::string& c : constants) near("drive.arm." + c, rig["parameters"][c]["value"]);
+  for (std::size_t run : {0, 1}) {
+    const Json &bias = rig["nuisance"]["force_bias"][run], &shift = rig["nuisance"]["time_shift"][run];
+    const std::string at = "@" + std::to_string(run + 1);
+    near("sensor.push_hit_x.bias" + at, -bias["value"].get<double>());  // the rig's is what a log lacks
+    near("sensor.time_shift" + at, shift["value"]);
+    CHECK(fit["sensor.push_hit_x.bias" + at]["std"].get<double>() == Approx(bias["std"].get<double>()).epsilon(0.1));
+  }
+  const std::string file = read(f.at("robot/robot.toml"));
+  CHECK_THAT(file, Contains("\n[sensor.push_hit_x]\nbias = ") && Contains("\n[sensor]\ntime_shift = "));
+  done(f, {"predict", kHeldOut, "--columns", "push_hit_x=force,phi_arm=phi,phi_ref_arm=0", "--robot",
+           "robot/robot.toml", "-o", "predicted"});
+  done(f, {"robot", "robot/robot.toml", "-o", "shown"});
+  f.write("odd.toml", file + "\n[sensor.phi_leg]\ngain = 1\n");
+  check_refused(f, {"robot", "odd.toml", "-o", "odd"}, {"odd.toml:", "phi_leg"});
+}

@@ -85,6 +85,46 @@ TEST_CASE("of commands those that tell most of a robot are logged first, under e
   }
 }
 
+TEST_CASE("of heights that from which a drop tells most is chosen, and its log knows as much", "[driven]") {
+  const test::Folder folder;
+  const DrivenRobot robot = read_driven_robot(UKEMI_DATASETS "/scenes/hopper.toml");
+  std::string held = "t,phi_ref_hip,phi_ref_knee\n";
+  for (int k = 0; k < 300; ++k) held += fmt::format("{},0.6109,-1.2217\n", 0.002 * k);
+  const auto commands = read_robot_trials(folder.write("held.csv", held), robot.scene.robot,
+                                          {.columns = "", .measured = RobotLogOptions::Measured::kNothing});
+  RobotDesignOptions asked;
+  const std::vector<double> heights = {0, 0.02, 0.3};
+  const std::vector<RobotTrial> next = from_heights(robot, commands, heights);
+  asked.fit.terms = design_terms(robot, {}, next), asked.fit.threads = 2;
+  asked.fit.terms.free = {"robot.contact.foot.stiffness", "robot.contact.foot.damping_normal"};
+  asked.noise = {{"phi", 1e-3}}, asked.trials = 1;
+  const RobotDesign d = design_trials(robot, {}, next, asked);
+  REQUIRE(d.candidates.size() == heights.size());
+  CHECK(d.candidates[2].rank == 1);
+  CHECK(d.candidates[2].file.ends_with("held.csv from 0.3 m"));
+  CHECK(d.candidates[0].alone > d.candidates[1].alone);
+  CHECK(d.candidates[1].alone > d.candidates[2].alone);
+
+  RobotTrial dropped = planned_trial(robot, next[2], d.noise);
+  const std::vector<RobotTrial> still{dropped};
+  const FollowedDrop fall = RobotTrials(robot, still, asked.fit).follow(0, {}, dropped.log.t, {});
+  REQUIRE(fall.complete);
+  Random random(kSeed, 5);
+  for (std::size_t o = 0; o < dropped.log.output.size(); ++o)
+    for (std::size_t k = 0; k < dropped.log.output[o].size(); ++k)
+      dropped.log.output[o][k] = fall.value[o][k] + 1e-3 * random.normal();
+  const RobotFit fit = fit_robot(robot, {dropped}, asked.fit);
+  REQUIRE(fit.converged);
+  for (std::size_t i = 0; i < d.constants.size(); ++i) {
+    const auto& e = *fit.globals()[i];
+    CHECK(d.after[long(i)] == Approx(1.96 * *e.std_noise / e.value).epsilon(0.15));
+    CHECK(std::abs(e.value - d.value[long(i)]) < 4 * *e.std);
+  }
+  CHECK_THROWS_WITH(from_heights(robot, commands, {-0.1}), Contains("--heights: -0.1 m"));
+  const Question pinned(0);
+  CHECK_THROWS_WITH(from_heights(pinned.robot, commands, {0.1}), Contains("pinned"));
+}
+
 TEST_CASE("a design of a robot that cannot be is refused", "[driven]") {
   Question q(0);
   CHECK_THROWS_WITH(q.design(), Contains("--next: at least one"));

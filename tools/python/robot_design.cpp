@@ -62,22 +62,24 @@ void bind_robot_design(py::module_& m) {
       "design_robot",
       [](const DrivenRobot& robot, const std::vector<RobotTrial>& candidates, const std::vector<std::string>& free,
          const std::vector<RobotTrial>& trials, const std::map<std::string, double>& noise, int count,
-         const std::string& criterion, int threads) {
+         const std::string& criterion, int threads, const std::vector<double>& heights) {
+        const std::vector<RobotTrial> next = tools::from_heights(robot, candidates, heights);
         tools::RobotDesignOptions o{
             .criterion = tools::choice("criterion", criterion, tools::criteria()), .trials = count, .noise = noise};
-        o.fit.terms = tools::design_terms(robot, trials, candidates);
+        o.fit.terms = tools::design_terms(robot, trials, next);
         const std::vector<std::string> starts = o.fit.terms.nuisance;
         o.fit.terms = choose(std::move(o.fit.terms), free, starts, {}, {}, {});
         o.fit.threads = threads;
         const py::gil_scoped_release release;
-        return tools::design_trials(robot, trials, candidates, o);
+        return tools::design_trials(robot, trials, next, o);
       },
       py::arg("robot"), py::arg("candidates"), py::arg("free"), py::arg("trials") = std::vector<RobotTrial>{},
       py::arg("noise") = std::map<std::string, double>{}, py::arg("count") = 2, py::arg("criterion") = "worst",
-      py::arg("threads") = 0,
+      py::arg("threads") = 0, py::arg("heights") = std::vector<double>{},
       "Which of some commands to log next, as `ukemi design --robot`. candidates: logs read with commands=True; free: "
       "the constants that are to be known; trials: in hand; noise: standard deviations of channels, as {\"phi\": 1e-3} "
-      "[their SI units]; count: how many are chosen; criterion: worst, d or e.");
+      "[their SI units]; count: how many are chosen; criterion: worst, d or e; heights: each candidate "
+      "from each of them, of the lowest contact over the floor [m].");
 }
 
 }  // namespace ukemi::python

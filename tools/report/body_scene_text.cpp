@@ -142,17 +142,20 @@ std::map<std::string, std::string> scene_files(const std::string& path, const Bo
   std::map<std::string, std::string> out;
   TomlEdit file(path);
   file.remove_table("uncertainty"), file.remove_table("verdict");
+  const std::string before = file.text();
   write_floor(scene.robot, scene.source, file);
+  bool changed = file.text() != before;
   const char* pitch = file.has({"drop"}, "pitch") ? "pitch" : "pitch_deg";
   const double unit = pitch == std::string("pitch") ? 1 : kDegrees;
   file.set({"drop"}, pitch, scene.drop.pitch * unit);
   move_drives(scene.robot, path, folder, file);
-  bool changed = false;
   const bool apart = !scene.robot_file.empty();
+  changed = changed && !apart;
   TomlEdit other = apart ? TomlEdit(scene.robot_file) : file;
   const std::string given = drive_tables(scene, drives, file, other, folder);
   for (std::size_t i = 0; i < scene.robot.contacts.size(); ++i)
     changed = write_contact(scene.robot, i, other) || changed;
+  if (changed) other.remove_table("identified");  // of other constants
   CsvWriter head;
   head.comment(comments);
   if (!apart) {

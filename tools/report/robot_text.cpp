@@ -67,14 +67,14 @@ void set_stop(TomlEdit& file, const Robot& robot, const std::string& name, const
                fmt::format("[{}, {}]", shortest(stop->ends[0] / unit), shortest(stop->ends[1] / unit)));
 }
 
-/// [command] and its tables, which need not be there yet.
-void set_command(TomlEdit& file, const std::vector<std::string>& parts, double value, std::string& appended) {
+/// [command], [sensor] and their tables, which need not be there yet.
+void set_beside(TomlEdit& file, const std::vector<std::string>& parts, double value, std::string& appended) {
   const bool shared = parts.size() == 2;
-  const Path table = shared ? Path{"command"} : Path{"command", parts[1]};
-  const std::string& key = parts.back();
-  const bool there = shared ? file.has({}, "command") : file.has({}, "command") && file.has({"command"}, parts[1]);
+  const std::string &kind = parts[0], &key = parts.back();
+  const Path table = shared ? Path{kind} : Path{kind, parts[1]};
+  const bool there = file.has({}, kind) && (shared || file.has({kind}, parts[1]));
   if (there) return file.set(table, key, value);
-  const std::string head = fmt::format("\n[{}]\n", shared ? "command" : "command." + parts[1]);
+  const std::string head = fmt::format("\n[{}]\n", shared ? kind : kind + "." + parts[1]);
   if (appended.find(head) == std::string::npos) appended += head;
   appended.insert(appended.find(head) + head.size(), fmt::format("{} = {}\n", key, shortest(value)));
 }
@@ -99,8 +99,8 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
   std::string appended;
   for (const auto& [name, value] : values) {
     const std::vector<std::string> parts = parts_of(name);
-    if (parts[0] == "command")
-      set_command(file, parts, value, appended);
+    if (parts[0] == "command" || parts[0] == "sensor")
+      set_beside(file, parts, value, appended);
     else if (parts[0] == "drive")
       set_drive(file, parts[1], parts[2], value);
     else if (parts[0] == "stop")

@@ -113,6 +113,23 @@ identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<Rob
   return robot_terms(robot, in_hand);
 }
 
+std::vector<RobotTrial> from_heights(const DrivenRobot& robot, const std::vector<RobotTrial>& candidates,
+                                     const std::vector<double>& heights) {
+  if (heights.empty()) return candidates;
+  if (robot.scene.robot.base == Base::kPinned)
+    throw InputError("--heights: the base is pinned: one that is free or on a rail is needed");
+  std::vector<RobotTrial> out;
+  for (const RobotTrial& c : candidates)
+    for (const double height : heights) {
+      if (!(height >= 0) || std::isinf(height))
+        throw InputError(fmt::format("--heights: {:g} m: at least 0 is needed", height));
+      out.push_back(c);
+      out.back().height = height;
+      out.back().log.file += fmt::format(" from {:g} m", height);
+    }
+  return out;
+}
+
 RobotTrial planned_trial(const DrivenRobot& robot, const RobotTrial& commands, const std::vector<double>& noise) {
   RobotTrial out = commands;
   const Robot& r = robot.scene.robot;

@@ -55,6 +55,11 @@ struct RobotDesign {
 identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<RobotTrial> in_hand,
                                        const std::vector<RobotTrial>& candidates);
 
+/// Each candidate from each height of its lowest contact over the floor [m], at rest, as its name says; without heights
+/// as they are. Throws InputError where one is below 0 or the base is pinned.
+std::vector<RobotTrial> from_heights(const DrivenRobot& robot, const std::vector<RobotTrial>& candidates,
+                                     const std::vector<double>& heights);
+
 /// A log that holds commands and what is measured before them as the trial that they will be: every channel with a
 /// noise has a place in every row, and it starts at rest where its first row says, an angle that is not measured at its
 /// command. Throws InputError where nothing says it.

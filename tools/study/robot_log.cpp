@@ -19,25 +19,12 @@ namespace {
 constexpr Quantity kToldQuantity[kTold] = {Quantity::kAngle,   Quantity::kRate,    Quantity::kTorque,
                                            Quantity::kCommand, Quantity::kCommand, Quantity::kCommand};
 
-/// What is not of a joint.
-std::vector<DropChannel> body_channels_of(const Robot& robot) {
-  std::vector<DropChannel> out;
-  for (std::size_t q = 0; q < kBaseSensed && robot.base == Base::kFree; ++q)
-    out.push_back({std::string(kBaseSensedNames[q]) + "_" + robot.links[0].name, kBaseSensedUnits[q]});
-  for (const char* name : kBodySensedNames) out.push_back({name, "m/s^2", true});
-  for (const ContactPoint& c : robot.contacts)
-    for (const char* part : kForceNames) out.push_back({"f_" + c.name + part, "N", true});
-  return out;
-}
-
 Quantity quantity_of(const std::string& unit) {
   static const std::map<std::string, Quantity> of = {{"m", Quantity::kLength},           {"rad", Quantity::kAngle},
                                                      {"rad/s", Quantity::kRate},         {"Nm", Quantity::kTorque},
                                                      {"m/s^2", Quantity::kAcceleration}, {"N", Quantity::kForce}};
   return of.at(unit);
 }
-
-std::string push_column(const PushPoint& p, const char* part) { return "push_" + p.name + part; }
 
 std::vector<identify::Column> known_columns(const Robot& robot) {
   std::vector<identify::Column> out = {{"t", Quantity::kTime}};
@@ -49,9 +36,10 @@ std::vector<identify::Column> known_columns(const Robot& robot) {
     for (int q = 0; j.driven() && q < kTold; ++q)
       out.push_back({std::string(kToldNames[std::size_t(q)]) + "_" + j.name, kToldQuantity[q]});
   }
-  for (const DropChannel& c : body_channels_of(robot)) out.push_back({c.name, quantity_of(c.unit)});
-  for (const PushPoint& p : robot.pushes)
-    for (const char* part : kForceNames) out.push_back({push_column(p, part), Quantity::kForce});
+  const std::vector<MeasuredColumn> measured = measured_columns(robot);
+  for (std::size_t o = base_channel(robot); o < measured.size(); ++o)
+    out.push_back({measured[o].name, quantity_of(measured[o].unit)});
+  for (const MeasuredColumn& c : push_columns(robot)) out.push_back({c.name, Quantity::kForce});
   return out;
 }
 
@@ -175,10 +163,10 @@ std::vector<std::size_t> cuts(const std::vector<double>& t, double length, const
 
 std::vector<DropChannel> sensed_channels(const Robot& robot) {
   std::vector<DropChannel> out;
-  for (const Joint& j : robot.joints)
-    for (std::size_t q = 0; q < kSensed; ++q)
-      out.push_back({std::string(kSensedNames[q]) + "_" + j.name, kSensedUnits[q]});
-  for (DropChannel& c : body_channels_of(robot)) out.push_back(std::move(c));
+  for (const MeasuredColumn& c : measured_columns(robot)) {
+    const bool jumps = c.unit == "m/s^2" || c.unit == "N";
+    out.push_back({c.name, c.unit, jumps});
+  }
   return out;
 }
 
@@ -205,13 +193,13 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
       commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
   }
   for (std::size_t o = base_channel(robot); o < channels.size(); ++o) measured[o] = log.get(channels[o].name);
-  for (const PushPoint& p : robot.pushes) {
+  const std::vector<MeasuredColumn> pushed = push_columns(robot);
+  for (std::size_t c = 0; c < pushed.size(); c += 2) {
     auto& force = commands->push.emplace_back();
-    for (std::size_t q = 0; q < 2; ++q) force[q] = log.command(push_column(p, kForceNames[q]));
+    for (std::size_t q = 0; q < 2; ++q) force[q] = log.command(pushed[c + q].name);
     if (force[0].empty() && force[1].empty())
-      throw InputError({path, log.table().header_line},
-                       fmt::format("no column '{}' or '{}': the robot has this push", push_column(p, kForceNames[0]),
-                                   push_column(p, kForceNames[1])));
+      throw InputError({path, log.table().header_line}, fmt::format("no column '{}' or '{}': the robot has this push",
+                                                                    pushed[c].name, pushed[c + 1].name));
   }
   const bool hops = options.cuts == RobotLogOptions::Cuts::kHops;
   if (hops && robot.base != Base::kRail)

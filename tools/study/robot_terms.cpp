@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "identify/fit/rig_terms.hpp"
 #include "landing/body/places.hpp"
@@ -28,7 +29,9 @@ struct Kind {
 constexpr const char* kGeared[] = {"i_motor",   "friction",       "viscous_friction", "friction_asymmetry",
                                    "breakaway", "stribeck_speed", "spring_loss"};
 constexpr const char *kProportional[] = {"k_p"}, *kDerivative[] = {"k_d"};
-constexpr const char* kElastic[] = {"k_sea", "c_sea", "k_sea_cubic", "output_friction", "output_viscous"};
+constexpr const char *kElastic[] = {"k_sea",           "c_sea",          "k_sea_cubic",
+                                    "output_friction", "output_viscous", "output_friction_asymmetry"},
+                     *kLimited[] = {"tau_max"};
 constexpr Kind kPassive[] = {{"stiffness", "Nm/rad", "stiffness of the joint", 0, kInfinity, 1},
                              {"damping", "Nm/(rad/s)", "damping of the joint", 0, kInfinity, 0.01},
                              {"rest_deg", "deg", "where its spring rests", -180, 180, 5, 10}};
@@ -38,7 +41,6 @@ constexpr Kind kBesideRest[] = {{"parallel_rest_deg", "deg", "where that spring 
 constexpr Kind kOfCommand[] = {
     {"torque_gain", "1", "the motor's torque over what is asked", 1e-3, kInfinity, 1},
     {"offset", "rad", "what the encoder reads beyond the angle", -kInfinity, kInfinity, 0.01, 0.1}};
-constexpr Kind kReport[] = {{"report_gain", "1", "the reported torque over what is asked", 1e-3, kInfinity, 1}};
 constexpr Kind kLevels[] = {{"torque_low", "Nm", "least torque that is asked", -kInfinity, 0, 1},
                             {"torque_high", "Nm", "largest torque that is asked", 0, kInfinity, 1}};
 
@@ -155,15 +157,33 @@ class TableOf {
 bool has_column(const std::vector<RobotTrial>& trials, std::size_t joint, CommandColumn what) {
   return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.commands->joint[joint][what].empty(); });
 }
-bool sensed(const std::vector<RobotTrial>& trials, std::size_t joint, Sensed what) {
-  return std::any_of(trials.begin(), trials.end(),
-                     [&](auto& t) { return !t.log.output[joint_channel(joint) + what].empty(); });
-}
 
 /// Whether the place of a free base along the floor is measured: nothing else tells it.
 bool sees_place(const Robot& robot, const std::vector<RobotTrial>& trials) {
   const std::size_t x = base_channel(robot) + kOriginX;
   return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.log.output[x].empty(); });
+}
+
+void add_sensors(TableOf& table, const Robot& robot, const std::vector<RobotTrial>& trials) {
+  // Of a bias, by its column's unit.
+  static const std::map<std::string, double> sizes = {{"rad", 0.01}, {"rad/s", 0.1}, {"Nm", 0.1},
+                                                      {"m", 0.01},   {"N", 1},       {"m/s^2", 0.1}};
+  const auto add = [&](const MeasuredColumn& c) {
+    const std::string to = "sensor." + c.name + ".";
+    const double size = sizes.at(c.unit);
+    table.add(to, {"gain", "1", "what the log says over what is", 0.01, 100, 1});
+    table.add(to,
+              {"bias", c.unit.c_str(), "what the log says where nothing is", -kInfinity, kInfinity, size, 10 * size});
+  };
+  const auto any = [&](auto&& has) { return std::any_of(trials.begin(), trials.end(), has); };
+  const std::vector<MeasuredColumn> measured = measured_columns(robot), pushed = push_columns(robot);
+  for (std::size_t c = 0; c < measured.size(); ++c)
+    if (any([&](const RobotTrial& t) { return !t.log.output[c].empty(); })) add(measured[c]);
+  for (std::size_t c = 0; c < pushed.size(); ++c)
+    if (any([&](const RobotTrial& t) { return !t.commands->push[c / 2][c % 2].empty(); })) add(pushed[c]);
+  if (!pushed.empty())
+    table.add("sensor.", {"time_shift", "s", "by which the pushes came later than logged", -kMostTimeShift,
+                          kMostTimeShift, 1e-3, 1e-2});
 }
 
 void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const std::vector<RobotTrial>& trials) {
@@ -176,7 +196,7 @@ void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const st
     if ((refers || has_column(trials, i, kDphiRef)) && !has_column(trials, i, kKd)) table.add(drive, kDerivative);
     table.add(drive, kGeared), table.add(command, kOfCommand);
     if (j.kind == DriveKind::kElastic) table.add(drive, kElastic);
-    if (sensed(trials, i, kTorque)) table.add(command, kReport);
+    if (j.kind == DriveKind::kElastic && std::isfinite(j.sea.tau_max)) table.add(drive, kLimited);
     if (std::isfinite(robot.path.joints[i].torque_high)) table.add(command, kLevels[1]);
     if (std::isfinite(robot.path.joints[i].torque_low)) table.add(command, kLevels[0]);
   }
@@ -201,6 +221,7 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
   }
   table.add("robot.", {"gravity", "m/s^2", "gravity", 0, kInfinity, 9.81});
   table.add("command.", {"delay", "s", "from a row to its command's effect", 0, kMostCommandDelay, 1e-3});
+  add_sensors(table, r, trials);
   identify::Terms<DropTerm> out;
   for (const Joint& j : r.joints)
     if (j.kind != DriveKind::kLocked) table.add_start(j);

@@ -18,7 +18,7 @@ using namespace landing;
 
 namespace {
 
-const std::string kCommand = "command.", kStart = "start.";
+const std::string kCommand = "command.", kSensor = "sensor.", kStart = "start.";
 
 bool begins(const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; }
 
@@ -70,6 +70,44 @@ DrivenStart start_of(const DropLog& log, const Robot& robot) {
   out.x = x, out.forward_speed = forward_speed, out.pitch = pitch, out.pitch_rate = pitch_rate;
   if (!base[kOriginY].empty()) out.y = start_of(log.t, base[kOriginY]);
   return out;
+}
+
+/// The start that the log's first rows say, by how its sensors read.
+DrivenStart read_by(const Sensors& sensors, const Robot& robot, const DropLog& log, DrivenStart s) {
+  if (sensors.column.empty()) return s;
+  const std::vector<MeasuredColumn> columns = measured_columns(robot);
+  const auto set = [&](std::size_t at, std::size_t rate_at, double& x, double& rate) {
+    const Sensor of = sensors.of(columns[at].name);
+    x = of.actual(x);
+    // A rate that is not measured is that of the line.
+    rate =
+        rate_at != at && !log.output[rate_at].empty() ? sensors.of(columns[rate_at].name).actual(rate) : rate / of.gain;
+  };
+  for (std::size_t i = 0; i < s.joint.size(); ++i)
+    set(joint_channel(i) + kAngle, joint_channel(i) + kRate, s.joint[i].phi, s.joint[i].dphi);
+  if (robot.base != Base::kFree) return s;
+  const std::size_t base = base_channel(robot);
+  set(base + kOriginX, base + kOriginX, s.x, s.forward_speed);
+  set(base + kPitch, base + kPitchRate, s.pitch, s.pitch_rate);
+  if (s.y) set(base + kOriginY, base + kOriginY, (*s.y)[0], (*s.y)[1]);
+  return s;
+}
+
+/// A number of what is not the scene's; null: it is the scene's. Throws InputError where there is none.
+double* number_beside(DrivenRobot& robot, const std::string& name) {
+  const bool command = begins(name, kCommand);
+  if (!command && !begins(name, kSensor)) return nullptr;
+  const Robot& of = robot.scene.robot;
+  double* const out = command ? command_number(robot.path, of, name.substr(kCommand.size()))
+                              : sensor_number(robot.sensors, of, name.substr(kSensor.size()));
+  if (!out) throw InputError(name + ": the robot has no such number");
+  return out;
+}
+
+/// Whether nothing but what is sampled depends on the sensor of a channel: no start is taken from it.
+bool only_reads(const Robot& robot, std::size_t channel) {
+  const std::size_t base = base_channel(robot);
+  return channel < base ? channel % kSensed == kTorque : channel >= acceleration_channel(robot);
 }
 
 /// Sum over the channels of the square of what is left, as far as was followed, in parts of what is measured.
@@ -129,6 +167,7 @@ DrivenRobot read_driven_robot(const std::string& path) {
   } catch (const InputError& e) {
     throw InputError(Location{path}, e.what());
   }
+  out.sensors = read_sensors(file, out.scene.robot);
   if (auto s = file.optional("identified")) out.known = read_identified(*s, out);
   return out;
 }
@@ -147,15 +186,16 @@ std::vector<std::string> runs_of(const std::vector<RobotTrial>& trials) {
 }
 
 double number_of(const DrivenRobot& robot, const std::string& name) {
-  if (!begins(name, kCommand)) return design_number(robot.scene, name);
-  CommandPath path = robot.path;
-  return *command_number(path, robot.scene.robot, name.substr(kCommand.size()));
+  DrivenRobot copy{.scene = {}, .path = robot.path, .sensors = robot.sensors};
+  copy.scene.robot = robot.scene.robot;
+  const double* const beside = number_beside(copy, name);
+  return beside ? *beside : design_number(robot.scene, name);
 }
 
 void set_in(DrivenRobot& robot, const DropTerm& term, double value) {
   for (const std::string& name : term.moves)
-    if (begins(name, kCommand))
-      *command_number(robot.path, robot.scene.robot, name.substr(kCommand.size())) = value;
+    if (double* const beside = number_beside(robot, name))
+      *beside = value;
     else
       set_design_number(robot.scene, name, value);
 }
@@ -170,9 +210,13 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
   }
   for (const DropTerm& t : *options.terms.table)
     for (const std::string& name : t.moves)
-      if (!begins(name, kCommand) && !begins(name, kStart)) setters_[name] = design_setter(robot.scene, name);
+      if (!begins(name, kCommand) && !begins(name, kSensor) && !begins(name, kStart))
+        setters_[name] = design_setter(robot.scene, name);
   for (std::size_t m = 0; m < trials.size() && robot.scene.robot.base != Base::kPinned; ++m)
-    if (!start_[m].y) guess_height(m);
+    if (trials[m].height)
+      start_[m].height = *trials[m].height;
+    else if (!start_[m].y)
+      guess_height(m);
 }
 
 /// Of a robot whose height is not logged: on the floor, or where that leaves far more, the height that fits best
@@ -187,7 +231,7 @@ void RobotTrials::guess_height(std::size_t m) {
   for (int k = 0; k <= kHeights; ++k) {
     const double height = k == 0 ? 0 : kLowest * std::pow(kHighest / kLowest, double(k - 1) / (kHeights - 1));
     start_[m].height = height;
-    const FollowedDrop d = roll(m, {}, first);
+    const FollowedDrop d = follow(m, {}, first, {});
     const double off = d.complete ? misfit(trials_[m].log, d) : std::numeric_limits<double>::infinity();
     if (off < least) least = off, best = height;
     if (k == 0) least = kMuchBetter * off;
@@ -212,15 +256,21 @@ std::vector<double> RobotTrials::parts() const {
 double RobotTrials::value(const DropTerm& constant) const { return number_of(robot_, constant.moves.front()); }
 
 std::optional<RobotTrials::Posed> RobotTrials::pose(std::size_t m, const Settings& settings) const {
-  Posed out{robot_, start_[m]};
-  for (const auto& [term, value] : settings)
-    for (const std::string& name : has(m, *term) ? term->moves : std::vector<std::string>{})
-      if (begins(name, kStart))
-        number_in(out.start, robot_.scene.robot, name) += value;
-      else if (begins(name, kCommand))
-        *command_number(out.robot.path, robot_.scene.robot, name.substr(kCommand.size())) = value;
-      else
-        setters_.at(name)(out.robot.scene, value);
+  Posed out{robot_, {}};
+  const auto for_each = [&](bool of_start, auto&& f) {
+    for (const auto& [term, value] : settings)
+      for (const std::string& name : has(m, *term) ? term->moves : std::vector<std::string>{})
+        if (begins(name, kStart) == of_start) f(name, value);
+  };
+  for_each(false, [&](const std::string& name, double value) {
+    if (double* const beside = number_beside(out.robot, name))
+      *beside = value;
+    else
+      setters_.at(name)(out.robot.scene, value);
+  });
+  out.start = read_by(out.robot.sensors, robot_.scene.robot, trials_[m].log, start_[m]);
+  for_each(true,
+           [&](const std::string& name, double value) { number_in(out.start, robot_.scene.robot, name) += value; });
   try {
     out.robot.scene.robot.validate();
   } catch (const InputError&) {
@@ -230,26 +280,25 @@ std::optional<RobotTrials::Posed> RobotTrials::pose(std::size_t m, const Setting
   return out;
 }
 
-FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const std::vector<double>& times,
+FollowedDrop RobotTrials::roll(std::size_t m, const Posed& posed, const std::vector<double>& times,
                                const DrivenOptions& asked) const {
   FollowedDrop out;
-  const std::optional<Posed> posed = pose(m, settings);
-  if (!posed) return out;
+  const Robot& robot = posed.robot.scene.robot;
   std::vector<double> clock = times;
   for (double& t : clock) t += trials_[m].origin;
   DrivenOptions options = options_.roll;
   if (asked.coarse) options.steps = asked.steps, options.coarse = asked.coarse;
   const auto& measured = trials_[m].log.output;
-  const auto loads = measured.begin() + long(acceleration_channel(robot_.scene.robot));
+  const auto loads = measured.begin() + long(acceleration_channel(robot));
   options.loads = asked.loads || std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
-  DrivenRollout rolled =
-      roll_driven(posed->robot.scene.robot, posed->robot.path, *trials_[m].commands, posed->start, clock, options);
+  options.sensors = &posed.robot.sensors;
+  DrivenRollout rolled = roll_driven(robot, posed.robot.path, *trials_[m].commands, posed.start, clock, options);
   out.complete = rolled.complete, out.steps = rolled.steps, out.changes = std::move(rolled.changes);
   out.coarse = std::move(rolled.coarse);
   for (ContactChange& c : out.changes) c.t -= trials_[m].origin, out.jumps.push_back(c.t);
   for (auto& joint : rolled.joint)
     for (auto& values : joint) out.value.push_back(std::move(values));
-  if (posed->robot.scene.robot.base == Base::kFree)
+  if (robot.base == Base::kFree)
     for (auto& values : rolled.base) out.value.push_back(std::move(values));
   for (auto& values : rolled.acceleration) out.value.push_back(std::move(values));
   for (auto& contact : rolled.force)
@@ -258,9 +307,29 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Settings& settings, const st
   return out;
 }
 
+FollowedDrop RobotTrials::logged(FollowedDrop actual, const Sensors& sensors) const {
+  for (const auto& [name, sensor] : sensors.column)
+    if (const std::optional<std::size_t> c = channel(name))
+      for (double& x : actual.value[*c]) x = sensor.logged(x);
+  return actual;
+}
+
+std::optional<std::size_t> RobotTrials::channel(const std::string& name) const {
+  const auto found = std::find_if(channels_.begin(), channels_.end(), [&](auto& c) { return c.name == name; });
+  if (found == channels_.end()) return std::nullopt;
+  return std::size_t(found - channels_.begin());
+}
+
+std::optional<std::size_t> RobotTrials::sensed_by(const DropTerm& term) const {
+  if (term.moves.size() != 1 || !begins(term.moves[0], kSensor)) return std::nullopt;
+  const std::string name = term.moves[0].substr(kSensor.size());
+  return channel(name.substr(0, name.rfind('.')));
+}
+
 FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const std::vector<double>& times,
                                  const SimulateOptions&) const {
-  return roll(m, settings, times);
+  const std::optional<Posed> posed = pose(m, settings);
+  return posed ? logged(roll(m, *posed, times), posed->robot.sensors) : FollowedDrop{};
 }
 
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
@@ -276,7 +345,16 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
   return differentiate_by_differences(
       settings, difference, options_.threads,
       [&](const Settings& beside, const DropTerm& term, double) {
-        return has(m, term) ? roll(m, beside, times, {.steps = steps, .coarse = &coarse}) : followed;
+        const std::optional<Posed> there = has(m, term) ? pose(m, beside) : here;
+        if (!has(m, term) || !there) return there ? followed : FollowedDrop{};
+        if (const auto c = sensed_by(term); c && only_reads(robot_.scene.robot, *c)) {
+          FollowedDrop out = followed;
+          const std::string& name = channels_[*c].name;
+          const Sensor before = here->robot.sensors.of(name), after = there->robot.sensors.of(name);
+          for (double& x : out.value[*c]) x = after.logged(before.actual(x));
+          return out;
+        }
+        return logged(roll(m, *there, times, {.steps = steps, .coarse = &coarse}), there->robot.sensors);
       },
       followed);
 }
@@ -285,7 +363,8 @@ double RobotTrials::peak(std::size_t m, const Settings& settings, double until, 
   constexpr double kSample = 2e-4;  // [s]
   std::vector<double> times;
   for (long k = 0; double(k) * kSample <= until; ++k) times.push_back(double(k) * kSample);
-  const FollowedDrop d = roll(m, settings, times, {.loads = true});
+  const std::optional<Posed> posed = pose(m, settings);
+  const FollowedDrop d = posed ? roll(m, *posed, times, {.loads = true}) : FollowedDrop{};
   if (!d.complete) return std::numeric_limits<double>::quiet_NaN();
   const std::vector<double>& norm = d.value[acceleration_channel(robot_.scene.robot)];
   return *std::max_element(norm.begin(), norm.end());

@@ -18,10 +18,11 @@
 
 namespace ukemi::tools {
 
-/// A robot and what its commands pass through.
+/// A robot, what its commands pass through and how its sensors read.
 struct DrivenRobot {
   landing::BodyScene scene;
   landing::CommandPath path;
+  landing::Sensors sensors = {};
   std::optional<Identified> known = {};  ///< by the names of terms: [identified] of the file, which a fit writes
 };
 /// Of a file of a robot, or of a scene that has one. Throws InputError with file:line:column, and where trials have no
@@ -33,14 +34,14 @@ struct RobotTrial {
   landing::DropLog log;  ///< of sensed_channels; t counts from the first row
   double origin = 0;     ///< what the log's clock read there [s]
   std::string run;       ///< the file that it is of
+  /// At its first row, of the lowest contact over its surface [m]; none: where its log fits best.
+  std::optional<double> height = {};
   std::shared_ptr<const landing::Commands> commands;
 };
 std::vector<const landing::DropLog*> logs_of(const std::vector<RobotTrial>& trials);
 /// The files that they are of, each once, in their order.
 std::vector<std::string> runs_of(const std::vector<RobotTrial>& trials);
-/// phi_JOINT, dphi_JOINT and torque_JOINT of every joint, torque of driven ones alone; of a free base x_LINK, y_LINK,
-/// theta_LINK and dtheta_LINK of the first link; then acc, ax, ay, sf_along, sf_across, and f_CONTACT_x, f_CONTACT_y of
-/// every contact.
+/// The measured_columns of a robot.
 std::vector<landing::DropChannel> sensed_channels(const landing::Robot& robot);
 /// Where those of a joint begin among them, of the first link (behind the last joint), and acc.
 constexpr std::size_t joint_channel(std::size_t joint) { return landing::kSensed * joint; }
@@ -70,7 +71,8 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing
                                           const RobotLogOptions& options);
 
 /// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
-/// robot.gravity, command.delay, command.JOINT.KEY; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
+/// robot.gravity, command.delay, command.JOINT.KEY, sensor.COLUMN.gain and sensor.COLUMN.bias of what is logged,
+/// sensor.time_shift of pushes; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
 /// start.JOINT.spring, added to what the log says, and of a base that is not pinned those of DrivenStart: start.height
 /// and start.speed; of a free one start.pitch, start.pitch_rate, start.forward_speed and start.x too.
 /// Chosen: no constant, every start. A centre of mass stays within its link, an inertia below that of all its mass at
@@ -90,7 +92,7 @@ struct RobotFitOptions : CalibrationOptions {
 void give_each_run(const std::vector<std::string>& names, const std::vector<RobotTrial>& trials,
                    RobotFitOptions& options);
 
-/// A number of it by the name of its term.
+/// A number of it by the name of its term. Throws InputError where there is none.
 double number_of(const DrivenRobot& robot, const std::string& name);
 /// The robot with terms at their values.
 void set_in(DrivenRobot& robot, const DropTerm& term, double value);
@@ -123,8 +125,13 @@ class RobotTrials : public DropSimulator {
   void guess_height(std::size_t m);
   bool has(std::size_t m, const DropTerm& term) const { return term.run < 0 || term.run == run_[m]; }
   std::optional<Posed> pose(std::size_t m, const Settings& settings) const;
-  FollowedDrop roll(std::size_t m, const Settings& settings, const std::vector<double>& times,
+  /// As it is; `logged`: as the sensors say.
+  FollowedDrop roll(std::size_t m, const Posed& posed, const std::vector<double>& times,
                     const landing::DrivenOptions& asked = {}) const;
+  FollowedDrop logged(FollowedDrop actual, const landing::Sensors& sensors) const;
+  /// Of its name, if it is one; and whose sensor a term is.
+  std::optional<std::size_t> channel(const std::string& name) const;
+  std::optional<std::size_t> sensed_by(const DropTerm& term) const;
 
   const DrivenRobot& robot_;
   const std::vector<RobotTrial>& trials_;

@@ -35,7 +35,8 @@ int run_design(const DesignArguments& a, const CommonOptions& common) {
   if (!a.robot.empty()) return design_robot(a, common);
   if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
   if (a.actuator.empty()) throw InputError("--actuator is required");
-  for (const auto& [given, option] : {std::pair(!a.next.empty(), "--next"), {!a.free.empty(), "--free"}})
+  for (const auto& [given, option] :
+       {std::pair(!a.next.empty(), "--next"), {!a.free.empty(), "--free"}, {!a.heights.empty(), "--heights"}})
     if (given) throw InputError(std::string(option) + ": --robot is needed with it");
   check_no_pieces(a.pieces, a.tie);
   Run run(kDesignOutputs, common);
@@ -60,6 +61,9 @@ void add_design(CLI::App* verb, Action& chosen) {
                    "of a robot of links, in place of both: robot file (TOML), as it was fitted");
   verb->add_option("--next", args->next,
                    "with --robot: logs of commands that could be played next (CSV, angles not needed)");
+  verb->add_option("--heights", args->heights,
+                   "with --robot: each of --next from each of these heights of its lowest contact over the floor, "
+                   "LIST [m] [on the floor]");
   verb->add_option("--free", args->free, "with --robot: the constants that are to be known");
   add_pieces(*verb, args->pieces, args->tie);
   verb->add_option("--peak", args->budget.peak, "largest force of a hit [N] [300]");

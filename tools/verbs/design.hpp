@@ -12,7 +12,7 @@ namespace ukemi::tools {
 
 struct DesignArguments {
   std::vector<std::string> trials, next;  ///< in hand; of a robot, logs of commands to choose from
-  std::string rig, actuator, robot, pieces, free;
+  std::string rig, actuator, robot, pieces, free, heights;
   identify::Criterion criterion = identify::Criterion::kWorst;
   TrialArguments reading;
   identify::HitBudget budget;

@@ -13,8 +13,8 @@ namespace ukemi::tools {
 int design_robot(const DesignArguments& a, const CommonOptions& common) {
   Run run(kDesignOutputs, common);
   only_known(a.given,
-             {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--columns", "--pieces", "--tie",
-              "--multi-turn"},
+             {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--heights", "--columns", "--pieces",
+              "--tie", "--multi-turn"},
              "--robot");
   if (a.free.empty()) throw InputError("--free: with --robot the constants that are to be known must be named");
   const DrivenRobot robot = robot_of(a.robot, run);
@@ -22,7 +22,10 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
   const std::vector<RobotTrial> in_hand =
       read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading, robot, run);
   reading.measured = RobotLogOptions::Measured::kNothing;
-  const std::vector<RobotTrial> next = read_trials({.files = a.next, .columns = {}, .pieces = {}}, reading, robot, run);
+  std::vector<double> heights;
+  for (const std::string& height : split(a.heights)) heights.push_back(to_number("--heights", height));
+  const std::vector<RobotTrial> next =
+      from_heights(robot, read_trials({.files = a.next, .columns = {}, .pieces = {}}, reading, robot, run), heights);
 
   RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
   options.fit.terms = design_terms(robot, in_hand, next);
