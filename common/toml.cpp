@@ -79,6 +79,7 @@ void write(std::ostream& out, const toml::node& n) {
   }
 }
 std::string show(const toml::node& n) {
+  if (const auto* number = n.as_floating_point()) return quoted(shortest(number->get()));
   std::ostringstream s;
   write(s, n);
   return quoted(s.str());
@@ -251,7 +252,7 @@ Location TomlSection::where(const std::string& key) const {
   return data_->at(n ? *n : static_cast<const toml::node&>(as_table(table_)));
 }
 void TomlSection::fail(const std::string& key, const std::string& message) const {
-  throw InputError(where(key), "[" + name_ + "] " + key + ": " + message);
+  throw InputError(where(key), "[" + name_ + "]" + (key.empty() ? "" : " " + key) + ": " + message);
 }
 
 double TomlSection::checked(const std::string& key, const void* n, const Range& range) const {
@@ -271,8 +272,9 @@ std::optional<double> TomlSection::optional_number(const std::string& key, const
 }
 double TomlSection::number(const std::string& key, const Range& range) {
   if (const auto v = optional_number(key, range)) return *v;
-  std::vector<std::string> there;
-  for (const auto& [k, v] : as_table(table_)) there.emplace_back(k.str());
+  std::vector<std::string> there;  // and nobody asked for
+  for (const auto& [k, v] : as_table(table_))
+    if (!data_->asked[name_].contains(std::string(k.str()))) there.emplace_back(k.str());
   const std::string near = nearest(key, there);
   throw InputError(
       where(), "[" + name_ + "] the key '" + key + "' is missing" + (near.empty() ? "" : " (there is '" + near + "')"));

@@ -10,9 +10,10 @@
 struct Quotient {
   double value = 0, error = std::numeric_limits<double>::infinity();
 };
-/// Richardson's table of quotients q(h), q(h/2), ... whose errors are a series in h^kPower (Ridders 1982).
+/// Richardson's table of quotients q(h), q(h/2), ... whose errors are a series in h^kPower (Ridders 1982); it ends
+/// where the error is below `sure` of the value.
 template <int kPower, class F>
-Quotient extrapolated(double h, F&& q) {
+Quotient extrapolated(double h, double sure, F&& q) {
   constexpr int kLevels = 5;
   Quotient best;
   std::array<double, kLevels> last{}, row{};
@@ -25,21 +26,23 @@ Quotient extrapolated(double h, F&& q) {
       const double error = std::max(std::abs(row[j] - row[j - 1]), std::abs(row[j] - last[j - 1]));
       if (error < best.error) best = {row[j], error};
     }
+    if (best.error < sure * std::abs(best.value)) break;
     last = row;
   }
   return best;
 }
-/// The central quotient of f(x) at 0 for moves of `unit`, and the one from one side.
+/// The central quotient of f(x) at 0 for moves of `unit`, known within `sure` of itself where it can be, and the one
+/// from one side.
 template <class F>
 Quotient central(double unit, double sure, F&& f) {
   const auto quotient = [&](double h) { return (f(h) - f(-h)) / (2 * h); };
-  const Quotient wide = extrapolated<2>(1e-3 * unit, quotient);
+  const Quotient wide = extrapolated<2>(1e-3 * unit, sure, quotient);
   if (wide.error < sure * std::abs(wide.value)) return wide;
-  const Quotient narrow = extrapolated<2>(1e-5 * unit, quotient);  // where f bends sharply
+  const Quotient narrow = extrapolated<2>(1e-5 * unit, sure, quotient);  // where f bends sharply
   return narrow.error < wide.error ? narrow : wide;
 }
 template <class F>
 Quotient one_sided(double side, double unit, F&& f) {
   const double f0 = f(0);
-  return extrapolated<1>(2e-4 * unit, [&](double h) { return side * (f(side * h) - f0) / h; });
+  return extrapolated<1>(2e-4 * unit, 0, [&](double h) { return side * (f(side * h) - f0) / h; });
 }

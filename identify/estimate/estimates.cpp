@@ -28,6 +28,15 @@ void for_each_global(AnyEstimates& of, F&& f) {
     among(of.parameters, name, Kind::kConstant), among(of.nuisance, name, Kind::kNuisance);
 }
 
+/// That a constant with a standard error is not identifiable; empty: it is.
+std::string interval_warning(const Estimate& e, Wording::Interval interval) {
+  if (e.verdict != Identifiability::kNotIdentifiable || !e.std) return "";
+  return fmt::format("{} is not identifiable: the 95 % interval is {} either way", e.name,
+                     interval == Wording::Interval::kRelative
+                         ? fmt::format("{:.0f} % of its value", 100 * e.half_width() / std::abs(e.value))
+                         : fmt::format("{:.3g} {}", e.half_width(), e.unit));
+}
+
 }  // namespace
 
 std::vector<const Estimate*> Estimates::globals() const {
@@ -48,6 +57,33 @@ void set_errors(const Eigen::MatrixXd& noise, Estimates& out) {
   });
 }
 
+void change_errors(const Eigen::MatrixXd& noise, double half_width, Estimates& out) {
+  const std::vector<Estimate> before = out.parameters;
+  out.half_width = half_width;
+  set_errors(noise, out);
+  using enum Wording::Interval;
+  for (const auto interval : {kRelative, kAbsolute})
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const std::string said = interval_warning(before[i], interval);
+      const auto at = std::find(out.warnings.begin(), out.warnings.end(), said);
+      if (at == out.warnings.end()) continue;
+      *at = interval_warning(out.parameters[i], interval);
+      if (at->empty()) out.warnings.erase(at);
+    }
+}
+
+void warn_of_priors(const Choice& choice, Estimates& out) {
+  constexpr double kFar = 4;  // standard deviations of the prior
+  for (const Prior& p : choice.priors)
+    for (const Estimate& e : out.parameters) {
+      const double off = std::abs(e.value - p.value) / p.std;
+      if (e.name == p.term && off > kFar)
+        out.warnings.push_back(
+            fmt::format("{} {:.4g} is {:.1f} standard deviations from its prior, {} with {}: logs and prior contradict",
+                        e.name, e.value, off, shortest(p.value), shortest(p.std)));
+    }
+}
+
 std::vector<ErrorBudget> error_budget(const Estimates& of) {
   std::vector<ErrorBudget> out;
   const std::vector<const Estimate*> globals = of.globals();
@@ -64,18 +100,12 @@ std::vector<ErrorBudget> error_budget(const Estimates& of) {
 namespace {
 
 void warn(const Wording& wording, Estimates& out) {
-  const auto interval = [&](const Estimate& e) {
-    return wording.interval == Wording::Interval::kRelative
-               ? fmt::format("{:.0f} % of its value", 100 * e.half_width() / std::abs(e.value))
-               : fmt::format("{:.3g} {}", e.half_width(), e.unit);
-  };
   for (const Estimate& e : out.parameters) {
     if (e.verdict == Identifiability::kAtBound)
       out.warnings.push_back(fmt::format("{} ended at its bound {}: no standard error", e.name, shortest(e.value)));
-    if (e.verdict == Identifiability::kNotIdentifiable)
-      out.warnings.push_back(
-          e.std ? fmt::format("{} is not identifiable: the 95 % interval is {} either way", e.name, interval(e))
-                : fmt::format("{} is not determined by these {}", e.name, wording.data));
+    if (const std::string wide = interval_warning(e, wording.interval); !wide.empty()) out.warnings.push_back(wide);
+    if (e.verdict == Identifiability::kNotIdentifiable && !e.std)
+      out.warnings.push_back(fmt::format("{} is not determined by these {}", e.name, wording.data));
   }
   const std::vector<const Estimate*> globals = out.globals();
   const auto trusted = [&](std::size_t g) { return globals[g]->verdict == Identifiability::kTrusted; };

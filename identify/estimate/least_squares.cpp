@@ -189,15 +189,25 @@ class PriorCost final : public ceres::CostFunction {
 /// Whether a scaled value is at a bound: -1 the lower, +1 the upper, 0 neither.
 int bound_of(const Parameter& p, double x) { return x <= p.lower / p.scale ? -1 : x >= p.upper / p.scale ? 1 : 0; }
 
-/// Ends a search where the caller wants it ended, and where a step failed with a free parameter at a bound: Ceres
-/// solves for all of them and then cuts the step off at the bounds, which turns it away from the minimum along them.
+/// Ends a search where the caller wants it ended, where it crawls along an edge of the cost (LeastSquaresOptions), and
+/// where a step failed with a free parameter at a bound: Ceres solves for all of them and then cuts the step off at the
+/// bounds, which turns it away from the minimum along them.
 struct Watch final : ceres::IterationCallback {
   Watch(const std::vector<Parameter>& parameters, const std::vector<double>& scaled, const std::vector<bool>& are_held,
-        const std::function<bool()>& asked)
-      : list(parameters), x(scaled), held(are_held), stop(asked) {}
+        const LeastSquaresOptions& options)
+      : list(parameters), x(scaled), held(are_held), stop(options.stop), tolerance(options.cost_tolerance) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
     cut_off = !s.step_is_successful && s.iteration > 0 && at_free_bound();
-    return cut_off || (stop && stop()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    crawls = crawls_after(s);
+    return cut_off || crawls || (stop && stop()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+  bool crawls_after(const ceres::IterationSummary& s) {
+    constexpr std::size_t kSteps = 10;
+    constexpr double kSlow = 3;  // times the tolerance, each step
+    if (s.iteration == 0) costs.clear();
+    if (s.step_is_successful || s.iteration == 0) costs.push_back(s.cost);
+    if (costs.size() > kSteps + 1) costs.pop_front();
+    return costs.size() == kSteps + 1 && costs.front() - costs.back() < kSteps * kSlow * tolerance * costs.back();
   }
   bool at_free_bound() const {
     for (std::size_t i = 0; look_at_bounds && i < x.size(); ++i)
@@ -208,7 +218,9 @@ struct Watch final : ceres::IterationCallback {
   const std::vector<double>& x;  ///< scaled, of the last iteration
   const std::vector<bool>& held;
   const std::function<bool()>& stop;
-  bool look_at_bounds = true, cut_off = false;
+  double tolerance;
+  std::deque<double> costs = {};  ///< of the last steps that were taken
+  bool look_at_bounds = true, cut_off = false, crawls = false;
 };
 
 /// At `start`, or where that is empty at each parameter's own.
@@ -285,6 +297,15 @@ std::vector<bool> pressed(const LeastSquaresProblem& problem, const std::deque<B
   return out;
 }
 
+/// Why the search ended.
+std::string reason(const ceres::Solver::Summary& s, const Watch& watch, int most) {
+  if (watch.crawls) return "the cost falls too slowly: its minimum is at an edge";
+  if (s.termination_type == ceres::NO_CONVERGENCE) return fmt::format("{} iterations were done", most);
+  if (s.termination_type == ceres::USER_SUCCESS) return "it was ended before";
+  if (!s.IsSolutionUsable()) return "the model cannot be followed at the start";
+  return s.message;
+}
+
 void silence_glog() {
   static std::once_flag once;
   std::call_once(once, [] { FLAGS_minloglevel = 3; });
@@ -342,7 +363,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
     for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
 
   ceres::Solver::Options o = ceres_options(options);
-  Watch watch(problem.globals, x, held, options.stop);
+  Watch watch(problem.globals, x, held, options);
   o.callbacks.push_back(&watch);
   o.update_state_every_iteration = true;
   ceres::Solver::Summary summary;
@@ -360,8 +381,8 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   }
 
   out.usable = summary.IsSolutionUsable();
-  out.converged = summary.termination_type == ceres::CONVERGENCE;
-  out.message = summary.message;
+  out.converged = summary.termination_type == ceres::CONVERGENCE || watch.crawls;
+  out.message = reason(summary, watch, options.max_iterations);
   out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
   set_point(problem, x, locals, out);
   if (!out.usable) return out;

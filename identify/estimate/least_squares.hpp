@@ -47,7 +47,9 @@ struct LeastSquaresProblem {
 
 struct LeastSquaresOptions {
   int max_iterations = 200;
-  double cost_tolerance = 1e-11;  ///< relative fall that ends it: leaves 3e-6 sqrt(residuals) standard errors at most
+  /// Relative fall that ends it: leaves 3e-6 sqrt(residuals) standard errors at most. So do ten steps in a row that
+  /// fall by less than three times as much each, on average: a minimum at an edge of the cost is crawled along.
+  double cost_tolerance = 1e-11;
   double step_tolerance = 1e-11;  ///< relative step that ends it
   double first_radius = 100;      ///< of the trust region; the scaled start is 1: a first step of its own size
   int rejected_steps = 30;        ///< in a row, for the model cannot be evaluated, after which the search fails

@@ -66,6 +66,8 @@ void validate(const std::vector<const Term*>& table, const Choice& c) {
   }
   for (const Prior& p : c.priors) {
     (void)index_of(table, "prior", p.term);
+    if (std::count_if(c.priors.begin(), c.priors.end(), [&](const Prior& q) { return q.term == p.term; }) > 1)
+      throw InputError(fmt::format("prior of {}: given twice", p.term));
     if (!std::isfinite(p.value))
       throw InputError(fmt::format("prior of {}: {}: a finite number is needed", p.term, shortest(p.value)));
     if (!(p.std > 0 && std::isfinite(p.std)))

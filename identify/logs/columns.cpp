@@ -80,6 +80,7 @@ ColumnMap::ColumnMap(const std::string& option, const std::string& map, std::vec
       for (const Column& c : known_) names.push_back(c.name);
       throw InputError(option + ": " + one_of(name, names));
     }
+    if (given_.contains(name)) throw InputError(option + ": " + quoted(name) + ": named twice");
     Source s = parse_source(option, item.substr(equals + 1));
     s.scale *= unit_of(s.column, it->quantity);
     given_[name] = s;
@@ -138,6 +139,26 @@ std::optional<double> ColumnMap::constant(const CsvTable& table, const std::stri
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value * it->second.scale;
+}
+
+std::vector<std::string> near_misses(const CsvTable& table, const ColumnMap& map) {
+  std::vector<std::string> out;
+  const std::vector<std::string> missing = map.missing_from(table);
+  const auto lower = [](std::string s) {
+    std::transform(s.begin(), s.end(), s.begin(), [](unsigned char x) { return char(std::tolower(x)); });
+    return s;
+  };
+  for (std::size_t c = 0; c < table.header.size(); ++c) {
+    const std::string& column = table.header[c];
+    if (map.wants(column)) continue;
+    for (const std::string& name : missing)
+      if (lower(name) == lower(column))
+        throw InputError({table.file, table.header_line, table.header_column[c]},
+                         "column " + quoted(column) + ": it is not read (did you mean \"" + name + "\"?)");
+    if (const std::string near = hint(column, missing); !near.empty())
+      out.push_back("column " + quoted(column) + " is not read" + near);
+  }
+  return out;
 }
 
 }  // namespace ukemi::identify

@@ -48,4 +48,8 @@ class ColumnMap {
   std::map<std::string, Source> given_;
 };
 
+/// Notes of columns that are not read and look like a quantity that is in none. Throws InputError where only the case
+/// is wrong.
+std::vector<std::string> near_misses(const CsvTable& table, const ColumnMap& map);
+
 }  // namespace ukemi::identify

@@ -47,25 +47,6 @@ std::string advice_on_unit(const std::string& name, const Source& s) {
                      shortest(s.scale * kDegree), s.column);
 }
 
-/// Names what looks like a quantity that is in no column: an error where only the case is wrong, else a note.
-void name_near_misses(const CsvTable& table, const ColumnMap& map, Trial& trial) {
-  for (std::size_t c = 0; c < table.header.size(); ++c) {
-    const std::string& column = table.header[c];
-    if (map.wants(column)) continue;
-    const std::vector<std::string> missing = map.missing_from(table);
-    const auto lower = [](std::string s) {
-      std::transform(s.begin(), s.end(), s.begin(), [](unsigned char x) { return char(std::tolower(x)); });
-      return s;
-    };
-    for (const std::string& name : missing)
-      if (lower(name) == lower(column))
-        throw InputError({table.file, table.header_line, table.header_column[c]},
-                         "column " + quoted(column) + ": it is not read (did you mean \"" + name + "\"?)");
-    if (const std::string near = hint(column, missing); !near.empty())
-      trial.notes.push_back("column " + quoted(column) + " is not read" + near);
-  }
-}
-
 }  // namespace
 
 Trial read_trial(const std::string& path, const TrialOptions& options) {
@@ -118,7 +99,7 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
   if (trial.samples() < 2) throw InputError({path, table.line.back()}, "one row: at least two samples are needed");
   table.require_increasing(time_column, trial.t);
   count_from_first(trial);
-  name_near_misses(table, map, trial);
+  for (std::string& note : near_misses(table, map)) trial.notes.push_back(std::move(note));
   return trial;
 }
 

@@ -107,10 +107,10 @@ struct GivenDrive {
 
 /// Reads scene.toml, the robot here or in the file that robot = "FILE" names, relative to this one:
 /// tools/docs/files.md. The paper's short form has links thigh and shank, joint knee. Its drives are those behind
-/// [command], see CommandPath. Throws InputError with file:line:column. Tests: test/legs.
+/// [command], see CommandPath. Without [floor] contacts touch by their own laws, if all have a stiffness of their own.
+/// Throws InputError with file:line:column. Tests: test/legs.
 BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives = {});
-/// The same, dropped from another height [m]; the file may be a robot alone. Without [floor] each contact's own law
-/// holds.
+/// The same, dropped from another height [m]; the file may be a robot alone. Every contact touches.
 BodyScene read_dropped(const std::string& path, double height, const std::vector<GivenDrive>& drives = {});
 /// The same of a file that may be a robot alone, without a drop, as it is driven: [command] is not applied.
 BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& drives = {});

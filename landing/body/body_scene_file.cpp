@@ -147,6 +147,7 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
     commands = read_command_path(file, out.robot), (void)read_sensors(file, out.robot);
     pass_over_identified(file);
   }
+  if (what != For::kDriven) stand_on_contacts(path, what == For::kDrop ? Contacts::kAll : Contacts::kAllOrNone, out);
   if (what != For::kDriven) apply(commands, out.robot);
   out.search.resize(out.robot.joints.size());
   if (auto drop = what == For::kLanding ? file.require("drop") : file.optional("drop"))
@@ -284,13 +285,7 @@ BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& dri
 BodyScene read_dropped(const std::string& path, double height, const std::vector<GivenDrive>& drives) {
   BodyScene out = read(path, drives, For::kDrop);
   if (out.robot.base == Base::kPinned) throw InputError(Location{path}, "a pinned robot is not dropped");
-  out.drop.height = height;
-  if (!out.floor) {
-    for (const ContactPoint& c : out.robot.contacts)
-      if (c.law.stiffness == kNoFloor.stiffness)
-        throw InputError(Location{path}, "contact " + c.name + " has no stiffness: its own, or [floor], is needed");
-    out.floor = true;
-  }
+  out.drop.height = height, out.floor = true;
   out.validate();
   return out;
 }

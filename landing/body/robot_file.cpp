@@ -11,6 +11,8 @@
 
 #include "common/actuator.hpp"
 #include "common/actuator_constants.hpp"
+#include "common/csv.hpp"
+#include "common/degrees.hpp"
 #include "common/sea.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/places.hpp"
@@ -223,7 +225,12 @@ void read_stops(TomlFile& file, Robot& out) {
       const auto ends = s->numbers(key, 2, Range::any());
       stop.ends = {ends[0], ends[1]};
     }
-    if (!(stop.ends[0] < stop.ends[1])) s->fail(key, "two ends are needed, the lower first");
+    if (!(stop.ends[0] < stop.ends[1])) {
+      const bool degrees = s->has("phi_deg");
+      const double unit = degrees ? kDegree : 1;
+      s->fail(degrees ? "phi_deg" : key, fmt::format("[{}, {}]: two ends are needed, the lower first",
+                                                     shortest(stop.ends[0] / unit), shortest(stop.ends[1] / unit)));
+    }
     constexpr double kTurn = 2 * std::numbers::pi, kOutOfReach = 100;  // [m]
     for (double& end : stop.ends)
       if (std::abs(end) >= (joint < 0 ? kOutOfReach : kTurn * (1 - 1e-12)))
@@ -343,6 +350,25 @@ ContactLaw read_law(TomlSection& s, const std::optional<ContactLaw>& floor) {
   if (!given && rubs && (!floor || own)) law.stiffness_tangential = law.stiffness;
   if (rubs && !(law.damping_tangential > 0)) s.fail("damping_tangential", "with friction it must be above 0");
   return law;
+}
+
+namespace {
+
+bool is_stiff(const ContactPoint& c) { return std::find(c.own.begin(), c.own.end(), "stiffness") != c.own.end(); }
+
+}  // namespace
+
+void check_stiff_contacts(const BodyScene& scene, const std::string& path) {
+  for (const ContactPoint& c : scene.robot.contacts)
+    if (!scene.floor && !is_stiff(c))
+      throw InputError(Location{path}, "contact " + c.name + " has no stiffness: its own, or [floor], is needed");
+}
+
+void stand_on_contacts(const std::string& path, Contacts needed, BodyScene& scene) {
+  const std::vector<ContactPoint>& contacts = scene.robot.contacts;
+  if (needed == Contacts::kAllOrNone && std::none_of(contacts.begin(), contacts.end(), is_stiff)) return;
+  check_stiff_contacts(scene, path);
+  scene.floor = true;
 }
 
 void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor, const std::vector<GivenDrive>& drives,

@@ -29,4 +29,11 @@ void set_elastic(const Actuator& actuator, Joint& joint, const Location& where);
 void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor, const std::vector<GivenDrive>& drives,
                        BodyScene& out);
 
+/// Throws InputError where a contact has no stiffness, its own or a [floor]'s.
+void check_stiff_contacts(const BodyScene& scene, const std::string& path);
+/// Without [floor] contacts touch by their own laws: all of them or, where so many may, none. Throws InputError where
+/// some have no stiffness.
+enum class Contacts { kAll, kAllOrNone };
+void stand_on_contacts(const std::string& path, Contacts needed, BodyScene& scene);
+
 }  // namespace ukemi::landing

@@ -145,7 +145,7 @@ TEST_CASE("design refuses bad options and files") {
 
 TEST_CASE("design of a robot of links: of commands, those to log next, and what it cannot do is refused") {
   const Folder f;
-  const std::string robot = dataset("robots/hopper.toml");
+  const std::string robot = dataset("scenes/hopper.toml");
   const auto commands = [&](const std::string& file, double size) {
     std::string text = "t,phi_ref_hip,phi_ref_knee\n";
     for (int k = 0; k < 200; ++k) {
@@ -167,6 +167,15 @@ TEST_CASE("design of a robot of links: of commands, those to log next, and what 
   CHECK(s["noise"].size() == 2);
   CHECK_THAT(read(f.at("out/next.csv")), Contains("rank,file,together,alone"));
   CHECK_THAT(read(f.at("out/report.html")), Contains("What to log next"));
+  done(f, design + Arguments{"--noise", "phi=0.001", "--heights", "0,0.2", "--no-report", "-o", "high"});
+  std::vector<std::string> files;
+  const Json high = summary(f, "high");
+  for (const Json& c : high["candidates"]) files.push_back(c["file"]);
+  std::sort(files.begin(), files.end());
+  CHECK(files == std::vector<std::string>{"still.csv from 0 m", "still.csv from 0.2 m", "swing.csv from 0 m",
+                                          "swing.csv from 0.2 m"});
+  check_refused(f, design + Arguments{"--noise", "phi=0.001", "--heights", "-1"} + kOut,
+                {"--heights: -1 m", "at least 0"});
   check_refused(f, design + kOut, {"--noise is needed"});
   check_refused(f, design + Arguments{"--noise", "phi=0.001", "--peak", "100"} + kOut,
                 {"--peak", "no say with --robot"});

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "test/cli/refused.hpp"
+#include "test/cli/robot_log.hpp"
 
 using namespace cli;
 using Catch::Matchers::Contains;
@@ -138,32 +139,7 @@ TEST_CASE("optimize --log stands beside what the robot did in its logs") {
   const Folder f;
   done(f, {"simulate", kHopper, "--rate", "500", "-o", "held"});
   const Json held = Json::parse(read(f.at("held/summary.json")));
-  std::istringstream rows(read(f.at("held/trajectory.csv")));
-  std::vector<std::string> names;
-  std::string line, log = "t,phi_hip,phi_knee,phi_ref_hip,phi_ref_knee,dphi_ref_hip,dphi_ref_knee\n";
-  const auto cells = [](const std::string& text) {
-    std::vector<std::string> out;
-    std::istringstream in(text);
-    for (std::string cell; std::getline(in, cell, ',');) out.push_back(cell);
-    return out;
-  };
-  double last = -1;
-  while (std::getline(rows, line)) {
-    if (line.empty() || line[0] == '#') continue;
-    if (names.empty()) {
-      names = cells(line);
-      continue;
-    }
-    const auto row = cells(line);
-    const auto at = [&](const char* name) {
-      return row[std::size_t(std::find(names.begin(), names.end(), name) - names.begin())];
-    };
-    if (std::stod(at("t")) < last + 1e-3) continue;  // a row beside an event
-    last = std::stod(at("t"));
-    log += at("t") + "," + at("phi_hip") + "," + at("phi_knee") + "," + at("phi_ref_hip") + "," + at("phi_ref_knee") +
-           ",0,0\n";
-  }
-  (void)f.write("log.csv", log);
+  (void)f.write("log.csv", as_log(read(f.at("held/trajectory.csv")), 0));
   const Result r = done(f, {"optimize", kHopper, "--log", "log.csv", "--evaluations", "200", "-o", "best"});
   CHECK_THAT(r.out, Contains("In its log the model took"));
   const Json s = Json::parse(read(f.at("best/summary.json")));

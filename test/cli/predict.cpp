@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "test/cli/refused.hpp"
+#include "test/cli/robot_log.hpp"
 
 using namespace cli;
 using Catch::Matchers::Contains;
@@ -163,4 +164,76 @@ TEST_CASE("identify --robot: sensors of the rig as a robot are those of --rig, a
   done(f, {"robot", "robot/robot.toml", "-o", "shown"});
   f.write("odd.toml", file + "\n[sensor.phi_leg]\ngain = 1\n");
   check_refused(f, {"robot", "odd.toml", "-o", "odd"}, {"odd.toml:", "phi_leg"});
+}
+
+TEST_CASE("identify --robot of a scene: its floor comes along into robot.toml, whatever was fitted") {
+  const Folder f;
+  const std::string scene = dataset("scenes/hopper.toml");
+  done(f, {"simulate", scene, "--height", "0.1", "--rate", "500", "--no-report", "-o", "fall"});
+  f.write("log.csv", as_log(read(f.at("fall/trajectory.csv")), 1e-3));
+  for (const std::string free : {"drive.hip.k_p", "drive.hip.k_p,robot.contact.foot.stiffness"}) {
+    done(f, {"identify", "log.csv", "--robot", scene, "--free", free, "--no-report", "-o", "fit"});
+    CHECK(summary(f, "fit")["parameters"]["drive.hip.k_p"]["value"].get<double>() == Approx(50).epsilon(0.02));
+    done(f, {"predict", "log.csv", "--robot", "fit/robot.toml", "--no-report", "-o", "again"});
+    for (const std::string output : {"phi_hip", "phi_knee"})
+      CHECK(summary(f, "again")["outputs"][output]["rms"].get<double>() ==
+            Approx(summary(f, "fit")["outputs"][output]["rms"].get<double>()).epsilon(0.01));
+    const std::string robot = read(f.at("fit/robot.toml"));
+    CHECK_THAT(robot, Contains("friction = 0.8") && Contains("damping_normal = 120"));
+    const auto peak = [&](const std::string& of, const std::string& to) {
+      done(f, {"simulate", of, "--hold", "hip=35,knee=-70", "--height", "0.1", "--no-report", "-o", to});
+      return summary(f, to)["peak_acceleration"].get<double>();
+    };
+    CHECK(peak("fit/robot.toml", "of_robot") == Approx(peak(scene, "of_scene")).epsilon(0.02));
+  }
+  const std::string leg = read(dataset("robots/hopper.toml"));
+  f.write("leg.toml", leg);
+  const Arguments next = {"--free", "drive.hip.k_p", "--no-report"};
+  check_refused(f, Arguments{"identify", "log.csv", "--robot", "leg.toml"} + next + kOut,
+                {"leg.toml: contact slider has no stiffness"});
+  check_refused(f, Arguments{"design", "--robot", "leg.toml", "--next", "log.csv", "--noise", "phi=1e-3"} + next + kOut,
+                {"leg.toml: contact slider has no stiffness"});
+  f.write("slope.toml", replaced(replaced(read(scene), "friction = 0.8", "slope_deg = 5\nfriction = 0.8"),
+                                 "robot = \"../robots/hopper.toml\"", "robot = \"leg.toml\""));
+  check_refused(f, Arguments{"identify", "log.csv", "--robot", "slope.toml"} + next + kOut, {"slope_deg"});
+}
+
+TEST_CASE("identify --robot: what is named twice, not read, or says nothing is told") {
+  const Folder f;
+  const std::string robot = dataset("robots/one_link.toml");
+  std::string good = "t,phi_arm,phi_ref_arm,torque_arm,push_hit_x\n", odd = "t,phi_arm,phi_ref_Arm,push_hit_x\n",
+              near = "t,phi_arm,phi_ref_arn,push_hit_x\n", off = "t,phi_arm,phi_ref_arm,on_arm,push_hit_x\n",
+              plain = "t,phi_arm,phi_ref_arm,push_hit_x\n";
+  ukemi::Random random(20261127, 4);
+  for (int k = 0; k < 400; ++k) {
+    const double t = 0.002 * k, phi = 0.3 * std::sin(7 * t) + 5e-4 * random.normal(), ref = 0.4 * std::sin(7 * t + 0.1);
+    good += fmt::format("{},{:.9g},{:.9g},0,0\n", t, phi, ref);
+    for (std::string* text : {&odd, &near, &plain}) *text += fmt::format("{},{:.9g},{:.9g},0\n", t, phi, ref);
+    off += fmt::format("{},{:.9g},{:.9g},{},0\n", t, phi, ref, k == 3 ? 2 : 1);
+  }
+  f.write("good.csv", good), f.write("odd.csv", odd), f.write("near.csv", near), f.write("off.csv", off);
+  f.write("plain.csv", plain);
+  const auto identify = [&](const Arguments& logs, const Arguments& more = {}) {
+    return Arguments{"identify"} + logs + Arguments{"--robot", robot, "--free", "drive.arm.k_p,drive.arm.k_d"} + more +
+           Arguments{"--no-report"} + kOut;
+  };
+  const Result r = run(identify({"good.csv"}), f.at(""));
+  CHECK_THAT(r.err, Contains("column 'torque_arm': the same in every row, it is left out"));
+  CHECK_FALSE(summary(f)["outputs"].contains("torque_arm"));
+  CHECK_THAT(run(identify({"near.csv"}), f.at("")).err, Contains("column 'phi_ref_arn' is not read (did you mean"));
+  check_refused(f, identify({"odd.csv"}), {"odd.csv:1:", "'phi_ref_Arm'", "did you mean \"phi_ref_arm\"?"});
+  check_refused(f, identify({"off.csv"}), {"off.csv:5:", "on_arm", "from 0 to 1"});
+  CHECK_THAT(run(identify({"plain.csv", "./plain.csv"}), f.at("")).err, Contains("'./plain.csv' is given twice"));
+  const auto twice = [&](const std::string& option, const std::string& list) {
+    check_refused(f, identify({"plain.csv"}, {option, list}), {option.substr(2), "twice"});
+  };
+  twice("--prior", "drive.arm.k_p=20:1,drive.arm.k_p=60:1"), twice("--lower", "drive.arm.k_p=1,drive.arm.k_p=2");
+  twice("--errors", "link.arm.mass=0.1,robot.link.arm.mass=0.2"), twice("--columns", "phi_arm=a,phi_arm=b");
+  check_refused(f, identify({"plain.csv"}, {"--pieces", "none.csv"}), {"--pieces: 'none.csv'", "a file that is there"});
+  const Result far = run({"identify", dataset("impact/trial_1.csv"), "--robot", robot, "--columns",
+                          "push_hit_x=force,phi_arm=phi,phi_ref_arm=0", "--free",
+                          "drive.arm.k_p,drive.arm.k_d,drive.arm.k_sea,drive.arm.c_sea,drive.arm.i_motor", "--prior",
+                          "drive.arm.k_p=70:1", "--no-report", "-o", "far"},
+                         f.at(""));
+  CHECK_THAT(far.err, Contains("standard deviations from its prior, 70 with 1: logs and prior contradict"));
 }

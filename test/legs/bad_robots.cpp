@@ -78,6 +78,7 @@ TEST_CASE("legs: bad robots are refused with their place and the rule") {
   refused(with("link = \"leg\"", "link = \"legs\""), "15:8: ", "did you mean \"leg\"?");
   refused(with("[drive.hip]", "[drive.hop]"), "10:9: ", "a table [drive.hip], or --actuator hip=FILE");
   refused(with("k_p = 50\n", ""), "17:1: ", "the key 'k_p' is missing");
+  refused(with("k_d = 1", "kd = 1"), "17:1: ", "the key 'k_d' is missing (there is 'kd')");
   refused(with("kind = \"geared\"", "kind = \"gear\""), "18:8: ", "\"geared\", \"passive\"");
   refused(with("i_motor = 0.01", "i_motor = 0.01\ncontrol_delay = 0.001"), "22:1: ", "unknown key 'control_delay'");
   refused(with("gravity = 9.81", "gravity = 9.81\nbase = \"pinned\""),
@@ -97,6 +98,24 @@ TEST_CASE("legs: bad robots are refused with their place and the rule") {
   refused(kGood + "[release.hip]\nrate_deg = 1\n", "", "'phi_deg' is missing");
   refused(kGood + "[release]\nhip = { phi_deg = 1 }\nhop = { phi_deg = 1 }\n", "", "unknown key 'hop'");
   refused(kGood + "[joint.hip]\nphi_deg = [1, 0]\n", "", "the range is empty");
+  refused(with("at = [0.3, 0]", "at = 0.1"), "16:6: ", "'0.1': 2 numbers in [ ] are needed");
+  refused(kGood + "[stop.hip]\nphi_deg = [10, -10]\nstiffness = 1\n", "", "phi_deg: [10, -10]: two ends are needed");
+  refused(kGood + "[stop.rail]\ns = [0, 1]\nstiffness = 1\n", "", "[stop.rail]: base = \"rail\" is needed");
+}
+
+TEST_CASE("legs: without [floor] contacts touch by their own laws, all of them or none") {
+  const test::Folder f;
+  const std::string floor = "[floor]\nstiffness = 1000\ndamping_normal = 10\n",
+                    two =
+                        "[[robot.contact]]\nname = \"top\"\n"
+                        "link = \"body\"\n",
+                    own = "at = [0.3, 0]\nstiffness = 800\ndamping_normal = 5";
+  CHECK_FALSE(read_body_scene(f.write("leg.toml", with(floor, ""))).floor);
+  const std::string all = test::replaced(with(floor, ""), "at = [0.3, 0]", own);
+  const BodyScene scene = read_body_scene(f.write("leg.toml", all));
+  CHECK(scene.floor);
+  CHECK(scene.robot.contacts[0].law.stiffness == 800);
+  refused(test::replaced(all, "[drive.hip]", two + "[drive.hip]"), "", "contact top has no stiffness");
 }
 
 TEST_CASE("legs: the release and the stops of each joint are read") {

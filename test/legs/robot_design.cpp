@@ -95,9 +95,9 @@ TEST_CASE("of heights that from which a drop tells most is chosen, and its log k
   RobotDesignOptions asked;
   const std::vector<double> heights = {0, 0.02, 0.3};
   const std::vector<RobotTrial> next = from_heights(robot, commands, heights);
-  asked.fit.terms = design_terms(robot, {}, next), asked.fit.threads = 2;
-  asked.fit.terms.free = {"robot.contact.foot.stiffness", "robot.contact.foot.damping_normal"};
   asked.noise = {{"phi", 1e-3}}, asked.trials = 1;
+  asked.fit.terms = design_terms(robot, {}, next, asked.noise), asked.fit.threads = 2;
+  asked.fit.terms.free = {"robot.contact.foot.stiffness", "robot.contact.foot.damping_normal"};
   const RobotDesign d = design_trials(robot, {}, next, asked);
   REQUIRE(d.candidates.size() == heights.size());
   CHECK(d.candidates[2].rank == 1);

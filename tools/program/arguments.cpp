@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <set>
 #include <sstream>
 
 #include "common/actuator.hpp"
@@ -25,6 +27,17 @@ double to_number(const std::string& option, const std::string& text) {
   const std::string fault = number_fault(text, Whole::kNo);
   if (fault.empty()) return std::stod(text);
   throw InputError(option + ": " + fault);
+}
+
+std::vector<std::string> given_twice(const std::vector<std::string>& files) {
+  std::vector<std::string> out;
+  std::set<std::filesystem::path> known;
+  for (const std::string& file : files) {
+    std::error_code none;
+    if (!known.insert(std::filesystem::weakly_canonical(file, none)).second)
+      out.push_back(quoted(file) + " is given twice: it counts as two logs, and errors come out too small");
+  }
+  return out;
 }
 
 std::string number_fault(const std::string& text, Whole whole) {

@@ -10,6 +10,8 @@ namespace ukemi::tools {
 
 std::vector<std::string> split(const std::string& list);  ///< at commas
 double to_number(const std::string& option, const std::string& text);
+/// A warning of each file that was named before.
+std::vector<std::string> given_twice(const std::vector<std::string>& files);
 /// "'text': rule" where it is no number, or no whole one; else empty. Decimal: "0x10" is none.
 enum class Whole { kNo, kYes };
 std::string number_fault(const std::string& text, Whole whole);

@@ -134,6 +134,7 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
     run.input(path);
     out.trials.push_back(read_any(path, a, csv, rig, modules));
   }
+  for (const std::string& twice : given_twice(paths)) run.warn(twice);
   give_rigs(out.trials, a.trial_rigs, run);
   if (a.drive == identify::Drive::Kind::kCommand)
     for (identify::Trial& t : out.trials)

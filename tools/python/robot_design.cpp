@@ -66,7 +66,7 @@ void bind_robot_design(py::module_& m) {
         const std::vector<RobotTrial> next = tools::from_heights(robot, candidates, heights);
         tools::RobotDesignOptions o{
             .criterion = tools::choice("criterion", criterion, tools::criteria()), .trials = count, .noise = noise};
-        o.fit.terms = tools::design_terms(robot, trials, next);
+        o.fit.terms = tools::design_terms(robot, trials, next, noise);
         const std::vector<std::string> starts = o.fit.terms.nuisance;
         o.fit.terms = choose(std::move(o.fit.terms), free, starts, {}, {}, {});
         o.fit.threads = threads;

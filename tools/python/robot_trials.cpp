@@ -181,7 +181,10 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
                            const PyController& controller, const std::vector<std::string>& profile = {},
                            const Bounds& errors = {}, const std::vector<std::string>& per_run = {}) {
   if (given.empty()) throw InputError("trials: at least one is needed");
-  const std::vector<RobotTrial> trials = controlled(given, controller);
+  std::vector<RobotTrial> trials = controlled(given, controller);
+  std::vector<std::string> warnings;
+  for (const std::string& column : tools::leave_out_still(robot.scene.robot, trials))
+    warnings.push_back(tools::still_warning(column));
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
   o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = profile;
@@ -191,7 +194,9 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
   tools::give_each_run(per_run, trials, o);
   return long_call([&](const std::function<bool()>& stop) {
     o.monitor.stop = stop;
-    return RobotIdentified{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), given};
+    RobotIdentified out{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), trials};
+    out.fit.warnings.insert(out.fit.warnings.begin(), warnings.begin(), warnings.end());
+    return out;
   });
 }
 

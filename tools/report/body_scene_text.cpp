@@ -98,6 +98,12 @@ std::string from_folder(const fs::path& path, const std::string& folder) {
 
 }  // namespace
 
+void write_own_law(const ContactPoint& contact, TomlEdit& file, const TomlEdit::Place& table) {
+  for (const LawConstant& constant : kLawConstants)
+    if (acts(constant.key, contact.law)) file.set(table, constant.key, contact.law.*constant.at);
+  write_law(contact.law, file, table);
+}
+
 void move_drives(const Robot& robot, const std::string& path, const std::string& folder, TomlEdit& file) {
   for (const Joint& j : robot.joints)
     if (const std::string drive = file.text_at({"drive", j.name}, "file"); !drive.empty())

@@ -13,6 +13,9 @@ namespace ukemi::tools {
 /// Paths of drives, which count from the file's folder, from another one.
 void move_drives(const landing::Robot& robot, const std::string& path, const std::string& folder, TomlEdit& file);
 
+/// Writes the law of a contact into its table, what it has of a [floor] too.
+void write_own_law(const landing::ContactPoint& contact, TomlEdit& file, const TomlEdit::Place& table);
+
 /// The files scene.toml and, where contacts that stand in the robot's own file change, robot.toml, for `folder`. `path`
 /// is the scene's file; `scene` was read from it, and has other contact laws, pads, pitch, uncertainty or verdicts.
 /// What stands in the file and is as before is left as it is written, paths are made relative to the folder;

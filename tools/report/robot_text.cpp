@@ -114,6 +114,9 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
     else
       set_link(file, robot, parts[2], parts[3], value);
   }
+  // The scene's [floor] does not come along.
+  for (const ContactPoint& c : own.empty() ? std::vector<ContactPoint>{} : robot.scene.robot.contacts)
+    write_own_law(c, file, {"robot", "contact", index_of(file, robot.scene.robot, "contact", c.name)});
   move_drives(robot.scene.robot, own.empty() ? path : own, folder, file);
   file.remove_table("identified");
   file.append(appended);

@@ -206,6 +206,9 @@ void CalibrationOptions::validate() const {
         throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
   for (const auto& [name, std] : errors) {
     check_positive("--errors: " + name, std);
+    const std::string& once = name;
+    if (std::count_if(errors.begin(), errors.end(), [&](auto& e) { return e.first == once; }) > 1)
+      throw InputError("--errors: " + name + ": given twice");
     for (const auto* list : {&terms.free, &terms.nuisance})
       for (const std::string& fitted : *list)
         if (terms[name].moves_what(terms[fitted]))
@@ -298,9 +301,10 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   out.steps = problem.steps;
   if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
   report(best, problem, last, out);
+  identify::warn_of_priors(options.terms, out);
   if (!options.errors.empty() && out.converged) {
     out.considered = considered_of(drops, options, sigma, out);
-    identify::set_errors(eigen(out.noise_covariance), out);
+    identify::change_errors(eigen(out.noise_covariance), out.half_width, out);
   }
   out.drops = problem.replay(best);
   out.rms = rms_of(out.drops);

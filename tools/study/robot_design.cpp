@@ -108,7 +108,14 @@ void choose(const std::vector<MatrixXd>& of, const RobotDesignOptions& o, Matrix
 }  // namespace
 
 identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<RobotTrial> in_hand,
-                                       const std::vector<RobotTrial>& candidates) {
+                                       const std::vector<RobotTrial>& candidates,
+                                       const std::map<std::string, double>& noise) {
+  const std::vector<DropChannel> channels = sensed_channels(robot.scene.robot);
+  for (std::size_t o = 0; o < channels.size() && !candidates.empty(); ++o)
+    if (noise.contains(channels[o].name) || noise.contains(kind_of(channels[o]))) {
+      in_hand.push_back(candidates.front());
+      in_hand.back().log.output[o] = {0};
+    }
   in_hand.insert(in_hand.end(), candidates.begin(), candidates.end());
   return robot_terms(robot, in_hand);
 }

@@ -51,9 +51,11 @@ struct RobotDesign {
   std::vector<std::string> doubts;
 };
 
-/// The terms of trials and candidates together, see robot_terms.
+/// The terms of trials and candidates together, see robot_terms; of the candidates every channel that `noise` names is
+/// logged (RobotDesignOptions).
 identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<RobotTrial> in_hand,
-                                       const std::vector<RobotTrial>& candidates);
+                                       const std::vector<RobotTrial>& candidates,
+                                       const std::map<std::string, double>& noise);
 
 /// Each candidate from each height of its lowest contact over the floor [m], at rest, as its name says; without heights
 /// as they are. Throws InputError where one is below 0 or the base is pinned.

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/csv.hpp"
+#include "common/error.hpp"
 #include "identify/logs/columns.hpp"
 #include "tools/study/robot_trials.hpp"
 
@@ -65,6 +67,11 @@ class LogColumns {
     int c = -1;
     std::vector<double> out = get(name, &c);
     if (c >= 0) table_.require_full(c);
+    for (std::size_t i = 0; i < out.size() && name.rfind("on_", 0) == 0; ++i)
+      if (!(out[i] >= 0 && out[i] <= 1))
+        throw InputError(table_.at(c, i), fmt::format("column '{}': {}: from 0 to 1 is needed, the share of the torque "
+                                                      "that acts",
+                                                      name, shortest(out[i])));
     return out;
   }
   std::vector<double> angle(const std::string& name, const RobotLogOptions& options) const {
@@ -170,6 +177,29 @@ std::vector<DropChannel> sensed_channels(const Robot& robot) {
   return out;
 }
 
+std::vector<std::string> leave_out_still(const Robot& robot, std::vector<RobotTrial>& trials) {
+  std::vector<std::string> out;
+  const std::vector<DropChannel> channels = sensed_channels(robot);
+  for (std::size_t o = 0; o < channels.size(); ++o) {
+    double first = std::numeric_limits<double>::quiet_NaN();
+    bool moves = channels[o].unit == "rad" || channels[o].unit == "m", there = false;
+    for (const RobotTrial& t : trials)
+      for (const double x : t.log.output[o]) {
+        there = true;
+        if (std::isnan(first)) first = x;
+        moves = moves || (std::isfinite(x) && x != first);
+      }
+    if (moves || !there) continue;
+    out.push_back(channels[o].name);
+    for (RobotTrial& t : trials) t.log.output[o].clear();
+  }
+  return out;
+}
+
+std::string still_warning(const std::string& column) {
+  return fmt::format("column {}: the same in every row, it is left out", quoted(column));
+}
+
 std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& robot, const RobotLogOptions& options) {
   const ColumnMap map("--columns", options.columns, known_columns(robot));
   const LogColumns log(path, map);
@@ -209,6 +239,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   if (hops && at.size() < 2)
     throw InputError(
         {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", at.size()));
+  std::vector<std::string> notes = near_misses(log.table(), map);
   std::vector<RobotTrial> out;
   for (std::size_t p = 0; p + 1 < at.size(); ++p) {
     const std::size_t from = at[p], to = at[p + 1];
@@ -226,6 +257,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
         trial.log.output[o] = {measured[o].begin() + long(from), measured[o].begin() + long(to)};
     out.push_back(std::move(trial));
   }
+  if (!out.empty()) out.front().notes = std::move(notes);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "common/error.hpp"
 #include "common/uncertainty_file.hpp"
 #include "landing/body/places.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/plan/design_numbers.hpp"
 
 namespace ukemi::tools {
@@ -162,6 +163,9 @@ DrivenRobot read_driven_robot(const std::string& path) {
   DrivenRobot out{.scene = read_robot(path), .path = {}};
   TomlFile file(out.scene.robot_file.empty() ? path : out.scene.robot_file);
   out.path = read_command_path(file, out.scene.robot);
+  check_stiff_contacts(out.scene, path);
+  if (out.scene.slope != 0)
+    throw InputError(Location{path}, "slope_deg: trials are followed on a level floor: 0 is needed");
   try {
     check_driven(out.scene.robot);
   } catch (const InputError& e) {

@@ -36,6 +36,7 @@ struct RobotTrial {
   std::string run;       ///< the file that it is of
   /// At its first row, of the lowest contact over its surface [m]; none: where its log fits best.
   std::optional<double> height = {};
+  std::vector<std::string> notes = {};  ///< of the file's first trial: columns that are not read and look like others
   std::shared_ptr<const landing::Commands> commands;
 };
 std::vector<const landing::DropLog*> logs_of(const std::vector<RobotTrial>& trials);
@@ -69,6 +70,12 @@ struct RobotLogOptions {
 /// Throws InputError with file:line:column.
 std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing::Robot& robot,
                                           const RobotLogOptions& options);
+
+/// Takes away what a column says that says the same in every row of every trial, unless it is an angle or a place: of a
+/// sensor that is not there, or a contact that never touches. Names these columns.
+std::vector<std::string> leave_out_still(const landing::Robot& robot, std::vector<RobotTrial>& trials);
+/// A warning of such a column.
+std::string still_warning(const std::string& column);
 
 /// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
 /// robot.gravity, command.delay, command.JOINT.KEY, sensor.COLUMN.gain and sensor.COLUMN.bias of what is logged,

@@ -64,10 +64,14 @@ BodyMotion posture(const BodyScene& scene, const std::string& text) {
   std::vector<std::string> names;
   for (const Joint& j : scene.robot.joints)
     if (j.driven()) names.push_back(j.name);
+  std::vector<std::string> held;
   for (const std::string& item : split(text)) {
     const bool plain = item.find('=') == std::string::npos && names.size() == 1;
     const Assignment a = plain ? Assignment{names[0], item} : assignment("--hold", item);
     const std::string& name = names.empty() ? a.name : names[choice_index("--hold", a.name, names)];
+    if (std::find(held.begin(), held.end(), name) != held.end())
+      throw InputError("--hold: " + quoted(name) + ": named twice");
+    held.push_back(name);
     const double degrees = to_number("--hold", a.value);
     if (std::abs(degrees) > 360)
       throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", degrees));
@@ -80,7 +84,7 @@ BodyMotion posture(const BodyScene& scene, const std::string& text) {
 }
 
 BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run) {
-  if (!a.file.empty() && a.hold) throw InputError("simulate: one of --motion FILE and --hold JOINT=DEG,... is needed");
+  if (!a.file.empty() && a.hold) throw InputError("--motion, --hold: one of them is needed, not both");
   if (a.file.empty()) return posture(scene, a.hold.value_or(""));
   run.input(a.file);
   return read_body_motion(a.file, scene.robot);

@@ -71,7 +71,8 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
     for (const std::string& item : split(list)) {
       const auto [name, value] = assignment(option, item);
       const Named n = named(*o.terms.table, option, name, {kConstant});
-      to[n.term] = to_number(option, value) * n.unit;
+      if (!to.emplace(n.term, to_number(option, value) * n.unit).second)
+        throw InputError(option + ": " + quoted(name) + ": named twice");
     }
   };
   bounds("--lower", a.lower, o.terms.lower);
@@ -175,6 +176,7 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   const Actuator actuator = landing_actuator_of(file, run);
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_of(a.motion, run));
   check_drop_names(a);
+  for (const std::string& twice : given_twice(a.drops)) run.warn(twice);
   const std::vector<LoggedDrop> drops = read_drops(a.drops, a, scene, motion, run),
                                 unseen = read_drops(a.validate, a, scene, motion, run);
   check_drops(scene, drops);

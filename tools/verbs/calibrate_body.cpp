@@ -60,6 +60,7 @@ int calibrate_body(const CalibrateArguments& a, const CommonOptions& common) {
   options.monitor = run.monitor("calibrate", "parts");
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_at(a.motion, scene, run));
   check_drop_names(a);
+  for (const std::string& twice : given_twice(a.drops)) run.warn(twice);
   BodyCalibratedDrops fitted{read_drops(a.drops, a, scene, motion, run), {}};
   const std::vector<BodyLoggedDrop> unseen = read_drops(a.validate, a, scene, motion, run);
   check_drops(scene, fitted.drops);

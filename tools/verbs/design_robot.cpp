@@ -16,6 +16,7 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
              {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--heights", "--columns", "--pieces",
               "--tie", "--multi-turn"},
              "--robot");
+  if (a.next.empty()) throw InputError("--next: with --robot logs of commands to choose from are needed");
   if (a.free.empty()) throw InputError("--free: with --robot the constants that are to be known must be named");
   const DrivenRobot robot = robot_of(a.robot, run);
   RobotLogOptions reading = reading_of(a.reading);
@@ -28,15 +29,16 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
       from_heights(robot, read_trials({.files = a.next, .columns = {}, .pieces = {}}, reading, robot, run), heights);
 
   RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
-  options.fit.terms = design_terms(robot, in_hand, next);
+  for (const std::string& item : split(a.noise)) {
+    const Assignment one = assignment("--noise", item);
+    if (!options.noise.emplace(one.name, to_number("--noise", one.value)).second)
+      throw InputError("--noise: " + quoted(one.name) + ": named twice");
+  }
+  options.fit.terms = design_terms(robot, in_hand, next, options.noise);
   CalibrateArguments fit;
   fit.free = a.free, fit.nuisance = fmt::format("{}", fmt::join(options.fit.terms.nuisance, ","));
   set_options(fit, common, options.fit);
   options.fit.threads = common.threads;
-  for (const std::string& item : split(a.noise)) {
-    const Assignment one = assignment("--noise", item);
-    options.noise[one.name] = to_number("--noise", one.value);
-  }
   return report(design_trials(robot, in_hand, next, options), run);
 }
 

@@ -44,7 +44,9 @@ std::vector<std::string> term_names(const std::string& option, const std::string
 void parse_bounds(const std::string& option, const std::string& list, std::map<std::string, double>& bounds) {
   for (const std::string& item : split(list)) {
     const Assignment bound = assignment(option, item);
-    bounds[kConstantNames[constant_index(option, bound.name)]] = to_number(option, bound.value);
+    const std::string name = kConstantNames[constant_index(option, bound.name)];
+    if (!bounds.emplace(name, to_number(option, bound.value)).second)
+      throw InputError(option + ": " + quoted(bound.name) + ": named twice");
   }
 }
 

@@ -26,6 +26,8 @@ void read_pieces(const std::string& text, RobotLogOptions& to, Run& run) {
   const std::size_t colon = text.rfind(':');
   const std::string path = text.substr(0, colon), column = colon == std::string::npos ? "t" : text.substr(colon + 1);
   if (!std::filesystem::exists(path)) {
+    if (!number_fault(text, Whole::kNo).empty())
+      throw InputError("--pieces: " + quoted(text) + ": auto, seconds, or a file that is there is needed");
     to.pieces = to_number("--pieces", text);
     if (!(to.pieces > 0)) throw InputError(fmt::format("--pieces: {:g} s: above 0 is needed", to.pieces));
     return;
@@ -98,8 +100,14 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
   std::vector<RobotTrial> out;
   for (const std::string& path : logs.files) {
     run.input(path);
-    for (RobotTrial& t : read_robot_trials(path, robot.scene.robot, reading)) out.push_back(std::move(t));
+    for (RobotTrial& t : read_robot_trials(path, robot.scene.robot, reading)) {
+      for (const std::string& note : t.notes) run.warn(path + ": " + note);
+      out.push_back(std::move(t));
+    }
   }
+  for (const std::string& twice : given_twice(logs.files)) run.warn(twice);
+  if (reading.measured == RobotLogOptions::Measured::kAngles)
+    for (const std::string& column : leave_out_still(robot.scene.robot, out)) run.warn(still_warning(column));
   return out;
 }
 
