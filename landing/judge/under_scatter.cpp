@@ -108,7 +108,7 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
         simulate(drops[k].scene, p.sea, p.motion, {.accuracy = kAccuracy, .over = &over}, options.rate));
   }
   const auto held = [&](double phi) { return DrivenMotion{holding(phi, planned.motion), planned.sea}; };
-  out.held = distribution(play.peaks({kHeld, planned.sea}, drops, {}));
+  out.held = distribution(play.peaks({kHeld, planned.sea}, drops, limits));
   // The best posture: on a grid, then between the best one's neighbours.
   constexpr int kGrid = 25, kRounds = 2;
   constexpr std::size_t kPostureDrops = 128;
@@ -120,13 +120,13 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
     const double step = (high - low) / (kGrid - 1);
     const double from = low;
     for (int i = 0; i < kGrid && !play.stopped(); ++i) {
-      std::vector<double> of_posture = play.peaks(held(from + step * i), first_drops, {});
+      std::vector<double> of_posture = play.peaks(held(from + step * i), first_drops, limits);
       const double mean = Measure{}.of(of_posture);
       if (mean < best) best = mean, out.posture_phi = from + step * i;
     }
     low = std::max(low, out.posture_phi - step), high = std::min(high, out.posture_phi + step);
   }
-  out.posture = distribution(play.peaks(held(out.posture_phi), drops, {}));
+  out.posture = distribution(play.peaks(held(out.posture_phi), drops, limits));
   out.complete = !play.stopped();
   return out;
 }

@@ -38,7 +38,7 @@ std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOp
 struct UnderScatterOptions {
   long samples = 4096;  ///< independent drops, 1 to 10,000,000
   Measure measure;
-  Limits limits;  ///< of the motion; the references are played without
+  Limits limits;  ///< of the motion, and of what holds still
   double penalty = 1000;
   std::uint64_t seed = 1;  ///< of the drops: others than any search's
   int threads = 0;

@@ -100,10 +100,31 @@ std::vector<DropColumn> scattered_columns(std::span<const ScatteredDrop> drops, 
   return out;
 }
 
+namespace {
+
+/// Throws InputError on a column that is not read and is another one's name without its unit, or misspelt: the scene's
+/// own number would stand for it. Short names are other things.
+void refuse_near_misses(const CsvTable& table, const std::vector<std::string>& known) {
+  constexpr std::size_t kShort = 4;
+  std::vector<std::string> missing;
+  for (const std::string& name : known)
+    if (table.find(name) < 0 && name.size() > kShort) missing.push_back(name);
+  for (std::size_t c = 0; c < table.header.size(); ++c) {
+    const std::string& column = table.header[c];
+    if (column.size() <= kShort || std::find(known.begin(), known.end(), column) != known.end()) continue;
+    if (const std::string near = hint(column, missing); !near.empty())
+      throw InputError({table.file, table.header_line, table.header_column[c]},
+                       "column " + quoted(column) + ": it is not read" + near);
+  }
+}
+
+}  // namespace
+
 std::vector<ScatteredDrop> read_drops(const std::string& path, const Scene& scene, const SeaParameters<double>& sea) {
   const std::vector<std::string> known = names();
   const CsvTable table = read_csv(
       path, [&](const std::string& name) { return std::find(known.begin(), known.end(), name) != known.end(); });
+  refuse_near_misses(table, known);
   std::vector<DropNumbers> rows(table.rows(), numbers({.scene = scene}, sea));
   bool any = false;
   for (const DropColumn& c : columns()) {

@@ -247,7 +247,10 @@ TEST_CASE("a file of drops is refused with its place") {
   refused("i_motor\n0\n", "'i_motor': 0: must be above 0", scene);
   refused("height,pitch_deg\n0.4,\n", "drops.csv:2:5: ", scene);
   refused("height\nhigh\n", "drops.csv:2:1: ", scene);
-  refused("row,pitch\n1,18\n", "drops.csv:1: no column of a drop", scene);
+  refused("row,angle\n1,18\n", "drops.csv:1: no column of a drop", scene);
+  refused("height,pitch\n0.4,-0.3\n", "drops.csv:1:8: column 'pitch': it is not read (did you mean \"pitch_deg\"?)",
+          scene);
+  refused("height,pich_deg\n0.4,18\n", "column 'pich_deg': it is not read (did you mean \"pitch_deg\"?)", scene);
   Scene no_floor = scene;
   no_floor.floor.reset();
   refused("height,stiffness\n0.4,7000\n", "drops.csv:1:8: 'stiffness': the scene has no [floor]", no_floor);

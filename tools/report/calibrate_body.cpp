@@ -38,9 +38,11 @@ std::string finding(const BodyCalibration& c) {
                        given.rejected ? "; but its residuals reject it too: the floor is none of these" : "");
   return fmt::format(
       "the drops ask for another law: {}, not {}: BIC {:.0f} lower, residuals {:.3g} in place of {:.3g} times the "
-      "logs' "
-      "noise, of drops left out {:.3g} in place of {:.3g}{}; {}",
-      words(asked.law), words(given.law), -asked.bic, asked.rms, given.rms, asked.held_out, given.held_out,
+      "logs' noise{}{}; {}",
+      words(asked.law), words(given.law), -asked.bic, asked.rms, given.rms,
+      std::isfinite(asked.held_out)
+          ? fmt::format(", of drops left out {:.3g} in place of {:.3g}", asked.held_out, given.held_out)
+          : ", and no drop could be left out to test it",
       asked.rejected ? "; its own residuals reject it too" : "",
       c.own == c.asked ? "the constants and scene.toml are of that law" : "--law asked fits and writes it");
 }

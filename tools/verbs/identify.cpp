@@ -36,8 +36,12 @@ std::string term_name(const std::string& option, const std::string& given, May&&
 /// Names at commas, each of a term with that role.
 std::vector<std::string> term_names(const std::string& option, const std::string& list, identify::Term::Role role) {
   std::vector<std::string> out;
-  for (const std::string& name : split(list))
-    out.push_back(term_name(option, name, [&](const identify::RigTerm& t) { return t.role == role; }));
+  for (const std::string& name : split(list)) {
+    const std::string term = term_name(option, name, [&](const identify::RigTerm& t) { return t.role == role; });
+    if (std::find(out.begin(), out.end(), term) != out.end())
+      throw InputError(option + ": " + quoted(name) + ": named twice");
+    out.push_back(term);
+  }
   return out;
 }
 
