@@ -328,6 +328,7 @@ TEST_CASE("a robust plan that is none is refused") {
   check_optimize({"--robust", "median"}, {"--robust: 'median'", "cvar"});
   check_optimize({"--robust", "quantile:2"}, {"--robust: 'quantile:2': ", "between 0 and 1"});
   check_optimize({"--robust", "mean", "--samples", "3"}, {"--samples: 3: ", "16 to 4096"});
+  check_optimize({"--samples", "64"}, {"--samples: ", "--robust is needed"});
   check_optimize({"--robust", "mean", "--penalty", "0"}, {"--penalty: 0: ", "above 0"});
   check_optimize({"--robust", "mean", "--inflate", "-1"}, {"--inflate: -1: ", "0 to 100"});
   check_optimize({"--scatter", "pitch=1"}, {"--scatter: 'pitch'", "pitch_deg"});

@@ -250,6 +250,7 @@ BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& co
   BodyPlanOptions out;
   out.goal = a.goal, out.evaluations = a.evaluations;
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
+  if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
   if (a.samples) out.samples = *a.samples;
   if (a.share && !a.robust) throw InputError("--share: of drops that scatter: --robust is needed");
   if (a.share && !(*a.share > 0 && *a.share <= 1))

@@ -38,6 +38,7 @@ RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Ac
   const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
   RobustOptions out{.scatter = scattering.scatter, .drops = scattering.measured, .inflate = scattering.inflate};
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
+  if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
   out.samples = a.samples.value_or(out.samples);
   if (!(out.samples >= 16 && out.samples <= 4096))
     throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", out.samples));
