@@ -33,6 +33,25 @@ std::vector<Column> columns_of(const std::vector<DropChannel>& channels) {
   return out;
 }
 
+/// What is not read and looks like a column that is in none, or is one of another robot.
+std::vector<std::string> notes_of(const CsvTable& table, const std::vector<Column>& columns) {
+  const auto is_one_of = [](const std::vector<Column>& list, const std::string& name) {
+    return std::any_of(list.begin(), list.end(), [&](const Column& c) { return c.name == name; });
+  };
+  std::vector<std::string> missing, out;
+  for (const Column& c : columns)
+    if (table.find(c.name) < 0) missing.push_back(c.name);
+  for (const std::string& name : table.header) {
+    if (is_one_of(columns, name)) continue;
+    const bool of_paper = is_one_of(columns_of(thigh_channels()), name);
+    const std::string near = of_paper
+                                 ? ": of a robot of links x_LINK, y_LINK are of a link's origin, theta_LINK its angle"
+                                 : hint(name, missing);
+    if (!near.empty()) out.push_back("column " + quoted(name) + " is not read" + near);
+  }
+  return out;
+}
+
 }  // namespace
 
 const std::vector<DropChannel>& thigh_channels() {
@@ -63,7 +82,7 @@ DropLog read_drop(const std::string& path, const std::vector<DropChannel>& chann
   };
   const CsvTable table = read_csv(path, [&](const std::string& name) { return find(name) != nullptr; });
   DropLog log;
-  log.file = path;
+  log.file = path, log.notes = notes_of(table, columns);
   log.output.assign(channels.size(), {});
   int time = -1;
   std::vector<int> from(channels.size(), -1);

@@ -23,7 +23,8 @@ struct DropLog {
   std::string file;
   std::vector<double> t;  ///< from release [s], increasing, >= 0
   std::vector<std::vector<double>> output = std::vector<std::vector<double>>(kOutputs);  ///< of each channel
-  long before_release = 0;  ///< rows with t < 0, which are left out
+  long before_release = 0;              ///< rows with t < 0, which are left out
+  std::vector<std::string> notes = {};  ///< columns that are not read and look like some that are
 
   /// Measured values of an output.
   long count(std::size_t output) const;

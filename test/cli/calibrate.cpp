@@ -286,6 +286,21 @@ TEST_CASE("calibrate of a robot of links: a contact's own constants stand in the
   done(f, {"simulate", "out/scene.toml", "--no-report", "-o", "sim"});
 }
 
+TEST_CASE("calibrate tells the columns of a log that it does not read and that look like others") {
+  const Folder f;
+  const std::string drop = read(dataset("drops/drop_1.csv"));
+  f.write("odd.csv", replaced(drop, "t,acc,", "t,accl,"));
+  const Arguments played = {"--actuator", kTable2, "--motion", dataset("drops/hold.toml"), "--no-report"};
+  CHECK_THAT(run(Arguments{"calibrate", "odd.csv", "--scene", kPaper} + played + kOut, f.at("")).err,
+             Contains("odd.csv: column 'accl' is not read (did you mean \"acc\"?)"));
+  f.write("loads.toml",
+          read(kPaper) + "\n[[load]]\nname = \"a\"\nkind = \"acceleration\"\nlink = \"thigh\"\nrating = 9\n");
+  f.write("drop.csv", drop);
+  CHECK_THAT(
+      run(Arguments{"calibrate", "drop.csv", "--scene", "loads.toml", "--law", "only"} + played + kOut, f.at("")).err,
+      Contains("drop.csv: column 'x_0' is not read: of a robot of links x_LINK, y_LINK"));
+}
+
 TEST_CASE("calibrate of a robot of links refuses what it cannot") {
   const Arguments one = of_hopper({1}, kHopper);
   const auto refused = [&](const Arguments& options, const std::vector<std::string>& texts) {
@@ -298,7 +313,7 @@ TEST_CASE("calibrate of a robot of links refuses what it cannot") {
   refused({"--actuator", "ankle=x.toml"}, {"--actuator: 'ankle': "});
   check_refused(Folder(), kOne + kOut + Arguments{"--law", "only"}, {"--law: ", "robot of links"});
   const Folder f;
-  f.write("drop.csv", "t,acc,phi_hipp\n0,9.8,1\n1,9.8,1\n");
+  f.write("drop.csv", "t,acc,remark\n0,9.8,1\n1,9.8,1\n");
   check_refused(f, Arguments{"calibrate", "drop.csv", "--scene", kHopper, "--height-of", "drop=6"} + kOut,
                 {"drop.csv: ", "before the first touchdown"});
   f.write("none.csv", "t,acceleration\n0,9.8\n1,9.8\n");

@@ -134,7 +134,8 @@ void set_throw(const CalibrateArguments& a, const std::string& path, Drop& throw
   if (const auto speed = given("--speed-of", a.speed_of, path)) thrown.forward_speed = to_number("--speed-of", *speed);
 }
 
-void warn_of_early_rows(const DropLog& log, Run& run) {
+void warn_of_log(const DropLog& log, Run& run) {
+  for (const std::string& note : log.notes) run.warn(log.file + ": " + note);
   if (log.before_release > 0)
     run.warn(fmt::format("{}: {} rows before the release (t < 0) are left out", log.file, log.before_release));
 }
@@ -157,7 +158,7 @@ std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const 
     if (!own && !motion) throw InputError(quoted(path) + ": no motion: give --motion, or --motion-of for this drop");
     d.motion = own ? motion_of(*own, run) : *motion;
     set_throw(a, path, d.thrown);
-    warn_of_early_rows(d.log, run);
+    warn_of_log(d.log, run);
     out.push_back(std::move(d));
   }
   return out;

@@ -38,7 +38,7 @@ std::optional<std::string> given(const std::string& option, const std::vector<st
                                  const std::string& path);
 /// --height-of, --speed-of.
 void set_throw(const CalibrateArguments& arguments, const std::string& path, landing::Drop& thrown);
-void warn_of_early_rows(const landing::DropLog& log, Run& run);
+void warn_of_log(const landing::DropLog& log, Run& run);
 
 int calibrate_body(const CalibrateArguments& arguments, const CommonOptions& common);
 

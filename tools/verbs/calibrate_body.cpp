@@ -31,7 +31,7 @@ std::vector<BodyLoggedDrop> read_drops(const std::vector<std::string>& paths, co
     const auto own = given("--motion-of", a.motion_of, path);
     d.motion = own ? motion_at(*own, scene, run) : motion ? *motion : held_posture(scene);
     set_throw(a, path, d.thrown);
-    warn_of_early_rows(d.log, run);
+    warn_of_log(d.log, run);
     out.push_back(std::move(d));
   }
   return out;
