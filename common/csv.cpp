@@ -114,6 +114,20 @@ int CsvTable::require(const std::string& name) const {
   return c;
 }
 
+std::vector<std::pair<std::size_t, std::string>> CsvTable::near_misses(
+    const std::function<bool(const std::string& name)>& read, const std::vector<std::string>& missing) const {
+  std::vector<std::pair<std::size_t, std::string>> out;
+  for (std::size_t c = 0; c < header.size(); ++c)
+    if (std::string near = read(header[c]) ? "" : hint(header[c], missing); !near.empty())
+      out.emplace_back(c, std::move(near));
+  return out;
+}
+
+void CsvTable::refuse_unread(std::size_t column, const std::string& hint) const {
+  throw InputError({file, header_line, header_column[column]},
+                   "column " + quoted(header[column]) + ": it is not read" + hint);
+}
+
 void CsvTable::require_full(int column) const {
   const auto c = std::size_t(column);
   for (std::size_t i = 0; i < rows(); ++i)

@@ -45,6 +45,11 @@ struct CsvTable {
   void require_full(int column) const;
   /// Throws InputError where `t`, the column in seconds, has a time_fault.
   void require_increasing(int column, const std::vector<double>& t) const;
+  /// Columns that are not `read` and look like one of `missing`: their index, and the hint that says which.
+  std::vector<std::pair<std::size_t, std::string>> near_misses(const std::function<bool(const std::string& name)>& read,
+                                                               const std::vector<std::string>& missing) const;
+  /// Throws InputError at the name of a column that is not read.
+  [[noreturn]] void refuse_unread(std::size_t column, const std::string& hint) const;
 };
 
 /// kAsEmpty takes "nan" for an empty cell: some programs export it for "no value".

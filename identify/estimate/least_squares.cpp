@@ -301,7 +301,7 @@ std::vector<bool> pressed(const LeastSquaresProblem& problem, const std::deque<B
 std::string reason(const ceres::Solver::Summary& s, const Watch& watch, int most) {
   if (watch.crawls) return "the cost falls too slowly: its minimum is at an edge";
   if (s.termination_type == ceres::NO_CONVERGENCE) return fmt::format("{} iterations were done", most);
-  if (s.termination_type == ceres::USER_SUCCESS) return "it was ended before";
+  if (s.termination_type == ceres::USER_SUCCESS) return "it was stopped, or its work was spent";
   if (!s.IsSolutionUsable()) return "the model cannot be followed at the start";
   return s.message;
 }

@@ -148,16 +148,12 @@ std::vector<std::string> near_misses(const CsvTable& table, const ColumnMap& map
     std::transform(s.begin(), s.end(), s.begin(), [](unsigned char x) { return char(std::tolower(x)); });
     return s;
   };
-  for (std::size_t c = 0; c < table.header.size(); ++c) {
-    const std::string& column = table.header[c];
-    if (map.wants(column)) continue;
-    for (const std::string& name : missing)
-      if (lower(name) == lower(column))
-        throw InputError({table.file, table.header_line, table.header_column[c]},
-                         "column " + quoted(column) + ": it is not read (did you mean \"" + name + "\"?)");
-    if (const std::string near = hint(column, missing); !near.empty())
-      out.push_back("column " + quoted(column) + " is not read" + near);
-  }
+  const auto wants = [&](const std::string& column) { return map.wants(column); };
+  for (std::size_t c = 0; c < table.header.size(); ++c)
+    for (const std::string& name : wants(table.header[c]) ? std::vector<std::string>{} : missing)
+      if (lower(name) == lower(table.header[c])) table.refuse_unread(c, " (did you mean \"" + name + "\"?)");
+  for (const auto& [c, near] : table.near_misses(wants, missing))
+    out.push_back("column " + quoted(table.header[c]) + " is not read" + near);
   return out;
 }
 

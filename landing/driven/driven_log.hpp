@@ -37,8 +37,6 @@ struct Commands {
 /// Angle and rate of a joint, and of the motor behind a spring.
 struct JointStart {
   double phi = 0, dphi = 0, spring = 0;  ///< spring: phi_m - phi, the motor's rate is the joint's
-
-  bool operator==(const JointStart&) const = default;
 };
 
 /// Where a trial starts. A base that is not pinned stands so that the lowest contact is `height` over its surface [m]
@@ -49,8 +47,6 @@ struct DrivenStart {
   double x = 0, forward_speed = 0;         ///< of a free base: its first link's origin [m], [m/s]
   double pitch = 0, pitch_rate = 0;        ///< and its absolute angle [rad], [rad/s]
   std::optional<std::array<double, 2>> y;  ///< [m], [m/s]
-
-  bool operator==(const DrivenStart&) const = default;
 };
 
 /// How far a robot on a rail reaches below its base, along the rail, at each row of joint angles (of Robot::joints)

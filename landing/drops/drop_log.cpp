@@ -33,22 +33,22 @@ std::vector<Column> columns_of(const std::vector<DropChannel>& channels) {
   return out;
 }
 
-/// What is not read and looks like a column that is in none, or is one of another robot.
+/// What is not read and is a column of another robot, or looks like one that is missing.
 std::vector<std::string> notes_of(const CsvTable& table, const std::vector<Column>& columns) {
   const auto is_one_of = [](const std::vector<Column>& list, const std::string& name) {
     return std::any_of(list.begin(), list.end(), [&](const Column& c) { return c.name == name; });
   };
+  const std::vector<Column> of_paper = columns_of(thigh_channels());
   std::vector<std::string> missing, out;
   for (const Column& c : columns)
     if (table.find(c.name) < 0) missing.push_back(c.name);
-  for (const std::string& name : table.header) {
-    if (is_one_of(columns, name)) continue;
-    const bool of_paper = is_one_of(columns_of(thigh_channels()), name);
-    const std::string near = of_paper
-                                 ? ": of a robot of links x_LINK, y_LINK are of a link's origin, theta_LINK its angle"
-                                 : hint(name, missing);
-    if (!near.empty()) out.push_back("column " + quoted(name) + " is not read" + near);
-  }
+  for (const std::string& name : table.header)
+    if (!is_one_of(columns, name) && is_one_of(of_paper, name))
+      out.push_back("column " + quoted(name) +
+                    " is not read: of a robot of links x_LINK, y_LINK are of a link's origin, theta_LINK its angle");
+  const auto known = [&](const std::string& name) { return is_one_of(columns, name) || is_one_of(of_paper, name); };
+  for (const auto& [c, near] : table.near_misses(known, missing))
+    out.push_back("column " + quoted(table.header[c]) + " is not read" + near);
   return out;
 }
 

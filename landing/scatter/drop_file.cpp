@@ -109,13 +109,10 @@ void refuse_near_misses(const CsvTable& table, const std::vector<std::string>& k
   std::vector<std::string> missing;
   for (const std::string& name : known)
     if (table.find(name) < 0 && name.size() > kShort) missing.push_back(name);
-  for (std::size_t c = 0; c < table.header.size(); ++c) {
-    const std::string& column = table.header[c];
-    if (column.size() <= kShort || std::find(known.begin(), known.end(), column) != known.end()) continue;
-    if (const std::string near = hint(column, missing); !near.empty())
-      throw InputError({table.file, table.header_line, table.header_column[c]},
-                       "column " + quoted(column) + ": it is not read" + near);
-  }
+  const auto other = [&](const std::string& column) {
+    return column.size() <= kShort || std::find(known.begin(), known.end(), column) != known.end();
+  };
+  for (const auto& [c, near] : table.near_misses(other, missing)) table.refuse_unread(c, near);
 }
 
 }  // namespace

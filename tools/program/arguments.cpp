@@ -73,6 +73,11 @@ Assignment assignment(const std::string& option, const std::string& item) {
   return {item.substr(0, equals), item.substr(equals + 1)};
 }
 
+void set_once(const std::string& option, const std::string& given, const std::string& name, double value,
+              std::map<std::string, double>& to) {
+  if (!to.emplace(name, value).second) throw InputError(option + ": " + quoted(given) + ": named twice");
+}
+
 NamedPrior named_prior(const std::string& option, const std::string& item) {
   const std::size_t equals = item.rfind('='), colon = item.rfind(':');
   if (equals == std::string::npos || colon == std::string::npos || colon < equals)

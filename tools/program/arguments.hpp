@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,10 @@ struct Assignment {
   std::string name, value;
 };
 Assignment assignment(const std::string& option, const std::string& item);
+
+/// Puts a number into a list of options by its name. Throws InputError where it is there: `given` was named twice.
+void set_once(const std::string& option, const std::string& given, const std::string& name, double value,
+              std::map<std::string, double>& to);
 
 /// NAME=VALUE:STD.
 struct NamedPrior {

@@ -182,9 +182,7 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
                            const Bounds& errors = {}, const std::vector<std::string>& per_run = {}) {
   if (given.empty()) throw InputError("trials: at least one is needed");
   std::vector<RobotTrial> trials = controlled(given, controller);
-  std::vector<std::string> warnings;
-  for (const std::string& column : tools::leave_out_still(robot.scene.robot, trials))
-    warnings.push_back(tools::still_warning(column));
+  const std::vector<std::string> warnings = tools::leave_out_still(robot.scene.robot, trials);
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
   o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = profile;

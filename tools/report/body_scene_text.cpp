@@ -148,15 +148,14 @@ std::map<std::string, std::string> scene_files(const std::string& path, const Bo
   std::map<std::string, std::string> out;
   TomlEdit file(path);
   file.remove_table("uncertainty"), file.remove_table("verdict");
+  const bool apart = !scene.robot_file.empty();
   const std::string before = file.text();
   write_floor(scene.robot, scene.source, file);
-  bool changed = file.text() != before;
+  bool changed = !apart && file.text() != before;  // the robot's file
   const char* pitch = file.has({"drop"}, "pitch") ? "pitch" : "pitch_deg";
   const double unit = pitch == std::string("pitch") ? 1 : kDegrees;
   file.set({"drop"}, pitch, scene.drop.pitch * unit);
   move_drives(scene.robot, path, folder, file);
-  const bool apart = !scene.robot_file.empty();
-  changed = changed && !apart;
   TomlEdit other = apart ? TomlEdit(scene.robot_file) : file;
   const std::string given = drive_tables(scene, drives, file, other, folder);
   for (std::size_t i = 0; i < scene.robot.contacts.size(); ++i)

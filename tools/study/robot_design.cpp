@@ -111,12 +111,9 @@ identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<Rob
                                        const std::vector<RobotTrial>& candidates,
                                        const std::map<std::string, double>& noise) {
   const std::vector<DropChannel> channels = sensed_channels(robot.scene.robot);
-  for (std::size_t o = 0; o < channels.size() && !candidates.empty(); ++o)
-    if (noise.contains(channels[o].name) || noise.contains(kind_of(channels[o]))) {
-      in_hand.push_back(candidates.front());
-      in_hand.back().log.output[o] = {0};
-    }
   in_hand.insert(in_hand.end(), candidates.begin(), candidates.end());
+  for (std::size_t o = 0; o < channels.size() && !candidates.empty(); ++o)
+    if (noise.contains(channels[o].name) || noise.contains(kind_of(channels[o]))) in_hand.back().log.output[o] = {0};
   return robot_terms(robot, in_hand);
 }
 

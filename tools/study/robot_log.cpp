@@ -190,14 +190,10 @@ std::vector<std::string> leave_out_still(const Robot& robot, std::vector<RobotTr
         moves = moves || (std::isfinite(x) && x != first);
       }
     if (moves || !there) continue;
-    out.push_back(channels[o].name);
+    out.push_back(fmt::format("column {}: the same in every row, it is left out", quoted(channels[o].name)));
     for (RobotTrial& t : trials) t.log.output[o].clear();
   }
   return out;
-}
-
-std::string still_warning(const std::string& column) {
-  return fmt::format("column {}: the same in every row, it is left out", quoted(column));
 }
 
 std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& robot, const RobotLogOptions& options) {

@@ -190,8 +190,7 @@ std::vector<std::string> runs_of(const std::vector<RobotTrial>& trials) {
 }
 
 double number_of(const DrivenRobot& robot, const std::string& name) {
-  DrivenRobot copy{.scene = {}, .path = robot.path, .sensors = robot.sensors};
-  copy.scene.robot = robot.scene.robot;
+  DrivenRobot copy = robot;  // a sensor that is not told yet is put in
   const double* const beside = number_beside(copy, name);
   return beside ? *beside : design_number(robot.scene, name);
 }
@@ -349,8 +348,9 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
   return differentiate_by_differences(
       settings, difference, options_.threads,
       [&](const Settings& beside, const DropTerm& term, double) {
-        const std::optional<Posed> there = has(m, term) ? pose(m, beside) : here;
-        if (!has(m, term) || !there) return there ? followed : FollowedDrop{};
+        if (!has(m, term)) return followed;
+        const std::optional<Posed> there = pose(m, beside);
+        if (!there) return FollowedDrop{};
         if (const auto c = sensed_by(term); c && only_reads(robot_.scene.robot, *c)) {
           FollowedDrop out = followed;
           const std::string& name = channels_[*c].name;

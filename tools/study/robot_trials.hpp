@@ -72,10 +72,8 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing
                                           const RobotLogOptions& options);
 
 /// Takes away what a column says that says the same in every row of every trial, unless it is an angle or a place: of a
-/// sensor that is not there, or a contact that never touches. Names these columns.
+/// sensor that is not there, or a contact that never touches. A warning of each.
 std::vector<std::string> leave_out_still(const landing::Robot& robot, std::vector<RobotTrial>& trials);
-/// A warning of such a column.
-std::string still_warning(const std::string& column);
 
 /// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
 /// robot.gravity, command.delay, command.JOINT.KEY, sensor.COLUMN.gain and sensor.COLUMN.bias of what is logged,

@@ -71,8 +71,7 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
     for (const std::string& item : split(list)) {
       const auto [name, value] = assignment(option, item);
       const Named n = named(*o.terms.table, option, name, {kConstant});
-      if (!to.emplace(n.term, to_number(option, value) * n.unit).second)
-        throw InputError(option + ": " + quoted(name) + ": named twice");
+      set_once(option, name, n.term, to_number(option, value) * n.unit, to);
     }
   };
   bounds("--lower", a.lower, o.terms.lower);

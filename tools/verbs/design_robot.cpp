@@ -31,8 +31,7 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
   RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
   for (const std::string& item : split(a.noise)) {
     const Assignment one = assignment("--noise", item);
-    if (!options.noise.emplace(one.name, to_number("--noise", one.value)).second)
-      throw InputError("--noise: " + quoted(one.name) + ": named twice");
+    set_once("--noise", one.name, one.name, to_number("--noise", one.value), options.noise);
   }
   options.fit.terms = design_terms(robot, in_hand, next, options.noise);
   CalibrateArguments fit;

@@ -48,9 +48,8 @@ std::vector<std::string> term_names(const std::string& option, const std::string
 void parse_bounds(const std::string& option, const std::string& list, std::map<std::string, double>& bounds) {
   for (const std::string& item : split(list)) {
     const Assignment bound = assignment(option, item);
-    const std::string name = kConstantNames[constant_index(option, bound.name)];
-    if (!bounds.emplace(name, to_number(option, bound.value)).second)
-      throw InputError(option + ": " + quoted(bound.name) + ": named twice");
+    set_once(option, bound.name, kConstantNames[constant_index(option, bound.name)], to_number(option, bound.value),
+             bounds);
   }
 }
 

@@ -107,7 +107,7 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
   }
   for (const std::string& twice : given_twice(logs.files)) run.warn(twice);
   if (reading.measured == RobotLogOptions::Measured::kAngles)
-    for (const std::string& column : leave_out_still(robot.scene.robot, out)) run.warn(still_warning(column));
+    for (const std::string& still : leave_out_still(robot.scene.robot, out)) run.warn(still);
   return out;
 }
 
