@@ -1,6 +1,7 @@
 #include "landing/atlas/atlas_reader.hpp"
 
 #include <cmath>
+#include <numeric>
 
 #include "landing/atlas/atlas_table.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
@@ -26,14 +27,18 @@ struct AtlasReader::Table {
 };
 
 AtlasEntry AtlasReader::Table::best_of(std::span<const std::size_t> drops) {
+  const auto [low, high] = scene.search.phi;
+  const Coordinates hold = space.place(*space.holding(scene.release ? scene.release->phi : std::midpoint(low, high)));
   const AtlasTable::Found found = atlas.best_of(
-      drops, options.goal, [&](const Coordinates& values) { return space.unit(values); },
+      drops, hold, options.goal, [&](const Coordinates& values) { return space.unit(values); },
       [&](std::span<Candidate> points, Goal goal) { objective.evaluate(points, goal); });
   if (found.count == 0) return {};
   const DrivenMotion play = objective.play(found.points[0]);
   AtlasEntry out{.motion = play.motion, .sea = play.sea, .values = space.values(found.points[0].u)};
-  out.value = found.points[0].value, out.drop = found.best_drop(), out.inside = out.found = true;
-  for (std::size_t k = 0; k < found.count; ++k) out.around[out.count++] = space.values(found.points[k].u);
+  out.value = found.points[0].value, out.drop = found.drop[0], out.holds = found.holds(0);
+  out.inside = out.found = true;
+  for (std::size_t k = 0; k < found.count; ++k)
+    if (!found.holds(k)) out.around[out.count++] = space.values(found.points[k].u);
   return out;
 }
 

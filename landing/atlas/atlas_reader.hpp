@@ -8,7 +8,7 @@
 
 namespace ukemi::landing {
 
-/// What an atlas has for a drop.
+/// What an atlas has for a drop: by the goal no worse than holding the posture, as far as both were played in time.
 struct AtlasEntry {
   Motion motion{};
   SeaParameters<double> sea;  ///< the drive that plays it
@@ -19,6 +19,7 @@ struct AtlasEntry {
   std::size_t count = 0;
   double value = kNoMotion;  ///< AtlasReader::Options::goal at this very drop; kNoMotion: no time was left to play it
   std::uint64_t drop = ~std::uint64_t(0);  ///< of the grid, for which the motion was planned
+  bool holds = false;   ///< no motion around lands as softly as holding the posture: `motion` does; `drop` is none
   bool inside = false;  ///< false: the grid does not reach so far, or has no motion here, and this is the safest one
   bool found = false;   ///< false: nor has the atlas any motion that lands all its drops
 };
@@ -35,8 +36,7 @@ struct AtlasReaderOptions {
 class AtlasReader {
  public:
   using Options = AtlasReaderOptions;
-  /// Opens the file; all memory is taken here. Throws InputError for what is no whole atlas, and where it was
-  /// planned for other motions, another robot, floor or drive than these.
+  /// Takes all memory. Throws InputError where the file is no whole atlas of these motions, robot, floor and drive.
   AtlasReader(const std::string& path, const Scene&, const SeaParameters<double>& sea, const Options& options = {});
   ~AtlasReader();
   /// Allocates nothing, starts no thread. A vertical speed counts as the height that makes it, a pitch rate as the

@@ -50,7 +50,7 @@ AtlasTable::Drops AtlasTable::safest() const {
 }
 
 void AtlasTable::sort(Found& f) {
-  std::array<std::size_t, kCorners> by{};
+  std::array<std::size_t, kCorners + 1> by{};
   for (std::size_t k = 0; k < f.count; ++k) by[k] = k;
   std::sort(by.begin(), by.begin() + long(f.count),
             [&](auto a, auto b) { return f.points[a].value < f.points[b].value; });

@@ -24,10 +24,18 @@ class AtlasTable {
   };
   /// Motions of the table at the drop at hand, the best first.
   struct Found {
-    std::array<Candidate, kCorners> points;
-    std::array<std::size_t, kCorners> drop{};  ///< for which each was planned
+    std::array<Candidate, kCorners + 1> points;
+    std::array<std::uint64_t, kCorners + 1> drop{};  ///< for which each was planned; kNoDrop: what holds the posture
     std::size_t count = 0;
-    std::uint64_t best_drop() const { return count > 0 ? drop[0] : SafestMotion::kNoDrop; }
+    bool holds(std::size_t k) const { return drop[k] == SafestMotion::kNoDrop; }
+    void add(const Coordinates& u, std::uint64_t planned_for) { points[count].u = u, drop[count++] = planned_for; }
+    /// From place k to an earlier one; those between move up.
+    void move(std::size_t k, std::size_t to) {
+      const auto rotate = [&](auto& a) {
+        std::rotate(a.begin() + long(to), a.begin() + long(k), a.begin() + long(k) + 1);
+      };
+      rotate(points), rotate(drop);
+    }
   };
 
   /// Opens the file. Throws InputError for what is no whole atlas, and where it was planned for other motions or on
@@ -41,21 +49,25 @@ class AtlasTable {
   /// The motion that is the safest; none where there is none.
   Drops safest() const;
 
-  /// Evaluates by peaks all motions of the drops first; then, where the goal asks for more, one after the other, the
-  /// best first. `unit(values)`: a motion's place; `evaluate(points, goal)`: as Objective::evaluate. Allocates nothing.
+  /// Evaluates by peaks all motions of the drops, and `hold`, which holds the posture; then, where the goal asks for
+  /// more, one after the other, the best first: `hold` comes second, for time may end. `unit(values)`: a motion's
+  /// place; `evaluate(points, goal)`: as Objective::evaluate. Allocates nothing.
   template <class Unit, class Evaluate>
-  Found best_of(std::span<const std::size_t> drops, Goal goal, Unit&& unit, Evaluate&& evaluate) const {
+  Found best_of(std::span<const std::size_t> drops, const Coordinates& hold, Goal goal, Unit&& unit,
+                Evaluate&& evaluate) const {
     Found out;
     for (const std::size_t i : drops) {
       const AtlasCell& cell = file_.cells()[i];
       if (!cell.planned()) continue;
-      out.points[out.count].u = unit(cell.coordinates(int(header().variables)));
-      out.drop[out.count++] = i;
+      out.add(unit(cell.coordinates(int(header().variables))), i);
     }
     if (out.count == 0) return out;
+    out.add(hold, SafestMotion::kNoDrop);
     evaluate(std::span(out.points).first(out.count), Goal::kPeak);
     sort(out);
     if (goal != Goal::kTolerant) return out;
+    for (std::size_t k = 2; k < out.count; ++k)
+      if (out.holds(k)) out.move(k, 1);
     std::size_t best = 0;
     double bound = kNoMotion;
     for (std::size_t k = 0; k < out.count; ++k) {
@@ -66,8 +78,7 @@ class AtlasTable {
       if (p.value < bound) bound = p.value, best = k;
     }
     out.points[best].value = bound;
-    std::rotate(out.points.begin(), out.points.begin() + long(best), out.points.begin() + long(best) + 1);
-    std::rotate(out.drop.begin(), out.drop.begin() + long(best), out.drop.begin() + long(best) + 1);
+    out.move(best, 0);
     return out;
   }
 

@@ -26,11 +26,12 @@ struct BodyAtlasReader::Table {
 BodyAtlasEntry BodyAtlasReader::Table::best_of(const BodyScene& here, std::span<const std::size_t> drops,
                                                const Stopwatch& watch) const {
   const BodySpace space(here);
+  const auto motion = [&](const Coordinates& u) { return u.size() == 0 ? held_posture(here) : space.motion(u); };
   const std::function<bool()> over = [&] { return watch.seconds() > options.deadline; };
   const auto evaluate = [&](std::span<Candidate> points, Goal goal) {
     const BodyGoal by = goal == Goal::kTolerant ? execution_box(here, true) : own_drop(here);
     std::vector<Valuation> played;
-    for (const Candidate& p : points) played.emplace_back(by, space.motion(p.u), p.bound);
+    for (const Candidate& p : points) played.emplace_back(by, motion(p.u), p.bound);
     play(played, here.robot, options.accuracy, 1, &over);
     for (std::size_t k = 0; k < points.size(); ++k) points[k].value = played[k].value();
   };
@@ -39,12 +40,13 @@ BodyAtlasEntry BodyAtlasReader::Table::best_of(const BodyScene& here, std::span<
     const BodySpace without(scene);
     return space.unit(without.motion(without.unit(values)));
   };
-  const AtlasTable::Found found = atlas.best_of(drops, options.goal, unit, evaluate);
+  const AtlasTable::Found found = atlas.best_of(drops, {}, options.goal, unit, evaluate);
   BodyAtlasEntry out;
   if (found.count == 0) return out;
-  for (std::size_t k = 0; k < found.count; ++k) out.starts.push_back(space.motion(found.points[k].u));
-  out.motion = out.starts[0], out.value = found.points[0].value, out.drop = found.best_drop();
-  out.inside = out.found = true;
+  for (std::size_t k = 0; k < found.count; ++k)
+    if (!found.holds(k)) out.starts.push_back(motion(found.points[k].u));
+  out.motion = motion(found.points[0].u), out.value = found.points[0].value;
+  out.drop = found.drop[0], out.holds = found.holds(0), out.inside = out.found = true;
   return out;
 }
 

@@ -10,13 +10,13 @@
 
 namespace ukemi::landing {
 
-/// What an atlas has for a fall of a robot of links; value, drop, inside and found as AtlasEntry's.
+/// What an atlas has for a fall of a robot of links; the others as AtlasEntry's.
 struct BodyAtlasEntry {
   BodyMotion motion;
   std::vector<BodyMotion> starts;  ///< the motions around, the best first, for BodyPlanner::start
   double value = kNoMotion;
   std::uint64_t drop = ~std::uint64_t(0);
-  bool inside = false, found = false;
+  bool holds = false, inside = false, found = false;
   std::string wrong;  ///< what was measured and cannot be, and its rule: nothing is found then
 };
 

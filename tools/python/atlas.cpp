@@ -198,7 +198,8 @@ class PythonBodyReader {
       return reader_.at(drop);
     }();
     py::dict out;
-    out["found"] = e.found, out["inside"] = e.inside, out["wrong"] = e.wrong, out["goal"] = goal_;
+    out["found"] = e.found, out["inside"] = e.inside, out["holds"] = e.holds, out["wrong"] = e.wrong,
+    out["goal"] = goal_;
     out["motions"] = e.found ? py::object(by_joint(scene_.robot, e.motion)) : py::none();
     out["value"] = e.found ? py::cast(e.value) : py::none();
     return out;
@@ -228,7 +229,8 @@ void bind_body_reader(py::module_& m) {
           },
           py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
           "For a drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s]. A dict of found, inside (the "
-          "grid reaches so far), motions (by joint), value (the goal at this very drop [m/s^2]), goal and wrong.");
+          "grid reaches so far), holds (no motion around is softer than the held posture), motions (by joint), value "
+          "(the goal at this very drop [m/s^2]), goal and wrong.");
 }
 
 void bind_reader(py::module_& m) {
@@ -239,6 +241,9 @@ void bind_reader(py::module_& m) {
       .def_property_readonly(
           "inside", [](const NamedEntry& e) { return e.entry.inside; },
           "Whether the grid reaches so far; else the motion is the one that is safest over all drops.")
+      .def_property_readonly(
+          "holds", [](const NamedEntry& e) { return e.entry.holds; },
+          "Whether no motion around lands as softly as holding the posture: the motion does.")
       .def_property_readonly(
           "motion",
           [](const NamedEntry& e) {

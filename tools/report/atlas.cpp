@@ -195,7 +195,9 @@ int report(const AskedAtlas& a, Run& run) {
     const std::string said = fmt::format("{}: {} {:.4g} {}, peak {} m/s^2; held {}", a.motion_words, a.goal, a.value,
                                          a.unit, peak_words(a.peak), peak_words(a.held));
     run.say(said), page.paragraph(said + ".");
-    summary["planned_for"] = drop_json(a.planned);
+    if (a.holds) run.warn("no motion of the drops around lands as softly here as the held posture: that is the answer");
+    if (!a.holds) summary["planned_for"] = drop_json(a.planned);
+    summary["holds"] = a.holds;
     summary["motion"] = a.motion, summary["objective"] = a.goal, summary["goal"] = a.value;
     summary["peak_acceleration"] = a.peak, summary["hold"] = {{"peak_acceleration", a.held}};
     run.add("motion.toml", a.motion_toml);

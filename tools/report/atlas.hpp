@@ -30,6 +30,7 @@ struct AskedAtlas {
   landing::Drop drop;     ///< that was asked for
   landing::Drop planned;  ///< of the grid, for which the motion was planned
   bool inside = false, found = false;
+  bool holds = false;          ///< nothing around lands as softly as the held posture: `planned` has no say
   std::string goal;            ///< by which the motions around were compared
   double value = 0;            ///< of it at this drop
   std::string unit = "m/s^2";  ///< of that

@@ -27,9 +27,9 @@ struct Asked {
 
 template <class Entry>
 AskedAtlas found_of(const std::string& name, const Drop& drop, const Entry& entry, const Asked& a) {
-  AskedAtlas out{.scene = name, .drop = drop, .inside = entry.inside, .found = entry.found};
+  AskedAtlas out{.scene = name, .drop = drop, .inside = entry.inside, .found = entry.found, .holds = entry.holds};
   out.goal = a.goal == Goal::kPeak ? "peak" : "tolerant peak", out.value = entry.value;
-  if (entry.found) out.planned = MappedAtlas(a.atlas).header().grid.drop(entry.drop);
+  if (entry.found && !entry.holds) out.planned = MappedAtlas(a.atlas).header().grid.drop(entry.drop);
   return out;
 }
 
@@ -59,7 +59,8 @@ int ask_two_link(const Asked& a, Run& run) {
   const AtlasEntry entry = reader.at(scene.drop);
   AskedAtlas out = found_of(scene.name, scene.drop, entry, a);
   if (!entry.found) return report(out, run);
-  out.peak = simulate(scene, entry.sea, entry.motion).peak, out.held = simulate(scene, sea, kHeld).peak;
+  out.peak = simulate(scene, entry.sea, entry.motion).peak;
+  out.held = entry.holds ? out.peak : simulate(scene, sea, kHeld).peak;
   out.motion = motion_json(entry.motion), out.motion_words = motion_words(entry.motion);
   out.motion_toml = to_toml(entry.motion, run.provenance_text());
   return report(out, run);
