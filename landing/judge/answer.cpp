@@ -188,15 +188,20 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
                            .work = always ? kUnbounded : kCheckWork,
                            .monitor = options.evidence_monitor});
     if (a.evidence->complete) {
-      if (std::isnan(best.held->tolerant))
-        best.held->tolerant = tolerant_peak(scene, actuator.sea, best.held->motion, {.accuracy = searched.accuracy}, 0,
-                                            searched.seed, searched.threads)
-                                  .value;
       a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
       if (a.scattered) a.nominal = nominal_plan(a, options.evidence_monitor);
       if (drops.scatters() && !searched.monitor.stopped()) a.under_scatter = judged_under_scatter(drops, a, searched);
       if (a.under_scatter && !a.under_scatter->complete) a.under_scatter.reset(), a.nominal.reset();
       if (a.scattered) a.promised = promised(a, searched);
+      if (a.scattered && a.under_scatter && !scene.release) {  // the check looks for a posture longer than the search
+        const double phi = a.under_scatter->posture_phi;
+        best.held = Held{{phi, phi, kHeld.duration}, a.under_scatter->posture_value};
+        a.held = timetable.play(best.held->motion);
+      }
+      if (std::isnan(best.held->tolerant))
+        best.held->tolerant = tolerant_peak(scene, actuator.sea, best.held->motion, {.accuracy = searched.accuracy}, 0,
+                                            searched.seed, searched.threads)
+                                  .value;
     }
     a.evidence_seconds = watch.seconds();
     if (searched.deadline && a.evidence->tolerant.complete) best.tolerant = a.evidence->tolerant;

@@ -121,12 +121,13 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
     const double from = low;
     for (int i = 0; i < kGrid && !play.stopped(); ++i) {
       std::vector<double> of_posture = play.peaks(held(from + step * i), first_drops, limits);
-      const double mean = Measure{}.of(of_posture);
-      if (mean < best) best = mean, out.posture_phi = from + step * i;
+      const double value = options.measure.of(of_posture);
+      if (value < best) best = value, out.posture_phi = from + step * i;
     }
     low = std::max(low, out.posture_phi - step), high = std::min(high, out.posture_phi + step);
   }
-  out.posture = distribution(play.peaks(held(out.posture_phi), drops, limits));
+  std::vector<double> of_posture = play.peaks(held(out.posture_phi), drops, limits);
+  out.posture = distribution(of_posture), out.posture_value = options.measure.of(of_posture);
   out.complete = !play.stopped();
   return out;
 }

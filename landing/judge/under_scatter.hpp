@@ -50,12 +50,13 @@ struct UnderScatterOptions {
 
 struct UnderScatter {
   Distribution planned, held, posture;
-  Estimated measured;      ///< UnderScatterOptions::measure of the planned motion
-  double posture_phi = 0;  ///< the posture whose mean peak is the smallest [rad]
-  long broken = 0;         ///< drops in which the motion broke a limit; each counts as the penalty
-  long lost = 0;           ///< in which its drive lost the joint, see LandingPeak::joint_lost
-  long from_floor = 0;     ///< that would begin below the floor: they begin on it
-  bool complete = false;   ///< false where it was stopped
+  Estimated measured;        ///< UnderScatterOptions::measure of the planned motion
+  double posture_phi = 0;    ///< the best posture to hold by that measure [rad]
+  double posture_value = 0;  ///< the measure of it [m/s^2]
+  long broken = 0;           ///< drops in which the motion broke a limit; each counts as the penalty
+  long lost = 0;             ///< in which its drive lost the joint, see LandingPeak::joint_lost
+  long from_floor = 0;       ///< that would begin below the floor: they begin on it
+  bool complete = false;     ///< false where it was stopped
 
   std::optional<Distribution> nominal;  ///< of UnderScatterOptions::nominal
   std::vector<PeakBin> histogram;       ///< of the planned motion, and of the nominal one; finite peaks alone

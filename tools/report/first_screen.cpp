@@ -106,7 +106,8 @@ FirstScreen first_screen(const landing::Answer& a) {
   if (a.under_scatter) {
     const landing::UnderScatter& u = *a.under_scatter;
     out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
-    out.checks.push_back(under_scatter_check(u.planned.cvar90.value, u.held.cvar90.value));
+    out.checks.push_back(
+        under_scatter_check(u.planned.cvar90.value, std::min(u.held.cvar90.value, u.posture.cvar90.value)));
   } else {
     out.checks.push_back({State::kUnknown, "holds under scatter", "not played"});
   }

@@ -192,6 +192,11 @@ void report_scatter(const Answer& a, Run& run) {
                     "deg {}: doing nothing is safer{}",
                     short_peak_words(worst), held_words(), short_peak_words(u.held.cvar90.value), posture,
                     short_peak_words(u.posture.cvar90.value), cvar ? "" : "; --robust cvar plans for that"));
+  if (a.scattered && u.measured.value > u.posture_value)
+    run.warn(
+        fmt::format("over the scattered drops holding at {:.1f} deg is better by what was asked for: {} m/s^2, the "
+                    "motion {}",
+                    posture, short_peak_words(u.posture_value), short_peak_words(u.measured.value)));
 }
 
 }  // namespace ukemi::tools
