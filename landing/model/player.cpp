@@ -20,10 +20,9 @@ bool Player::released(double t) noexcept {
 }
 
 bool Player::touchdown(double t) noexcept {
-  if (!std::isfinite(t) || touchdown_ || (released_ && t < *released_)) return false;
+  if (!std::isfinite(t) || touchdown_ || !released_ || t < *released_) return false;
   touchdown_ = t;
-  const double since = released_ ? t - *released_ : 0;
-  for (std::size_t i = 0; i < motions_.size(); ++i) landings_[i] = started_at(motions_[i], since);
+  for (std::size_t i = 0; i < motions_.size(); ++i) landings_[i] = started_at(motions_[i], t - *released_);
   return true;
 }
 

@@ -49,6 +49,7 @@ class BodySearch {
   BodySearch(const BodyScene& scene, const BodyPlanOptions& options, BodyPlan& out)
       : scene_(scene),
         options_(options),
+        judging_options_(options),
         space_(scene),
         out_(out),
         evaluations_(
@@ -83,6 +84,8 @@ class BodySearch {
     land_held();
     set_goals();
     judge_held();
+    if (options_.deadline) share_out();
+    if (!options_.starts.empty()) offer(Candidate{space_.unit(options_.starts[0])});  // no answer is worse
     BodyGoal first_look = own_drop(scene_);
     if (options_.measure)  // the mean of a few: the deepest place of one drop is often a cliff
       first_look = {{}, {final_.drops.begin(), final_.drops.begin() + long(std::min(kFewDrops, final_.drops.size()))}};
@@ -101,6 +104,8 @@ class BodySearch {
   static constexpr double kApart = 0.03;                 // in parts of the box
   static constexpr double kNarrow = 0.05;                // a distribution's first width beside a good place
   static constexpr double kReserve = 4;                  // accurate landings that a deadline keeps back
+  static constexpr double kMostReserved = 0.4;           // of the deadline, for judging
+  static constexpr double kSlower = 2;                   // at most, than the held posture, is a motion judged
   static constexpr double kFirstLook = 0.35;             // of the budget: on the scene's own drop
   static constexpr std::size_t kFewDrops = 8;            // of the first look under scatter
   static constexpr std::size_t kJudged = 5;              // of the best, where many drops judge
@@ -119,7 +124,8 @@ class BodySearch {
 
   double share() const {
     const double motions = double(spent_) / double(evaluations_);
-    return options_.deadline ? std::max(motions, watch_.seconds() / (*options_.deadline - reserve_)) : motions;
+    if (!options_.deadline) return motions;
+    return std::max(motions, (watch_.seconds() - begin_) / (*options_.deadline - reserve_ - begin_));
   }
   /// What a motion costs of the evaluations, where all its landings are played.
   long cost() const { return options_.measure ? long(goal_->drops.size()) : 1; }
@@ -162,7 +168,8 @@ class BodySearch {
       const Judged held = judged(judge_, out_.hold, options_);
       out_.held_value = held.value, out_.held_keeps_limits = held.keeps_limits;
       spent_ += options_.measure ? long(judge_.drops.size()) : 0;
-      if (options_.deadline) reserve_ += double(kJudged) * (watch_.seconds() - begin);
+      judging_ = watch_.seconds() - begin;
+      if (options_.deadline) reserve_ += double(kJudged) * judging_;
     }
     if (!(out_.held_value < kNoMotion) || !out_.held_keeps_limits) return;
     out_.motion = out_.hold, out_.landing = out_.held, out_.value = out_.held_value, out_.found = true;
@@ -181,7 +188,7 @@ class BodySearch {
     std::vector<Valuation> motions = valuations(*goal_, points.first(allowed));
     play(motions, scene_.robot, kSearchAccuracy, options_.threads, &stop);
     for (std::size_t i = 0; i < allowed; ++i) points[i].value = motions[i].value();
-    if (goal_->single() && !judge_.single()) check_limits(points.first(allowed), stop);
+    if (goal_->single() && !judge_.single() && scene_.limited()) check_limits(points.first(allowed), stop);
     for (std::size_t i = 0; i < allowed; ++i) {
       spent_ += options_.measure ? motions[i].played() : 1;
       if (points[i].value <= points[i].bound && points[i].value < kNoMotion) keep(points[i]);
@@ -299,21 +306,34 @@ class BodySearch {
       if (p.value < kNoMotion) basins_.add(p);
   }
 
+  /// What is left of the deadline: so much for judging, at the search's accuracy where a tighter one takes longer.
+  void share_out() {
+    begin_ = watch_.seconds();
+    const double most = kMostReserved * std::max(0.0, *options_.deadline - begin_);
+    if (reserve_ <= most) return;
+    reserve_ = most, judging_options_.accuracy = std::max(options_.accuracy, kSearchAccuracy);
+  }
+  /// Takes a motion for the answer where it is better, at a tight accuracy, than what is known.
+  void offer(const Candidate& p) {
+    const BodyMotion motion = space_.motion(p.u);
+    const Judged result = judge_.single() ? Judged{0, true} : judged(judge_, motion, judging_options_);
+    double value = result.value;
+    if (!result.keeps_limits || (out_.found && !(value < out_.value))) return;
+    const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
+    if (judge_.single()) value = worth(scene_, l);
+    if (no_landing(l.end) || (out_.found && !(value < out_.value))) return;
+    out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true, out_.edges = space_.edges(p.u);
+  }
   /// The best few at a tight accuracy: many a best stands on a cliff. Those of a measure on other drops.
   void judge() {
     std::size_t n = 0;
     for (const Candidate& p : best_) {
       if (out_.found && !options_.measure && !(p.value < out_.value)) break;  // those behind it are no better
       if (options_.measure && n++ >= kJudged) break;
-      if (options_.deadline && out_.value < out_.held_value && watch_.seconds() > *options_.deadline) break;
-      const BodyMotion motion = space_.motion(p.u);
-      const Judged result = judge_.single() ? Judged{0, true} : judged(judge_, motion, options_);
-      double value = result.value;
-      if (!result.keeps_limits || (out_.found && !(value < out_.value))) continue;
-      const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
-      if (judge_.single()) value = worth(scene_, l);
-      if (no_landing(l.end) || (out_.found && !(value < out_.value))) continue;
-      out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true, out_.edges = space_.edges(p.u);
+      if (options_.deadline && out_.value < out_.held_value &&
+          watch_.seconds() + kSlower * judging_ > *options_.deadline)
+        break;
+      offer(p);
     }
     if (!out_.found)
       out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
@@ -332,6 +352,7 @@ class BodySearch {
 
   const BodyScene& scene_;
   const BodyPlanOptions& options_;
+  BodyPlanOptions judging_options_;  ///< of the best few
   const BodySpace space_;
   BodyPlan& out_;
   const long evaluations_;
@@ -342,6 +363,8 @@ class BodySearch {
   Stopwatch watch_{Stopwatch::Time::kWall};
   Coordinates refined_;  ///< the last place that gradients were followed from
   double reserve_ = 0;   ///< [s]
+  double begin_ = 0;     ///< of the search [s]
+  double judging_ = 0;   ///< what the held posture took, where many landings judge [s]
   long spent_ = 0;
 };
 

@@ -83,7 +83,7 @@ struct Planner::Search {
   std::vector<Drop> beside;        ///< each drop, less the planned one
   Objective objective;
   AutoSearch search;
-  std::optional<MotionValues> last;          ///< the last plan in the air, its move's end counted from release
+  std::optional<MotionValues> last;          ///< the last plan, the end of its move in the air counted from release
   std::array<MotionValues, kStarts> starts;  ///< see `start`
   std::size_t given = 0;                     ///< how many of them the next plan starts from
 };
@@ -124,9 +124,14 @@ Plan Planner::Search::plan(double deadline, std::uint64_t seed) {
   const double seconds = deadline - verification_time(deadline, objective.landing_time());
   landing::Search spent(objective, {.seconds = seconds}, seed);
   spent.hints = std::span(places).first(std::exchange(given, 0));
+  if (!spent.hints.empty() || last) {  // no answer is worse than what is known
+    Candidate known{spent.hints.empty() ? space->unit(*last) : spent.hints[0]};
+    spent.evaluate({&known, 1});
+  }
   search.run(spent);
   const long searched = objective.motions() - before;
   const Candidate best = spent.judge(options.verified, deadline);
+  if (best.value < kNoMotion) last = space->values(best.u);
   const DrivenMotion play = objective.play(best);
   return {best.value < kNoMotion ? Plan::Status::kFound : Plan::Status::kNothing,
           play.motion,
@@ -149,9 +154,7 @@ Plan Planner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
   if (const char* wrong = fault_of(drop, deadline)) return refused(wrong);
   Search& s = *search_;
   s.scene.drop = drop;
-  const Plan out = s.plan(deadline, seed);
-  if (out.found() && s.in_air && s.scene.release) s.last = s.in_air->values_of(out.motion);
-  return out;
+  return s.plan(deadline, seed);
 }
 
 void Planner::start(std::span<const MotionValues> values) {
@@ -179,7 +182,7 @@ Plan Planner::plan(const FallState& state, double deadline, std::uint64_t seed) 
     start(*s.last);
   for (std::size_t i = 0; i < s.given; ++i) s.starts[i][to] -= state.elapsed;
   const Plan out = s.plan(deadline, seed);
-  if (out.found()) s.last = s.in_air->values_of(out.motion), (*s.last)[to] += state.elapsed;
+  if (out.found()) (*s.last)[to] += state.elapsed;
   return out;
 }
 

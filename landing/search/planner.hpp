@@ -74,8 +74,8 @@ class Planner {
 
   /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0 and finite;
   /// the answer comes 3 ms after it at most, however stiff the scene: landings are cut off). No worse than the best
-  /// posture to hold that is known by then, see Search::held. Whatever was measured, it throws nothing: see
-  /// Plan::Status.
+  /// posture to hold that is known by then, see Search::held, and than the last plan is here, or the first of `start`.
+  /// Whatever was measured, it throws nothing: see Plan::Status.
   [[nodiscard]] Plan plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
   /// `plan` for a robot in the air, whose reference stands at `state.phi` until the deadline and can move from then
   /// on. The release stays for later calls. Throws InputError where the scene has no [release], whatever was measured.

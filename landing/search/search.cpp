@@ -37,7 +37,9 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
 }
 
 void Search::hold() {
-  constexpr int kRounds = 2, kPostures = 16;
+  constexpr int kRounds = 2, kMany = 64, kFew = 16;  // postures: the best one's valley is narrow
+  constexpr std::size_t kJudged = 3;
+  constexpr double kApart = 0.1;
   const Scene& scene = objective_.scene();
   const MotionSpace& space = objective_.space();
   auto [low, high] = scene.search.phi;
@@ -48,19 +50,23 @@ void Search::hold() {
   judge_held(held_);
   objective_.grant_time(0);
   if (scene.release) return;
-  // Postures on a grid by the peak, then between the best one's neighbours; the best of all is judged.
-  std::array<Candidate, kPostures> postures;
-  Candidate best = none_;
-  for (int round = 0; round < kRounds && budget_.hold * most() > (round + 1) * kPostures; ++round) {
-    const double step = (high - low) / (kPostures - 1), from = low;
-    for (int i = 0; i < kPostures; ++i) postures[std::size_t(i)] = holding(from + i * step);
+  // Postures on a grid by the peak, then between the best one's neighbours; the best few that lie apart are judged.
+  const auto allowed = [&](int postures) { return budget_.hold * most() > postures; };
+  const int count = allowed(kRounds * kMany) ? kMany : kFew;
+  std::array<Candidate, kMany> memory;
+  const auto postures = std::span(memory).first(std::size_t(count));
+  Archive best(kJudged, kApart);
+  for (int round = 0; round < kRounds && allowed((round + 1) * count); ++round) {
+    const double step = (high - low) / (count - 1), from = low;
+    for (int i = 0; i < count; ++i) postures[std::size_t(i)] = holding(from + i * step);
     evaluate(postures, Goal::kPeak);
+    for (const Candidate& p : postures)
+      if (p.value < kNoMotion) best.add(p);
     const auto lowest = std::min_element(postures.begin(), postures.end());
     const double phi = from + double(lowest - postures.begin()) * step;
-    best = std::min(best, *lowest);
     low = std::max(low, phi - step), high = std::min(high, phi + step);
   }
-  if (best.value < kNoMotion) judge_held(best);
+  for (const Candidate& p : best) judge_held(p);
 }
 
 /// Judges a posture to hold, which may have been played for its peak already.

@@ -182,3 +182,19 @@ TEST_CASE("legs: a planner answers in the air, by the clock, whatever was measur
     CHECK(planner.plan(scene.drop, 0.1).found());
   }
 }
+
+TEST_CASE("legs: a planner that is asked again, in less time, answers no worse, and 400 motions find one") {
+  const Goal goal = GENERATE(Goal::kPeak, Goal::kTolerant);
+  const BodyScene scene = shipped("hopper");
+  BodyPlanner planner(scene, {.goal = goal});
+  const BodyAnswer first = planner.plan(scene.drop, 1);
+  REQUIRE(first.found());
+  for (const double deadline : {0.1, 0.05}) {
+    const BodyAnswer again = planner.plan(scene.drop, deadline, 2);
+    REQUIRE(again.found());
+    CHECK(again.plan.value <= first.plan.value * (1 + 1e-5));
+  }
+  // Found and judged without what is known, in motions rather than by the clock.
+  const BodyPlan small = plan(scene, {.goal = goal, .evaluations = 400});
+  CHECK(small.value < 0.7 * small.held_value);
+}

@@ -245,3 +245,14 @@ TEST_CASE("hold: a search of a single basin leaves the postures out") {
   CHECK(one.motions() == 0);
   CHECK(one.best().value == kNoMotion);
 }
+
+TEST_CASE("hold: the best posture to hold is that of a fine grid, narrow as its valley may be") {
+  const Scene scene = paper();
+  double best = kNoMotion;
+  for (double phi = -90; phi <= 0; phi += 0.25)
+    best = std::min(best, peak_acceleration(scene, table2().sea, {phi * kDegree, phi * kDegree, 1}).peak);
+  const Optimum found = optimize(scene, table2().sea, {.goal = Goal::kPeak, .evaluations = 3000});
+  REQUIRE(found.held);
+  CHECK(found.held->value <= best * 1.001);
+  CHECK(found.value < found.held->value);
+}

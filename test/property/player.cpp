@@ -71,6 +71,8 @@ TEST_CASE("player: whatever it is told, it holds a posture and throws nothing") 
   CHECK(p.end() == kInfinity);
   CHECK_FALSE(p.released(kNaN));
   CHECK_FALSE(p.touchdown(kInfinity));
+  CHECK_FALSE(p.touchdown(1));  // held in a hand, the foot bumps
+  CHECK(p.at(0, 1.2).phi == -0.8);
   REQUIRE(p.released(10));
   CHECK_FALSE(p.touchdown(9.9));
   for (const double t : {-1e300, 9.0, 10.0, 10.1, -kInfinity, kNaN}) CHECK(p.at(0, t).phi == -0.8);

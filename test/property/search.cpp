@@ -254,6 +254,18 @@ TEST_CASE("search: a planner in the air answers as the search does, time after t
   CHECK_THROWS_AS(at_phi_i.plan(falling(0), 0.1), InputError);
 }
 
+TEST_CASE("search: a planner that is asked again, in less time, answers no worse, whatever the goal") {
+  const Goal goal = GENERATE(Goal::kPeak, Goal::kTolerant, Goal::kRobust);
+  Planner planner(paper(), table2().sea, {.goal = goal, .under_scatter = {.measure = {Measure::Kind::kCvar}}});
+  const Plan first = planner.plan(paper().drop, 0.5);
+  REQUIRE(first.found());
+  for (const double deadline : {0.1, 0.05}) {
+    const Plan again = planner.plan(paper().drop, deadline, 2);
+    REQUIRE(again.found());
+    CHECK(again.value <= first.value * (1 + 1e-3));  // of places closer than the search tells apart one is kept
+  }
+}
+
 TEST_CASE("search: a planner under scatter allocates nothing either, on the ground and in the air") {
   Scene scene = scene_of("paper");
   scene.release = Release{-45 * kDegree};
