@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "common/degrees.hpp"
 #include "common/error.hpp"
 
 namespace ukemi::landing {
@@ -28,6 +30,10 @@ void AtlasGrid::validate() const {
     drops *= double(a.count);
   }
   if (axes[0].lower < 0) throw InputError(fmt::format("atlas: height: {}: at least 0 m is needed", axes[0].lower));
+  constexpr double kTurn = 2 * std::numbers::pi;
+  if (!(std::max(std::abs(axes[2].lower), std::abs(axes[2].upper)) <= kTurn))
+    throw InputError(fmt::format("atlas: pitch: {:.4g} to {:.4g} deg: within 360 deg, 2 pi, is needed",
+                                 axes[2].lower * kDegrees, axes[2].upper * kDegrees));
   if (drops > double(kMostDrops))
     throw InputError(fmt::format("atlas: {:.0f} drops: at most {} are planned", drops, kMostDrops));
 }

@@ -30,8 +30,8 @@ struct AtlasGrid {
   static constexpr std::array<const char*, kAxes> kNames = {"height", "speed", "pitch"};
   std::array<AtlasAxis, kAxes> axes{};
 
-  /// Throws InputError for an axis of several values that does not rise, a height below 0, or more than kMostDrops
-  /// drops.
+  /// Throws InputError for an axis of several values that does not rise, a height below 0, a pitch beyond a turn, or
+  /// more than kMostDrops drops.
   void validate() const;
   /// Throws InputError unless it is valid and has so many drops.
   void check_cells(std::size_t cells) const;

@@ -6,7 +6,7 @@
 //           energy of the softest spring that may still carry it
 // is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak; a free
 // robot's centre of mass also stands within its support, and E is at most kBarrierShare of the barrier to topple over
-// either end. Ours; test/legs/references.cpp follows what it ends to the end.
+// either end, and it does not gain speed down a slope. Ours; test/legs/references.cpp follows what it ends to the end.
 #pragma once
 
 #include <algorithm>
@@ -78,6 +78,8 @@ double softest(const System& s) {
   return std::max(kSlow, std::sqrt(1 / (s.body.mass * compliance)));
 }
 
+inline constexpr double kGains = 0.1;  ///< of gravity's part along the slope
+
 /// True where the run may end in the state y; see above.
 template <class System>
 bool at_rest(const System& s, double t, const typename System::State& y, double peak_square, double per_square) {
@@ -98,10 +100,12 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   for (int i = System::kVx; i < System::kSlip; ++i) still[i] = 0;
   if (free) still[System::kVx] = slide;
   const double soft = softest(s);
+  bool downhill = false;  // a free robot that slides down the slope and still gains speed
   const auto unheld = [&] {
     const auto dy = s.derivative(t, still);
     const auto acc = s.accelerations_of(dy);
     p.vx = free ? 0 : acc.x, p.vy = acc.y;
+    downhill = free && acc.x * s.gravity[0] > kGains * s.gravity[0] * s.gravity[0];
     for (int j = 0; j < s.body.bodies; ++j) p.omega[j] = acc.alpha[j];
     double out = kinetic_energy(s.body, p);
     for (int i = 0; i < s.body.joints; ++i)
@@ -111,7 +115,7 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   energy += unheld();
   if constexpr (System::kWork > System::kLag)  // what is still on its way in a drive that is late
     s.settle_lags(t, still), energy += unheld();
-  if (!(energy <= limit)) return false;
+  if (downhill || !(energy <= limit)) return false;
   if (!free) return true;
   const auto at = s.pose(y);
   const double margin = support_margin(s, at, y), height = std::max(at.y, 0.0);

@@ -10,7 +10,8 @@ BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const Sim
   scene.validate(), validate(scene.robot, motion), options.validate();
   constexpr double kMostRows = 2e6, kLongest = 30;  // [s]
   if (!(rate >= 0 && rate * scene.t_end.value_or(kLongest) <= kMostRows))
-    throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows");
+    throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows in the " +
+                     shortest(scene.t_end.value_or(kLongest)) + " s that a run may last; [run] t_end bounds it");
   BodyLanding out;
   in_kernel<kLate, kAny>(scene.robot, [&]<Capacity kSize>() {
     BodyFollower<integrate::DormandPrince853, kSize, true>(scene, motion, options, out, rate).follow();

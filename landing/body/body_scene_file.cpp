@@ -35,7 +35,9 @@ void read_floor(TomlFile& file, BodyScene& scene, ContactLaw& law) {
 }
 
 void read_drop(TomlSection& s, const Robot& robot, Drop& drop) {
-  drop.pitch = s.angle("pitch");
+  const bool by_joint =
+      robot.base == Base::kPinned && !robot.joints.empty() && robot.joints[0].child == 0 && robot.joints[0].driven();
+  drop.pitch = by_joint ? s.optional_angle("pitch").value_or(0) : s.angle("pitch");
   const auto refuse = [&](const char* key, const char* why) {
     if (s.has(key)) s.fail(key, why);
   };

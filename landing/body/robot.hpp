@@ -49,16 +49,16 @@ struct Joint {
   std::string name;
   int child = 0;  ///< link
   DriveKind kind = DriveKind::kElastic;
-  SeaParameters<double> sea{0, 0, 0, 0, 1};  ///< elastic; geared: k_p, k_d, i_motor, tau_max, friction terms
-  std::optional<double> speed_max;           ///< rated motor speed at the output [rad/s], > 0
-  std::optional<double> motor_torque_max;    ///< rated motor torque at the output [Nm], > 0
-  double stiffness = 0, damping = 0;         ///< passive [Nm/rad], [Nm/(rad/s)], >= 0
-  double rest = 0;                           ///< of the passive spring [rad]
-  double parallel_stiffness = 0;             ///< of a spring beside any drive but a locked one [Nm/rad], >= 0
-  double parallel_rest = 0;                  ///< [rad]
-  double phi = 0;                            ///< at release, passive and locked [rad]
-  std::vector<std::string> uncertain;        ///< constants of the drive whose errors are known, see Actuator
-  DenseMatrix covariance;                    ///< of those, in their order
+  SeaParameters<double> sea{0, 0, 0, 0, 1};           ///< elastic; geared: k_p, k_d, i_motor, tau_max, friction terms
+  std::optional<double> speed_max, motor_torque_max;  ///< rated, of the motor at the output [rad/s], [Nm], > 0
+  double stiffness = 0, damping = 0;                  ///< passive [Nm/rad], [Nm/(rad/s)], >= 0
+  double rest = 0;                                    ///< of the passive spring [rad]
+  double parallel_stiffness = 0, parallel_rest = 0;   ///< of a spring beside any drive but locked, >= 0 [Nm/rad]; [rad]
+  double phi = 0;                                     ///< at release, passive and locked [rad]
+  std::vector<std::string> uncertain;                 ///< constants of the drive whose errors are known, see Actuator
+  DenseMatrix covariance;                             ///< of those, in their order
+  std::string q_name;                                 ///< in the robot's description and messages; empty: `name`
+  double q_sign = 1, q_zero = 0;                      ///< its angle there, q = zero + sign phi: 1 or -1; [rad]
 
   bool driven() const { return kind == DriveKind::kElastic || kind == DriveKind::kGeared; }
 };

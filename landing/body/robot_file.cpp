@@ -49,6 +49,16 @@ int index_in(TomlSection& s, const std::string& key, const Indices& known) {
   return it->second;
 }
 
+/// q = { name = "l-hip", sign = -1, zero_deg = 10 }
+void read_own_angle(TomlSection& link, Joint& joint) {
+  auto s = link.optional_section("q");
+  if (!s) return;
+  joint.q_name = s->optional_text("name").value_or("");
+  joint.q_zero = s->optional_angle("zero").value_or(0);
+  joint.q_sign = s->optional_number("sign", Range{-1, 1, false, "1 or -1"}).value_or(1);
+  if (std::abs(joint.q_sign) != 1) s->fail("sign", shortest(joint.q_sign) + ": 1 or -1 is needed");
+}
+
 /// The links of a file, parents before their children, and their joints with the tables that name them.
 struct LinkReader {
   Robot& out;
@@ -111,6 +121,7 @@ struct LinkReader {
     if (base && out.base != Base::kPinned) s.fail("joint", "the base of a robot that is not pinned has no joint");
     Joint joint;
     joint.name = new_name(s, known, "joint"), joint.child = index;
+    read_own_angle(s, joint);
     known[joint.name] = int(out.joints.size());
     out.joints.push_back(std::move(joint));
     joints.push_back(s);
@@ -153,9 +164,8 @@ void read_geared(TomlSection& s, Joint& joint) {
   sea.i_motor = s.number("i_motor", Range::positive());
   if (const auto v = s.optional_number("tau_max", Range::non_negative())) sea.tau_max = *v;
   for (const ActuatorConstant& c : optional_constants())
-    for (const char* key :
-         {"friction", "friction_asymmetry", "viscous_friction", "breakaway", "stribeck_speed", "spring_loss"})
-      if (c.key == std::string(key)) sea.*c.at = s.optional_number(key, c.range).value_or(c.absent);
+    if (is_of_geared(c.key) && c.key != std::string("tau_max"))
+      sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
   joint.speed_max = s.optional_number("speed_max", Range::positive());
   joint.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
 }
@@ -315,6 +325,20 @@ Robot by_links(const TwoLinkTable& table, const ContactLaw& law) {
   knee.name = "knee", knee.child = 1;
   out.joints = {knee};
   return out;
+}
+
+bool is_of_geared(const std::string& key) {
+  constexpr std::array kKeys = {"k_p",
+                                "k_d",
+                                "i_motor",
+                                "tau_max",
+                                "friction",
+                                "friction_asymmetry",
+                                "viscous_friction",
+                                "breakaway",
+                                "stribeck_speed",
+                                "spring_loss"};
+  return std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end();
 }
 
 void set_elastic(const Actuator& a, Joint& joint, const Location& where) {

@@ -20,8 +20,9 @@ ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor
 /// touch have their names, and all of them this law.
 Robot by_links(const TwoLinkTable& table, const ContactLaw& law);
 
-/// An elastic drive, as a file holds it. Drives of such a robot follow Eq. 3 at once: throws InputError for one that is
-/// late, or without the gains of its controller.
+/// Whether a geared drive has that constant of an actuator.
+bool is_of_geared(const std::string& key);
+/// An elastic drive, as a file holds it. Throws InputError for one without the gains of its controller.
 void set_elastic(const Actuator& actuator, Joint& joint, const Location& where);
 
 /// The robot, of [robot] of a file and [drive] of that file or of the scene that names it (null: there is none), and

@@ -1,6 +1,11 @@
 #include "landing/plan/checked_body.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "common/drive_stability.hpp"
+#include "landing/body/equations.hpp"
+#include "landing/model/motion.hpp"
 
 namespace ukemi::landing {
 
@@ -16,11 +21,77 @@ void move_a_little(BodyScene& s, Random& random) {
     move(*x);
 }
 
+/// The joints' accelerations per torque, the robot at rest with its joints at phi; in the order of Body::joint.
+Eigen::MatrixXd joint_compliance(const Robot& robot, const Body<double, kAny>& body, double pitch,
+                                 const std::vector<double>& phi) {
+  TreePose<double, kAny.bodies> pose{};
+  std::array<double, kAny.bodies> theta{};
+  theta[0] = pitch;
+  for (int i = 0; i < body.joints; ++i) {
+    const JointPlace& at = body.joint[std::size_t(i)];
+    const double parent = at.parent < 0 ? 0 : theta[std::size_t(at.parent)];
+    theta[std::size_t(at.child)] = parent + phi[std::size_t(at.joint)] - at.offset;
+  }
+  for (std::size_t j = 0; j < theta.size(); ++j) pose.sin[j] = std::sin(theta[j]), pose.cos[j] = std::cos(theta[j]);
+  Body<double, kAny> railed = body;
+  railed.rail = {std::cos(robot.rail_direction), std::sin(robot.rail_direction)};
+  Eigen::MatrixXd out(int(body.joints), int(body.joints));
+  const auto across = [](const JointPlace& at, const auto& of) {
+    return of[std::size_t(at.child)] - (at.parent < 0 ? 0 : of[std::size_t(at.parent)]);
+  };
+  for (int k = 0; k < body.joints; ++k) {
+    const JointPlace& pushed = body.joint[std::size_t(k)];
+    TreeLoads<double, kAny.bodies> load;
+    load.torque[std::size_t(pushed.child)] += 1;
+    if (pushed.parent >= 0) load.torque[std::size_t(pushed.parent)] -= 1;
+    const auto acc = solve(railed, pose, load, {0.0, 0.0}, 0.0);
+    for (int i = 0; i < body.joints; ++i) out(i, k) = across(body.joint[std::size_t(i)], acc.alpha);
+  }
+  return out;
+}
+
+/// `sea`: of the joint, with the gains that act.
+LinearJoint linear(const Joint& j, const SeaParameters<double>& sea) {
+  switch (j.kind) {
+    case DriveKind::kElastic:
+      return {&sea, j.parallel_stiffness, 0};
+    case DriveKind::kGeared:
+      return {nullptr, j.parallel_stiffness + sea.k_p, sea.k_d + sea.viscous};
+    default:
+      return {nullptr, j.parallel_stiffness + j.stiffness, j.damping};
+  }
+}
+
 }  // namespace
+
+std::optional<BodyInstability> instability(const BodyScene& scene, const BodyMotion& motion) {
+  const Robot& robot = scene.robot;
+  const Body<double, kAny> body = body_of<kAny>(robot);
+  if (body.joints == 0) return std::nullopt;
+  std::optional<BodyInstability> worst;
+  for (const bool landing : {false, true}) {
+    std::vector<double> phi;
+    std::vector<SeaParameters<double>> sea;
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+      const Joint& j = robot.joints[i];
+      phi.push_back(!j.driven() ? j.phi : landing ? motion[i].phi_f : motion[i].phi_i);
+      sea.push_back(landing && j.driven() ? with_landing_gains(j.sea, motion[i]) : j.sea);
+    }
+    std::vector<LinearJoint> joints;
+    for (int i = 0; i < body.joints; ++i) {
+      const auto of = std::size_t(body.joint[std::size_t(i)].joint);
+      joints.push_back(linear(robot.joints[of], sea[of]));
+    }
+    const Growth g = growth(joints, joint_compliance(robot, body, scene.drop.pitch, phi));
+    if (g.rate > (worst ? worst->rate : 0)) worst = {g.rate, body.joint[std::size_t(g.joint)].joint, landing};
+  }
+  return worst;
+}
 
 CheckedBody checked_body(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, double rate,
                          int draws) {
-  CheckedBody out{scene, motion, simulate(scene, motion, options, rate), {}, options.accuracy};
+  CheckedBody out{scene, motion,           simulate(scene, motion, options, rate),
+                  {},    options.accuracy, instability(scene, motion)};
   if (out.landing.end == End::kFailed) return out;
   const auto play = [&](double accuracy, Random* random) -> std::optional<double> {
     BodyScene s = scene;

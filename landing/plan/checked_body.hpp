@@ -6,12 +6,23 @@
 
 namespace ukemi::landing {
 
+/// Drives that do not bring the robot to rest in flight, see `growth`.
+struct BodyInstability {
+  double rate;   ///< of what grows [1/s], > 0
+  int joint;     ///< of Robot::joints, whose rates are the largest in it
+  bool landing;  ///< at phi_F with the landing gains; else at phi_I
+};
+/// The faster one of both ends of a motion, as if nothing weighed and no torque were limited; absent: at rest by
+/// itself.
+[[nodiscard]] std::optional<BodyInstability> instability(const BodyScene& scene, const BodyMotion& motion);
+
 struct CheckedBody {
   BodyScene scene;
   BodyMotion motion;
   BodyLanding landing;
   Sensitivity sensitivity;
   double accuracy;
+  std::optional<BodyInstability> instability = {};
   /// The peak moves with the tolerance and not with the scene.
   bool wrong() const { return sensitivity.checked && !sensitivity.right; }
 };

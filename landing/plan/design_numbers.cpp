@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/places.hpp"
+#include "landing/body/robot_file.hpp"
 
 namespace ukemi::landing {
 
@@ -45,7 +46,9 @@ void add_drive(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i
   };
   if (joint.driven()) {
     for (const ActuatorConstant& c : actuator_constants())
-      out.push_back(number(to + c.key, [i, at = c.at](BodyScene& s) -> double& { return s.robot.joints[i].sea.*at; }));
+      if (joint.kind == DriveKind::kElastic || is_of_geared(c.key))
+        out.push_back(
+            number(to + c.key, [i, at = c.at](BodyScene& s) -> double& { return s.robot.joints[i].sea.*at; }));
     out.push_back(rating(
         to + "speed_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].speed_max; }));
     out.push_back(rating(
@@ -58,17 +61,17 @@ void add_drive(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i
   own("parallel_rest_deg", &Joint::parallel_rest, kDegree);
 }
 
-/// drive.*.KEY: a number that every driven joint has.
+/// drive.*.KEY: a number of every driven joint that has it.
 void add_all_drives(std::vector<DesignNumber>& out, const Robot& robot) {
   std::vector<std::string> keys = {"speed_max", "motor_torque_max"};
   for (const ActuatorConstant& c : actuator_constants()) keys.push_back(c.key);
   for (const std::string& key : keys) {
     std::vector<DesignNumber> all;
-    for (const Joint& j : robot.joints)
-      if (j.driven())
-        all.push_back(
-            *std::find_if(out.begin(), out.end(), [&](auto& n) { return n.name == "drive." + j.name + "." + key; }));
-    if (all.empty()) return;
+    for (const Joint& j : robot.joints) {
+      const auto of = [&](auto& n) { return n.name == "drive." + j.name + "." + key; };
+      if (const auto n = std::find_if(out.begin(), out.end(), of); j.driven() && n != out.end()) all.push_back(*n);
+    }
+    if (all.empty()) continue;
     out.push_back({"drive.*." + key, all.front().get, [all](BodyScene& s, double x) {
                      for (const DesignNumber& n : all) n.set(s, x);
                    }});
@@ -144,8 +147,10 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
   }
   out.push_back(number(
       "floor.slope_deg", [](BodyScene& s) -> double& { return s.slope; }, kDegree));
-  out.push_back(number("drop.height", [](BodyScene& s) -> double& { return s.drop.height; }));
-  out.push_back(number("drop.forward_speed", [](BodyScene& s) -> double& { return s.drop.forward_speed; }));
+  if (robot.base != Base::kPinned)
+    out.push_back(number("drop.height", [](BodyScene& s) -> double& { return s.drop.height; }));
+  if (robot.base == Base::kFree)
+    out.push_back(number("drop.forward_speed", [](BodyScene& s) -> double& { return s.drop.forward_speed; }));
   out.push_back(number(
       "drop.pitch_deg", [](BodyScene& s) -> double& { return s.drop.pitch; }, kDegree));
   return out;

@@ -53,8 +53,8 @@ class Trader {
 
   /// A motion that a design may play; kept where it keeps the limits.
   void know(std::size_t k, const BodyMotion& motion, const Edges& edges) {
-    if (out_.points[k].plans > 0) return;
-    if (const double v = value(k, motion); v < kNoMotion) accept(k, motion, v, edges);
+    if (out_.points[k].plans > 0 || motion.empty()) return;
+    if (const double v = value(k, motion); v < std::min(kNoMotion, out_.points[k].planned)) accept(k, motion, v, edges);
   }
 
   void run() {
@@ -207,6 +207,19 @@ void as_kept(BodyPlanOptions& search) {
   }
 }
 
+/// A limit is a cliff to a search. So for each value that a load may have, both loads are weighed against that value
+/// and what the other may come to there: the motion that makes the larger part small is near the front.
+BodyPlan weighed(BodyScene both, const std::string& cost, double may_cost, const std::string& limited, double may_have,
+                 const TradeOptions& options, const BodyPlanOptions& search) {
+  for (Load& l : both.loads) {
+    if (l.name == cost) l.rating = may_cost;
+    if (l.name == limited) l.rating = may_have;
+  }
+  std::erase_if(both.loads, [&](const Load& l) { return l.name != cost && l.name != limited && !l.limit; });
+  if (options.prepare) options.prepare(both);
+  return plan(both, search);
+}
+
 }  // namespace
 
 void check_front(const BodyScene& scene, const std::string& cost, const std::string& limited) {
@@ -225,11 +238,14 @@ Front pareto(const BodyScene& scene, const std::string& cost, const std::string&
 
   BodyPlanOptions search = one_of_many(options);
   const BodyPlan of_cost = plan(out.scene, search);
+  const BodyGoal by_cost = plan_goals(out.scene, search, 1, judging_drops(search)).judge;
+  const auto cost_of = [&, as_planned = search](const BodyMotion& m) { return judged(by_cost, m, as_planned).value; };
   as_kept(search);
   const BodyPlan of_other = plan(other, search);
   const bool stopped = options.monitor.stopped();
   if (!stopped && (!of_cost.found || !of_other.found)) throw InputError("front: " + of_cost.message + of_other.message);
   const double low = of_other.value;
+  const double dearest = stopped ? 0 : std::min(cost_of(of_other.motion), of_cost.held_value);
   double high = low;  // where it was stopped: before its ends are known
   if (!stopped) high = judged(plan_goals(other, search, 1, judging_drops(search)).judge, of_cost.motion, search).value;
 
@@ -246,6 +262,12 @@ Front pareto(const BodyScene& scene, const std::string& cost, const std::string&
   if (stopped) return out;
   trader.know(0, of_other.motion, of_other.edges);
   trader.know(axis.values.size() - 1, of_cost.motion, of_cost.edges);
+  for (std::size_t i = 1; low < high && dearest > 0 && i + 1 < axis.values.size(); ++i) {
+    const double part = double(i) / double(axis.values.size() - 1);
+    const double may_cost = dearest + part * (of_cost.value - dearest);
+    const BodyPlan between = weighed(both, cost, may_cost, limited, axis.values[i], options, search);
+    for (std::size_t k = 0; between.found && k < axis.values.size(); ++k) trader.know(k, between.motion, between.edges);
+  }
   trader.run();
   return out;
 }

@@ -130,6 +130,9 @@ TEST_CASE("what is fixed on a link is merged with it, masses and whole tensors")
   CHECK_THAT(told(s, "to fill in", "drive.hip"),
              Contains("limits -57.3 to 28.65 deg, effort 10 Nm, speed 7 rad/s"));  // turned with phi = -q
   CHECK_THAT(told(s, "renamed", "toe-1"), Contains("toe_1"));
+  CHECK_THAT(read(f.at("out/robot.toml")),
+             Contains("joint = \"hip\"\nq = { name = \"hip\", sign = -1, zero_deg = 0 }") &&
+                 Contains("joint = \"knee\"\nq = { name = \"knee\", sign = 1, "));
   const std::string toml = read(f.at("out/robot.toml"));
   CHECK_THAT(toml, Contains("at = [0.2, 0.1]   # m: along, across\njoint = \"hip\"") &&
                        Contains("name = \"toe_1\"\nlink = \"shank\"\nat = [0.3") && Contains("damping = 0.25") &&

@@ -5,10 +5,12 @@
 #include <set>
 #include <sstream>
 
+#include "common/degrees.hpp"
 #include "test/cli/refused.hpp"
 
 using namespace cli;
 using Catch::Matchers::Contains;
+using ukemi::kDegree;
 
 namespace {
 
@@ -182,4 +184,41 @@ TEST_CASE("export: of a robot of links one message holds every driven joint, one
   CHECK_THAT(read(f.at("best/motion_ros2.yaml")), Contains("joint_names: [\"hip\", \"knee\"]\n"));
   check_refused(f, {"simulate", three, "--export", "ros2", "--joint", "leg"},
                 {"--joint: 'leg': ", "one driven joint", "hip, knee"});
+}
+
+TEST_CASE("export: a message has the robot's own joint names, signs and zeros, and no other file has") {
+  const Folder f;
+  std::string robot = read(dataset("robots/three_links.toml"));
+  for (int k = 0; k < 2; ++k) robot = replaced(robot, "\"../actuators/table2.toml\"", "\"table2.toml\"");
+  f.write("table2.toml", read(kTable2));
+  robot = replaced(robot, "joint = \"hip\"", "joint = \"hip\"\nq = { name = \"l-hip\", sign = -1, zero_deg = 90 }");
+  f.write("robot.toml", robot);
+  f.write("scene.toml", replaced(read(dataset("scenes/three_links.toml")), "robot = \"../robots/three_links.toml\"",
+                                 "robot = \"robot.toml\""));
+  f.write("motion.toml",
+          "[motion.hip]\nphi_i_deg = 20\nphi_f_deg = -40\nduration = 0.3\n"
+          "[motion.knee]\nphi_i_deg = -60\nphi_f_deg = -80\nduration = 0.3\n");
+  const Arguments play = {"--motion", "motion.toml", "--export", "ros2", "--no-report", "-o"};
+  done(f, Arguments{"simulate", "scene.toml"} + play + Arguments{"own"});
+  done(f, Arguments{"simulate", dataset("scenes/three_links.toml")} + play + Arguments{"plain"});
+  const std::string own = read(f.at("own/motion_ros2.yaml"));
+  CHECK_THAT(own, Contains("joint_names: [\"l-hip\", \"knee\"]\n") && Contains("q = 1.57079632679489") &&
+                      Contains(" rad - phi of l-hip"));
+  const std::regex ends("positions: \\[([^,]*), ([^,]*)\\]");
+  const auto numbers = [&](const std::string& yaml) {
+    std::vector<std::array<double, 2>> out;
+    for (std::sregex_iterator i(yaml.begin(), yaml.end(), ends), none; i != none; ++i)
+      out.push_back({std::stod((*i)[1]), std::stod((*i)[2])});
+    return out;
+  };
+  const auto q = numbers(own), phi = numbers(read(f.at("plain/motion_ros2.yaml")));
+  REQUIRE(q.size() == phi.size());
+  REQUIRE(q.size() == 2);
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    CHECK(q[k][0] == Approx(90 * kDegree - phi[k][0]).epsilon(1e-12));
+    CHECK(q[k][1] == phi[k][1]);
+  }
+  CHECK(Rows(read(f.at("own/trajectory.csv"))).rows == Rows(read(f.at("plain/trajectory.csv"))).rows);
+  f.write("robot.toml", replaced(robot, "sign = -1", "sign = 0"));
+  check_refused(f, Arguments{"simulate", "scene.toml", "-o", "bad"}, {"sign: 0: 1 or -1 is needed"});
 }

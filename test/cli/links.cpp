@@ -344,3 +344,37 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
   check_refused(f, {"simulate", kPaper, "--hold", "-45", "--actuator", kTable2, "--actuator", kTable2},
                 {"one file is needed"});
 }
+
+TEST_CASE("what was perhaps meant otherwise is told of a robot of links: units, drives, what a number cannot change") {
+  const Folder f;
+  const std::string hopper = dataset("scenes/hopper.toml"), paper = dataset("scenes/paper.toml");
+  const auto refused = [&](const Arguments& call, const std::string& words) {
+    check_refused(f, call + Arguments{"-o", "bad"}, {words});
+  };
+  refused({"optimize", hopper, "--robust", "cvar", "--penalty", "10"}, "--penalty: of the paper's robot");
+  refused({"optimize", hopper, "--robust", "cvar", "--share", "0.99"}, "--share: the scene has no limit to keep");
+  refused({"optimize", hopper, "--robust", "cvar", "--samples", "1"}, "--samples: 1: 16 to 4096");
+  refused({"optimize", paper, "--actuator", kTable2, "--penalty", "10"}, "--penalty: of drops that scatter");
+  refused({"trade", hopper, "--vary", "drive.knee.k_sea=1:10:3"}, "drive.knee.k_sea");
+  refused({"trade", hopper, "--vary", "drive.knee.speed_max=1:10:3"}, "--respect-ratings is needed");
+  refused({"trade", hopper, "--vary", "drive.knee.k_p=1:10:2", "--vary", "drive.knee.k_p=1:10:2"}, "named twice");
+  refused(
+      {"simulate", dataset("scenes/three_links.toml"), "--actuator", "hip=" + kTable2, "--actuator", "hip=" + kTable2},
+      "--actuator: 'hip': given twice");
+  const auto warned = [&](const Arguments& call, const std::string& words) {
+    CHECK_THAT(done(f, call + Arguments{"--no-report", "-o", "out"}).err, Contains(words));
+  };
+  warned({"simulate", hopper, "--hold", "knee=-1.2"}, "--hold: -1.2: degrees, not radians (-1.2 rad would be -68.75)");
+  warned({"optimize", paper, "--actuator", kTable2, "--evaluations", "50", "--release-phi", "-0.78"},
+         "--release-phi: -0.78: degrees");
+  warned({"optimize", hopper, "--robust", "mean", "--deadline", "0.5"}, "the scene has no [scatter]: ");
+  CHECK_THAT(done(f, {"optimize", hopper, "--robust", "mean", "--deadline", "0.5", "-o", "out"}).out,
+             Contains("Over the drops that it is planned for "));
+  f.write("loose.toml", replaced(read(kTable2), "c_sea", "c_sea = 0.001 #"));
+  warned(
+      {"simulate", dataset("scenes/three_links.toml"), "--actuator", "hip=loose.toml", "--actuator", "knee=loose.toml"},
+      ": the drive is unstable on this robot: in flight");
+  f.write("motor.toml", read(kTable2) + "feedback = \"motor\"\n");
+  const std::string sets = "the sets differ in what the drive feeds back too: nominal output, identified motor";
+  warned({"compare", "--nominal", kTable2, "--identified", "motor.toml"}, sets);
+}

@@ -5,10 +5,13 @@
 #include "common/degrees.hpp"
 #include "common/random.hpp"
 #include "landing/body/load.hpp"
+#include "landing/judge/checked.hpp"
 #include "landing/model/motion_space.hpp"
+#include "landing/model/scene_file.hpp"
 #include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_space.hpp"
 #include "landing/plan/checked_body.hpp"
+#include "landing/plan/scene_doubts.hpp"
 #include "test/folder.hpp"
 #include "test/legs/robots.hpp"
 
@@ -235,6 +238,88 @@ TEST_CASE("legs: what looks wrong with a robot is said") {
   Robot pinned = good;
   pinned.base = Base::kPinned, pinned.pin_height = 0.7;
   CHECK(doubts(pinned).size() == 3);  // only heel and toe are lower
+}
+
+TEST_CASE("legs: what looks wrong with how a robot is let go is said, and nothing of shipped scenes") {
+  for (const char* name : {"foot", "hopper", "three_links"}) CHECK(doubts(shipped(name)).empty());
+  const auto said = [&](const char* name, auto&& change, const std::string& words) {
+    BodyScene s = shipped(name);
+    change(s);
+    const std::vector<std::string> all = doubts(s);
+    INFO(words);
+    REQUIRE(all.size() == 1);
+    CHECK_THAT(all[0], Catch::Matchers::Contains(words));
+  };
+  const auto stop = [](BodyScene& s, double low, double high) {
+    s.robot.stops.push_back({1, {low * kDegree, high * kDegree}, 100, 1});
+  };
+  said(
+      "hopper", [&](BodyScene& s) { stop(s, -60, 0); }, "let go at -70 deg, 10 deg beyond its stop");
+  said(
+      "hopper", [](BodyScene& s) { s.search[1].hold = -1.22 * kDegree; }, "(-1.22 rad would be -69.9)");
+  said(
+      "hopper",
+      [](BodyScene& s) {
+        s.search[0].phi = {-0.35 * kDegree, 1.2 * kDegree};
+      },
+      "degrees, not radians");
+  said(
+      "foot", [](BodyScene& s) { s.robot.contacts[3].pad->thickness = 10; }, "thickness is in metres");
+  said(
+      "three_links",
+      [](BodyScene& s) {
+        s.release = BodyRelease{.joints = {{0, 0}, {-45 * kDegree, 0}}, .from = 0.5};
+      },
+      "no joint moves in the air");
+  // An arm on a pin.
+  BodyScene arm;
+  arm.robot.base = Base::kPinned, arm.robot.pin_height = 0.5;
+  arm.robot.links = {{"arm", -1, {}, 1, 0.01, {0.2, 0}}};
+  arm.robot.contacts = {{"tip", 0, {0.4, 0}, {.stiffness = 1000, .damping_normal = 10}, {}}};
+  arm.robot.joints = {{.name = "pin", .child = 0, .kind = DriveKind::kPassive, .phi = 0.5}};
+  arm.search.resize(1), arm.floor = true, arm.drop.pitch = 0.5;
+  CHECK(doubts(arm).size() == 1);  // its contact never touches
+  arm.robot.pin_height = 0.2;
+  REQUIRE(doubts(arm).size() == 1);
+  CHECK_THAT(doubts(arm)[0], Catch::Matchers::Contains("m below the floor"));
+  arm.robot.pin_height = 0.39, arm.robot.joints[0].phi = 0.3;
+  REQUIRE(doubts(arm).size() == 1);
+  CHECK_THAT(doubts(arm)[0], Catch::Matchers::Contains("are one angle: the drop's counts"));
+}
+
+TEST_CASE("legs: drives that do not come to rest are told, as the paper's robot's are, of each joint") {
+  BodyScene scene = shipped("three_links");
+  const BodyMotion held = held_posture(scene);
+  CHECK_FALSE(instability(scene, held));
+  // The paper's robot: the same rate as of its own form.
+  const Actuator a = read_actuator(UKEMI_DATASETS "/actuators/table2.toml");
+  Actuator loose = a;
+  loose.sea.c_sea = 0.001;
+  const Scene paper = read_scene(UKEMI_DATASETS "/scenes/paper.toml");
+  const Motion posture{-0.6, -0.6, 1};
+  const auto two = instability(paper, loose.sea, posture);
+  const auto links = instability(legs::long_paper(paper, loose), {posture});
+  REQUIRE((two && links));
+  CHECK(links->rate == Approx(two->rate).epsilon(1e-9));
+  // A small disturbance in flight grows at that rate.
+  for (Joint& j : scene.robot.joints) j.sea.c_sea = 0.001;
+  const auto grows = instability(scene, held);
+  REQUIRE(grows);
+  const auto joint = std::size_t(grows->joint);
+  scene.floor = false, scene.robot.gravity = 0, scene.drop = {};
+  for (Joint& j : scene.robot.joints) j.sea.tau_max = std::numeric_limits<double>::infinity();
+  scene.release = BodyRelease{.joints = {{held[0].phi_i, 0}, {held[1].phi_i, 0}}};
+  scene.release->joints[joint].rate = 1e-6;
+  const double from = 8 / grows->rate, to = 16 / grows->rate;
+  scene.t_end = to;
+  BodyMotion still = held_posture(scene);
+  const BodyLanding l = simulate(scene, still, {.accuracy = 1e-11}, 4000);
+  double early = 0, late = 0;
+  for (const BodySample& x : l.trajectory) {
+    if (x.t < from) early = std::max(early, std::abs(x.dphi[joint]));
+    late = std::max(late, std::abs(x.dphi[joint]));
+  }
+  CHECK(std::log(late / early) / (to - from) == Approx(grows->rate).epsilon(0.1));
 }
 
 TEST_CASE("legs: where no motion keeps the ratings, the one that breaks them least is told") {

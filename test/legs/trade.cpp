@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "common/error.hpp"
@@ -62,6 +63,15 @@ TEST_CASE("legs: a pad, a rating and a slope as numbers of a design, and what th
   for (const ContactPoint& c : scene.robot.contacts) CHECK(c.law.friction == 0.4);
   CHECK_THROWS_WITH(set_design_number(scene, "drive.knee.k_see", 1), Contains("drive.knee.k_sea"));
   CHECK_THROWS_WITH(set_design_number(scene, "robot.link.shank.mass", -1), Contains("robot.link.shank.mass = -1"));
+}
+
+TEST_CASE("legs: a robot's design has the numbers that it reads, and no others") {
+  const BodyScene hopper = legs::shipped("hopper");  // geared, on a rail
+  for (const char* key : {"drive.knee.k_sea", "drive.*.c_sea", "drop.forward_speed"})
+    CHECK_THROWS_WITH(design_number(hopper, key), Contains("no number of this robot"));
+  for (const char* key :
+       {"drive.knee.k_p", "drive.*.i_motor", "drive.*.speed_max", "drop.height", "drive.hip.friction"})
+    CHECK_NOTHROW(design_number(hopper, key));
 }
 
 TEST_CASE("legs: no plan of a trade is worse than holding, the middle's motion or that of a neighbour") {
@@ -169,6 +179,7 @@ TEST_CASE("legs: a front falls, each of its motions keeps the limit, and its end
   BodyScene scene = legs::shipped("hopper");
   scene.loads = {{.name = "knee", .kind = Load::Kind::kTorque, .index = 1, .rating = 12},
                  {.name = "foot", .kind = Load::Kind::kForce, .index = 2, .rating = 300}};
+  std::map<std::string, Front> fronts;
   for (const auto& [cost, limited] : {std::pair("peak", "knee"), {"foot", "knee"}, {"knee", "peak"}}) {
     INFO(cost << " in " << limited);
     TradeOptions options;
@@ -186,7 +197,16 @@ TEST_CASE("legs: a front falls, each of its motions keeps the limit, and its end
       CHECK(loads.back().value <= p.at[0]);
       CHECK(loads.front().value == Approx(p.planned).epsilon(1e-6));
     }
+    fronts.emplace(std::string(cost) + limited, front);
   }
+  // Asked the other way round: no motion there is much better in both.
+  for (const auto& [one, other] : {std::pair("peakknee", "kneepeak"), {"kneepeak", "peakknee"}})
+    for (const TradePoint& p : fronts.at(one).trade.points)
+      for (const TradePoint& q : fronts.at(other).trade.points)
+        if (1.1 * q.planned <= p.at[0]) {  // its limit is kept in the whole execution box, which q.planned is not of
+          INFO(one << ": " << p.planned << " at " << p.at[0] << "; " << q.planned << " at " << q.at[0]);
+          CHECK(p.planned <= 1.1 * q.at[0]);
+        }
   TradeOptions options;
   options.monitor.stop = [] { return true; };  // before the ends are known nothing is told
   const Front none = pareto(scene, "peak", "knee", 4, options);

@@ -200,6 +200,10 @@ def files(page, program, data, folder):
     compare('leg.toml alone', page.peak(), program.peak(page.save('save', 'leg_drop.toml')))
     page.give(data + '/scenes/tilted.toml', data + '/actuators/x8-9_nominal.toml')
     compare('tilted.toml', page.peak(), program.peak(data + '/scenes/tilted.toml', '--actuator', data + '/actuators/x8-9_nominal.toml', '--hold', '-45'))
+    page.give(written('radians.toml', hopper.replace('hold_deg = -70', 'hold_deg = -1.22')), leg)
+    check('-1.22: degrees, not radians' in page.text('doubts'), 'no doubt: ' + page.text('doubts') + page.error())
+    page.give(own, leg)
+    check(page.text('doubts') == '', 'a doubt that stays: ' + page.text('doubts'))
     for name, text, place in (('number.toml', hopper.replace('height = 0.3', 'height = -1  '), 'number.toml:13:10: '),
                               ('key.toml', hopper.replace('[search]', '[serach]'), 'key.toml:16:2: '),
                               ('text.toml', hopper.replace('= 0.8', '= = 0.8'), 'text.toml:7:12: ')):

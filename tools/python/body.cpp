@@ -5,6 +5,7 @@
 
 #include "landing/body/load.hpp"
 #include "landing/plan/design_numbers.hpp"
+#include "landing/plan/scene_doubts.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
 
@@ -94,7 +95,7 @@ void bind_robot_scene(py::module_& m) {
       .def_property_readonly(
           "mass", [](const BodyScene& s) { return s.robot.mass(); }, "Of the whole robot [kg].")
       .def_property_readonly(
-          "doubts", [](const BodyScene& s) { return doubts(s.robot); }, "What looks wrong, a sentence each.")
+          "doubts", [](const BodyScene& s) { return doubts(s); }, "What looks wrong, a sentence each.")
       .def_property_readonly(
           "height", [](const BodyScene& s) { return s.drop.height; }, "Clearance of the lowest contact at release [m].")
       .def_property_readonly(

@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "landing/body/places.hpp"
+#include "landing/plan/scene_doubts.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/landing_doubts.hpp"
 
 namespace ukemi::tools {
 
@@ -102,39 +104,12 @@ std::string motion_words(const Robot& robot, const BodyMotion& motion) {
   return out.empty() ? "no joint is driven" : out;
 }
 
-namespace {
-
-/// What a joint's motor must turn at [rad/s]: its reference's rate, or its own.
-double speed_of(const Motion& motion, const JointDemands& d) {
-  return std::max(peak_reference_rate(motion), d.motor_speed);
-}
-
-/// A demand of a joint beyond its rating.
-struct Beyond {
-  const Joint* joint;
-  double value, rating;
-  const char *unit, *at;  ///< "rad/s", "at"; "Nm", "with"
-};
-std::vector<Beyond> beyond_ratings(const Robot& robot, const BodyMotion& motion, const BodyLanding& l) {
-  std::vector<Beyond> out;
-  for (std::size_t i = 0; i < l.demands.size(); ++i) {
-    const Joint& joint = robot.joints[i];
-    if (!joint.driven()) continue;
-    const double speed = speed_of(motion[i], l.demands[i]), torque = l.demands[i].motor_torque;
-    if (joint.speed_max && speed > *joint.speed_max) out.push_back({&joint, speed, *joint.speed_max, "rad/s", "at"});
-    if (joint.motor_torque_max && torque > *joint.motor_torque_max)
-      out.push_back({&joint, torque, *joint.motor_torque_max, "Nm", "with"});
-  }
-  return out;
-}
-
-}  // namespace
-
-Check within_ratings(const Robot& robot, const BodyMotion& motion, const BodyLanding& l) {
+Check within_ratings(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l) {
+  const Robot& robot = scene.robot;
   constexpr const char* kWhat = "within ratings";
   if (l.demands.empty()) return {Check::State::kUnknown, kWhat, "the landing was not played"};
   std::vector<std::string> beyond;
-  for (const Beyond& b : beyond_ratings(robot, motion, l))
+  for (const Beyond& b : beyond_ratings(scene, motion, l))
     beyond.push_back(fmt::format("{} {:.3g} of {:.3g} {}", b.joint->name, b.value, b.rating, b.unit));
   if (!beyond.empty()) return {Check::State::kBad, kWhat, fmt::format("{}", fmt::join(beyond, ", "))};
   const bool known = std::all_of(robot.joints.begin(), robot.joints.end(),
@@ -142,7 +117,7 @@ Check within_ratings(const Robot& robot, const BodyMotion& motion, const BodyLan
   return {known ? Check::State::kGood : Check::State::kUnknown, kWhat, known ? "" : "rating unknown"};
 }
 
-Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l, Run& run) {
+Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l) {
   Json out = Json::object();
   for (std::size_t i = 0; i < l.demands.size(); ++i) {
     const Joint& joint = scene.robot.joints[i];
@@ -151,14 +126,11 @@ Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLan
     Json& j = out[joint.name] = {
         {"kind", name(joint.kind)}, {"phi_deg", {d.phi_min * kDegrees, d.phi_max * kDegrees}}, {"torque", d.torque}};
     if (!joint.driven()) continue;
-    j["peak_reference_rate"] = peak_reference_rate(motion[i]);
+    j["peak_reference_rate"] = peak_reference_rate(motion[i], expected_start(scene, l));
     j["motor_speed"] = d.motor_speed, j["speed_max"] = number(joint.speed_max);
     j["motor_torque"] = d.motor_torque, j["motor_torque_max"] = number(joint.motor_torque_max);
     j["tau_max"] = number(joint.sea.tau_max);
   }
-  for (const Beyond& b : beyond_ratings(scene.robot, motion, l))
-    run.warn(fmt::format("the robot could not follow: {} {} {:.3g} {}; rated {:.3g} {}", b.joint->name, b.at, b.value,
-                         b.unit, b.rating, b.unit));
   return out;
 }
 
@@ -209,13 +181,14 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   const Robot& robot = c.scene.robot;
   warn_of(l, c.sensitivity, kContact, run);
   warn_of(c.sensitivity, c.wrong(), c.accuracy, run);
+  warn_of(landing_doubts(c.scene, c.motion, l), run);
   const Table table = Table::of(kQuantities, c), contacts(contact_quantities(robot), l.touches);
   Json summary = table.object();
   if (l.end == End::kFailed) summary["failed"] = failure_words(l, kContact);
   summary["motion"] = Table::of(motion_quantities(robot, c.motion), c.motion).object();
   summary["peaks"] = peaks_json(l.peaks, contact_name(robot));
   summary["contacts"] = contacts.objects();
-  summary["joints"] = joints_json(c.scene, c.motion, l, run);
+  summary["joints"] = joints_json(c.scene, c.motion, l);
   run.add("trajectory.csv", trajectory_csv(c.scene, l, run));
   run.add("contacts.csv",
           contacts.csv(run,
@@ -226,7 +199,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   say(table.turned(), run);
   report.answer({l.end == End::kFailed ? "The landing could not be followed to its end."
                                        : landing_sentence(l.peak, held ? held->peak : std::nan("")),
-                 {converged(c.sensitivity, c.wrong()), within_ratings(robot, c.motion, l)},
+                 {converged(c.sensitivity, c.wrong()), within_ratings(c.scene, c.motion, l)},
                  "`ukemi optimize` searches for a softer landing."},
                 run.warnings());
   if (!c.scene.loads.empty()) summary["loads"] = report_loads(c.scene, l, "", &report, run);
@@ -250,7 +223,7 @@ FirstScreen robot_screen(const BodyScene& scene) {
   const auto driven = count([](const Joint&j) { return j.driven(); }),
              locked = count([](const Joint&j) { return j.kind == DriveKind::kLocked; }),
              unrated = count([](const Joint&j) { return j.driven() && !j.speed_max && !j.motor_torque_max; });
-  const std::size_t wrong = doubts(robot).size();
+  const std::size_t wrong = doubts(scene).size();
   FirstScreen out{.sentence = fmt::format(
                       "{} links of {:.4g} kg in all reach {:.3g} m; {} of {} joints are driven; base {}.",
                       robot.links.size(), robot.mass(), reach(robot), driven, robot.joints.size(), base_words(robot))};
@@ -276,7 +249,7 @@ FirstScreen robot_screen(const BodyScene& scene) {
 
 int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& notes, Run& run) {
   const Robot& robot = scene.robot;
-  for (const std::string& doubt : doubts(robot)) run.warn(doubt);
+  for (const std::string& doubt : doubts(scene)) run.warn(doubt);
   Json summary = {{"mass", robot.mass()}, {"reach", reach(robot)}, {"base", base_words(robot)}};
   Json locked = Json::array();
   std::vector<std::vector<std::string>> texts;
@@ -311,7 +284,7 @@ int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& not
     run.say(fmt::format("  stop {:<12} {}, {:.4g} {}", at, ends_words(s), s.stiffness, s.joint < 0 ? "N/m" : "Nm/rad"));
     summary["stops"].push_back({{"of", at}, {"stiffness", s.stiffness}, {"damping", s.damping}});
   }
-  summary["locked"] = locked, summary["doubts"] = doubts(robot);
+  summary["locked"] = locked, summary["doubts"] = doubts(scene);
   Report report("Robot: " + scene.name);
   report.answer(robot_screen(scene), run.warnings());
   report.figure(drawing(scene));

@@ -37,13 +37,13 @@ Quantities<landing::Touch> contact_quantities(const landing::Robot& robot);
 Quantities<landing::BodyMotion> motion_quantities(const landing::Robot& robot, const landing::BodyMotion& like);
 /// "hip 35, knee -70 deg" of a posture, or where each joint goes.
 std::string motion_words(const landing::Robot& robot, const landing::BodyMotion& motion);
-/// What each joint and its drive stood, beside their ratings; warns where the robot could not follow.
+/// What each joint and its drive stood, beside their ratings.
 Json joints_json(const landing::BodyScene& scene, const landing::BodyMotion& motion,
-                 const landing::BodyLanding& landing, Run& run);
-/// What is planned for: "tolerant peak", "largest value / rating, peak".
+                 const landing::BodyLanding& landing);
 /// Every driven joint's speed and torque against its ratings; one that is not known is said to be so.
-Check within_ratings(const landing::Robot& robot, const landing::BodyMotion& motion,
+Check within_ratings(const landing::BodyScene& scene, const landing::BodyMotion& motion,
                      const landing::BodyLanding& landing);
+/// What is planned for: "tolerant peak", "largest value / rating, peak".
 std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanOptions& options);
 /// Of what a plan of the scene makes small: "m/s^2", or of loads "of the rating".
 std::string unit_of(const landing::BodyScene& scene);

@@ -9,6 +9,7 @@
 #include "landing/model/scatter_file.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/landing_doubts.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/risk.hpp"
 #include "tools/report/scatter.hpp"
@@ -95,7 +96,8 @@ Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, const st
   return out;
 }
 
-FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const std::vector<double>& logged) {
+FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const BodyPlanOptions& options,
+                         const std::vector<double>& logged) {
   FirstScreen out{.sentence =
                       rated(scene)
                           ? fmt::format("The largest load is {:.2g} of its rating, where holding still has {:.2g}.",
@@ -112,12 +114,13 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const std::v
   const bool inside = std::all_of(p.edges.begin(), p.edges.end(), [](auto e) { return e == 0; });
   out.checks.push_back({inside ? Check::State::kGood : Check::State::kCaution, "inside the search range",
                         inside ? "" : "on an edge: beyond it may be better"});
-  out.checks.push_back(within_ratings(scene.robot, p.motion, p.landing));
+  out.checks.push_back(within_ratings(scene, p.motion, p.landing));
   if (p.under) {
     const BodyUnderScatter& u = *p.under;
     out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
     out.checks.push_back(under_scatter_check(u.planned.cvar90.value, u.held.cvar90.value, rated(scene)));
   } else {
+    if (options.measure) out.sentence += promised_words(options.measure->name(), p.value);
     out.checks.push_back({Check::State::kUnknown, "holds under scatter", "not played"});
   }
   out.next = "`ukemi risk` with --motion motion.toml plays it over many drops.";
@@ -210,15 +213,17 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
   warn_of_edges(plan.variables, plan.edges, run);
   Json summary;
   if (plan.found) {
+    warn_of(landing_doubts(scene, plan.motion, plan.landing), run);
+    if (options.measure && !options.scatter && !scene.scatter) warn_of_assumed(Scatter::assumed(), run);
     const Table table = Table::of(plan_quantities(scene, plan, goal, options.measure.has_value()), plan);
     summary = table.object();
     summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
     summary["contacts"] = Table(contact_quantities(robot), plan.landing.touches).objects();
-    summary["joints"] = joints_json(scene, plan.motion, plan.landing, run);
+    summary["joints"] = joints_json(scene, plan.motion, plan.landing);
     if (!beside.logged.empty())
       summary["logged"] = {{"peak_acceleration", beside.logged}, {"median", median(beside.logged)}};
     const std::string contacts = contact_order(plan.landing.peaks, contact_name(robot));
-    say(first_screen(scene, plan, beside.logged),
+    say(first_screen(scene, plan, options, beside.logged),
         {"motion: " + motion_words(robot, plan.motion), contacts.empty() ? "no contact" : "contacts: " + contacts},
         table.turned(), run);
     run.say(fmt::format("searched for {:.2f} s", plan.seconds));
@@ -243,7 +248,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
         summary["scatter"]["loads"] = report_exceeded(scene, *plan.under, options.share, run);
     }
     report.distrust(run.warnings());
-    report.answer(first_screen(scene, plan, beside.logged), run.warnings());
+    report.answer(first_screen(scene, plan, options, beside.logged), run.warnings());
     report.folded("All numbers", table.turned());
     if (drawn) {
       report.heading("The search");

@@ -5,6 +5,7 @@
 #include "tools/report/compare.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/landing_doubts.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
 #include "tools/study/comparison.hpp"
@@ -78,7 +79,8 @@ void warn(const Comparison& c, Run& run) {
   warn_of_motions(c.motions, "point", run);
   for (const ComparedMotion& m : c.motions)
     for (std::size_t s = 0; s < 2; ++s)
-      if (m.landings[s]) warn_of(*m.landings[s], fmt::format("best for {}, with {}: ", m.set, kSets[s]), run);
+      if (m.landings[s])
+        warn_of(landing_doubts(*m.landings[s]), run, fmt::format("best for {}, with {}: ", m.set, kSets[s]));
 }
 
 /// What planning with the nominal constants would have cost on the identified actuator.

@@ -7,6 +7,7 @@
 
 #include "landing/model/waypoints.hpp"
 #include "tools/report/body.hpp"
+#include "tools/report/landing_doubts.hpp"
 #include "tools/report/trajectory.hpp"
 
 namespace ukemi::tools {
@@ -22,10 +23,12 @@ std::string yaml_number(double value) {
   return text;
 }
 
-/// What a joint plays, by its name in the files.
+/// What a joint plays, by its name and its angle in messages.
 struct NamedMotion {
   std::string joint;
   Motion motion;
+  double sign = 1, zero = 0;  ///< the message has zero + sign phi
+  bool own() const { return sign < 0 || zero != 0; }
 };
 using NamedMotions = std::vector<NamedMotion>;
 
@@ -51,7 +54,10 @@ std::string joint_trajectory(const NamedMotions& joints, const std::vector<std::
     constexpr long long kSecond = 1'000'000'000;
     const long long nanoseconds = std::llround(points[0][k].t * 1e9);
     const auto values = [&](double Waypoint::*value) {
-      return listed(n, [&](std::size_t i) { return yaml_number(points[i][k].*value); });
+      const bool angle = value == &Waypoint::phi;
+      return listed(n, [&](std::size_t i) {
+        return yaml_number((angle ? joints[i].zero : 0.0) + joints[i].sign * points[i][k].*value);
+      });
     };
     text += fmt::format(
         "- positions: [{}]\n  velocities: [{}]\n  accelerations: [{}]\n  time_from_start: {{sec: {}, nanosec: {}}}\n",
@@ -61,21 +67,32 @@ std::string joint_trajectory(const NamedMotions& joints, const std::vector<std::
   return text;
 }
 
+/// Which angles are not those of ukemi's files.
+std::string own_angle_words(const NamedMotions& joints) {
+  std::string out;
+  for (const NamedMotion& j : joints)
+    if (j.own())
+      out += fmt::format("{}q = {}{}phi of {}", out.empty() ? "" : ", ", j.zero == 0 ? "" : shortest(j.zero) + " rad ",
+                         j.sign > 0 ? "+ " : (j.zero == 0 ? "-" : "- "), j.joint);
+  return out.empty() ? "" : "Positions are the angles q of the robot's description: " + out + ".\n";
+}
+
 /// What the reader of both messages must know.
 std::string ros2_words(const NamedMotions& joints) {
   return fmt::format(
       "trajectory_msgs/msg/JointTrajectory of phi_ref, {}. Units: rad, rad/s, rad/s^2.\n"
       "Between two points: the quintic through their positions, velocities and accelerations, as "
       "joint_trajectory_controller takes it with interpolation_method: splines. After the last point its position is "
-      "held.\n",
+      "held.\n{}",
       joints.size() == 1 ? "the reference of the joint (0: leg straight; below 0: foot backward)"
-                         : "the references of the joints (0: a link in line with its parent)");
+                         : "the references of the joints (0: a link in line with its parent)",
+      own_angle_words(joints));
 }
 
 /// Factors of the gains, which the message has no place for.
 std::string gains_words(const NamedMotions& joints) {
   std::string out;
-  for (const auto& [joint, m] : joints)
+  for (const auto& [joint, m, sign, zero] : joints)
     if (m.gain_p != 1 || m.gain_d != 1)
       out += fmt::format("{}{}K_p times {} and K_d times {}", out.empty() ? "" : "; ",
                          joints.size() > 1 ? "of " + joint + " " : "", m.gain_p, m.gain_d);
@@ -165,13 +182,9 @@ std::map<std::string, std::string> exported(const Exports& exports, const BodySc
   NamedMotions joints;
   for (std::size_t i = 0; i < motion.size(); ++i)
     if (const Joint& j = scene.robot.joints[i]; j.driven())
-      joints.push_back({exports.joint.value_or(j.name), motion[i]});
+      joints.push_back({exports.joint.value_or(j.q_name.empty() ? j.name : j.q_name), motion[i], j.q_sign, j.q_zero});
   return motion_files(exports, joints, expected_start(scene, landing), trajectory_columns(scene.robot),
                       landing.trajectory, run);
-}
-
-double expected_start(const BodyScene& scene, const BodyLanding& landing) {
-  return landing.first_touchdown + scene.detection_delay;
 }
 
 }  // namespace ukemi::tools

@@ -38,7 +38,5 @@ std::map<std::string, std::string> exported(const Exports& exports, const landin
 std::map<std::string, std::string> exported(const Exports& exports, const landing::BodyScene& scene,
                                             const landing::BodyMotion& motion, const landing::BodyLanding& landing,
                                             const Run& run);
-/// When the landing motions of a plan are expected to start, from release: at its own detected touchdown [s].
-double expected_start(const landing::BodyScene& scene, const landing::BodyLanding& landing);
 
 }  // namespace ukemi::tools

@@ -99,6 +99,10 @@ Check under_scatter_check(double planned, double held, bool rated) {
                fmt::format("worst tenth of drops {}, holding still {:.4g}", worth_words(planned, rated), held));
 }
 
+std::string promised_words(const std::string& measure, double value) {
+  return fmt::format(" Over the drops that it is planned for {:.4g} ({}).", value, measure);
+}
+
 FirstScreen first_screen(const landing::Answer& a) {
   FirstScreen out{.sentence = landing_sentence(a.peak(), a.held_peak())};
   out.checks = {check(a.best.verified, "verified", "judged at a tight accuracy after the search"),
@@ -109,6 +113,7 @@ FirstScreen first_screen(const landing::Answer& a) {
     out.checks.push_back(
         under_scatter_check(u.planned.cvar90.value, std::min(u.held.cvar90.value, u.posture.cvar90.value)));
   } else {
+    if (a.scattered) out.sentence += promised_words(a.options.robust.measure->name(), a.best.value);
     out.checks.push_back({State::kUnknown, "holds under scatter", "not played"});
   }
   out.next = "`ukemi risk` with --motion motion.toml plays it over many drops.";

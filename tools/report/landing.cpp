@@ -154,28 +154,8 @@ Json ratings_json(const Ratings& r) {
           {"unknown", unknown},
           {"phi_1_deg", {r.demands.phi_min * kDegrees, r.demands.phi_max * kDegrees}}};
 }
-void warn_of(const Landing& l, const std::string& whose, Run& run) {
-  if (l.joint_lost)
-    run.warn(
-        fmt::format("{}the joint turns from {:.4g} to {:.4g} deg: the drive has lost it, and the peak is that of a "
-                    "link that whirls",
-                    whose, l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees));
-}
-void warn_of(const Ratings& r, Run& run) {
-  if (r.too_fast())
-    run.warn(fmt::format(
-        "the robot could not follow: reference rate {:.3g} rad/s, motor speed {:.3g} rad/s; rated {:.3g} rad/s",
-        r.reference_rate, r.demands.motor_speed, *r.speed_max));
-  if (r.too_strong())
-    run.warn(fmt::format("the robot could not follow: motor torque {:.3g} Nm; rated {:.3g} Nm", r.demands.motor_torque,
-                         *r.motor_torque_max));
-}
-void warn_of(const std::optional<Instability>& i, double tau_max, Run& run) {
-  if (i)
-    run.warn(fmt::format(
-        "the drive is unstable on this robot: in flight, at {:.4g} deg, a disturbance grows e-fold every {:.2g} s{}",
-        i->phi * kDegrees, 1 / i->rate,
-        std::isfinite(tau_max) ? ", up to the torque limit" : ", and no torque limit stops it"));
+void warn_of(const std::vector<std::string>& doubts, Run& run, const std::string& whose) {
+  for (const std::string& doubt : doubts) run.warn(whose + doubt);
 }
 
 Series curve(const std::string& name, const std::vector<Sample>& trajectory, double Sample::*column, double unit) {

@@ -57,12 +57,8 @@ void warn_of(const landing::RunEnd& run, const landing::Sensitivity& sensitivity
 void warn_of(const landing::Sensitivity& sensitivity, bool wrong, double accuracy, Run& run);
 
 Json ratings_json(const landing::Ratings& ratings);
-/// Warns where the drive lost the joint; `whose` stands in front.
-void warn_of(const landing::Landing& landing, const std::string& whose, Run& run);
-/// Warns where the actuator could not follow.
-void warn_of(const landing::Ratings& ratings, Run& run);
-/// Warns of an unstable drive; `tau_max` may end the growth.
-void warn_of(const std::optional<landing::Instability>& instability, double tau_max, Run& run);
+/// Warns of each, `whose` in front.
+void warn_of(const std::vector<std::string>& doubts, Run& run, const std::string& whose = "");
 
 /// Warns where an answer lies on the edge of what was searched.
 void warn_of_edges(const std::vector<landing::Variable>& variables, const landing::Edges& edges, Run& run);

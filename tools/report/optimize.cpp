@@ -12,6 +12,7 @@
 #include "tools/report/exports.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/landing_doubts.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
 
@@ -157,8 +158,8 @@ void warn_of_deviations(const Answer& a, Run& run) {
 void warn(const Answer& a, Run& run) {
   const TolerantPeak& t = a.best.tolerant;
   const ExecutionTolerance& box = a.scene.execution;
-  warn_of(a.instability, a.actuator.sea.tau_max, run);
-  warn_of(a.landing, "", run), warn_of(a.held, held_words(a) + ": ", run);
+  warn_of(landing_doubts(a.instability, a.actuator.sea.tau_max), run);
+  warn_of(landing_doubts(a.landing), run), warn_of(landing_doubts(a.held), run, held_words(a) + ": ");
   if (!a.best.message.empty()) run.warn(a.best.message);
   warn_of_edges(ReferenceSpace(a.scene, a.best.sea).variables(), a.best.edges, run);
   if (!a.best.verified) run.warn("there was no time to judge the motion at a tight accuracy: its peak is the search's");
@@ -354,7 +355,8 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
   if (a.best.found) {
     warn(a, run);
     summary = summary_of(a, run);
-    if (a.ratings) warn_of(*a.ratings, run);
+    if (a.ratings) warn_of(landing_doubts(*a.ratings), run);
+    if (a.scattered && a.scatter && a.scatter_assumed) warn_of_assumed(*a.scatter, run);
     const std::string contacts = contact_order(a.landing.peaks);
     say(first_screen(a),
         {"motion: " + motion_words(a.best.motion),

@@ -176,8 +176,7 @@ std::string held_comparison(const PeakRisk& r, bool rated) {
 
 void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
   const long n = r.peaks.samples + r.failed;
-  if (t.assumed)
-    run.warn(fmt::format("the scene has no [scatter]: {} is assumed; --scatter says it", text_of(*t.scatter)));
+  if (t.assumed) warn_of_assumed(*t.scatter, run);
   if (r.failed > 0)
     run.warn(fmt::format("{} of {} drops could not be followed to the floor: they are left out", r.failed, n));
   if (r.held_failed > 0)

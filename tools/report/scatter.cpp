@@ -60,6 +60,10 @@ std::string distribution_words(const Distribution& d) {
                      short_peak_words(d.cvar90.value), short_peak_words(d.q99.value));
 }
 
+void warn_of_assumed(const Scatter& scatter, Run& run) {
+  run.warn(fmt::format("the scene has no [scatter]: {} is assumed; --scatter says it", text_of(scatter)));
+}
+
 std::string scatter_words(const std::optional<Scatter>& scatter, bool assumed) {
   return scatter ? text_of(*scatter) + (assumed ? "; assumed" : "") : "measured drops";
 }
@@ -169,7 +173,9 @@ void report_scatter(const Answer& a, Run& run) {
                       distribution_words(u.posture)));
   if (a.scattered)
     run.say(fmt::format("promised {}{}, fresh {} ({:+.1f} %)", short_peak_words(a.best.value),
-                        a.promised ? fmt::format(" +- {:.2g}", kNormal975 * a.promised->standard_error) : "",
+                        a.promised && std::isfinite(a.promised->standard_error)
+                            ? fmt::format(" +- {:.2g}", kNormal975 * a.promised->standard_error)
+                            : "",
                         short_peak_words(u.measured.value), 100 * (u.measured.value / a.best.value - 1)));
   if (u.nominal)
     run.say(fmt::format("the plan for the scene's own drop, over the same drops: {}", distribution_words(*u.nominal)));

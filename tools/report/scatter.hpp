@@ -29,6 +29,8 @@ std::string goal_words(const landing::AnswerOptions& options);
 std::string held_words();
 /// "mean 135.0, worst tenth 175.3, 99 % below 204.7".
 std::string distribution_words(const landing::Distribution& d);
+/// Warns that nobody said how drops scatter.
+void warn_of_assumed(const landing::Scatter& scatter, Run& run);
 /// The scatter as its option has it, and whether it is assumed.
 std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool assumed);
 

@@ -8,6 +8,7 @@
 #include "tools/report/exports.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
+#include "tools/report/landing_doubts.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/trajectory.hpp"
 
@@ -62,15 +63,15 @@ FirstScreen first_screen(const CheckedLanding& c, const std::optional<Landing>& 
 
 void warn(const CheckedLanding& c, Run& run) {
   const Landing& l = c.landing;
-  warn_of(c.instability, c.ratings.tau_max, run);
+  warn_of(landing_doubts(c.instability, c.ratings.tau_max), run);
   warn_of(l, c.sensitivity, "point", run);
-  warn_of(l, "", run);
+  warn_of(landing_doubts(l), run);
   if (const auto& stops = c.scene.joint; stops && (l.demands.phi_min < (*stops)[0] || l.demands.phi_max > (*stops)[1]))
     run.warn(fmt::format(
         "the joint leaves its stops: it moves from {:.4g} to {:.4g} deg, the stops are at {:.4g} and {:.4g}",
         l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees, (*stops)[0] * kDegrees, (*stops)[1] * kDegrees));
   warn_of(c.sensitivity, c.wrong(), c.accuracy, run);
-  warn_of(c.ratings, run);
+  warn_of(landing_doubts(c.ratings), run);
 }
 
 }  // namespace

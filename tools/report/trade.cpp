@@ -149,6 +149,9 @@ int report(const TradeResult& r, Run& run) {
   if (edges > 0)
     run.warn(fmt::format("{} of {} motions lie on an edge of their search range: beyond it may be better", edges,
                          t.points.size()));
+  const auto same = [&](const TradePoint& p) { return p.planned == t.points[0].planned && p.held == t.points[0].held; };
+  if (found > 1 && r.of == TradeResult::Of::kDesigns && std::all_of(t.points.begin(), t.points.end(), same))
+    run.warn("every design lands alike: what was varied has no effect here");
   Report page((r.of == TradeResult::Of::kFront ? "What one load costs in another: " : "What a design buys: ") +
               r.scene.name);
   page.answer(first_screen(t, long(trade.points.size()) - found, edges), run.warnings());

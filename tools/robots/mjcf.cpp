@@ -99,6 +99,7 @@ SpatialJoint joint_at(const mjModel& m, int j) {
   if (type != mjJNT_HINGE) return out;
   out.axis = vector_at(m.jnt_axis, j).normalized(), out.anchor = vector_at(m.jnt_pos, j);
   if (m.jnt_limited[j]) out.lower = m.jnt_range[2 * j] - m.qpos0[q], out.upper = m.jnt_range[2 * j + 1] - m.qpos0[q];
+  out.zero = m.qpos0[q];
   out.stiffness = m.jnt_stiffness[j], out.rest = m.qpos_spring[q] - m.qpos0[q];
   out.damping = m.dof_damping[dof], out.friction = m.dof_frictionloss[dof], out.armature = m.dof_armature[dof];
   out.effort = effort_of(m, j);

@@ -151,19 +151,33 @@ class Projector {
       if (next.size() != 1) break;
       const int c = next[0];
       const SpatialJoint& j = body(c).joint;
+      warn_of_base(c);
       pin_ = stays_[std::size_t(c)] ? c : -1;
       if (j.motion != Motion::kFixed) rigid_.clear();
       if (j.motion == Motion::kFixed) rigid_.push_back(base_);
       if (j.motion == Motion::kFixed)
         note("base", body(c).name, fmt::format("fixed on {}, which has no mass", body(base_).name));
-      else if (pin_ < 0 || options_.base != Base::kPinned)
+      else if (pin_ < 0 || base() != Base::kPinned)
         note("base", body(c).name,
              fmt::format("joint {} ({}) on {}, which has no mass, is the base's: --base says how it moves", j.name,
                          j.type, body(base_).name));
       stays_[std::size_t(c)] = false;
     }
-    if (options_.base != Base::kPinned) pin_ = -1;
+    if (base() != Base::kPinned) pin_ = -1;
   }
+
+  /// A fixed joint on a part without mass is how many name the frame of a robot that is free.
+  void warn_of_base(int child) {
+    const SpatialJoint& j = body(child).joint;
+    const std::string& on = body(base_).name;
+    if (options_.base || j.motion == Motion::kFloats || (j.motion == Motion::kFixed && on != "world")) return;
+    out_.warnings.push_back(
+        fmt::format("{} holds the base {} on {}: here it falls freely; --base rail, pinned or free "
+                    "says how it moves",
+                    j.name.empty() ? "a joint" : "joint " + quoted(j.name) + " (" + j.type + ")",
+                    quoted(body(child).name), quoted(on)));
+  }
+  Base base() const { return options_.base.value_or(Base::kFree); }
 
   void make_parts() {
     part_.assign(std::size_t(count()), -1);
@@ -278,6 +292,7 @@ class Projector {
     }
     landing::Joint out;
     out.name = renamed("joint", j.name, known), out.child = link;
+    out.q_name = j.name, out.q_sign = same ? 1 : -1, out.q_zero = j.zero;
     std::string file;
     for (const landing::GivenDrive& g : options_.drives)
       if (g.joint == out.name || (g.joint.empty() && joints_to_be() == 1)) file = g.file, given_.insert(g.joint);
@@ -289,10 +304,16 @@ class Projector {
     }
     const double off = off_normal(i);
     note("stays", out.name,
-         fmt::format("{} about {}{}: phi = {}q{}", j.type, axis(i).dot(plane_.normal) > 0 ? "+" : "-", options_.normal,
-                     same ? "" : "-", off > 1e-9 ? fmt::format("; its axis is {:.2g} deg off", off * kDegrees) : ""));
+         fmt::format("{} about {}{}: phi = {}{}", j.type, axis(i).dot(plane_.normal) > 0 ? "+" : "-", options_.normal,
+                     phi_words(same, j.zero),
+                     off > 1e-9 ? fmt::format("; its axis is {:.2g} deg off", off * kDegrees) : ""));
     if (file.empty()) report_drive(j, out.name);
     out_.robot.joints.push_back(out), out_.joints.push_back(j), out_.drive_files.push_back(file);
+  }
+  static std::string phi_words(bool same, double zero) {
+    if (zero == 0) return same ? "q" : "-q";
+    const std::string degrees = fmt::format("{:.4g} deg", zero * kDegrees);
+    return same ? "q - " + degrees : degrees + " - q";
   }
   /// What the description has of a drive, and what it has not.
   void report_drive(const SpatialJoint& j, const std::string& name) {
@@ -337,7 +358,7 @@ class Projector {
 
   void set_base() {
     landing::Robot& r = out_.robot;
-    r.base = options_.base;
+    r.base = base();
     if (options_.pin_height && r.base != Base::kPinned)
       throw InputError("--pin-height: --base pinned is needed with it");
     if (r.base == Base::kPinned && !r.contacts.empty() && !options_.pin_height)

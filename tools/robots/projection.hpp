@@ -20,10 +20,10 @@
 namespace ukemi::tools {
 
 struct ProjectionOptions {
-  std::string normal;                 ///< "x", "y", "z" of the root's frame
-  std::vector<std::string> contacts;  ///< names of points
-  std::vector<std::string> locked;    ///< joints to hold at 0 that would stay
-  landing::Base base = landing::Base::kFree;
+  std::string normal;                       ///< "x", "y", "z" of the root's frame
+  std::vector<std::string> contacts;        ///< names of points
+  std::vector<std::string> locked;          ///< joints to hold at 0 that would stay
+  std::optional<landing::Base> base;        ///< absent: free, with a warning where the description holds it
   std::optional<double> pin_height;         ///< of a pinned origin above the floor [m]; needed with contacts
   std::vector<landing::GivenDrive> drives;  ///< actuator files of joints, by their names in robot.toml
 };
@@ -38,6 +38,7 @@ struct Projection {
   std::vector<SpatialJoint> joints;      ///< of robot.joints; angles are phi
   std::vector<std::string> drive_files;  ///< of robot.joints; empty: not given
   std::vector<Note> notes;
+  std::vector<std::string> warnings;
 };
 
 /// Throws InputError "FILE: ...": an unknown name, no joint about the normal, a joint that follows another, a moving

@@ -36,6 +36,12 @@ std::string head_toml(const landing::Robot& robot, const std::string& format, bo
   return out;
 }
 
+/// How the description counts the angle, for the messages to its robot.
+std::string own_angle_toml(const landing::Joint& joint) {
+  return fmt::format("q = {{ name = {}, sign = {}, zero_deg = {} }}   # its q = zero + sign phi, in messages\n",
+                     text_toml(joint.q_name), shortest(joint.q_sign), shortest(joint.q_zero * kDegrees));
+}
+
 std::string links_toml(const landing::Robot& robot) {
   std::string out;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
@@ -45,7 +51,7 @@ std::string links_toml(const landing::Robot& robot) {
       out += fmt::format("parent = {}\nat = {}   # m: along, across\n",
                          text_toml(robot.links[std::size_t(l.parent)].name), place_toml(l.at));
     if (const landing::Joint* joint = robot.joint_of(int(i)))
-      out += fmt::format("joint = {}\n", text_toml(joint->name));
+      out += fmt::format("joint = {}\n{}", text_toml(joint->name), own_angle_toml(*joint));
     out += fmt::format("mass = {}   # kg\ninertia_com = {}   # kg m^2\ncom = {}   # m\n", shortest(l.mass),
                        shortest(l.inertia_com), place_toml(l.com));
   }

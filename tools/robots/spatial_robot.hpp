@@ -34,6 +34,7 @@ struct SpatialJoint {
   std::optional<double> effort, speed;               ///< what its motor gives at most [Nm], [rad/s]; > 0
   double damping = 0, friction = 0, armature = 0;    ///< [Nm/(rad/s)], [Nm], [kg m^2]; >= 0
   double stiffness = 0, rest = 0;                    ///< of a spring in the joint [Nm/rad], >= 0; [rad]
+  double zero = 0;                                   ///< what its description calls the angle of the poses [rad]
   std::string follows;                               ///< what its angle is bound to; empty: to nothing
 };
 

@@ -3,6 +3,7 @@
 #include "common/error.hpp"
 #include "landing/atlas/atlas_file.hpp"
 #include "landing/atlas/atlas_reader.hpp"
+#include "landing/atlas/body_atlas.hpp"
 #include "landing/atlas/body_atlas_reader.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/model/scene_file.hpp"
@@ -36,7 +37,10 @@ AskedAtlas found_of(const std::string& name, const Drop& drop, const Entry& entr
 int ask_body(const Asked& a, Run& run) {
   BodyScene scene = body_of(a.scene, {}, run);
   BodyAtlasReader reader(a.atlas, scene, {.goal = a.goal, .accuracy = kAccuracy, .deadline = kPatience});
-  scene.drop = a.drop(scene.drop);
+  const Drop drop = a.drop(scene.drop);
+  const auto stands = [](double x) { return AtlasAxis{x, x, 1}; };
+  BodyAtlas(scene).validate({{stands(drop.height), stands(drop.forward_speed), stands(drop.pitch)}});
+  scene.drop = drop;
   const BodyAtlasEntry entry = reader.at(scene.drop);
   if (!entry.wrong.empty()) throw InputError("--ask: " + entry.wrong);
   AskedAtlas out = found_of(scene.name, scene.drop, entry, a);

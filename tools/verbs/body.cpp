@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/degrees_doubt.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stopwatch.hpp"
@@ -16,6 +17,7 @@
 #include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
+#include "landing/plan/scene_doubts.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/interrupt.hpp"
@@ -44,6 +46,10 @@ std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const s
     const bool named = equal != std::string::npos && text.find_first_of("/.\\") > equal;
     out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1), option}
                         : GivenDrive{"", text, option});
+    const auto same = [&](const GivenDrive& g) { return g.joint == out.back().joint; };
+    if (std::count_if(out.begin(), out.end(), same) > 1)
+      throw InputError(fmt::format("{}: {}: given twice", option,
+                                   out.back().joint.empty() ? ukemi::quoted(text) : ukemi::quoted(out.back().joint)));
   }
   return out;
 }
@@ -59,7 +65,7 @@ void note_files(const BodyScene& scene, const std::string& path, Run& run) {
 
 /// Every driven joint held as the scene says, or as NAME=DEG,... does, which is then not moved in the air; of one
 /// driven joint also DEG.
-BodyMotion posture(const BodyScene& scene, const std::string& text) {
+BodyMotion posture(const BodyScene& scene, const std::string& text, Run& run) {
   BodyMotion out = held_posture(scene);
   std::vector<std::string> names;
   for (const Joint& j : scene.robot.joints)
@@ -75,6 +81,7 @@ BodyMotion posture(const BodyScene& scene, const std::string& text) {
     const double degrees = to_number("--hold", a.value);
     if (std::abs(degrees) > 360)
       throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", degrees));
+    if (const std::string doubt = radians_doubt("--hold", degrees); !doubt.empty()) run.warn(doubt);
     for (std::size_t i = 0; i < out.size(); ++i)
       if (scene.robot.joints[i].driven() && scene.robot.joints[i].name == name)
         out[i].phi_i = out[i].phi_f = degrees * kDegree, out[i].reposition.reset();
@@ -85,7 +92,7 @@ BodyMotion posture(const BodyScene& scene, const std::string& text) {
 
 BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run) {
   if (!a.file.empty() && a.hold) throw InputError("--motion, --hold: one of them is needed, not both");
-  if (a.file.empty()) return posture(scene, a.hold.value_or(""));
+  if (a.file.empty()) return posture(scene, a.hold.value_or(""), run);
   run.input(a.file);
   return read_body_motion(a.file, scene.robot);
 }
@@ -107,7 +114,7 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
   const std::vector<GivenDrive> drives = drives_of(actuators, option);
   BodyScene scene = checked_height(height) ? read_dropped(path, *height, drives) : read_body_scene(path, drives);
   note_files(scene, path, run);
-  for (const std::string& doubt : doubts(scene.robot)) run.warn(doubt);
+  for (const std::string& doubt : doubts(scene)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
   warn_of_doubts(path, scene.verdicts, run);
   return scene;
@@ -141,7 +148,10 @@ void keep_ratings(BodyScene& scene, Run& run) {
 
 }  // namespace
 
-void apply_freedom(const FreedomArguments& a, BodyScene& scene) { apply(a, scene.freedom), apply_release(a, scene); }
+void apply_freedom(const FreedomArguments& a, BodyScene& scene, Run& run) {
+  apply(a, scene.freedom), apply_release(a, scene);
+  warn_of_radians(a, run);
+}
 
 std::optional<Scatter> scatter_of(const ScatterArguments& a) {
   return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
@@ -181,12 +191,13 @@ int run_description(const RobotArguments& a, Run& run) {
   if (a.pin_height && !std::isfinite(*a.pin_height)) throw InputError("--pin-height: a finite number is needed");
   ProjectionOptions options;
   options.normal = a.normal, options.contacts = names_of(a.contacts), options.locked = names_of(a.locked);
-  options.base = a.base.value_or(Base::kFree), options.pin_height = a.pin_height;
+  options.base = a.base, options.pin_height = a.pin_height;
   options.drives = drives_of(a.actuators);
   run.input(a.file);
   const SpatialRobot from = read_description(a.file);
   for (const std::string& warning : from.warnings) run.warn(a.file + ": " + warning);
   const Projection made = project(from, options);
+  for (const std::string& warning : made.warnings) run.warn(a.file + ": " + warning);
   BodyScene scene;
   scene.name = std::filesystem::path(a.file).stem().string(), scene.robot = made.robot;
   scene.search.resize(made.robot.joints.size());
@@ -240,7 +251,7 @@ BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height);
-  apply_freedom(a.freedom, scene);
+  apply_freedom(a.freedom, scene, run);
   forbid(scene, a.forbid, "--forbid");
   return scene;
 }
@@ -251,7 +262,10 @@ BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& co
   out.goal = a.goal, out.evaluations = a.evaluations;
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
   if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
+  if (a.samples && !(*a.samples >= 16 && *a.samples <= 4096))
+    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", *a.samples));
   if (a.samples) out.samples = *a.samples;
+  if (a.penalty) throw InputError("--penalty: of the paper's robot; of robots of links --share says what is kept");
   if (a.share && !a.robust) throw InputError("--share: of drops that scatter: --robust is needed");
   if (a.share && !(*a.share > 0 && *a.share <= 1))
     throw InputError(fmt::format("--share: {}: above 0 to 1 is needed", *a.share));
@@ -271,6 +285,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
   const double rate = rate_of(a.rate);
   BodyPlanOptions options = plan_options(a, common, scene, run);
+  if (a.share && !scene.limited()) throw InputError("--share: the scene has no limit to keep");
   options.deadline = a.deadline;
   options.validate();
   const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||

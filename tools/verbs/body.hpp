@@ -27,7 +27,9 @@ landing::BodyScene body_of(const std::string& path, const std::vector<std::strin
 /// Throws InputError where an option is given that a robot of links does not have; the message lists what it has.
 void refuse(bool given, const char* option);
 /// Likewise a release of the joint, which a robot of links does not have; else what else a plan may have.
-void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene);
+void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene, Run& run);
+/// Warns where two drives differ in more than their constants.
+void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& joint, Run& run);
 /// What optimize and trade plan: the scene with its drives, what a motion may be, what must not touch. Throws
 /// InputError for options that robots of links do not have.
 landing::BodyScene scene_to_plan(const OptimizeArguments& arguments, Run& run);

@@ -1,4 +1,6 @@
 // ukemi compare: identified against nominal parameters.
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "common/error.hpp"
@@ -12,6 +14,12 @@
 
 namespace ukemi::tools {
 
+void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& joint, Run& run) {
+  if (nominal != identified)
+    run.warn(fmt::format("{}the sets differ in what the drive feeds back too: nominal {}, identified {}", joint,
+                         name(nominal), name(identified)));
+}
+
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
   if (!a.scene.empty() && landing::is_of_links(a.scene)) return compare_body(a, common);
   const OfSets<std::string> files = {only_actuator(a.nominal, "--nominal"),
@@ -20,6 +28,7 @@ int run_compare(const CompareArguments& a, const CommonOptions& common, Comparis
   const OfSets<Actuator> sets = {landing_actuator_of(files[0], run), landing_actuator_of(files[1], run)};
   std::optional<RigTrials> measured;
   std::optional<landing::Scene> scene;
+  warn_of_feedback(sets[0].sea.feedback, sets[1].sea.feedback, "", run);
   if (!a.scene.empty()) warn_of_unknown_ratings(sets[1], files[1], run);
   if (a.trials.empty() != a.rig.empty()) throw InputError("compare: --trials and --rig belong together");
   if (!a.scene.empty()) scene = scene_of(a.scene, run);

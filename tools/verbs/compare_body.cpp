@@ -51,6 +51,10 @@ int compare_body(const CompareArguments& a, const CommonOptions& common) {
         "landings");
   refuse(!a.scatter.drops.empty(), "--drops");
   const OfSets<BodyScene> scenes = scenes_of(a, run);
+  for (std::size_t i = 0; i < scenes[0].robot.joints.size(); ++i) {
+    const Joint &nominal = scenes[0].robot.joints[i], &identified = scenes[1].robot.joints[i];
+    warn_of_feedback(nominal.sea.feedback, identified.sea.feedback, nominal.name + ": ", run);
+  }
   const BodyComparisonOptions options = options_of(a, scenes[1], common, run);
   const OfSets<std::string> names = {fmt::format("{}", fmt::join(a.nominal, ", ")),
                                      fmt::format("{}", fmt::join(a.identified, ", "))};

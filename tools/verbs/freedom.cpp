@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/csv.hpp"
+#include "common/degrees_doubt.hpp"
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
@@ -66,6 +67,11 @@ std::optional<Release> release_of(const FreedomArguments& a, const std::optional
   return r;
 }
 
+void warn_of_radians(const FreedomArguments& a, Run& run) {
+  const std::string doubt = radians_doubt("--release-phi", a.release_phi.value_or(0));
+  if (!doubt.empty()) run.warn(doubt);
+}
+
 Scene scene_of(const std::string& path, Run& run) {
   Scene scene = read_scene(path);
   run.input(path);
@@ -77,6 +83,7 @@ Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& 
   Scene scene = scene_of(path, run);
   apply(arguments, scene.freedom);
   scene.release = release_of(arguments, scene.release);
+  warn_of_radians(arguments, run);
   if (const auto wrong = release_fault(scene))
     throw InputError((wrong->key == "from" ? "--release-from: " : "--release-phi: ") + wrong->message);
   return scene;

@@ -25,6 +25,8 @@ void apply(const FreedomArguments& arguments, landing::Freedom& freedom);
 /// The release of a scene of one driven joint as they change it. Throws InputError.
 std::optional<landing::Release> release_of(const FreedomArguments& arguments,
                                            const std::optional<landing::Release>& scene);
+/// Warns of a --release-phi that was perhaps meant in radians.
+void warn_of_radians(const FreedomArguments& arguments, Run& run);
 /// The scene of a file, an input of the run, with a warning of what its calibration did not trust. Throws InputError.
 landing::Scene scene_of(const std::string& path, Run& run);
 /// The scene, with the arguments instead of its own keys. Throws InputError.

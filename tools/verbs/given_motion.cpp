@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/degrees_doubt.hpp"
 #include "common/error.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/arguments.hpp"
@@ -23,9 +24,7 @@ landing::Motion motion_of(const MotionArguments& a, const std::string& verb, Run
   if (a.hold) {
     const double hold = to_number("--hold", *a.hold);
     if (std::abs(hold) > 360) throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", hold));
-    if (hold != 0 && std::abs(hold) < 2)
-      run.warn(
-          fmt::format("--hold: {:g}: degrees, not radians ({:g} rad would be {:.4g})", hold, hold, hold * kDegrees));
+    if (const std::string doubt = radians_doubt("--hold", hold); !doubt.empty()) run.warn(doubt);
     return {hold / kDegrees, hold / kDegrees, 1};
   }
   run.input(a.file);

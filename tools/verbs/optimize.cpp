@@ -42,9 +42,10 @@ RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Ac
   out.samples = a.samples.value_or(out.samples);
   if (!(out.samples >= 16 && out.samples <= 4096))
     throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", out.samples));
-  if (!(a.penalty > 0 && a.penalty <= 1e6))
-    throw InputError(fmt::format("--penalty: {}: above 0 to 1e6 m/s^2 is needed", a.penalty));
-  out.penalty = a.penalty;
+  if (a.penalty && !a.robust) throw InputError("--penalty: of drops that scatter: --robust is needed");
+  out.penalty = a.penalty.value_or(out.penalty);
+  if (!(out.penalty > 0 && out.penalty <= 1e6))
+    throw InputError(fmt::format("--penalty: {}: above 0 to 1e6 m/s^2 is needed", out.penalty));
   return out;
 }
 

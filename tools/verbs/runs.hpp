@@ -81,7 +81,7 @@ struct OptimizeArguments {
   ScatterArguments scatter;
   std::optional<long> samples;
   std::optional<double> share;  ///< of the drops, that keep the limits
-  double penalty = landing::RobustOptions().penalty;
+  std::optional<double> penalty;
   LogArguments logs;
   Exports exports;
   CommonOptions::Lines lines = CommonOptions::Lines::kAnswer;

@@ -46,7 +46,14 @@ TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
 std::vector<TradeAxis> axes_of(const TradeArguments& a, const BodyScene& scene) {
   if (a.vary.size() > 2) throw InputError(fmt::format("--vary: {} times: once or twice is needed", a.vary.size()));
   std::vector<TradeAxis> out;
-  for (const std::string& text : a.vary) out.push_back(axis_of(text, a.vary.size() == 1 ? kCurve : kMap, scene));
+  for (const std::string& text : a.vary) {
+    out.push_back(axis_of(text, a.vary.size() == 1 ? kCurve : kMap, scene));
+    const std::string& name = out.back().name;
+    if (out.size() == 2 && out[0].name == name) throw InputError("--vary: " + quoted(name) + ": named twice");
+    const bool rating = name.ends_with(".speed_max") || name.ends_with(".motor_torque_max");
+    if (rating && a.plan.ratings != OptimizeArguments::Ratings::kRespect)
+      throw InputError("--vary: " + quoted(name) + ": --respect-ratings is needed: without it no plan keeps a rating");
+  }
   return out;
 }
 

@@ -11,8 +11,10 @@
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_space.hpp"
+#include "landing/plan/scene_doubts.hpp"
 #include "landing/search/optimize.hpp"
 #include "tools/report/animation.hpp"
+#include "tools/report/landing_doubts.hpp"
 
 namespace ukemi::tools {
 
@@ -28,11 +30,15 @@ std::string failure_of(const RunEnd& run) {
   return no_landing(run.end) ? std::string("The landing cannot be followed: ") + reason(run) + "." : "";
 }
 
+void add(const std::vector<std::string>& more, std::vector<std::string>& to) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
 /// The paper's robot.
 class TwoLinkLander : public Lander {
  public:
-  TwoLinkLander(Scene scene, SeaParameters<double> sea)
-      : scene_(std::move(scene)), sea_(std::move(sea)), space_(scene_, sea_) {}
+  TwoLinkLander(Scene scene, Actuator actuator)
+      : scene_(std::move(scene)), actuator_(std::move(actuator)), space_(scene_, actuator_.sea) {}
 
   std::vector<std::string> drop_keys() const override { return {"height", "pitch", "forward_speed", "pitch_rate"}; }
   std::vector<Variable> variables() const override { return space_.variables(); }
@@ -51,12 +57,15 @@ class TwoLinkLander : public Lander {
 
  private:
   Played played(const std::string& name, const Motion& motion) const {
-    const Landing l = simulate(scene_, sea_, motion, {}, kRate);
-    return {l.peak, failure_of(l), animation(name, l, {}, scene_.robot.link_length)};
+    const SeaParameters<double>& sea = actuator_.sea;
+    const Landing l = simulate(scene_, sea, motion, {}, kRate);
+    std::vector<std::string> doubts = landing_doubts(instability(scene_, sea, motion), sea.tau_max);
+    add(landing_doubts(l), doubts), add(landing_doubts(ratings(scene_, actuator_, motion, l)), doubts);
+    return {l.peak, failure_of(l), animation(name, l, {}, scene_.robot.link_length), doubts};
   }
 
   Scene scene_;
-  SeaParameters<double> sea_;
+  Actuator actuator_;
   ReferenceSpace space_;
 };
 
@@ -97,7 +106,10 @@ class BodyLander : public Lander {
  private:
   Played played(const std::string& name, const BodyMotion& motion) const {
     const BodyLanding l = simulate(scene_, motion, {}, kRate);
-    return {l.peak, failure_of(l), animation(name, scene_, l)};
+    std::vector<std::string> doubts = landing::doubts(scene_);
+    if (!scene_.floor) doubts.push_back("the scene has no [floor]: nothing can touch");
+    add(landing_doubts(scene_, motion, l), doubts);
+    return {l.peak, failure_of(l), animation(name, scene_, l), doubts};
   }
 
   BodyScene scene_;
@@ -113,7 +125,7 @@ std::unique_ptr<Lander> read_lander(const std::string& scene, const std::string&
     return std::make_unique<BodyLander>(read_body_scene(scene, drives));
   }
   if (actuator.empty()) throw InputError(Location{scene}, "an actuator file is needed for the paper's robot");
-  return std::make_unique<TwoLinkLander>(read_scene(scene), read_actuator(actuator).sea);
+  return std::make_unique<TwoLinkLander>(read_scene(scene), read_actuator(actuator));
 }
 
 }  // namespace ukemi::tools

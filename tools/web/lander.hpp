@@ -16,6 +16,7 @@ struct Played {
   double peak;          ///< [m/s^2]
   std::string failure;  ///< why there is no landing; empty: there is one
   Json animation;
+  std::vector<std::string> doubts;  ///< what a reader must know
 };
 
 class Lander {

@@ -56,14 +56,14 @@ Json landed(const Lander& lander, const Json& motion) {
   Json out = {{"held", held.peak}, {"landings", Json::array()}};
   if (motion.is_null()) {
     out["peak"] = held.peak, out["failure"] = held.failure, out["sentence"] = landing_sentence(held.peak, std::nan(""));
-    out["landings"].push_back(held.animation);
+    out["landings"].push_back(held.animation), out["doubts"] = held.doubts;
     return out;
   }
   write_file(kMotionFile, lander.motion_toml(values_of(motion)));
   const Played played = lander.play(kMotionFile);
   out["peak"] = played.peak, out["failure"] = played.failure;
   out["sentence"] = landing_sentence(played.peak, held.failure.empty() ? held.peak : std::nan(""));
-  out["landings"] = {played.animation, held.animation};
+  out["landings"] = {played.animation, held.animation}, out["doubts"] = played.doubts;
   return out;
 }
 

@@ -160,6 +160,11 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
     const sentence = node('sentence');
     sentence.textContent = answer.failure ? 'There is no landing.' : answer.sentence.replace('m/s^2', 'm/s²');
     sentence.dataset.peak = answer.peak, sentence.dataset.held = answer.held;
+    node('doubts').replaceChildren(...answer.doubts.map(text => {
+      const item = document.createElement('li');
+      item.textContent = text;
+      return item;
+    }));
     const before = player;
     if (before) before.pause();
     node('player').replaceChildren();

@@ -1,0 +1,118 @@
+#include "landing/plan/scene_doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/csv.hpp"
+#include "common/degrees.hpp"
+#include "common/degrees_doubt.hpp"
+#include "landing/body/places.hpp"
+#include "landing/plan/body_space.hpp"
+
+namespace ukemi::landing {
+
+namespace {
+
+/// The posture in which a robot is let go, and what is odd about it.
+class ReleasedPosture {
+ public:
+  explicit ReleasedPosture(const BodyScene& scene) : scene_(scene), robot_(scene.robot), held_(held_posture(scene)) {
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      const int parent = robot_.links[i].parent;
+      const Joint* joint = robot_.joint_of(int(i));
+      const double above = parent < 0 ? 0 : theta_[std::size_t(parent)];
+      theta_.push_back(parent < 0 && !(joint && joint->driven()) ? scene.drop.pitch
+                                                                 : above + (joint ? phi(*joint) : 0));
+    }
+  }
+  std::vector<std::string> doubts() {
+    for (const Joint& j : robot_.joints) doubt_angles(j);
+    for (const Stop& s : robot_.stops)
+      if (s.joint >= 0) doubt_stop(s);
+    doubt_pin(), doubt_air(), doubt_pads();
+    return out_;
+  }
+
+ private:
+  void say(std::string text) {
+    if (!text.empty()) out_.push_back(std::move(text));
+  }
+  std::size_t index(const Joint& j) const { return std::size_t(&j - robot_.joints.data()); }
+  double phi(const Joint& j) const { return j.driven() ? held_[index(j)].phi_i : j.phi; }
+  /// A pinned robot's own joint, unless it is driven, is where the pitch says.
+  double released(const Joint& j) const {
+    const bool pin = robot_.links[std::size_t(j.child)].parent < 0;
+    return pin && !j.driven() ? scene_.drop.pitch : phi(j);
+  }
+
+  void doubt_angles(const Joint& j) {
+    if (!j.driven()) return;
+    const JointSearch& s = scene_.search[index(j)];
+    if (scene_.release || s.hold) say(radians_doubt("joint " + quoted(j.name) + " is held at", phi(j) * kDegrees));
+    say(radians_doubt("search." + j.name + ".phi_deg", {s.phi[0] * kDegrees, s.phi[1] * kDegrees}));
+  }
+  void doubt_stop(const Stop& s) {
+    const Joint& j = robot_.joints[std::size_t(s.joint)];
+    const double phi = released(j), beyond = std::max(s.ends[0] - phi, phi - s.ends[1]);
+    if (beyond > 0)
+      say(fmt::format("joint {} is let go at {:.4g} deg, {:.3g} deg beyond its stop: the stop throws it back",
+                      quoted(j.name), phi * kDegrees, beyond * kDegrees));
+    say(radians_doubt("stop." + j.name + ".phi_deg", {s.ends[0] * kDegrees, s.ends[1] * kDegrees}));
+  }
+  /// One angle of the first link in two places; what hangs below the floor.
+  void doubt_pin() {
+    if (robot_.base != Base::kPinned) return;
+    const Joint* pin = robot_.joint_of(0);
+    const double given = pin ? phi(*pin) : scene_.drop.pitch;
+    const double other = pin && pin->driven() ? scene_.drop.pitch : given;  // 0: nobody gave it
+    if (pin && given != scene_.drop.pitch && other != 0)
+      say(fmt::format("joint {} at {:.4g} deg and drop.pitch_deg {:.4g} are one angle: the {} counts",
+                      quoted(pin->name), given * kDegrees, scene_.drop.pitch * kDegrees,
+                      pin->driven() ? "joint's" : "drop's"));
+    for (const ContactPoint& c : robot_.contacts) {
+      const double height = robot_.pin_height + height_of(c) - (c.pad ? c.pad->thickness : 0);
+      if (scene_.floor && height < 0)
+        say(fmt::format("contact {} is let go {:.3g} m below the floor", quoted(c.name), -height));
+    }
+  }
+  /// Of a contact above the first link's origin, on a level floor [m].
+  double height_of(const ContactPoint& c) const {
+    const auto down = [&](int link, const Place& at) {
+      const double t = theta_[std::size_t(link)];
+      return at.along * std::cos(t) - at.across * std::sin(t);
+    };
+    double out = -down(c.link, c.at);
+    for (int i = c.link; robot_.links[std::size_t(i)].parent >= 0; i = robot_.links[std::size_t(i)].parent)
+      out -= down(robot_.links[std::size_t(i)].parent, robot_.links[std::size_t(i)].at);
+    return out;
+  }
+  void doubt_air() {
+    if (!scene_.release || robot_.base == Base::kPinned || !scene_.touches()) return;
+    if (const double fall = fall_time(scene_); !(scene_.release->from < fall))
+      say(fmt::format("release.from {} s: the floor comes after {:.4g} s: no joint moves in the air",
+                      shortest(scene_.release->from), fall));
+  }
+  void doubt_pads() {
+    for (const ContactPoint& c : robot_.contacts)
+      if (c.pad && c.pad->thickness > reach(robot_))
+        say(fmt::format("contact {}: its pad is {:g} m thick, and the robot reaches {:.3g} m: thickness is in metres",
+                        quoted(c.name), c.pad->thickness, reach(robot_)));
+  }
+
+  const BodyScene& scene_;
+  const Robot& robot_;
+  BodyMotion held_;
+  std::vector<double> theta_;  ///< of each link [rad]
+  std::vector<std::string> out_;
+};
+
+}  // namespace
+
+std::vector<std::string> doubts(const BodyScene& scene) {
+  std::vector<std::string> out = doubts(scene.robot);
+  for (std::string& doubt : ReleasedPosture(scene).doubts()) out.push_back(std::move(doubt));
+  return out;
+}
+
+}  // namespace ukemi::landing
