@@ -31,11 +31,20 @@ void add_manual(CLI::App& app, Action& chosen) {
   });
 }
 
-/// Numbers are decimal, and what is none is told by our own words.
-void check_numbers(CLI::App& app) {
+/// Numbers are decimal, and what is none is told by our own words; so is a value that is empty, and an option that only
+/// another gives a meaning.
+void check_values(CLI::App& app) {
+  constexpr std::pair<const char*, const char*> kNeeds[] = {
+      {"--joint", "--export"}, {"--force-clock", "--force-log"}, {"--force-columns", "--force-log"}};
   for (CLI::App* verb : app.get_subcommands({})) {
-    check_numbers(*verb);
+    check_values(*verb);
+    for (const auto& [option, needed] : kNeeds)
+      if (CLI::Option* const o = verb->get_option_no_throw(option); o && verb->get_option_no_throw(needed))
+        o->needs(verb->get_option(needed));
     for (CLI::Option* option : verb->get_options()) {
+      if (option->get_items_expected_max() > 0)
+        option->check(CLI::Validator(
+            [](const std::string& text) { return std::string(text.empty() ? "a value is needed, not ''" : ""); }, ""));
       const std::string type = option->get_type_name();
       const bool whole = type.starts_with("INT") || type.starts_with("UINT");
       if (whole || type.starts_with("FLOAT"))
@@ -81,7 +90,7 @@ void add_verbs(CLI::App& app, Action& chosen) {
   for (const Verb& verb : verbs())
     verb.add(app.add_subcommand(verb.name, verb.purpose)->group(name(verb.group)), chosen);
   add_manual(app, chosen);
-  check_numbers(app);
+  check_values(app);
   group_options(app);
 }
 

@@ -377,4 +377,10 @@ TEST_CASE("what was perhaps meant otherwise is told of a robot of links: units, 
   f.write("motor.toml", read(kTable2) + "feedback = \"motor\"\n");
   const std::string sets = "the sets differ in what the drive feeds back too: nominal output, identified motor";
   warned({"compare", "--nominal", kTable2, "--identified", "motor.toml"}, sets);
+  refused({"simulate", paper, "--actuator", kTable2, "--hold", "-45", "--joint", "knee"}, "--joint requires --export");
+  refused({"identify", kTrial1, "--rig", kRig, "--force-clock", "own"}, "--force-clock requires --force-log");
+  refused({"identify", kTrial1, "--rig", kRig, "--free", ""}, "--free: a value is needed, not ''");
+  warned({"calibrate", dataset("drops/drop_1.csv"), "--scene", paper, "--actuator", kTable2, "--motion",
+          dataset("drops/hold.toml"), "--free", "stiffness", "--validate", dataset("drops/drop_1.csv")},
+         "is fitted too: what it shows is no validation");
 }

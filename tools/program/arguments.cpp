@@ -40,6 +40,18 @@ std::vector<std::string> given_twice(const std::vector<std::string>& files) {
   return out;
 }
 
+std::vector<std::string> fitted_too(const std::vector<std::string>& fitted, const std::vector<std::string>& unseen) {
+  const auto place = [](const std::string& file) {
+    std::error_code none;
+    return std::filesystem::weakly_canonical(file, none);
+  };
+  std::vector<std::string> out;
+  for (const std::string& file : unseen)
+    if (std::any_of(fitted.begin(), fitted.end(), [&](auto& other) { return place(other) == place(file); }))
+      out.push_back("--validate: " + quoted(file) + " is fitted too: what it shows is no validation");
+  return out;
+}
+
 std::string number_fault(const std::string& text, Whole whole) {
   const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-');
   const char* const end = text.data() + text.size();

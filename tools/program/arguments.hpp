@@ -13,6 +13,8 @@ std::vector<std::string> split(const std::string& list);  ///< at commas
 double to_number(const std::string& option, const std::string& text);
 /// A warning of each file that was named before.
 std::vector<std::string> given_twice(const std::vector<std::string>& files);
+/// A warning of each file that is to validate a fit of the others, and is among them.
+std::vector<std::string> fitted_too(const std::vector<std::string>& fitted, const std::vector<std::string>& unseen);
 /// "'text': rule" where it is no number, or no whole one; else empty. Decimal: "0x10" is none.
 enum class Whole { kNo, kYes };
 std::string number_fault(const std::string& text, Whole whole);

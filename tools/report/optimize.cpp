@@ -141,7 +141,8 @@ void warn_of_deviations(const Answer& a, Run& run) {
   std::string lost;
   for (const Quantity<Evidence>& q : deviation_quantities()) {
     const double peak = q.value(*a.evidence).get<double>();
-    if (peak > kWorse * a.peak() && !(peak - a.peak() < 0.5 * (a.held_peak() - a.peak())))
+    if (peak > kWorse * a.peak() && !(a.held_peak() <= a.peak()) &&
+        !(peak - a.peak() < 0.5 * (a.held_peak() - a.peak())))
       lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", short_peak_words(peak), q.words);
   }
   if (!lost.empty())

@@ -191,13 +191,13 @@ void report_scatter(const Answer& a, Run& run) {
                     "whirls",
                     u.lost, u.planned.samples));
   const double worst = u.planned.cvar90.value;
-  const bool cvar = a.scattered && a.options.robust.measure->kind == Measure::Kind::kCvar;
+  const bool tail = a.scattered && a.options.robust.measure->kind != Measure::Kind::kMean;
   if (!(worst <= u.held.cvar90.value) || !(worst <= u.posture.cvar90.value))
     run.warn(
         fmt::format("in the worst tenth of scattered drops the motion's peak is {} m/s^2; {} it is {}, held at {:.1f} "
                     "deg {}: doing nothing is safer{}",
                     short_peak_words(worst), held_words(), short_peak_words(u.held.cvar90.value), posture,
-                    short_peak_words(u.posture.cvar90.value), cvar ? "" : "; --robust cvar plans for that"));
+                    short_peak_words(u.posture.cvar90.value), tail ? "" : "; --robust cvar plans for that"));
   if (a.scattered && u.measured.value > u.posture_value)
     run.warn(
         fmt::format("over the scattered drops holding at {:.1f} deg is better by what was asked for: {} m/s^2, the "

@@ -181,6 +181,7 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
                                 unseen = read_drops(a.validate, a, scene, motion, run);
   check_drops(scene, drops);
   if (!unseen.empty()) check_drops(scene, unseen);
+  for (const std::string& known : fitted_too(a.drops, a.validate)) run.warn(known);
   run.info(fmt::format("fitting {} drops", drops.size()));
   Calibration c = calibrate(scene, actuator.sea, drops, options);
   c.scene.floor_source = "calibrated from drop logs by ukemi";

@@ -65,6 +65,7 @@ int calibrate_body(const CalibrateArguments& a, const CommonOptions& common) {
   const std::vector<BodyLoggedDrop> unseen = read_drops(a.validate, a, scene, motion, run);
   check_drops(scene, fitted.drops);
   if (!unseen.empty()) check_drops(scene, unseen);
+  for (const std::string& known : fitted_too(a.drops, a.validate)) run.warn(known);
   run.info(fmt::format("fitting {} drops", fitted.drops.size()));
   fitted.result = calibrate(scene, fitted.drops, options);
   if (a.law == CalibrateArguments::Law::kAsked) take_asked_law(fitted.result, fitted.drops, options);
