@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
@@ -165,7 +166,8 @@ class BodySearch {
     out_.held_value = worth(scene_, out_.held);
     if (!judge_.single()) {
       const double begin = watch_.seconds();
-      const Judged held = judged(judge_, out_.hold, options_);
+      choose_accuracy();
+      const Judged held = judged(judge_, out_.hold, judging_options_);
       out_.held_value = held.value, out_.held_keeps_limits = held.keeps_limits;
       spent_ += options_.measure ? long(judge_.drops.size()) : 0;
       judging_ = watch_.seconds() - begin;
@@ -295,6 +297,7 @@ class BodySearch {
   /// What the first look found, by the goal.
   void judge_anew() {
     std::vector<Candidate> known(best_.begin(), best_.end());
+    if (!known.empty()) first_look_ = known[0];
     known.insert(known.end(), basins_.begin(), basins_.end());
     best_.clear(), basins_.clear(), starts_.clear();
     goal_ = &final_;
@@ -306,12 +309,16 @@ class BodySearch {
       if (p.value < kNoMotion) basins_.add(p);
   }
 
-  /// What is left of the deadline: so much for judging, at the search's accuracy where a tighter one takes longer.
+  /// What is left of the deadline: so much for judging.
   void share_out() {
     begin_ = watch_.seconds();
-    const double most = kMostReserved * std::max(0.0, *options_.deadline - begin_);
-    if (reserve_ <= most) return;
-    reserve_ = most, judging_options_.accuracy = std::max(options_.accuracy, kSearchAccuracy);
+    reserve_ = std::min(reserve_, kMostReserved * std::max(0.0, *options_.deadline - begin_));
+  }
+  /// Many landings judge, at the search's accuracy where a tighter one takes too much of the deadline.
+  void choose_accuracy() {
+    const double landing = reserve_ / kReserve, all = double(kJudged * judge_.drops.size()) * landing;
+    if (options_.deadline && all > kMostReserved * *options_.deadline)
+      judging_options_.accuracy = std::max(options_.accuracy, kSearchAccuracy);
   }
   /// Takes a motion for the answer where it is better, at a tight accuracy, than what is known.
   void offer(const Candidate& p) {
@@ -335,6 +342,7 @@ class BodySearch {
         break;
       offer(p);
     }
+    if (first_look_ && !(out_.value < out_.held_value)) offer(*first_look_);  // there was time for that alone
     if (!out_.found)
       out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
                      : scene_.limited()               ? "no motion was found that keeps the limits" + held_breaks()
@@ -361,10 +369,11 @@ class BodySearch {
   Random random_;
   Archive best_{kContenders, kApart}, starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
   Stopwatch watch_{Stopwatch::Time::kWall};
-  Coordinates refined_;  ///< the last place that gradients were followed from
-  double reserve_ = 0;   ///< [s]
-  double begin_ = 0;     ///< of the search [s]
-  double judging_ = 0;   ///< what the held posture took, where many landings judge [s]
+  Coordinates refined_;                  ///< the last place that gradients were followed from
+  std::optional<Candidate> first_look_;  ///< what it found, by its own goal
+  double reserve_ = 0;                   ///< [s]
+  double begin_ = 0;                     ///< of the search [s]
+  double judging_ = 0;                   ///< what the held posture took, where many landings judge [s]
   long spent_ = 0;
 };
 
