@@ -817,9 +817,11 @@ TEST_CASE("optimize: however short the deadline, a posture to hold is the answer
   const Folder f;
   for (const char* goal : {"peak", "tolerant"})
     for (const char* deadline : {"0.001", "0.003", "0.01"}) {
-      const Json s = (done(f, {"optimize", kPaper, "--actuator", kTable2, "--no-report", "--objective", goal,
-                               "--deadline", deadline, "-o", "soon"}),
-                      summary(f, "soon"));
+      const Result r = done(f, {"optimize", kPaper, "--actuator", kTable2, "--no-report", "--objective", goal,
+                                "--deadline", deadline, "-o", "soon"});
+      CHECK_THAT(r.out, !Contains("nan"));
+      const Json s = summary(f, "soon");
+      CHECK((s["contacts"].is_null() == Contains("its landing was not played").match(r.out)));
       INFO(goal << ", " << deadline << " s: " << s.dump());
       // -45 deg held, to a search's accuracy: 466.2, within its execution box 468.0.
       if (goal == std::string("peak"))

@@ -10,6 +10,7 @@
 #include "landing/judge/answer.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/page/page.hpp"
+#include "tools/report/scatter.hpp"
 
 namespace ukemi::tools {
 
@@ -104,7 +105,10 @@ std::string promised_words(const std::string& measure, double value) {
 }
 
 FirstScreen first_screen(const landing::Answer& a) {
-  FirstScreen out{.sentence = landing_sentence(a.peak(), a.held_peak())};
+  FirstScreen out{.sentence = std::isfinite(a.peak())
+                                  ? landing_sentence(a.peak(), a.held_peak())
+                                  : fmt::format("The {} is {:.4g} m/s^2: there was no time to play the landing itself.",
+                                                goal_words(a.options), a.best.value)};
   out.checks = {check(a.best.verified, "verified", "judged at a tight accuracy after the search"),
                 within_ratings(a.ratings), inexactly(a)};
   if (a.under_scatter) {

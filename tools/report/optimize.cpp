@@ -358,7 +358,7 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
     summary = summary_of(a, run);
     if (a.ratings) warn_of(landing_doubts(*a.ratings), run);
     if (a.scattered && a.scatter && a.scatter_assumed) warn_of_assumed(*a.scatter, run);
-    const std::string contacts = contact_order(a.landing.peaks);
+    const std::string contacts = a.played() ? contact_order(a.landing.peaks) : "";
     say(first_screen(a),
         {"motion: " + motion_words(a.best.motion),
          contacts.empty() ? "its landing was not played: no time" : "contacts: " + contacts},
