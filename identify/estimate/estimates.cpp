@@ -57,19 +57,16 @@ void set_errors(const Eigen::MatrixXd& noise, Estimates& out) {
   });
 }
 
-void change_errors(const Eigen::MatrixXd& noise, double half_width, Estimates& out) {
+void change_errors(const Eigen::MatrixXd& noise, double half_width, Wording::Interval interval, Estimates& out) {
   const std::vector<Estimate> before = out.parameters;
   out.half_width = half_width;
   set_errors(noise, out);
-  using enum Wording::Interval;
-  for (const auto interval : {kRelative, kAbsolute})
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const std::string said = interval_warning(before[i], interval);
-      const auto at = std::find(out.warnings.begin(), out.warnings.end(), said);
-      if (at == out.warnings.end()) continue;
-      *at = interval_warning(out.parameters[i], interval);
-      if (at->empty()) out.warnings.erase(at);
-    }
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const std::string said = interval_warning(before[i], interval);
+    if (!said.empty()) std::erase(out.warnings, said);
+    if (std::string now = interval_warning(out.parameters[i], interval); !now.empty())
+      out.warnings.push_back(std::move(now));
+  }
 }
 
 void warn_of_priors(const Choice& choice, Estimates& out) {

@@ -44,7 +44,7 @@ void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProbl
 /// order of `out.fitted`, and `out.considered`.
 void set_errors(const Eigen::MatrixXd& noise, Estimates& out);
 /// The same where they were set before; warnings of intervals tell the new ones.
-void change_errors(const Eigen::MatrixXd& noise, double half_width, Estimates& out);
+void change_errors(const Eigen::MatrixXd& noise, double half_width, Wording::Interval interval, Estimates& out);
 /// Of constants that ended far from what was known beforehand.
 void warn_of_priors(const Choice& choice, Estimates& out);
 

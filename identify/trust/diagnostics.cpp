@@ -221,7 +221,7 @@ void widen_errors(const ResidualTests& tests, Estimates& fit) {
         if (std::isfinite(c)) c = wider[i] * sandwiched(i, j) * wider[j];
       }
     const long parts = long(tests.score->parts.size());
-    change_errors(noise, std::max(fit.half_width, t_quantile_975(parts - 1)), fit);
+    change_errors(noise, std::max(fit.half_width, t_quantile_975(parts - 1)), Wording::Interval::kRelative, fit);
     for (Estimate& e : fit.nuisance)
       if (e.trial >= 0 && e.std) set_error(e, *e.std * *e.std * widest, *e.std * *e.std * widest, fit.half_width);
   }

@@ -123,11 +123,18 @@ constexpr ContactLaw kNoFloor{.stiffness = 1};
 /// What a file is read for: a landing, whose drop it has or not, or a robot that is driven.
 enum class For { kLanding, kDrop, kDriven };
 
-/// [identified], which `predict` asks for alone.
-void pass_over_identified(TomlFile& file) {
+/// Of [identified], whose errors `predict` asks for alone, how far its fit trusted each constant.
+Verdicts read_identified_verdicts(TomlFile& file) {
+  Verdicts out;
   auto known = file.optional("identified");
-  for (const char* key : {"order", "covariance", "outputs", "rms"})
-    if (known) known->accept(key);
+  if (!known) return out;
+  for (const char* key : {"order", "covariance", "outputs", "rms"}) known->accept(key);
+  const std::vector<std::string> none, constants = known->optional_texts("constants").value_or(none),
+                                       verdicts = known->optional_texts("verdicts").value_or(none);
+  if (constants.size() != verdicts.size())
+    known->fail("verdicts", fmt::format("{} verdicts: 'constants' names {}", verdicts.size(), constants.size()));
+  for (std::size_t i = 0; i < constants.size(); ++i) out.emplace_back(constants[i], verdicts[i]);
+  return out;
 }
 
 BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, For what) {
@@ -137,17 +144,18 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
   ContactLaw law = kNoFloor;
   read_floor(file, out, law);
   CommandPath commands;
+  Verdicts of_robot;
   if (const auto name = file.optional_text("robot")) {
     out.robot_file = (std::filesystem::path(path).parent_path() / *name).string();
     TomlFile other(out.robot_file);
     read_robot_tables(other, &file, law, drives, out);
     commands = read_command_path(other, out.robot), (void)read_sensors(other, out.robot);
-    pass_over_identified(other);
+    of_robot = read_identified_verdicts(other);
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
     commands = read_command_path(file, out.robot), (void)read_sensors(file, out.robot);
-    pass_over_identified(file);
+    of_robot = read_identified_verdicts(file);
   }
   if (what != For::kDriven) stand_on_contacts(path, what == For::kDrop ? Contacts::kAll : Contacts::kAllOrNone, out);
   if (what != For::kDriven) apply(commands, out.robot);
@@ -165,6 +173,7 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
   const std::vector<std::string> constants = floor_constant_names(out.robot);
   if (auto known = file.optional("uncertainty")) out.uncertainty = read_uncertainty(*known, constants, "the scene");
   out.verdicts = read_verdicts(file, constants);
+  out.robot_verdicts = std::move(of_robot);
   if (auto execution = file.optional("execution")) out.execution = read_execution(*execution);
   if (auto run = file.optional("run")) out.t_end = run->optional_number("t_end", Range::positive());
   if (auto detection = file.optional("detection")) {

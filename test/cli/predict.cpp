@@ -224,6 +224,29 @@ TEST_CASE("identify --robot: what is named twice, not read, or says nothing is t
   check_refused(f, identify({"odd.csv"}), {"odd.csv:1:", "'phi_ref_Arm'", "did you mean \"phi_ref_arm\"?"});
   check_refused(f, identify({"off.csv"}), {"off.csv:5:", "on_arm", "from 0 to 1"});
   CHECK_THAT(run(identify({"plain.csv", "./plain.csv"}), f.at("")).err, Contains("'./plain.csv' is given twice"));
+  f.write("copy.csv", plain);
+  CHECK_THAT(run(identify({"plain.csv", "copy.csv"}), f.at("")).err,
+             Contains("'plain.csv' and 'copy.csv' have the same content: they count twice"));
+  std::string gap = "t,phi_arm,phi_ref_arm,push_hit_x,y_arm\n";
+  for (int k = 0; k < 400; ++k)
+    if (k < 100 || k >= 140) gap += fmt::format("{},{:.9g},0,0,{}\n", 0.002 * k, 1e-3 * random.normal(), 0.1 * k);
+  f.write("gap.csv", gap);
+  CHECK_THAT(run(identify({"gap.csv"}), f.at("")).err,
+             Contains("1 gap, the widest of 0.082 s at 0.198 s, where a row takes 0.002 s") &&
+                 Contains("column 'y_arm' is not read: trials have places of the base of a free robot alone"));
+  check_refused(f, {"predict", "plain.csv", "--robot", robot, "--strict", "-o", "bad"}, {"--strict: it has no say"});
+  // What a fit did not trust is told by what takes its robot.
+  CHECK_THAT(read(f.at("out/robot.toml")), Contains("constants = [\"drive.arm.k_p\"") && Contains("verdicts = ["));
+  const std::string hopper = read(dataset("robots/hopper.toml"));
+  f.write("hopper.toml", hopper +
+                             "\n[identified]\nconstants = [\"robot.rail.friction\", \"robot.link.thigh.mass\"]\n"
+                             "verdicts = [\"not identifiable\", \"trusted\"]\n");
+  f.write("scene.toml", replaced(read(dataset("scenes/hopper.toml")), "robot = \"../robots/hopper.toml\"",
+                                 "robot = \"hopper.toml\""));
+  CHECK_THAT(done(f, {"simulate", "scene.toml", "--no-report", "-o", "sim"}).err,
+             Contains("not trusted by the fit that wrote it: robot.rail.friction is not identifiable; what follows"));
+  f.write("hopper.toml", hopper + "\n[identified]\nconstants = [\"a\"]\nverdicts = []\n");
+  check_refused(f, {"simulate", "scene.toml", "-o", "bad"}, {"0 verdicts: 'constants' names 1"});
   const auto twice = [&](const std::string& option, const std::string& list) {
     check_refused(f, identify({"plain.csv"}, {option, list}), {option.substr(2), "twice"});
   };

@@ -175,6 +175,23 @@ std::vector<RobotTrial> controlled(std::vector<RobotTrial> trials, const PyContr
   return trials;
 }
 
+/// A term's own name, where its other one is given; as it is where there is no such term.
+std::string own_name(const identify::Terms<tools::DropTerm>& terms, const std::string& given) {
+  for (const tools::DropTerm& t : *terms.table)
+    if (!t.alias.empty() && t.alias == given) return t.name;
+  return given;
+}
+template <class Map>
+Map own_names(const identify::Terms<tools::DropTerm>& terms, const Map& given) {
+  Map out;
+  for (const auto& [name, value] : given) out[own_name(terms, name)] = value;
+  return out;
+}
+std::vector<std::string> own_names(const identify::Terms<tools::DropTerm>& terms, std::vector<std::string> given) {
+  for (std::string& name : given) name = own_name(terms, name);
+  return given;
+}
+
 RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTrial>& given,
                            const std::optional<std::vector<std::string>>& free, const Priors& priors,
                            const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
@@ -185,11 +202,15 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
   const std::vector<std::string> warnings = tools::leave_out_still(robot.scene.robot, trials);
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
-  o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = profile;
-  o.errors.assign(errors.begin(), errors.end());
+  o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = own_names(o.terms, profile);
+  const Bounds stated = own_names(o.terms, errors);
+  o.errors.assign(stated.begin(), stated.end());
   const std::vector<std::string> starts_of_trials = o.terms.nuisance;
-  if (free) o.terms = choose(std::move(o.terms), free, starts_of_trials, priors, lower, upper);
-  tools::give_each_run(per_run, trials, o);
+  const std::vector<std::string> each = own_names(o.terms, per_run);
+  if (free)
+    o.terms = choose(o.terms, own_names(o.terms, *free), starts_of_trials, own_names(o.terms, priors),
+                     own_names(o.terms, lower), own_names(o.terms, upper));
+  tools::give_each_run(each, trials, o);
   return long_call([&](const std::function<bool()>& stop) {
     o.monitor.stop = stop;
     RobotIdentified out{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), trials};

@@ -208,6 +208,20 @@ void report_drops(const FitTexts& c, const char* set, Report& report, Json& summ
 
 }  // namespace
 
+namespace {
+
+constexpr double kAboveNoise = 2;  // what a residual of drops that are not fitted may come to, times the noise
+
+/// The largest rms of an output over its noise; NaN where none is known.
+double above_noise(const FloorFit& c) {
+  double out = std::nan("");
+  for (std::size_t o = 0; o < std::min(c.rms.size(), c.noise.size()); ++o)
+    if (c.noise[o] > 0) out = std::fmax(out, c.rms[o] / c.noise[o]);
+  return out;
+}
+
+}  // namespace
+
 int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Doubt doubt,
            const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run) {
   const FloorFit& c = fitted.result;
@@ -250,12 +264,17 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
   FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), texts.many));
   first.checks.push_back(
       check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", texts.model, texts.many), ""));
-  first.checks.push_back({Check::State::kUnknown, std::string("held-out ") + texts.one,
-                          validation ? "played: see Validation" : "none: --validate names one"});
+  const double above = validation ? above_noise(validation->result) : std::nan("");
+  const bool holds = !(above > kAboveNoise);
+  first.checks.push_back(std::isnan(above) ? Check{Check::State::kUnknown, std::string("held-out ") + texts.one,
+                                                   validation ? "played: see Validation" : "none: --validate names one"}
+                                           : check(holds, std::string("held-out ") + texts.one,
+                                                   fmt::format("largest residual {:.2g} times the noise", above)));
+  if (validation) summary["validation"]["times_noise"] = number(above);
   first.next = texts.next;
   report.answer(first, run.warnings());
   report.write(run);
-  return run.finish(summary, converged && (doubt == Doubt::kReport || c.trusted()) ? kDone : kNumbers);
+  return run.finish(summary, converged && (doubt == Doubt::kReport || (c.trusted() && holds)) ? kDone : kNumbers);
 }
 
 namespace {

@@ -79,14 +79,21 @@ void set_beside(TomlEdit& file, const std::vector<std::string>& parts, double va
   appended.insert(appended.find(head) + head.size(), fmt::format("{} = {}\n", key, shortest(value)));
 }
 
-std::string identified_text(const Identified& known) {
+std::string names_text(const std::vector<std::string>& all) {
+  return all.empty() ? "[]" : fmt::format("[\"{}\"]", fmt::join(all, "\", \""));
+}
+
+std::string verdicts_text(const Verdicts& all) {
+  std::vector<std::string> constants, verdicts;
+  for (const auto& [constant, verdict] : all) constants.push_back(constant), verdicts.push_back(verdict);
+  return fmt::format("constants = {}\nverdicts = {}\n", names_text(constants), names_text(verdicts));
+}
+
+std::string errors_text(const Identified& known) {
   std::vector<std::string> outputs, rms;
   for (const auto& [output, left] : known.rms) outputs.push_back(output), rms.push_back(shortest(left));
-  const auto names = [](const std::vector<std::string>& all) {
-    return all.empty() ? "[]" : fmt::format("[\"{}\"]", fmt::join(all, "\", \""));
-  };
-  return fmt::format("\n[identified]\norder = {}\n{}outputs = {}\nrms = [{}]\n", names(known.constants.order),
-                     covariance_lines(known.constants.covariance), names(outputs), fmt::join(rms, ", "));
+  return fmt::format("order = {}\n{}outputs = {}\nrms = [{}]\n", names_text(known.constants.order),
+                     covariance_lines(known.constants.covariance), names_text(outputs), fmt::join(rms, ", "));
 }
 
 }  // namespace
@@ -120,7 +127,8 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
   move_drives(robot.scene.robot, own.empty() ? path : own, folder, file);
   file.remove_table("identified");
   file.append(appended);
-  if (robot.known) file.append(identified_text(*robot.known));
+  if (const Verdicts& verdicts = robot.scene.robot_verdicts; robot.known || !verdicts.empty())
+    file.append("\n[identified]\n" + (robot.known ? errors_text(*robot.known) : "") + verdicts_text(verdicts));
   CsvWriter head;
   head.comment(comments);
   return head.text() + file.text();

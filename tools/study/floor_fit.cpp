@@ -304,7 +304,7 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   identify::warn_of_priors(options.terms, out);
   if (!options.errors.empty() && out.converged) {
     out.considered = considered_of(drops, options, sigma, out);
-    identify::change_errors(eigen(out.noise_covariance), out.half_width, out);
+    identify::change_errors(eigen(out.noise_covariance), out.half_width, identify::Wording::Interval::kAbsolute, out);
   }
   out.drops = problem.replay(best);
   out.rms = rms_of(out.drops);

@@ -69,6 +69,10 @@ DrivenRobot robot_of(DrivenRobot robot, const identify::Terms<DropTerm>& terms, 
   const std::vector<FoundNumber> numbers = found_numbers(terms, fit);
   for (const FoundNumber& n : numbers) set_in(robot, terms[n.of_run.front()->name], n.mean());
   robot.known = known_of(numbers, fit);
+  robot.scene.robot_verdicts.clear();
+  for (const auto& of : fit.verdicts())
+    if (std::find(fit.fitted.begin(), fit.fitted.end(), of.first) != fit.fitted.end())
+      robot.scene.robot_verdicts.push_back(of);
   return robot;
 }
 

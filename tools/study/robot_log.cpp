@@ -8,6 +8,7 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "common/median.hpp"
 #include "identify/logs/columns.hpp"
 #include "tools/study/robot_trials.hpp"
 
@@ -177,6 +178,38 @@ std::vector<DropChannel> sensed_channels(const Robot& robot) {
   return out;
 }
 
+namespace {
+
+/// Where rows are missing: a command is held through a gap, and nothing is measured.
+void note_gaps(const std::vector<double>& t, std::vector<std::string>& notes) {
+  constexpr double kGap = 3;  // usual steps
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
+  const double usual = median(steps);
+  const long gaps = std::count_if(steps.begin(), steps.end(), [&](double s) { return s > kGap * usual; });
+  const auto widest = std::max_element(steps.begin(), steps.end());
+  if (gaps > 0)
+    notes.push_back(
+        fmt::format("{} gap{}, the widest of {:.3g} s at {:.3f} s, where a row takes {:.3g} s: commands are "
+                    "held through it; --pieces cuts the log there",
+                    gaps, gaps > 1 ? "s" : "", *widest, t[std::size_t(widest - steps.begin())], usual));
+}
+
+/// Places of links that trials of this robot do not read.
+void note_unread_places(const CsvTable& table, const Robot& robot, std::vector<std::string>& notes) {
+  const std::vector<identify::Column> known = known_columns(robot);
+  for (const Link& l : robot.links)
+    for (const char* quantity : {"x_", "y_", "theta_"}) {
+      const std::string name = quantity + l.name;
+      const auto same = [&](const identify::Column& c) { return c.name == name; };
+      if (table.find(name) >= 0 && std::none_of(known.begin(), known.end(), same))
+        notes.push_back("column " + quoted(name) +
+                        " is not read: trials have places of the base of a free robot alone");
+    }
+}
+
+}  // namespace
+
 std::vector<std::string> leave_out_still(const Robot& robot, std::vector<RobotTrial>& trials) {
   std::vector<std::string> out;
   const std::vector<DropChannel> channels = sensed_channels(robot);
@@ -236,6 +269,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
     throw InputError(
         {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", at.size()));
   std::vector<std::string> notes = near_misses(log.table(), map);
+  note_gaps(commands->t, notes), note_unread_places(log.table(), robot, notes);
   std::vector<RobotTrial> out;
   for (std::size_t p = 0; p + 1 < at.size(); ++p) {
     const std::size_t from = at[p], to = at[p + 1];

@@ -172,7 +172,7 @@ DrivenRobot read_driven_robot(const std::string& path) {
     throw InputError(Location{path}, e.what());
   }
   out.sensors = read_sensors(file, out.scene.robot);
-  if (auto s = file.optional("identified")) out.known = read_identified(*s, out);
+  if (auto s = file.optional("identified"); s && s->has("order")) out.known = read_identified(*s, out);
   return out;
 }
 

@@ -117,6 +117,7 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
   for (const std::string& doubt : doubts(scene)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
   warn_of_doubts(path, scene.verdicts, run);
+  warn_of_doubts(scene.robot_file.empty() ? path : scene.robot_file, scene.robot_verdicts, run);
   return scene;
 }
 

@@ -63,6 +63,7 @@ std::vector<std::pair<std::string, double>> values_of(const DrivenRobot& robot, 
 }
 
 int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, RobotFitOptions options, Run& run) {
+  warn_of_doubts(robot.scene.name, robot.scene.robot_verdicts, run);
   run.info(fmt::format("predicting {} trials", trials.size()));
   std::vector<std::string> contacts;
   for (const ContactPoint& c : robot.scene.robot.contacts) contacts.push_back(c.name);
@@ -91,6 +92,18 @@ RobotLogOptions reading_of(const TrialArguments& a) {
   return {.angles = one_turn ? RobotLogOptions::Angles::kOneTurn : RobotLogOptions::Angles::kMultiTurn};
 }
 
+namespace {
+
+bool same_content(const DropLog& a, const DropLog& b) {
+  const auto same = [](const std::vector<double>& x, const std::vector<double>& y) {
+    return std::equal(x.begin(), x.end(), y.begin(), y.end(),
+                      [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
+  };
+  return same(a.t, b.t) && std::equal(a.output.begin(), a.output.end(), b.output.begin(), b.output.end(), same);
+}
+
+}  // namespace
+
 std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions reading, const DrivenRobot& robot,
                                     Run& run) {
   reading.columns = logs.columns;
@@ -106,6 +119,11 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
     }
   }
   for (const std::string& twice : given_twice(logs.files)) run.warn(twice);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (out[i].run != out[j].run && same_content(out[i].log, out[j].log))
+        run.warn(fmt::format("{} and {} have the same content: they count twice, and errors come out too small",
+                             ukemi::quoted(out[j].log.file), ukemi::quoted(out[i].log.file)));
   if (reading.measured == RobotLogOptions::Measured::kAngles)
     for (const std::string& still : leave_out_still(robot.scene.robot, out)) run.warn(still);
   return out;
@@ -142,6 +160,8 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
              {"--robot", "--free", "--per-run", "--nuisance", "--prior", "--errors", "--lower", "--upper", "--profile",
               "--columns", "--pieces", "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
              "--robot");
+  if (only && a.doubt == Doubt::kFail)
+    throw InputError("--strict: it has no say with predict --robot, which tells bands and baselines and no verdict");
   const DrivenRobot robot = robot_of(a.robot, run);
   const std::vector<RobotTrial> trials =
       read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading_of(a.reading), robot, run);
