@@ -34,8 +34,7 @@ void add_manual(CLI::App& app, Action& chosen) {
 /// Numbers are decimal, and what is none is told by our own words; so is a value that is empty, and an option that only
 /// another gives a meaning.
 void check_values(CLI::App& app) {
-  constexpr std::pair<const char*, const char*> kNeeds[] = {
-      {"--joint", "--export"}, {"--force-clock", "--force-log"}, {"--force-columns", "--force-log"}};
+  constexpr std::pair<const char*, const char*> kNeeds[] = {{"--joint", "--export"}, {"--force-clock", "--force-log"}};
   for (CLI::App* verb : app.get_subcommands({})) {
     check_values(*verb);
     for (const auto& [option, needed] : kNeeds)

@@ -356,7 +356,7 @@ TEST_CASE("a scatter, a risk and a row of drops that are none are refused") {
   scatter("stiffness=-5%", {"--scatter: 'stiffness=-5%': ", "at least 0%"});
   scatter("height=0.01,height=0.02", {"--scatter: 'height'", "twice"});
   scatter("height", {"--scatter: 'height': ", "NAME=VALUE"});
-  scatter("", {"--scatter: ", "NAME=VALUE"});
+  scatter("", {"--scatter: ", "a value is needed"});
   const auto scene = [&](const std::string& lines) {
     return f.write("s.toml", read(kPaper) + "\n[scatter]\n" + lines);
   };

@@ -1,8 +1,11 @@
 // Fits of driven robots, and predictions with what they found.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "common/eigen.hpp"
+#include "identify/estimate/estimates.hpp"
 #include "tools/study/robot_trials.hpp"
 
 namespace ukemi::tools {
@@ -70,10 +73,25 @@ DrivenRobot robot_of(DrivenRobot robot, const identify::Terms<DropTerm>& terms, 
   for (const FoundNumber& n : numbers) set_in(robot, terms[n.of_run.front()->name], n.mean());
   robot.known = known_of(numbers, fit);
   robot.scene.robot_verdicts.clear();
-  for (const auto& of : fit.verdicts())
-    if (std::find(fit.fitted.begin(), fit.fitted.end(), of.first) != fit.fitted.end())
-      robot.scene.robot_verdicts.push_back(of);
+  for (const identify::Estimate& e : fit.parameters)
+    if (e.free) robot.scene.robot_verdicts.emplace_back(e.name, identify::name(e.verdict));
   return robot;
+}
+
+/// A drive that acts by T late is to first order one with k_d - T k_p: trials of robots have no other term for it.
+void warn_of_prompt_drives(const DrivenRobot& robot, FloorFit& fit) {
+  constexpr double kLate = 1e-3;  // as late as a drive's computer may be [s]
+  for (const landing::Joint& j : robot.scene.robot.joints) {
+    const auto* k_d = identify::find_constant(fit, "drive." + j.name + ".k_d");
+    if (j.kind != landing::DriveKind::kElastic || !k_d || !k_d->free || !k_d->std) continue;
+    const double moved = kLate * j.sea.k_p;
+    if (moved > 2 * *k_d->std)
+      fit.warnings.push_back(fmt::format(
+          "drive.{0}: its constants are trusted as far as the drive acts at once: 1 ms later moves k_d by k_p "
+          "times that, {1:.3g}, {2:.0f} of its errors, and no term of trials of robots is that delay; "
+          "identify --rig fits control_delay",
+          j.name, moved, moved / *k_d->std));
+  }
 }
 
 }  // namespace
@@ -81,6 +99,7 @@ DrivenRobot robot_of(DrivenRobot robot, const identify::Terms<DropTerm>& terms, 
 RobotFit fit_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options) {
   RobotFit out{fit_floor(RobotTrials(robot, trials, options), options), robot};
   out.robot = robot_of(robot, options.terms, out);
+  warn_of_prompt_drives(out.robot, out);
   return out;
 }
 

@@ -172,7 +172,10 @@ DrivenRobot read_driven_robot(const std::string& path) {
     throw InputError(Location{path}, e.what());
   }
   out.sensors = read_sensors(file, out.scene.robot);
-  if (auto s = file.optional("identified"); s && s->has("order")) out.known = read_identified(*s, out);
+  const auto has_errors = [](const TomlSection& s) {
+    return s.has("order") || s.has("covariance") || s.has("outputs") || s.has("rms");
+  };
+  if (auto s = file.optional("identified"); s && has_errors(*s)) out.known = read_identified(*s, out);
   return out;
 }
 

@@ -94,12 +94,18 @@ RobotLogOptions reading_of(const TrialArguments& a) {
 
 namespace {
 
-bool same_content(const DropLog& a, const DropLog& b) {
+bool same_content(const RobotTrial& a, const RobotTrial& b) {
   const auto same = [](const std::vector<double>& x, const std::vector<double>& y) {
     return std::equal(x.begin(), x.end(), y.begin(), y.end(),
                       [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
   };
-  return same(a.t, b.t) && std::equal(a.output.begin(), a.output.end(), b.output.begin(), b.output.end(), same);
+  const auto all_same = [&](const auto& x, const auto& y) {
+    return std::equal(x.begin(), x.end(), y.begin(), y.end(),
+                      [&](auto& p, auto& q) { return std::equal(p.begin(), p.end(), q.begin(), q.end(), same); });
+  };
+  return same(a.log.t, b.log.t) && all_same(a.commands->joint, b.commands->joint) &&
+         all_same(a.commands->push, b.commands->push) &&
+         std::equal(a.log.output.begin(), a.log.output.end(), b.log.output.begin(), b.log.output.end(), same);
 }
 
 }  // namespace
@@ -121,7 +127,7 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
   for (const std::string& twice : given_twice(logs.files)) run.warn(twice);
   for (std::size_t i = 0; i < out.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (out[i].run != out[j].run && same_content(out[i].log, out[j].log))
+      if (out[i].run != out[j].run && same_content(out[i], out[j]))
         run.warn(fmt::format("{} and {} have the same content: they count twice, and errors come out too small",
                              ukemi::quoted(out[j].log.file), ukemi::quoted(out[i].log.file)));
   if (reading.measured == RobotLogOptions::Measured::kAngles)
