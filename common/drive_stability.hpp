@@ -18,16 +18,15 @@ double growth_rate(const SeaParameters<double>& sea, double inertia);
 /// A joint of a robot at rest.
 struct LinearJoint {
   const SeaParameters<double>* elastic = nullptr;  ///< a motor behind a spring; null: none
-  double stiffness = 0,
-         damping =
-             0;  ///< beside it: of springs, of the gains of a motor that turns with the joint [Nm/rad], [Nm s/rad]
+  /// Beside it: of springs and dampers, of the gains of a motor that turns with the joint [Nm/rad], [Nm/(rad/s)].
+  double stiffness = 0, damping = 0;
 };
 struct Growth {
   double rate = 0;  ///< as growth_rate [1/s]
   int joint = 0;    ///< whose rates are the largest in what grows
 };
 /// The same of all joints of a robot together. `compliance`: what a torque of joint k (column) accelerates joint i
-/// (row), motors that turn with them included [1/(kg m^2)]. Test: test/legs/late.cpp against a landing's own rates.
+/// (row), motors that turn with them included [1/(kg m^2)]. Test: test/legs/plans.cpp against a landing's own rates.
 Growth growth(std::span<const LinearJoint> joints, const Eigen::MatrixXd& compliance);
 
 }  // namespace ukemi

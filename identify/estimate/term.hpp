@@ -22,6 +22,7 @@ struct Term {
   std::string name, unit;
   std::string words = {};  ///< what it is, for a reader
   std::string alias = {};  ///< another name that users may give it
+  bool is_called(const std::string& given) const { return name == given || (!alias.empty() && alias == given); }
   enum class Role {
     kConstant,  ///< a shared constant of the model, reported whether it is fitted or not
     kNuisance,  ///< fitted along where asked for, else absent

@@ -1,7 +1,6 @@
 #include "landing/atlas/atlas_reader.hpp"
 
 #include <cmath>
-#include <numeric>
 
 #include "landing/atlas/atlas_table.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
@@ -27,8 +26,7 @@ struct AtlasReader::Table {
 };
 
 AtlasEntry AtlasReader::Table::best_of(std::span<const std::size_t> drops) {
-  const auto [low, high] = scene.search.phi;
-  const Coordinates hold = space.place(*space.holding(scene.release ? scene.release->phi : std::midpoint(low, high)));
+  const Coordinates hold = space.place(*space.holding(held_angle(scene)));
   const AtlasTable::Found found = atlas.best_of(
       drops, hold, options.goal, [&](const Coordinates& values) { return space.unit(values); },
       [&](std::span<Candidate> points, Goal goal) { objective.evaluate(points, goal); });

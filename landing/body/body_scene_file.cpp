@@ -35,16 +35,14 @@ void read_floor(TomlFile& file, BodyScene& scene, ContactLaw& law) {
 }
 
 void read_drop(TomlSection& s, const Robot& robot, Drop& drop) {
-  const bool by_joint =
-      robot.base == Base::kPinned && !robot.joints.empty() && robot.joints[0].child == 0 && robot.joints[0].driven();
-  drop.pitch = by_joint ? s.optional_angle("pitch").value_or(0) : s.angle("pitch");
+  const Joint* const pin = robot.base == Base::kPinned ? robot.joint_of(0) : nullptr;
+  drop.pitch = pin && pin->driven() ? s.optional_angle("pitch").value_or(0) : s.angle("pitch");
   const auto refuse = [&](const char* key, const char* why) {
     if (s.has(key)) s.fail(key, why);
   };
   if (robot.base == Base::kPinned) {
     refuse("height", "a pinned robot is not dropped"), refuse("forward_speed", "a pinned robot is not dropped");
-    if (!robot.joints.empty() && robot.joints[0].child == 0)
-      refuse("pitch_rate", "the pin's own joint moves the first link");
+    if (pin) refuse("pitch_rate", "the pin's own joint moves the first link");
   } else {
     drop.height = s.number("height", {0, 1e4, false, "at least 0 and at most 1e4"});
     if (robot.base == Base::kRail) {

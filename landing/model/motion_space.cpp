@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
@@ -21,6 +22,10 @@ Deviation execution_deviation(int k) {
   }
   const int corner = k - 7;
   return {corner & 4 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 1 ? 1.0 : -1.0};
+}
+
+double held_angle(const Scene& scene) {
+  return scene.release ? scene.release->phi : std::midpoint(scene.search.phi[0], scene.search.phi[1]);
 }
 
 Motion deviated(const Motion& m, const ExecutionTolerance& tolerance, const Deviation& d) {

@@ -26,6 +26,10 @@ Eigen::Matrix<double, kPlayNumbers, 1> numbers(const DrivenMotion& p);
 /// before a robot that does not move would meet the floor, but lasts its shortest.
 std::array<double, 2> ends_of_move(double from, double fall);
 
+/// Where the reference of a robot that plans nothing stands: where it is released, else in the middle of the range of
+/// the end angles [rad].
+double held_angle(const Scene& scene);
+
 /// The motions of the tolerant peak: x (k = 0), six face centres, eight corners of the box of an execution tolerance.
 inline constexpr int kExecutionPoints = 15;
 Deviation execution_deviation(int k);

@@ -9,13 +9,12 @@
 #include "landing/body/load.hpp"
 #include "landing/judge/peak_grid.hpp"
 #include "landing/plan/body_drops.hpp"
+#include "landing/plan/body_goal.hpp"
 #include "landing/search/cma.hpp"
 
 namespace ukemi::landing {
 
 namespace {
-
-constexpr double kSearchAccuracy = 1e-6;
 
 const std::function<bool()>* over_of(const Monitor& monitor) { return monitor.stop ? &monitor.stop : nullptr; }
 

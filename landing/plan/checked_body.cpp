@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "common/drive_stability.hpp"
-#include "landing/body/equations.hpp"
 #include "landing/model/motion.hpp"
+#include "landing/plan/body_posture.hpp"
 
 namespace ukemi::landing {
 
@@ -24,15 +24,7 @@ void move_a_little(BodyScene& s, Random& random) {
 /// The joints' accelerations per torque, the robot at rest with its joints at phi; in the order of Body::joint.
 Eigen::MatrixXd joint_compliance(const Robot& robot, const Body<double, kAny>& body, double pitch,
                                  const std::vector<double>& phi) {
-  TreePose<double, kAny.bodies> pose{};
-  std::array<double, kAny.bodies> theta{};
-  theta[0] = pitch;
-  for (int i = 0; i < body.joints; ++i) {
-    const JointPlace& at = body.joint[std::size_t(i)];
-    const double parent = at.parent < 0 ? 0 : theta[std::size_t(at.parent)];
-    theta[std::size_t(at.child)] = parent + phi[std::size_t(at.joint)] - at.offset;
-  }
-  for (std::size_t j = 0; j < theta.size(); ++j) pose.sin[j] = std::sin(theta[j]), pose.cos[j] = std::cos(theta[j]);
+  const TreePose<double, kAny.bodies> pose = at_rest_in(robot, body, pitch, phi);
   Body<double, kAny> railed = body;
   railed.rail = {std::cos(robot.rail_direction), std::sin(robot.rail_direction)};
   Eigen::MatrixXd out(int(body.joints), int(body.joints));
@@ -90,8 +82,7 @@ std::optional<BodyInstability> instability(const BodyScene& scene, const BodyMot
 
 CheckedBody checked_body(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, double rate,
                          int draws) {
-  CheckedBody out{scene, motion,           simulate(scene, motion, options, rate),
-                  {},    options.accuracy, instability(scene, motion)};
+  CheckedBody out{scene, motion, simulate(scene, motion, options, rate), {}, options.accuracy};
   if (out.landing.end == End::kFailed) return out;
   const auto play = [&](double accuracy, Random* random) -> std::optional<double> {
     BodyScene s = scene;

@@ -22,7 +22,6 @@ struct CheckedBody {
   BodyLanding landing;
   Sensitivity sensitivity;
   double accuracy;
-  std::optional<BodyInstability> instability = {};
   /// The peak moves with the tolerance and not with the scene.
   bool wrong() const { return sensitivity.checked && !sensitivity.right; }
 };

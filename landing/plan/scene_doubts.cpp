@@ -8,6 +8,7 @@
 #include "common/degrees.hpp"
 #include "common/degrees_doubt.hpp"
 #include "landing/body/places.hpp"
+#include "landing/plan/body_posture.hpp"
 #include "landing/plan/body_space.hpp"
 
 namespace ukemi::landing {
@@ -17,15 +18,7 @@ namespace {
 /// The posture in which a robot is let go, and what is odd about it.
 class ReleasedPosture {
  public:
-  explicit ReleasedPosture(const BodyScene& scene) : scene_(scene), robot_(scene.robot), held_(held_posture(scene)) {
-    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
-      const int parent = robot_.links[i].parent;
-      const Joint* joint = robot_.joint_of(int(i));
-      const double above = parent < 0 ? 0 : theta_[std::size_t(parent)];
-      theta_.push_back(parent < 0 && !(joint && joint->driven()) ? scene.drop.pitch
-                                                                 : above + (joint ? phi(*joint) : 0));
-    }
-  }
+  explicit ReleasedPosture(const BodyScene& scene) : scene_(scene), robot_(scene.robot), held_(held_posture(scene)) {}
   std::vector<std::string> doubts() {
     for (const Joint& j : robot_.joints) doubt_angles(j);
     for (const Stop& s : robot_.stops)
@@ -70,22 +63,17 @@ class ReleasedPosture {
       say(fmt::format("joint {} at {:.4g} deg and drop.pitch_deg {:.4g} are one angle: the {} counts",
                       quoted(pin->name), given * kDegrees, scene_.drop.pitch * kDegrees,
                       pin->driven() ? "joint's" : "drop's"));
-    for (const ContactPoint& c : robot_.contacts) {
-      const double height = robot_.pin_height + height_of(c) - (c.pad ? c.pad->thickness : 0);
+    const Body<double, kAny> body = body_of<kAny>(robot_);
+    std::vector<double> phi_of;
+    for (const Joint& j : robot_.joints) phi_of.push_back(phi(j));
+    const auto pose = at_rest_in(robot_, body, scene_.drop.pitch, phi_of);
+    for (std::size_t i = 0; i < robot_.contacts.size(); ++i) {
+      const ContactPoint& c = robot_.contacts[i];
+      const double height =
+          robot_.pin_height + position(body.contact[i], pose, body.bodies).y() - (c.pad ? c.pad->thickness : 0);
       if (scene_.floor && height < 0)
         say(fmt::format("contact {} is let go {:.3g} m below the floor", quoted(c.name), -height));
     }
-  }
-  /// Of a contact above the first link's origin, on a level floor [m].
-  double height_of(const ContactPoint& c) const {
-    const auto down = [&](int link, const Place& at) {
-      const double t = theta_[std::size_t(link)];
-      return at.along * std::cos(t) - at.across * std::sin(t);
-    };
-    double out = -down(c.link, c.at);
-    for (int i = c.link; robot_.links[std::size_t(i)].parent >= 0; i = robot_.links[std::size_t(i)].parent)
-      out -= down(robot_.links[std::size_t(i)].parent, robot_.links[std::size_t(i)].at);
-    return out;
   }
   void doubt_air() {
     if (!scene_.release || robot_.base == Base::kPinned || !scene_.touches()) return;
@@ -103,7 +91,6 @@ class ReleasedPosture {
   const BodyScene& scene_;
   const Robot& robot_;
   BodyMotion held_;
-  std::vector<double> theta_;  ///< of each link [rad]
   std::vector<std::string> out_;
 };
 

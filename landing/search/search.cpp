@@ -1,7 +1,6 @@
 #include "landing/search/search.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "landing/search/population.hpp"
 
@@ -45,7 +44,7 @@ void Search::hold() {
   auto [low, high] = scene.search.phi;
   const auto holding = [&](double phi) { return Candidate{space.place(*space.holding(phi))}; };
   if (budget_.hold <= 0 || !space.holding(low)) return;
-  held_ = holding(scene.release ? scene.release->phi : std::midpoint(low, high));
+  held_ = holding(held_angle(scene));
   objective_.grant_time(kLast);
   judge_held(held_);
   objective_.grant_time(0);

@@ -1,11 +1,13 @@
 // Robots of links over drops that scatter: what is drawn, what a plan promises, what risk tells. Of one elastic joint
 // everything is also the paper's robot's, whose own path is another program.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "common/degrees.hpp"
 #include "landing/judge/risk.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/plan/body_goal.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/scatter/drop_model.hpp"
@@ -182,9 +184,11 @@ TEST_CASE("legs: a plan is never worse than holding by its own goal, with every 
         if (!deadline) CHECK(p.value < p.held_value);
         CHECK(p.under.has_value() == (measure && !deadline));
         if (!measure && goal == Goal::kTolerant) {
-          double worst = 0;
-          for (const double x : peaks_over(execution_drops(scene), p.motion, 1e-9, 0).peaks) worst = std::max(worst, x);
-          CHECK(p.value == Approx(worst).epsilon(1e-6));
+          const auto worst = [&](double accuracy) {
+            return std::ranges::max(peaks_over(execution_drops(scene), p.motion, accuracy, 0).peaks);
+          };
+          const bool in_haste = deadline && p.value == worst(kSearchAccuracy);  // a slow machine judges as it searches
+          CHECK((in_haste || p.value == Approx(worst(o.accuracy)).epsilon(1e-6)));
           CHECK(p.value >= p.landing.peak * (1 - 1e-9));
         }
       }

@@ -29,25 +29,29 @@ double to_number(const std::string& option, const std::string& text) {
   throw InputError(option + ": " + fault);
 }
 
+namespace {
+
+/// One for all ways of naming a file.
+std::filesystem::path place_of(const std::string& file) {
+  std::error_code none;
+  return std::filesystem::weakly_canonical(file, none);
+}
+
+}  // namespace
+
 std::vector<std::string> given_twice(const std::vector<std::string>& files) {
   std::vector<std::string> out;
   std::set<std::filesystem::path> known;
-  for (const std::string& file : files) {
-    std::error_code none;
-    if (!known.insert(std::filesystem::weakly_canonical(file, none)).second)
+  for (const std::string& file : files)
+    if (!known.insert(place_of(file)).second)
       out.push_back(quoted(file) + " is given twice: it counts as two logs, and errors come out too small");
-  }
   return out;
 }
 
 std::vector<std::string> fitted_too(const std::vector<std::string>& fitted, const std::vector<std::string>& unseen) {
-  const auto place = [](const std::string& file) {
-    std::error_code none;
-    return std::filesystem::weakly_canonical(file, none);
-  };
   std::vector<std::string> out;
   for (const std::string& file : unseen)
-    if (std::any_of(fitted.begin(), fitted.end(), [&](auto& other) { return place(other) == place(file); }))
+    if (std::any_of(fitted.begin(), fitted.end(), [&](auto& other) { return place_of(other) == place_of(file); }))
       out.push_back("--validate: " + quoted(file) + " is fitted too: what it shows is no validation");
   return out;
 }

@@ -178,7 +178,7 @@ std::vector<RobotTrial> controlled(std::vector<RobotTrial> trials, const PyContr
 /// A term's own name, where its other one is given; as it is where there is no such term.
 std::string own_name(const identify::Terms<tools::DropTerm>& terms, const std::string& given) {
   for (const tools::DropTerm& t : *terms.table)
-    if (!t.alias.empty() && t.alias == given) return t.name;
+    if (t.is_called(given)) return t.name;
   return given;
 }
 template <class Map>

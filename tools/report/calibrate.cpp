@@ -206,10 +206,6 @@ void report_drops(const FitTexts& c, const char* set, Report& report, Json& summ
     report.figure(drop_figure(*c.logs[m], c.result, set, m));
 }
 
-}  // namespace
-
-namespace {
-
 constexpr double kAboveNoise = 2;  // what a residual of drops that are not fitted may come to, times the noise
 
 /// The largest rms of an output over its noise; NaN where none is known.

@@ -49,9 +49,9 @@ const char* worth_name(bool rated);  ///< "largest load", "peak"
 const char* worth_unit(bool rated);
 /// The worst tenth of drops against that of holding still.
 Check under_scatter_check(double planned, double held, bool rated = false);
-/// Of a plan of the two-link robot.
 /// " Over the drops that it is planned for 135 (mean)."
 std::string promised_words(const std::string& measure, double value);
+/// Of a plan of the two-link robot.
 FirstScreen first_screen(const landing::Answer& answer);
 
 /// On the terminal: its sentence and the lines that belong to it; with --details every number of the table below.

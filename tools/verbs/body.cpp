@@ -262,10 +262,7 @@ BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& co
   BodyPlanOptions out;
   out.goal = a.goal, out.evaluations = a.evaluations;
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
-  if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
-  if (a.samples && !(*a.samples >= 16 && *a.samples <= 4096))
-    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", *a.samples));
-  if (a.samples) out.samples = *a.samples;
+  out.samples = scattered_samples(a).value_or(out.samples);
   if (a.penalty) throw InputError("--penalty: of the paper's robot; of robots of links --share says what is kept");
   if (a.share && !a.robust) throw InputError("--share: of drops that scatter: --robust is needed");
   if (a.share && !(*a.share > 0 && *a.share <= 1))

@@ -36,7 +36,7 @@ Named named(const std::vector<DropTerm>& table, const std::string& option, const
   std::vector<std::string> known;
   for (const DropTerm& t : table) {
     if (std::find(roles.begin(), roles.end(), t.role) == roles.end()) continue;
-    if (text == t.name || (!t.alias.empty() && text == t.alias)) return {t.name};
+    if (t.is_called(text)) return {t.name};
     if (name == t.name && (!degrees || t.unit == "rad")) return {name, degrees ? 1 / kDegrees : 1};
     known.push_back(t.name);
   }

@@ -28,7 +28,7 @@ std::string term_name(const std::string& option, const std::string& given, May&&
   std::vector<std::string> known;
   for (const identify::RigTerm& t : identify::rig_terms()) {
     if (!may(t)) continue;
-    if (t.name == given || (!t.alias.empty() && t.alias == given)) return t.name;
+    if (t.is_called(given)) return t.name;
     known.push_back(t.name);
   }
   throw InputError(option + ": " + one_of(given, known));

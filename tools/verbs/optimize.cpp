@@ -38,10 +38,7 @@ RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Ac
   const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
   RobustOptions out{.scatter = scattering.scatter, .drops = scattering.measured, .inflate = scattering.inflate};
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
-  if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
-  out.samples = a.samples.value_or(out.samples);
-  if (!(out.samples >= 16 && out.samples <= 4096))
-    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", out.samples));
+  out.samples = scattered_samples(a).value_or(out.samples);
   if (a.penalty && !a.robust) throw InputError("--penalty: of drops that scatter: --robust is needed");
   out.penalty = a.penalty.value_or(out.penalty);
   if (!(out.penalty > 0 && out.penalty <= 1e6))
@@ -75,6 +72,13 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
 }
 
 }  // namespace
+
+std::optional<long> scattered_samples(const OptimizeArguments& a) {
+  if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
+  if (a.samples && !(*a.samples >= 16 && *a.samples <= 4096))
+    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", *a.samples));
+  return a.samples;
+}
 
 double writing_time(double deadline) {
   constexpr double kTexts = 0.02, kDrawn = 0.2;  // texts [s]; with curves, a part of the deadline

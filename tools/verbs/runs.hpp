@@ -89,6 +89,8 @@ struct OptimizeArguments {
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
 /// Of a deadline, what the results take to be written at most [s].
 double writing_time(double deadline);
+/// --samples of a plan for drops that scatter; none: as many as usual. Throws InputError.
+std::optional<long> scattered_samples(const OptimizeArguments& arguments);
 
 struct CompareArguments {
   std::vector<std::string> nominal, identified;  ///< one file each; of a robot of links one for each joint
