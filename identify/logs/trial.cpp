@@ -11,6 +11,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/median.hpp"
+#include "common/same_numbers.hpp"
 #include "identify/logs/columns.hpp"
 #include "identify/logs/hits.hpp"
 #include "identify/logs/trial_checks.hpp"
@@ -154,8 +155,10 @@ void require_excitation(const Trial& trial) {
 }
 
 bool same_content(const Trial& a, const Trial& b) {
-  return a.phi == b.phi && a.force == b.force && a.t == b.t && a.force_t == b.force_t && a.phi_ref == b.phi_ref &&
-         a.dphi_ref == b.dphi_ref && a.phi_motor == b.phi_motor && a.command == b.command && a.torque == b.torque;
+  constexpr std::vector<double> Trial::*kColumns[] = {&Trial::phi,       &Trial::force,   &Trial::t,
+                                                      &Trial::force_t,   &Trial::phi_ref, &Trial::dphi_ref,
+                                                      &Trial::phi_motor, &Trial::command, &Trial::torque};
+  return std::ranges::all_of(kColumns, [&](auto column) { return same_numbers(a.*column, b.*column); });
 }
 
 std::vector<double> force_at_samples(const Trial& trial) {

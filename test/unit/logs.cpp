@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -370,6 +371,10 @@ TEST_CASE("a trial without excitation is refused, two with the same content are 
   CHECK(same_content(t, other));
   other.phi[1] = 1e-9;
   CHECK_FALSE(same_content(t, other));
+  t.phi[1] = std::numeric_limits<double>::quiet_NaN();  // a cell that is empty
+  CHECK_FALSE(same_content(t, other));
+  other.phi = t.phi;
+  CHECK(same_content(t, other));
 }
 
 namespace {

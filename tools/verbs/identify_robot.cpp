@@ -7,6 +7,7 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
+#include "common/same_numbers.hpp"
 #include "tools/program/command.hpp"
 #include "tools/report/calibrate.hpp"
 #include "tools/report/robot_text.hpp"
@@ -95,17 +96,10 @@ RobotLogOptions reading_of(const TrialArguments& a) {
 namespace {
 
 bool same_content(const RobotTrial& a, const RobotTrial& b) {
-  const auto same = [](const std::vector<double>& x, const std::vector<double>& y) {
-    return std::equal(x.begin(), x.end(), y.begin(), y.end(),
-                      [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
-  };
-  const auto all_same = [&](const auto& x, const auto& y) {
-    return std::equal(x.begin(), x.end(), y.begin(), y.end(),
-                      [&](auto& p, auto& q) { return std::equal(p.begin(), p.end(), q.begin(), q.end(), same); });
-  };
-  return same(a.log.t, b.log.t) && all_same(a.commands->joint, b.commands->joint) &&
-         all_same(a.commands->push, b.commands->push) &&
-         std::equal(a.log.output.begin(), a.log.output.end(), b.log.output.begin(), b.log.output.end(), same);
+  const auto all_same = [](const auto& x, const auto& y) { return std::ranges::equal(x, y, same_numbers); };
+  const auto each_same = [&](const auto& x, const auto& y) { return std::ranges::equal(x, y, all_same); };
+  return same_numbers(a.log.t, b.log.t) && all_same(a.log.output, b.log.output) &&
+         each_same(a.commands->joint, b.commands->joint) && each_same(a.commands->push, b.commands->push);
 }
 
 }  // namespace
