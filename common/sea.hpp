@@ -138,6 +138,11 @@ class DriveLag {
     const T over = (u - x[kThird] - T(kD1) * x[kSecond] - T(kD2) * x[kFirst]) * T(1 / kD3);
     return {over * per_delay_, x[kFirst] * per_delay_, x[kSecond] * per_delay_, (fed_back(s) - x[kRate]) * per_filter_};
   }
+  /// Of its poles, the fastest [1/s]: those of D are within kPole / x.
+  double fastest() const {
+    constexpr double kPole = 4.07;
+    return std::max(kPole * value_of(per_delay_), double(value_of(per_filter_)));
+  }
   /// State of a drive whose rate and demanded torque have been constant for ever.
   State steady(const T& u, const SeaState<T>& s) const { return {T(0), T(0), u, fed_back(s)}; }
 

@@ -12,6 +12,7 @@ namespace ukemi::landing {
 
 /// A robot with a drive that is late (DriveLag) has at most so many; contacts with the ends of stops.
 inline constexpr int kMostLateLinks = 5, kMostLateJoints = 4, kMostLateContacts = 7;
+bool may_be_late(const Robot& robot);  ///< whether it has no more
 bool has_late_drive(const Robot& robot);
 
 /// "rail", or the name of its joint.

@@ -70,6 +70,10 @@ std::string stop_name(const Robot& robot, const Stop& stop) {
   return stop.joint < 0 ? "rail" : robot.joints.at(std::size_t(stop.joint)).name;
 }
 
+bool may_be_late(const Robot& robot) {
+  return int(robot.links.size()) <= kMostLateLinks && int(robot.joints.size()) <= kMostLateJoints &&
+         pushing_points(robot) <= kMostLateContacts;
+}
 bool has_late_drive(const Robot& robot) {
   return std::any_of(robot.joints.begin(), robot.joints.end(),
                      [](const Joint& j) { return j.kind == DriveKind::kElastic && is_late(j.sea); });
@@ -138,8 +142,7 @@ void Robot::validate() const {
     check_positive(what + ": stiffness", s.stiffness), check_not_negative(what + ": damping", s.damping);
   }
   link_index("peak_link", peak_link), check("peak", peak);
-  if (has_late_drive(*this) && (int(links.size()) > kMostLateLinks || int(joints.size()) > kMostLateJoints ||
-                                pushing_points(*this) > kMostLateContacts))
+  if (has_late_drive(*this) && !may_be_late(*this))
     throw InputError(
         fmt::format("control_delay, velocity_filter: with a drive that is late a robot has at most {} links, "
                     "{} joints, {} contacts and ends of stops",

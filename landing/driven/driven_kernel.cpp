@@ -64,6 +64,7 @@ class DrivenRun {
     ask(asked_++);
     push_by(pushed_rows_ = rows_until(t - time_shift_));
     read_row(row_ > 0 ? row_ - 1 : 0);
+    settle_lags();
   }
   /// To `until`, in coarse steps where they follow. What a controller was told and what touched could not be taken
   /// back.
@@ -89,7 +90,7 @@ class DrivenRun {
       auto& to = out.joint[std::size_t(system_.body.joint[i].joint)];
       const SeaState<double> s = system_.joint_state(i, y_);
       to[kAngle].push_back(s.phi + of(i).offset), to[kRate].push_back(s.dphi);
-      to[kTorque].push_back(asked(i, s));
+      to[kTorque].push_back(given(i, s, y_));
     }
     if (system_.body.base != Base::kFree) return;
     const Vec2<double> origin = position(system_.body.first, system_.pose(y_), system_.body.bodies);
@@ -112,7 +113,7 @@ class DrivenRun {
   }
   /// See stable_steps.
   DrivenSteps stable() const {
-    double at_rest = 1, moving = 1;  // the fastest [1/s]
+    double at_rest = 1, moving = 1, lag = 0;  // the fastest [1/s]
     for (int i = 0; i < system_.body.joints; ++i) {
       const JointConstants<double>& d = system_.drive[i];
       State still = State::Zero(), dy;
@@ -128,6 +129,7 @@ class DrivenRun {
       if (d.kind == DriveKind::kElastic) {
         inverse += 1 / d.sea.i_motor, dry += d.sea.output_friction, viscous += d.sea.output_viscous + d.sea.c_sea;
         stiff += d.sea.k_sea;
+        if constexpr (kSize.late) lag = std::max(lag, DriveLag<double>(d.sea).fastest());
       }
       const auto& columns = commands_.joint[std::size_t(system_.body.joint[i].joint)];
       const auto most = [&](CommandColumn what, double otherwise) {
@@ -146,7 +148,8 @@ class DrivenRun {
     }
     // Of a decay: the method holds up to 2.78, and is exact enough up to kExact; [s].
     constexpr double kHolds = 2, kExact = 0.2, kLongest = 1e-3, kInContact = 2e-4;
-    const double longest = pushes() ? kInContact : kLongest, fine = std::min(kHolds / at_rest, longest);
+    const double longest = std::min(pushes() ? kInContact : kLongest, lag > 0 ? kHolds / lag : kLongest),
+                 fine = std::min(kHolds / at_rest, longest);
     return {fine, std::max(fine, std::min(kExact / moving, longest))};
   }
 
@@ -277,8 +280,30 @@ class DrivenRun {
     return c.on * std::clamp(c.k_p * (c.phi_ref - phi) + c.k_d * (c.dphi_ref - dphi) + c.ff, of(i).torque_low,
                              of(i).torque_high);
   }
+  /// The same as late as the drive is; in `dy` the rates of what is on its way.
+  double given(int i, const SeaState<double>& s, const State& y, [[maybe_unused]] State* dy = nullptr) const {
+    if constexpr (kSize.late)
+      if (system_.drive[i].kind == DriveKind::kElastic) {
+        const DriveLag<double> lag(system_.drive[i].sea);
+        const auto x = y.template segment<System::kLags>(System::kLag + System::kLags * i);
+        const double ask = asked(i, lag.seen(s, x));
+        if (dy) dy->template segment<System::kLags>(System::kLag + System::kLags * i) = lag.derivative(ask, s, x);
+        return lag.torque(ask, x);
+      }
+    return asked(i, s);
+  }
+  /// Sets drives that are late as if what is asked for at the start had been for ever.
+  void settle_lags() {
+    if constexpr (kSize.late)
+      for (int i = 0; i < system_.body.joints; ++i) {
+        const SeaState<double> s = system_.joint_state(i, y_);
+        y_.template segment<System::kLags>(System::kLag + System::kLags * i) =
+            DriveLag<double>(system_.drive[i].sea).steady(asked(i, s), s);
+      }
+  }
   State derivative(double t, const State& y) {
     State dy;
+    if constexpr (kSize.late) dy.template segment<System::kWork - System::kLag>(System::kLag).setZero();
     const auto torque_of = [&](int i, double* motor) {
       const SeaState<double> s = system_.joint_state(i, y);
       if (system_.drive[i].kind == DriveKind::kElastic) {
@@ -286,7 +311,7 @@ class DrivenRun {
         const double spring = spring_torque<System::kSea>(sea, s);
         system_.joint[i].saturation = spring > sea.tau_max ? 1 : spring < -sea.tau_max ? -1 : 0;
       }
-      return system_.joint_torque(i, s, motor, [&] { return of(i).torque_gain * asked(i, s); });
+      return system_.joint_torque(i, s, motor, [&] { return of(i).torque_gain * given(i, s, y, &dy); });
     };
     system_.derivative_under(y, dy, torque_of, [&](auto& load, const auto& pose) {
       for (const Pushed& p : pushed_) {

@@ -10,9 +10,6 @@
 namespace ukemi::landing {
 
 void check_driven(const Robot& robot) {
-  if (has_late_drive(robot))
-    throw InputError(
-        "control_delay, velocity_filter: 0 is needed in trials: [command] delay is what makes commands late");
   if (robot.base == Base::kPinned && !robot.joint_of(0))
     throw InputError("link " + quoted(robot.links[0].name) +
                      ": trials need the angle of every link: the first link needs a joint of its own, its pin");
@@ -28,7 +25,7 @@ void check(const Commands& commands, const Robot& robot) {
 
 template <class F>
 auto in_its_kernel(const Robot& robot, F&& f) {
-  return in_kernel<kPendulum, kTriple, kQuad, kSmall, kAny>(robot, f);
+  return in_kernel<kPendulum, kTriple, kQuad, kSmall, kLateLeg, kLate, kAny>(robot, f);
 }
 
 }  // namespace

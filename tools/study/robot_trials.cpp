@@ -125,6 +125,14 @@ double misfit(const DropLog& log, const FollowedDrop& d) {
   return out;
 }
 
+/// `of` moved by what is between two others.
+FollowedDrop moved(FollowedDrop of, const FollowedDrop& from, const FollowedDrop& to) {
+  of.complete = from.complete && to.complete, of.steps = from.steps + to.steps;
+  for (std::size_t o = 0; of.complete && o < of.value.size(); ++o)
+    for (std::size_t i = 0; i < of.value[o].size(); ++i) of.value[o][i] += to.value[o][i] - from.value[o][i];
+  return of;
+}
+
 /// Whether matter can have these numbers: no inertia beyond that of all the mass at both ends of a link.
 bool is_possible(const Robot& robot) {
   constexpr double kShort = 0.02;
@@ -338,14 +346,18 @@ FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const 
   return posed ? logged(roll(m, *posed, times), posed->robot.sensors) : FollowedDrop{};
 }
 
+DrivenSteps RobotTrials::steps_of(std::size_t m, const Posed& posed) const {
+  if (options_.roll.steps.fine > 0) return options_.roll.steps;
+  return stable_steps(posed.robot.scene.robot, posed.robot.path, *trials_[m].commands, posed.start);
+}
+
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
                                 const SimulateOptions&, FollowedDrop& followed) const {
-  constexpr double kOfContacts = 10;  // touchdowns make a rollout's smallest differences rough
+  constexpr double kHardlyLate = 1e-12;  // [s]
+  constexpr double kOfContacts = 10;     // touchdowns make a rollout's smallest differences rough
   const std::optional<Posed> here = pose(m, settings);
   if (!here) return false;
-  const DrivenSteps steps = options_.roll.steps.fine > 0 ? options_.roll.steps
-                                                         : stable_steps(here->robot.scene.robot, here->robot.path,
-                                                                        *trials_[m].commands, here->start);
+  const DrivenSteps steps = steps_of(m, *here);
   const std::vector<bool> coarse = followed.coarse;
   const double difference = options_.difference * (here->robot.scene.robot.contacts.empty() ? 1 : kOfContacts);
   return differentiate_by_differences(
@@ -361,7 +373,16 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
           for (double& x : out.value[*c]) x = after.logged(before.actual(x));
           return out;
         }
-        return logged(roll(m, *there, times, {.steps = steps, .coarse = &coarse}), there->robot.sensors);
+        const auto followed_by = [&](const Posed& posed, const DrivenSteps& its) {
+          return logged(roll(m, posed, times, {.steps = its, .coarse = &coarse}), posed.robot.sensors);
+        };
+        if (has_late_drive(there->robot.scene.robot) == has_late_drive(here->robot.scene.robot))
+          return followed_by(*there, steps);
+        Settings hardly_late = beside;  // another kernel with other steps, whose own difference counts
+        for (Setting& s : hardly_late)
+          if (s.term == &term) s.value = kHardlyLate;
+        const DrivenSteps its = steps_of(m, *there);
+        return moved(followed, followed_by(*pose(m, hardly_late), its), followed_by(*there, its));
       },
       followed);
 }
