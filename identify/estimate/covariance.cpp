@@ -46,6 +46,17 @@ Eigen::MatrixXd covariance_of_free(const LeastSquaresProblem& problem, const Eig
 
 }  // namespace
 
+Eigen::VectorXd slope_at(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& squares,
+                         const std::vector<double>& scaled) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(long(scaled.size()));
+  for (const Eigen::MatrixXd* square : squares) out += square->col(square->cols() - 1).head(out.size());
+  for (const PriorResidual& p : problem.priors) {
+    const double scale = problem.globals[std::size_t(p.global)].scale;
+    out[p.global] += (scaled[std::size_t(p.global)] * scale - p.value) * p.weight * p.weight * scale;
+  }
+  return out;
+}
+
 void add_covariances(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& squares,
                      LeastSquaresSolution& out) {
   const int G = int(problem.globals.size()), L = int(problem.locals.size()), B = int(problem.blocks.size());

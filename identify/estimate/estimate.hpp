@@ -48,8 +48,8 @@ struct Estimate {
 /// Whether every constant that was fitted is trusted.
 [[nodiscard]] bool all_trusted(const std::vector<Estimate>& parameters);
 
-/// A term that was not fitted and is known but for its standard deviation s (a considered parameter of orbit
-/// determination). With J of what was fitted and j of the term, at the minimum,
+/// A term that was not fitted, or ended at a bound, and is known but for its standard deviation s (a considered
+/// parameter of orbit determination). With J of what was fitted and j of the term, at the minimum,
 ///
 ///     theta follows the term by  d = -(J' W J)^-1 J' W j,   covariance = that of noise + s^2 d d'.
 struct Considered {
@@ -77,7 +77,7 @@ struct Estimates {
   /// Of noise and what was considered; NaN where not determined.
   DenseMatrix covariance, correlation;
   DenseMatrix noise_covariance;        ///< the part of it that is the logs' noise
-  std::vector<Considered> considered;  ///< what was not fitted and is not exact
+  std::vector<Considered> considered;  ///< what was not fitted and is not exact, or at a bound
   std::vector<double> eigenvalues;     ///< of the scaled information, ascending, largest 1
   double half_width = kNormal975;      ///< 95 % interval in standard errors (Student's t)
   std::optional<Weakest> weakest;      ///< the combination of constants that the data know least

@@ -117,6 +117,36 @@ void warn(const Wording& wording, Estimates& out) {
     }
 }
 
+/// Terms that ended at a bound may be off to one side. With m the distance at which the cost, as a parabola, has its
+/// minimum beyond the bound, and s_0 the term's standard deviation without it, s^2 is the mean square of a normal
+/// distribution of mean -m and deviation s_0 where that is above 0; at most that of one within the bounds. Ours.
+std::vector<Considered> considered_at_bounds(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
+                                             double variance) {
+  constexpr double kSingular = 1e-12;  // of its information: what is left of it tells nothing
+  std::vector<Considered> out;
+  if (s.information.size() == 0 || !(variance > 0)) return out;
+  std::vector<long> free;
+  for (std::size_t g = 0; g < problem.globals.size(); ++g)
+    if (!s.at_bound[g]) free.push_back(long(g));
+  if (free.empty()) return out;
+  const ScaledSolver solve(s.information(free, free));
+  for (std::size_t g = 0; g < problem.globals.size(); ++g) {
+    const Parameter& p = problem.globals[g];
+    if (!s.at_bound[g] || p.held) continue;
+    const auto b = long(g);
+    const Eigen::VectorXd cross = s.information(free, b), follow = -solve(cross);
+    const double information = s.information(b, b) + cross.dot(follow);
+    if (!(information > kSingular * s.information(b, b))) continue;
+    const double std = std::sqrt(variance / information), slope = s.globals[b] > p.lower ? -s.slope[b] : s.slope[b],
+                 spread = std * spread_from_bound(std::max(slope, 0.0) / (information * std)),
+                 uniform = (p.upper - p.lower) / std::sqrt(3.0);
+    Considered c{p.name, std::min(spread, uniform), Eigen::MatrixXd::Zero(s.information.rows(), 1)};
+    for (std::size_t f = 0; f < free.size(); ++f) eigen(c.shift)(free[f], 0) = c.std * follow[long(f)];
+    out.push_back(std::move(c));
+  }
+  return out;
+}
+
 }  // namespace
 
 const Estimate* find_constant(const Estimates& fit, const std::string& name) {
@@ -145,6 +175,7 @@ void set_estimates(const LeastSquaresSolution& s, const LeastSquaresProblem& pro
     *std::find_if(out.parameters.begin(), out.parameters.end(), [&](const Estimate& q) { return q.name == e.name; }) =
         e;
   }
+  for (Considered& c : considered_at_bounds(s, problem, variance)) out.considered.push_back(std::move(c));
   set_errors(s.global_covariance * variance, out);
   for (std::size_t l = 0; l < problem.locals.size(); ++l)
     for (long b = 0; b < long(problem.blocks.size()); ++b)

@@ -36,7 +36,7 @@ struct Wording {
   enum class Correlated { kAlways, kUnlessTrusted } correlated = Correlated::kAlways;  ///< said of two
 };
 /// Fills in what a solution says whose globals are `shared`, constants first; `out.parameters` are the constants as
-/// they are given, `out.considered` what counts beside the noise. Warns of constants at a bound, not identifiable, or
+/// they are given, `out.considered` what counts beside the noise; terms that ended at a bound join it. Warns of constants at a bound, not identifiable, or
 /// hardly told apart.
 void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
                    const std::vector<const Term*>& shared, const Wording& wording, Estimates& out);

@@ -273,26 +273,30 @@ void set_point(const LeastSquaresProblem& problem, const std::vector<double>& x,
   out.local_variance.setConstant(out.locals.rows(), out.locals.cols(), std::numeric_limits<double>::quiet_NaN());
 }
 
+/// [J r]' [J r] of each block; none where one cannot be evaluated.
+std::optional<std::vector<const Eigen::MatrixXd*>> squares_at(const std::deque<BlockCost>& costs,
+                                                              const std::vector<double>& x,
+                                                              const std::vector<std::vector<double>>& locals) {
+  std::vector<const Eigen::MatrixXd*> out;
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const double* at[2] = {x.data(), locals[b].data()};
+    out.push_back(costs[b].square_form(at));
+    if (!out.back()) return std::nullopt;
+  }
+  return out;
+}
+
 /// The globals at a bound that the cost pushes against it; those of `held` where a block has no derivatives.
 std::vector<bool> pressed(const LeastSquaresProblem& problem, const std::deque<BlockCost>& costs,
                           const std::vector<double>& x, const std::vector<std::vector<double>>& locals,
                           const std::vector<bool>& held) {
-  const std::size_t n = problem.globals.size();
-  std::vector<double> slope(n, 0.0);
-  for (const PriorResidual& p : problem.priors) {
-    const double scale = problem.globals[std::size_t(p.global)].scale;
-    slope[std::size_t(p.global)] += (x[std::size_t(p.global)] * scale - p.value) * p.weight * p.weight * scale;
-  }
-  for (std::size_t b = 0; b < costs.size(); ++b) {
-    const double* at[2] = {x.data(), locals[b].data()};
-    const Eigen::MatrixXd* square = costs[b].square_form(at);
-    if (!square) return held;
-    for (std::size_t i = 0; i < n; ++i) slope[i] += (*square)(long(i), square->cols() - 1);
-  }
-  std::vector<bool> out(n);
-  for (std::size_t i = 0; i < n; ++i) {
+  const auto squares = squares_at(costs, x, locals);
+  if (!squares) return held;
+  const Eigen::VectorXd slope = slope_at(problem, *squares, x);
+  std::vector<bool> out;
+  for (std::size_t i = 0; i < problem.globals.size(); ++i) {
     const int bound = bound_of(problem.globals[i], x[i]);
-    out[i] = problem.globals[i].held || (bound != 0 && bound * slope[i] < 0);
+    out.push_back(problem.globals[i].held || (bound != 0 && bound * slope[long(i)] < 0));
   }
   return out;
 }
@@ -387,13 +391,11 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   set_point(problem, x, locals, out);
   if (!out.usable) return out;
   if (all_held) out.at_bound.assign(problem.globals.size(), true);  // the locals alone have errors
-  std::vector<const Eigen::MatrixXd*> squares;
-  for (std::size_t b = 0; b < costs.size(); ++b) {
-    const double* at[2] = {x.data(), locals[b].data()};
-    squares.push_back(costs[b].square_form(at));
-    if (!squares.back()) return out;
-  }
-  add_covariances(problem, squares, out);
+  const auto squares = squares_at(costs, x, locals);
+  if (!squares) return out;
+  out.slope = slope_at(problem, *squares, x);
+  for (long i = 0; i < out.slope.size(); ++i) out.slope[i] /= problem.globals[std::size_t(i)].scale;
+  add_covariances(problem, *squares, out);
   return out;
 }
 

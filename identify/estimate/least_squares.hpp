@@ -70,6 +70,7 @@ struct LeastSquaresSolution {
   std::vector<bool> at_bound;   ///< of the globals; those that are held too
   long residuals = 0;           ///< n
   Eigen::MatrixXd information;  ///< of the globals, locals eliminated, for unit residual variance; empty where unknown
+  Eigen::VectorXd slope;        ///< of half the cost by the globals; empty where unknown
   /// Inverse of the Fisher information for unit residual variance, over the globals; rows and columns at a bound, and
   /// of what the data do not determine, are NaN. Multiply by the residual variance.
   Eigen::MatrixXd global_covariance;

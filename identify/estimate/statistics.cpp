@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <unsupported/Eigen/SpecialFunctions>
 
@@ -43,6 +44,14 @@ double at_bound_tail(double ratio, int terms) {
     choose *= double(terms - k) / (k + 1);
   }
   return std::ldexp(sum, -terms);
+}
+
+double spread_from_bound(double beyond) {
+  constexpr double kFar = 30;  // from there on what is left is an exponential distribution
+  if (beyond > kFar) return std::sqrt(2.0) / beyond;
+  const double density = std::exp(-beyond * beyond / 2) * std::sqrt(2 / std::numbers::pi),
+               tail = std::erfc(beyond / std::sqrt(2.0));
+  return std::sqrt(1 + beyond * beyond - beyond * density / tail);
 }
 
 double ljung_box(const std::vector<double>& x, int lags) {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/decompositions.hpp"
+#include "identify/estimate/covariance.hpp"
 #include "identify/fit/fit.hpp"
 #include "identify/fit/rig_terms.hpp"
 #include "identify/fit/weighting.hpp"
@@ -63,23 +63,6 @@ struct AtMinimum {
 [[nodiscard]] bool states_errors(const AtMinimum& at);
 /// These terms, with what they do to the constants.
 [[nodiscard]] std::vector<Considered> considered_of(const AtMinimum& at, const Sensitivity& sensitivity);
-
-/// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.
-class ScaledSolver {
- public:
-  explicit ScaledSolver(const Eigen::MatrixXd& a)
-      : unit_(a.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
-        decomposition_(unit_.asDiagonal() * a * unit_.asDiagonal(), 1e-12) {}
-  Eigen::MatrixXd operator()(const Eigen::MatrixXd& b) const {
-    return unit_.asDiagonal() * decomposition_.solve(unit_.asDiagonal() * b);
-  }
-  long rank() const { return decomposition_.rank(); }
-
- private:
-  Eigen::VectorXd unit_;
-  LeastNorm decomposition_;
-};
-
 /// What a term of standard deviation `std` does to what was fitted, from its effect std J' W j, a column for each
 /// independent draw of it; `solve`: by the sensitivity's information; `fitted` as the number of Estimates::fitted.
 [[nodiscard]] Considered considered(const Sensitivity& sensitivity, const ScaledSolver& solve, const std::string& name,

@@ -29,7 +29,7 @@ std::string errors_in_words(const FloorFit& c) {
   std::vector<std::string> out;
   for (const identify::Considered& x : c.considered)
     for (const identify::Estimate& e : c.parameters)
-      if (e.name == x.name) out.push_back(fmt::format("{} {:.3g} {}", x.name, x.std, e.unit));
+      if (e.name == x.name && !e.free) out.push_back(fmt::format("{} {:.3g} {}", x.name, x.std, e.unit));
   return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
 }
 

@@ -26,10 +26,10 @@ std::string errors_in_words(const Rig& rig) {
   return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
 }
 
-/// The term that the rig states an error of under this key.
-const identify::RigTerm* term_of(const std::string& key) {
+/// The term that the rig states an error of under this key, or that was fitted and ended at its bound.
+const identify::RigTerm* term_of(const std::string& source) {
   for (const identify::RigTerm& t : identify::rig_terms())
-    if (t.error && t.error->key == key) return &t;
+    if ((t.error && t.error->key == source) || t.name == source) return &t;
   return nullptr;
 }
 
@@ -46,9 +46,10 @@ std::string what_to_measure(const Fit& fit, const std::vector<ErrorBudget>& budg
   const std::string text = fmt::format("{} is known least, within {:.2g} %: {:.0f} % of its variance is {}",
                                        least.constant, 100 * relative(least), 100 * share, source);
   const identify::RigTerm* term = term_of(source);
-  if (!term) return text + ": more hits, or harder ones, say more (`ukemi design`)";
-  return fmt::format("{}: {}, and state it with its error in the rig file, or fit it along (--nuisance {})", text,
-                     term->measure, term->name);
+  if (!term || term->measure.empty()) return text + ": more hits, or harder ones, say more (`ukemi design`)";
+  const bool fitted = std::ranges::count(fit.fitted, term->name) > 0;
+  return fmt::format("{}: {}, and state it with its error in the rig file{}", text, term->measure,
+                     fitted ? "" : fmt::format(", or fit it along (--nuisance {})", term->name));
 }
 
 }  // namespace

@@ -148,13 +148,15 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
 std::vector<identify::Considered> considered_of(const DropSimulator& simulator, const CalibrationOptions& options,
                                                 const std::vector<double>& sigma, const FloorFit& c) {
   FurtherTerms further(simulator, options, sigma, c);
-  for (const auto& [name, std] : options.errors) further.add(options.terms[name]);
+  auto errors = options.errors;
+  std::erase_if(errors, [](const auto& of) { return of.second == 0; });
+  for (const auto& [name, std] : errors) further.add(options.terms[name]);
   const std::optional<identify::Sensitivity> s = further.sensitivity();
   std::vector<identify::Considered> out;
   if (!s) return out;
   const identify::ScaledSolver solve(s->information);
   int column = s->parameters();
-  for (const auto& [name, std] : options.errors)
+  for (const auto& [name, std] : errors)
     out.push_back(
         identify::considered(*s, solve, name, std, std * s->sum(0, column++, s->parameters(), 1), c.fitted.size()));
   return out;
@@ -205,7 +207,7 @@ void CalibrationOptions::validate() const {
       if (terms[constant].moves_what(terms[nuisance]))
         throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
   for (const auto& [name, std] : errors) {
-    check_positive("--errors: " + name, std);
+    check_not_negative("--errors: " + name, std);
     const std::string& once = name;
     if (std::count_if(errors.begin(), errors.end(), [&](auto& e) { return e.first == once; }) > 1)
       throw InputError("--errors: " + name + ": given twice");
@@ -303,7 +305,7 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   report(best, problem, last, out);
   identify::warn_of_priors(options.terms, out);
   if (!options.errors.empty() && out.converged) {
-    out.considered = considered_of(drops, options, sigma, out);
+    for (identify::Considered& c : considered_of(drops, options, sigma, out)) out.considered.push_back(std::move(c));
     identify::change_errors(eigen(out.noise_covariance), out.half_width, identify::Wording::Interval::kAbsolute, out);
   }
   out.drops = problem.replay(best);

@@ -39,8 +39,8 @@ struct CalibrationOptions {
     kGrow,   ///< each drop is fitted part by part, every part a little longer
     kWhole,  ///< at once: where the start is close
   } parts = Parts::kGrow;
-  /// Of constants that are not fitted: their standard deviations, > 0. What they make of the fitted ones counts in all
-  /// errors and verdicts (identify::Considered).
+  /// Of constants that are not fitted: their standard deviations, >= 0. What they make of the fitted ones counts in
+  /// all errors and verdicts (identify::Considered).
   std::vector<std::pair<std::string, double>> errors;
   std::vector<std::string> profiles;  ///< constants whose likelihood profile is made; each must be fitted
   Monitor monitor;        ///< progress in the fit's parts; where it stops, the last part that was done is kept

@@ -78,28 +78,31 @@ DrivenRobot robot_of(DrivenRobot robot, const identify::Terms<DropTerm>& terms, 
   return robot;
 }
 
-/// A drive that acts by T late is to first order one with k_d - T k_p: trials of robots have no other term for it.
-void warn_of_prompt_drives(const DrivenRobot& robot, FloorFit& fit) {
-  constexpr double kLate = 1e-3;  // as late as a drive's computer may be [s]
+/// An elastic drive acts as late as a rig's may, unless the file or the user says how late.
+void add_unstated(const DrivenRobot& robot, RobotFitOptions& options) {
+  constexpr identify::RigErrors kUnstated;
+  const identify::Terms<DropTerm>& terms = options.terms;
   for (const landing::Joint& j : robot.scene.robot.joints) {
-    const auto* k_d = identify::find_constant(fit, "drive." + j.name + ".k_d");
-    if (j.kind != landing::DriveKind::kElastic || !k_d || !k_d->free || !k_d->std) continue;
-    const double moved = kLate * j.sea.k_p;
-    if (moved > 2 * *k_d->std)
-      fit.warnings.push_back(fmt::format(
-          "drive.{0}: its constants are trusted as far as the drive acts at once: 1 ms later moves k_d by k_p "
-          "times that, {1:.3g}, {2:.0f} of its errors, and no term of trials of robots is that delay; "
-          "identify --rig fits control_delay",
-          j.name, moved, moved / *k_d->std));
+    const auto add = [&](const std::string& key, double given, double std) {
+      const std::string name = "drive." + j.name + "." + key;
+      const auto is_it = [&](const auto& named) { return named == name; };
+      if (given > 0 || terms.fits(name) || std::ranges::none_of(*terms.table, is_it, &DropTerm::name) ||
+          std::ranges::any_of(options.errors, is_it, &std::pair<std::string, double>::first))
+        return;
+      options.errors.emplace_back(name, std);
+    };
+    add("control_delay", j.sea.control_delay, kUnstated.delay);
+    add("velocity_filter", j.sea.velocity_filter, kUnstated.filter);
   }
 }
 
 }  // namespace
 
 RobotFit fit_robot(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options) {
-  RobotFit out{fit_floor(RobotTrials(robot, trials, options), options), robot};
+  RobotFitOptions all = options;
+  add_unstated(robot, all);
+  RobotFit out{fit_floor(RobotTrials(robot, trials, all), all), robot};
   out.robot = robot_of(robot, options.terms, out);
-  warn_of_prompt_drives(out.robot, out);
   return out;
 }
 

@@ -31,7 +31,7 @@ constexpr const char* kGeared[] = {"i_motor",   "friction",       "viscous_frict
 constexpr const char *kProportional[] = {"k_p"}, *kDerivative[] = {"k_d"};
 constexpr const char *kElastic[] = {"k_sea",           "c_sea",          "k_sea_cubic",
                                     "output_friction", "output_viscous", "output_friction_asymmetry"},
-                     *kLimited[] = {"tau_max"}, *kLate[] = {"control_delay"};
+                     *kLimited[] = {"tau_max"}, *kLate[] = {"control_delay", "velocity_filter"};
 constexpr Kind kPassive[] = {{"stiffness", "Nm/rad", "stiffness of the joint", 0, kInfinity, 1},
                              {"damping", "Nm/(rad/s)", "damping of the joint", 0, kInfinity, 0.01},
                              {"rest_deg", "deg", "where its spring rests", -180, 180, 5, 10}};
@@ -191,13 +191,13 @@ void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const st
   const std::string drive = "drive." + j.name + ".", command = "command." + j.name + ".";
   if (j.kind == DriveKind::kPassive) table.add(drive, kPassive);
   if (j.driven()) {
-    const bool refers = has_column(trials, i, kPhiRef);
+    const bool refers = has_column(trials, i, kPhiRef), fed_back = refers || has_column(trials, i, kDphiRef);
     if (refers && !has_column(trials, i, kKp)) table.add(drive, kProportional);
-    if ((refers || has_column(trials, i, kDphiRef)) && !has_column(trials, i, kKd)) table.add(drive, kDerivative);
+    if (fed_back && !has_column(trials, i, kKd)) table.add(drive, kDerivative);
     table.add(drive, kGeared), table.add(command, kOfCommand);
     if (j.kind == DriveKind::kElastic) table.add(drive, kElastic);
     if (j.kind == DriveKind::kElastic && std::isfinite(j.sea.tau_max)) table.add(drive, kLimited);
-    if (j.kind == DriveKind::kElastic && refers && may_be_late(robot.scene.robot)) table.add(drive, kLate);
+    if (j.kind == DriveKind::kElastic && fed_back && may_be_late(robot.scene.robot)) table.add(drive, kLate);
     if (std::isfinite(robot.path.joints[i].torque_high)) table.add(command, kLevels[1]);
     if (std::isfinite(robot.path.joints[i].torque_low)) table.add(command, kLevels[0]);
   }

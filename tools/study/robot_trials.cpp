@@ -125,6 +125,14 @@ double misfit(const DropLog& log, const FollowedDrop& d) {
   return out;
 }
 
+/// Delays and filters that its drives have.
+long lags(const Robot& robot) {
+  long out = 0;
+  for (const Joint& j : robot.joints)
+    if (j.kind == DriveKind::kElastic) out += (j.sea.control_delay > 0) + (j.sea.velocity_filter > 0);
+  return out;
+}
+
 /// `of` moved by what is between two others.
 FollowedDrop moved(FollowedDrop of, const FollowedDrop& from, const FollowedDrop& to) {
   of.complete = from.complete && to.complete, of.steps = from.steps + to.steps;
@@ -376,9 +384,8 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
         const auto followed_by = [&](const Posed& posed, const DrivenSteps& its) {
           return logged(roll(m, posed, times, {.steps = its, .coarse = &coarse}), posed.robot.sensors);
         };
-        if (has_late_drive(there->robot.scene.robot) == has_late_drive(here->robot.scene.robot))
-          return followed_by(*there, steps);
-        Settings hardly_late = beside;  // another kernel with other steps, whose own difference counts
+        if (lags(there->robot.scene.robot) == lags(here->robot.scene.robot)) return followed_by(*there, steps);
+        Settings hardly_late = beside;  // with states and steps of its own, whose own difference counts
         for (Setting& s : hardly_late)
           if (s.term == &term) s.value = kHardlyLate;
         const DrivenSteps its = steps_of(m, *there);

@@ -241,7 +241,7 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
     verb->add_option(
         "--errors", args->errors,
         "with --robot: link.LINK.mass=0.01,...: standard deviations of constants that are not fitted: they "
-        "count in all errors and verdicts [none: the robot's file is exact]");
+        "count in all errors and verdicts [1 ms of each elastic drive's control_delay and velocity_filter]");
     verb->add_option("--prior", args->prior,
                      "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
     verb->add_option(
