@@ -69,15 +69,30 @@ void change_errors(const Eigen::MatrixXd& noise, double half_width, Wording::Int
   }
 }
 
-void warn_of_priors(const Choice& choice, Estimates& out) {
-  constexpr double kFar = 4;  // standard deviations of the prior
+void warn_of_priors(const Choice& choice, const LeastSquaresSolution& s, double noise, Estimates& out) {
+  constexpr double kFar = 4;           // standard deviations
+  constexpr double kSingular = 1e-12;  // of the information with the prior: the logs tell nothing
+  const std::vector<const Estimate*> globals = out.globals();
+  const double variance = s.cost / double(s.residuals - s.free_parameters);
   for (const Prior& p : choice.priors)
-    for (const Estimate& e : out.parameters) {
-      const double off = std::abs(e.value - p.value) / p.std;
-      if (e.name == p.term && off > kFar)
+    for (std::size_t g = 0; g < globals.size() && s.information.size() > 0; ++g) {
+      if (globals[g]->name != p.term || s.at_bound[g]) continue;
+      std::vector<long> others;
+      for (std::size_t i = 0; i < globals.size(); ++i)
+        if (i != g && !s.at_bound[i]) others.push_back(long(i));
+      const Eigen::VectorXd cross = s.information(others, long(g));
+      const double of_prior = std::pow(noise / p.std, 2),
+                   follow = others.empty() ? 0 : cross.dot(ScaledSolver(s.information(others, others))(cross)),
+                   of_logs = s.information(long(g), long(g)) - of_prior - follow, pulled = globals[g]->value - p.value;
+      if (!(of_logs > kSingular * of_prior)) continue;
+      const double apart = pulled * (1 + of_prior / of_logs), std = std::sqrt(variance / of_logs),
+                   off = std::abs(apart) / std::hypot(std, p.std);
+      if (off > kFar)
         out.warnings.push_back(
-            fmt::format("{} {:.4g} is {:.1f} standard deviations from its prior, {} with {}: logs and prior contradict",
-                        e.name, e.value, off, shortest(p.value), shortest(p.std)));
+            fmt::format("the logs alone say about {:.4g} ± {:.2g} of {}: {:.1f} standard deviations from its prior, {} "
+                        "with {}: logs and "
+                        "prior contradict",
+                        p.value + apart, std, p.term, off, shortest(p.value), shortest(p.std)));
     }
 }
 

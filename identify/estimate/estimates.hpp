@@ -36,8 +36,8 @@ struct Wording {
   enum class Correlated { kAlways, kUnlessTrusted } correlated = Correlated::kAlways;  ///< said of two
 };
 /// Fills in what a solution says whose globals are `shared`, constants first; `out.parameters` are the constants as
-/// they are given, `out.considered` what counts beside the noise; terms that ended at a bound join it. Warns of constants at a bound, not identifiable, or
-/// hardly told apart.
+/// they are given, `out.considered` what counts beside the noise; terms that ended at a bound join it. Warns of
+/// constants at a bound, not identifiable, or hardly told apart.
 void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProblem& problem,
                    const std::vector<const Term*>& shared, const Wording& wording, Estimates& out);
 /// Covariances, standard errors, intervals and verdicts of what was fitted for all, from the noise's covariance, in the
@@ -45,7 +45,8 @@ void set_estimates(const LeastSquaresSolution& solution, const LeastSquaresProbl
 void set_errors(const Eigen::MatrixXd& noise, Estimates& out);
 /// The same where they were set before; warnings of intervals tell the new ones.
 void change_errors(const Eigen::MatrixXd& noise, double half_width, Wording::Interval interval, Estimates& out);
-/// Of constants that ended far from what was known beforehand.
-void warn_of_priors(const Choice& choice, Estimates& out);
+/// Of terms of which the logs without the prior say something else than it does, to first order; a residual whose
+/// standard deviation is `noise` [the solution's unit] weighs 1.
+void warn_of_priors(const Choice& choice, const LeastSquaresSolution& solution, double noise, Estimates& out);
 
 }  // namespace ukemi::identify

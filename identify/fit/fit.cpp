@@ -142,7 +142,7 @@ void report(const Rig& rig, const FitSearch& search, const std::vector<Trial>& t
   consider(rig, search, trials, options, out);
   out.parameters = constants_of(options.terms, out.sea);
   set_estimates(search.best(), search.best_problem(), shared, {.data = "trials"}, out);
-  warn_of_priors(options.terms, out);
+  warn_of_priors(options.terms, search.best(), search.noise(), out);
   out.identifiable = std::none_of(out.parameters.begin(), out.parameters.end(),
                                   [](const Estimate& e) { return e.verdict == Identifiability::kNotIdentifiable; });
   if (out.weakest && !all_trusted(out.parameters))

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "common/checks.hpp"
+#include "common/force_curve.hpp"
 #include "common/median.hpp"
-#include "identify/logs/force_curve.hpp"
 #include "identify/rollout/kernels.hpp"
 
 namespace ukemi::identify {
@@ -31,7 +31,10 @@ PreparedTrial::PreparedTrial(const Trial& source) : trial((source.validate(), &s
 
 std::vector<PreparedTrial::Stretch> PreparedTrial::cut(double shift, double delay) const {
   const std::vector<double>&t = trial->t, &r = trial->phi_ref, &d = trial->dphi_ref, &c = trial->command;
-  const ForceCurve force(*trial);
+  const ForceCurve force({.t = trial->force_t.empty() ? t : trial->force_t,
+                          .force = trial->force,
+                          .rest = trial->force_rest,
+                          .smooth = trial->force_smooth == 0 ? std::nullopt : std::optional(trial->force_smooth)});
   const std::size_t begins = trial->force.empty() ? 0 : force.pieces() + 1;
   std::vector<Stretch> out;
   constexpr double kNow = 1e-12;  // times that differ by rounding are one [s]

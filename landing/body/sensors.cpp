@@ -43,6 +43,7 @@ Sensor Sensors::of(const std::string& name) const {
 
 double* sensor_number(Sensors& sensors, const Robot& robot, const std::string& name) {
   if (name == "time_shift") return &sensors.time_shift;
+  if (name == "push_smooth") return &sensors.push_smooth;
   const std::size_t dot = name.rfind('.');
   const std::string of = name.substr(0, dot), key = dot == std::string::npos ? "" : name.substr(dot + 1);
   if (key != "gain" && key != "bias") return nullptr;
@@ -57,6 +58,7 @@ Sensors read_sensors(TomlFile& file, const Robot& robot) {
   if (!s) return out;
   const Range shift{-kMostTimeShift, kMostTimeShift, false, fmt::format("from -{0:g} to {0:g} s", kMostTimeShift)};
   out.time_shift = s->optional_number("time_shift", shift).value_or(0);
+  out.push_smooth = s->optional_number("push_smooth", {0, 1, false, "from 0 to 1"}).value_or(0);
   for (const MeasuredColumn& c : all_columns(robot))
     if (auto own = s->optional_section(c.name)) {
       Sensor& to = out.column[c.name];

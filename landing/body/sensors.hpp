@@ -2,7 +2,8 @@
 //
 //     logged(t) = gain actual(t) + bias
 //
-// Of a force that pushes the robot, what was logged at t acted at t + time_shift.
+// Of a force that pushes the robot, what was logged at t acted at t + time_shift; between its rows it is a curve
+// (common/force_curve.hpp).
 #pragma once
 
 #include <array>
@@ -54,13 +55,14 @@ struct Sensor {
 struct Sensors {
   std::map<std::string, Sensor> column;  ///< by its name; one that is missing says what is
   double time_shift = 0;                 ///< by which the pushes came later than logged [s]
+  double push_smooth = 0;                ///< of pushes between their rows; 0: linear, 1: smooth
 
   Sensor of(const std::string& name) const;
 };
 
-/// A number of them by its name, "time_shift", "COLUMN.gain" or "COLUMN.bias"; null: there is none.
+/// A number of them by its name, "time_shift", "push_smooth", "COLUMN.gain" or "COLUMN.bias"; null: there is none.
 double* sensor_number(Sensors& sensors, const Robot& robot, const std::string& name);
-/// [sensor] time_shift and [sensor.COLUMN] gain, bias of a robot's file.
+/// [sensor] time_shift, push_smooth and [sensor.COLUMN] gain, bias of a robot's file.
 Sensors read_sensors(TomlFile& file, const Robot& robot);
 
 }  // namespace ukemi::landing

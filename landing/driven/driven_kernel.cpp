@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "common/force_curve.hpp"
 #include "landing/body/body_system.hpp"
 #include "landing/body/load_value.hpp"
 
@@ -31,9 +32,17 @@ class DrivenRun {
     for (std::size_t i = 0; i < commands.push.size(); ++i) {
       const PushPoint& p = robot.pushes[i];
       pushed_.push_back({.at = shifted(system_.body, system_.body.origin[std::size_t(p.link)], p.link, p.at)});
-      for (const std::size_t q : {0, 1})
-        if (sensors) pushed_.back().sensor[q] = sensors->of(columns[2 * i + q].name);
+      Pushed& to = pushed_.back();
+      for (const std::size_t q : {0, 1}) {
+        if (sensors) to.sensor[q] = sensors->of(columns[2 * i + q].name);
+        const std::vector<double>& f = commands.push[i][q];
+        if (f.empty()) continue;
+        to.curve[q].emplace(ForceSamples{commands.t, f, f.front(), sensors ? sensors->push_smooth : 0});
+        for (std::size_t k = 0; k <= to.curve[q]->pieces(); ++k) push_edges_.push_back(to.curve[q]->begin(k));
+      }
     }
+    std::sort(push_edges_.begin(), push_edges_.end());
+    push_edges_.erase(std::unique(push_edges_.begin(), push_edges_.end()), push_edges_.end());
     if (sensors) time_shift_ = sensors->time_shift;
   }
 
@@ -56,13 +65,13 @@ class DrivenRun {
       if (gap(i) < 0) cross(System::kOfContact * i + System::kSurface, out);
     for (int i = system_.body.stops_begin; i < system_.body.stops_end; ++i)
       if (system_.stop_at(i, system_.pose(y_), y_).y < 0) cross(System::kOfContact * i + System::kSurface, out);
-    const auto rows_until = [&](double time) {
-      return std::size_t(std::upper_bound(commands_.t.begin(), commands_.t.end(), time) - commands_.t.begin());
+    const auto until = [](const std::vector<double>& times, double time) {
+      return std::size_t(std::upper_bound(times.begin(), times.end(), time) - times.begin());
     };
-    row_ = rows_until(t - path_.delay);
+    row_ = until(commands_.t, t - path_.delay);
     asked_ = row_ > 0 ? row_ - 1 : 0;
     ask(asked_++);
-    push_by(pushed_rows_ = rows_until(t - time_shift_));
+    push_by(pushes_ = until(push_edges_, t - time_shift_));
     read_row(row_ > 0 ? row_ - 1 : 0);
     settle_lags();
   }
@@ -77,11 +86,11 @@ class DrivenRun {
     const bool may = coarse > fine && !commands_.controller && !pushes();
     out.coarse.push_back(may && moves_on(y_, y_));
     if (out.coarse.back()) {
-      const auto [y, t, row, pushed] = std::tuple(y_, t_, row_, pushed_rows_);
+      const auto [y, t, row, pushes] = std::tuple(y_, t_, row_, pushes_);
       if (walk(until, coarse, Pace::kMovingOn, options, out)) return true;
       out.coarse.back() = false;
-      y_ = y, t_ = t, row_ = row, pushed_rows_ = pushed;
-      push_by(pushed_rows_), read_row(row_ > 0 ? row_ - 1 : 0);
+      y_ = y, t_ = t, row_ = row, pushes_ = pushes;
+      push_by(pushes_), read_row(row_ > 0 ? row_ - 1 : 0);
     }
     return walk(until, fine, Pace::kAny, options, out);
   }
@@ -161,10 +170,12 @@ class DrivenRun {
     const long n = long(std::ceil((until - t_) / step - 1e-9));
     while (true) {
       constexpr double kNever = std::numeric_limits<double>::infinity();
-      const auto time_of = [&](std::size_t row) { return row < commands_.t.size() ? commands_.t[row] : kNever; };
-      const double edge = time_of(row_) + path_.delay;
-      const double asks = commands_.controller ? time_of(asked_) : kNever;
-      const double forces = pushed_.empty() ? kNever : time_of(pushed_rows_) + time_shift_;
+      const auto time_of = [](const std::vector<double>& t, std::size_t row) {
+        return row < t.size() ? t[row] : kNever;
+      };
+      const double edge = time_of(commands_.t, row_) + path_.delay;
+      const double asks = commands_.controller ? time_of(commands_.t, asked_) : kNever;
+      const double forces = time_of(push_edges_, pushes_) + time_shift_;
       const double to = std::min({until, edge, asks, forces});
       if (const double length = to - t_; length > 0) {
         if ((out.steps += n) > options.most) return false;
@@ -173,7 +184,7 @@ class DrivenRun {
       }
       if (to >= until) break;
       if (forces <= to)
-        push_by(++pushed_rows_);
+        push_by(++pushes_);
       else if (asks <= to)
         ask(asked_++);
       else
@@ -225,18 +236,18 @@ class DrivenRun {
   };
   const CommandPath::Joint& of(int i) const { return path_.joints[std::size_t(system_.body.joint[i].joint)]; }
 
-  /// Between the rows before and behind `rows` of them; the first and the last force stays before and after.
-  void push_by(std::size_t rows) {
-    const std::size_t last = commands_.t.size() - 1, row = rows > 0 ? rows - 1 : 0, next = std::min(rows, last);
-    const double span = commands_.t[next] - commands_.t[row];
-    pushed_from_ = commands_.t[row] + time_shift_;
-    for (std::size_t i = 0; i < pushed_.size(); ++i)
+  /// From the last of so many edges of the forces' pieces on.
+  void push_by(std::size_t edges) {
+    if (push_edges_.empty()) return;
+    constexpr double kBefore = -std::numeric_limits<double>::infinity();
+    pushed_from_ = push_edges_[edges > 0 ? edges - 1 : 0] + time_shift_;
+    for (Pushed& p : pushed_)
       for (const std::size_t q : {0, 1}) {
-        const std::vector<double>& f = commands_.push[i][q];
-        if (f.empty()) continue;
-        const Sensor& sensor = pushed_[i].sensor[q];
-        pushed_[i].force[q] = sensor.actual(f[row]);
-        pushed_[i].rate[q] = span > 0 ? (f[next] - f[row]) / (sensor.gain * span) : 0;
+        if (!p.curve[q]) continue;
+        const Sensor& sensor = p.sensor[q];
+        p.force[q] = p.curve[q]->from(edges > 0 ? push_edges_[edges - 1] : kBefore);
+        p.force[q][0] = sensor.actual(p.force[q][0]);
+        for (const std::size_t power : {1, 2, 3}) p.force[q][power] /= sensor.gain;
       }
   }
   /// What the controller asks for by the state now, in the row that is logged now.
@@ -316,7 +327,7 @@ class DrivenRun {
     system_.derivative_under(y, dy, torque_of, [&](auto& load, const auto& pose) {
       for (const Pushed& p : pushed_) {
         const double after = t - pushed_from_;
-        load.add(p.at, pose, system_.body.bodies, p.force[0] + p.rate[0] * after, p.force[1] + p.rate[1] * after);
+        load.add(p.at, pose, system_.body.bodies, value(p.force[0], after), value(p.force[1], after));
       }
     });
     return dy;
@@ -390,16 +401,18 @@ class DrivenRun {
   struct Pushed {
     Arms<double, System::kB> at;
     std::array<Sensor, 2> sensor = {};
-    std::array<double, 2> force = {}, rate = {};  ///< at pushed_from_ [N], [N/s]
+    std::array<std::optional<ForceCurve>, 2> curve = {};  ///< as logged; none: no force
+    std::array<Cubic, 2> force = {};                      ///< from pushed_from_ on
   };
   Arms<double, System::kB> peak_axis_;  ///< a metre along the link of the point that counts
   std::vector<Pushed> pushed_;
+  std::vector<double> push_edges_;           ///< where any force's piece begins, by the log's clock [s]
   double pushed_from_ = 0, time_shift_ = 0;  ///< [s]
   std::vector<Now> now_;
   State y_;
   double t_ = 0;
-  /// Of the commands: whose is the next, at which the controller is asked next, and how many push already.
-  std::size_t row_ = 0, asked_ = 0, pushed_rows_ = 0;
+  /// Of the commands: whose is the next, at which the controller is asked next; and how many edges have passed.
+  std::size_t row_ = 0, asked_ = 0, pushes_ = 0;
   std::vector<std::array<double, kMostJoints>> told_;  ///< by the controller, row by row [Nm]
 };
 

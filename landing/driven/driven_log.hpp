@@ -29,8 +29,8 @@ struct Commands {
   Controller controller;  ///< its torque comes beside what the columns ask, through the same path; if set
   /// Of Robot::joints, then by CommandColumn: one a row, or none at all.
   std::vector<std::array<std::vector<double>, kTold>> joint;
-  /// Of Robot::pushes: the force on the robot along and across the floor [N], linear from row to row; one a row, or
-  /// none at all.
+  /// Of Robot::pushes: the force on the robot along and across the floor [N], a curve from row to row
+  /// (Sensors::push_smooth); one a row, or none at all.
   std::vector<std::array<std::vector<double>, 2>> push;
 };
 

@@ -81,10 +81,9 @@ TEST_CASE("identify --robot: the rig of Eq. 5 is a robot of one link, and its co
   std::string free;
   for (const std::string& c : constants) free += (free.empty() ? "drive.arm." : ",drive.arm.") + c;
   const std::string at_once = "drive.arm.control_delay=0,drive.arm.velocity_filter=0";
-  const Arguments as_robot =
-      trials + Arguments{"--robot",   dataset("robots/one_link.toml"),
-                         "--columns", "push_hit_x=force,phi_arm=phi,phi_ref_arm=0",
-                         "--free",    free};
+  const Arguments as_robot = trials + Arguments{"--robot",   dataset("robots/one_link.toml"),
+                                                "--columns", "push_hit_x=force,phi_arm=phi,phi_ref_arm=0",
+                                                "--free",    free};
   done(f, as_robot + Arguments{"--errors", at_once, "-o", "robot"});
   const Json rig = summary(f, "rig")["parameters"], robot = summary(f, "robot")["parameters"];
   for (const std::string& c : constants) {
@@ -259,10 +258,17 @@ TEST_CASE("identify --robot: what is named twice, not read, or says nothing is t
   twice("--prior", "drive.arm.k_p=20:1,drive.arm.k_p=60:1"), twice("--lower", "drive.arm.k_p=1,drive.arm.k_p=2");
   twice("--errors", "link.arm.mass=0.1,robot.link.arm.mass=0.2"), twice("--columns", "phi_arm=a,phi_arm=b");
   check_refused(f, identify({"plain.csv"}, {"--pieces", "none.csv"}), {"--pieces: 'none.csv'", "a file that is there"});
-  const Result far = run({"identify", dataset("impact/trial_1.csv"), "--robot", robot, "--columns",
-                          "push_hit_x=force,phi_arm=phi,phi_ref_arm=0", "--free",
-                          "drive.arm.k_p,drive.arm.k_d,drive.arm.k_sea,drive.arm.c_sea,drive.arm.i_motor", "--prior",
-                          "drive.arm.k_p=70:1", "--no-report", "-o", "far"},
-                         f.at(""));
-  CHECK_THAT(far.err, Contains("standard deviations from its prior, 70 with 1: logs and prior contradict"));
+  const auto with_prior = [&](const std::string& k_p) {
+    return run({"identify", dataset("impact/trial_1.csv"), "--robot", robot, "--columns",
+                "push_hit_x=force,phi_arm=phi,phi_ref_arm=0", "--free",
+                "drive.arm.k_p,drive.arm.k_d,drive.arm.k_sea,drive.arm.c_sea,drive.arm.i_motor", "--prior",
+                "drive.arm.k_p=" + k_p, "--no-report", "-o", "far"},
+               f.at(""))
+        .err;
+  };
+  const std::string contradict = ": logs and prior contradict";
+  CHECK_THAT(with_prior("70:1"), Contains("standard deviations from its prior, 70 with 1" + contradict));
+  // One that is wrong and holds the constant where it says.
+  CHECK_THAT(with_prior("70:1e-5"), Contains("standard deviations from its prior, 70 with 1e-05" + contradict));
+  CHECK_THAT(with_prior("50:1e-5"), !Contains(contradict));
 }

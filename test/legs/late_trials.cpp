@@ -1,72 +1,19 @@
 // Trials of robots whose drives are late: hits on a rig as a robot of one link, beside a simulator that keeps the
 // history of what its drive asked for.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "test/folder.hpp"
-#include "test/joint_simulator.hpp"
-#include "tools/study/drop_residuals.hpp"
-#include "tools/study/robot_trials.hpp"
+#include "test/legs/hits.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
 using namespace ukemi::tools;
+using namespace legs;
 
 namespace {
 
-using test::Effects;
-using test::kTruth;
-
-/// The rig of joint_simulator.hpp as a robot, its drive `off` times Table 2's.
-std::string rig_as_robot(double off) {
-  return fmt::format(
-      "[robot]\ngravity = 0\nbase = \"pinned\"\n[[robot.link]]\nname = \"arm\"\njoint = \"arm\"\nmass = 0.806\n"
-      "inertia_com = 0.00609\ncom = [0.15, 0]\n[[robot.push]]\nname = \"hit\"\nlink = \"arm\"\nat = [0.3, 0]\n"
-      "[drive.arm]\nk_p = {}\nk_d = {}\nk_sea = {}\nc_sea = {}\ni_motor = {}\ntau_max = 20\n",
-      kTruth[0] * off, kTruth[1] / off, kTruth[2] * off, kTruth[3] / off, kTruth[4] * off);
-}
-
-struct Hits {
-  test::Folder folder;
-  DrivenRobot robot;
-  std::vector<RobotTrial> trials;
-  RobotFitOptions options;
-
-  Hits(const Effects& effects, double off, std::uint64_t seed) {
-    robot = read_driven_robot(folder.write("robot.toml", rig_as_robot(off)));
-    for (const identify::Trial& hit : test::eight_hits(effects, seed)) {
-      std::string log = "t,phi_arm,phi_ref_arm,push_hit_x\n";
-      for (std::size_t i = 0; i < hit.t.size(); ++i)
-        log += fmt::format("{},{:.12g},0,{:.12g}\n", hit.t[i], hit.phi[i], hit.force[i]);
-      trials.push_back(
-          read_robot_trials(folder.write(hit.file + ".csv", log), robot.scene.robot, {.columns = ""}).front());
-    }
-    options.terms = robot_terms(robot, trials);
-    options.terms.free = {"drive.arm.k_p", "drive.arm.k_d", "drive.arm.k_sea", "drive.arm.c_sea", "drive.arm.i_motor"};
-    options.threads = 2;
-  }
-  SeaParameters<double>& sea() { return robot.scene.robot.joints[0].sea; }
-};
-
 constexpr const char *kDelay = "drive.arm.control_delay", *kFilter = "drive.arm.velocity_filter";
 
-const identify::Estimate& found(const RobotFit& fit, const std::string& name) {
-  const identify::Estimate* e = identify::find_constant(fit, name);
-  REQUIRE(e);
-  REQUIRE(e->std);
-  return *e;
-}
-/// By how many of their errors the five constants are off at most.
-double worst(const RobotFit& fit) {
-  double out = 0;
-  for (std::size_t k = 0; k < kConstants; ++k) {
-    const identify::Estimate& e = found(fit, std::string("drive.arm.") + kConstantNames[k]);
-    out = std::max(out, std::abs(e.value - kTruth[k]) / *e.std);
-  }
-  return out;
-}
 bool any_trusted(const RobotFit& fit, double beyond) {
   for (std::size_t k = 0; k < kConstants; ++k) {
     const identify::Estimate& e = found(fit, std::string("drive.arm.") + kConstantNames[k]);
@@ -81,7 +28,7 @@ TEST_CASE("a robot whose drive is late moves as the simulator that keeps its his
   for (const auto& [delay, filter] : {std::pair{1e-3, 0.0}, {0.0, 2e-3}, {5e-3, 1e-3}}) {
     Effects effects{.delay = delay, .filter = filter};
     effects.angle_noise = 0;
-    Hits hits(effects, 1, 1);
+    Hits hits(test::eight_hits(effects, 1), 1);
     const auto apart = [&](double step) {
       double out = 0;
       for (const RobotTrial& t : hits.trials) {
@@ -108,7 +55,8 @@ TEST_CASE("derivatives by a drive's delay and filter are right where it is not l
   constexpr double kLate = 2e-4;  // [s]
   Effects prompt, late{.delay = kLate}, filtered{.filter = kLate};
   for (Effects* e : {&prompt, &late, &filtered}) e->angle_noise = 0;
-  const Hits hits(prompt, 1, 1), by_delay(late, 1, 1), by_filter(filtered, 1, 1);
+  const Hits hits(test::eight_hits(prompt, 1), 1), by_delay(test::eight_hits(late, 1), 1),
+      by_filter(test::eight_hits(filtered, 1), 1);
   const RobotTrials simulator(hits.robot, hits.trials, hits.options);
   const Settings at_once = {{&hits.options.terms[kDelay], 0}, {&hits.options.terms[kFilter], 0}};
   for (std::size_t m : {0U, 3U, 7U}) {
@@ -132,7 +80,7 @@ TEST_CASE("derivatives by a drive's delay and filter are right where it is not l
 TEST_CASE("constants of a drive that is late come back, and those of a fit without the delay are not trusted wrong",
           "[driven]") {
   const Effects effects{.delay = 1e-3};
-  Hits hits(effects, 1.15, 11);
+  Hits hits(test::eight_hits(effects, 11), 1.15);
   {
     INFO("taken to act at once");
     RobotFitOptions o = hits.options;
@@ -163,7 +111,7 @@ TEST_CASE("constants of a drive that is late come back, and those of a fit witho
 TEST_CASE("a drive's delay is told from its constants where it is long", "[driven]") {
   Effects effects{.delay = 5e-3};
   effects.angle_noise = 2e-4;
-  Hits hits(effects, 1.15, 12);
+  Hits hits(test::eight_hits(effects, 12), 1.15);
   hits.options.terms.free.push_back(kDelay), hits.options.errors = {{kFilter, 0}};
   const RobotFit fit = fit_robot(hits.robot, hits.trials, hits.options);
   REQUIRE(fit.converged);

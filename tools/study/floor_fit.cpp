@@ -303,7 +303,7 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   out.steps = problem.steps;
   if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
   report(best, problem, last, out);
-  identify::warn_of_priors(options.terms, out);
+  identify::warn_of_priors(options.terms, best, 1, out);
   if (!options.errors.empty() && out.converged) {
     for (identify::Considered& c : considered_of(drops, options, sigma, out)) out.considered.push_back(std::move(c));
     identify::change_errors(eigen(out.noise_covariance), out.half_width, identify::Wording::Interval::kAbsolute, out);

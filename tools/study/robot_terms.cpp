@@ -181,9 +181,10 @@ void add_sensors(TableOf& table, const Robot& robot, const std::vector<RobotTria
     if (any([&](const RobotTrial& t) { return !t.log.output[c].empty(); })) add(measured[c]);
   for (std::size_t c = 0; c < pushed.size(); ++c)
     if (any([&](const RobotTrial& t) { return !t.commands->push[c / 2][c % 2].empty(); })) add(pushed[c]);
-  if (!pushed.empty())
-    table.add("sensor.", {"time_shift", "s", "by which the pushes came later than logged", -kMostTimeShift,
-                          kMostTimeShift, 1e-3, 1e-2});
+  if (pushed.empty()) return;
+  table.add("sensor.", {"time_shift", "s", "by which the pushes came later than logged", -kMostTimeShift,
+                        kMostTimeShift, 1e-3, 1e-2});
+  table.add("sensor.", {"push_smooth", "1", "the pushes between their rows: 0 linear, 1 smooth", 0, 1, 1, 1});
 }
 
 void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const std::vector<RobotTrial>& trials) {

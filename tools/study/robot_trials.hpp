@@ -77,7 +77,7 @@ std::vector<std::string> leave_out_still(const landing::Robot& robot, std::vecto
 
 /// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
 /// robot.gravity, command.delay, command.JOINT.KEY, sensor.COLUMN.gain and sensor.COLUMN.bias of what is logged,
-/// sensor.time_shift of pushes; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
+/// sensor.time_shift and sensor.push_smooth of pushes; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
 /// start.JOINT.spring, added to what the log says, and of a base that is not pinned those of DrivenStart: start.height
 /// and start.speed; of a free one start.pitch, start.pitch_rate, start.forward_speed and start.x too.
 /// Chosen: no constant, every start. A centre of mass stays within its link, an inertia below that of all its mass at
