@@ -63,6 +63,32 @@ TEST_CASE("the errors that a design predicts of a robot are those of the fit wit
   CHECK(d.candidates[0].together == d.size_after);
 }
 
+TEST_CASE("a design of a robot that was fitted, without its trials, begins with what its fit knew", "[driven]") {
+  const Question with(1);
+  const RobotFit fit = fit_robot(with.robot, with.trials, with.options);
+  Question q(0);
+  q.robot = fit.robot;
+  REQUIRE(q.robot.known);
+  q.add("next.csv", commands_of(500, 5, 1));
+  q.asked.trials = 1;
+  q.asked.fit.terms = design_terms(q.robot, {}, q.next, {});
+  q.asked.fit.terms.free = kKnown;
+  const RobotDesign d = q.design();
+  for (std::size_t i = 0; i < kKnown.size(); ++i) {
+    const identify::Estimate& e = *fit.globals()[i];
+    CHECK(d.before[long(i)] == Approx(1.96 * *e.std / std::abs(e.value)).epsilon(0.01));
+    CHECK(d.after[long(i)] < d.before[long(i)]);
+  }
+  for (const std::size_t o : {joint_channel(0) + kAngle, joint_channel(1) + kTorque})
+    CHECK(d.noise[o] == q.robot.known->rms.at(d.channels[o].name));
+  // What is asked for beside it is open; and noise that is given counts.
+  q.asked.fit.terms.free.push_back("robot.link.thigh.mass"), q.asked.noise = {{"phi", 1e-3}};
+  const RobotDesign more = q.design();
+  CHECK_FALSE(std::isfinite(more.before[long(kKnown.size())]));
+  CHECK(more.before[0] == Approx(d.before[0]));
+  CHECK(more.noise[joint_channel(0) + kAngle] == 1e-3);
+}
+
 TEST_CASE("of commands those that tell most of a robot are logged first, under every criterion", "[driven]") {
   using enum identify::Criterion;
   for (const auto criterion : {kWorst, kD, kE}) {

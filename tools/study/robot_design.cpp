@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "common/eigen.hpp"
 #include "common/error.hpp"
+#include "identify/estimate/covariance.hpp"
 #include "tools/study/drop_residuals.hpp"
 
 namespace ukemi::tools {
@@ -44,7 +46,9 @@ std::vector<double> noise_to_come(const std::vector<DropChannel>& channels, cons
     if (!(std > 0 && std::isfinite(std))) throw InputError(fmt::format("--noise: {}: above 0 is needed", name));
   }
   if (std::none_of(out.begin(), out.end(), [](double x) { return std::isfinite(x); }))
-    throw InputError("--noise is needed: no trial in hand says what is measured, and how exactly");
+    throw InputError(
+        "--noise is needed: no trial in hand, and no [identified] of the robot's file, says what is measured, and how "
+        "exactly");
   return out;
 }
 
@@ -78,7 +82,6 @@ struct InHand {
 };
 InHand follow(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options) {
   InHand out{.noise = std::vector<double>(sensed_channels(robot.scene.robot).size(), kNaN)};
-  if (trials.empty()) return out;
   const RobotTrials simulator(robot, trials, options);
   const FloorFit followed = validate_floor(simulator, options);
   for (const DropResult& d : followed.drops)
@@ -87,6 +90,26 @@ InHand follow(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, c
     out.noise[o] = std::max(followed.rms[o], kLeastNoise * followed.noise[o]);
   out.tell = informations(simulator, options, out.noise, followed.nuisance);
   out.doubts = followed.warnings;
+  return out;
+}
+
+/// What the robot's file says that it was fitted with; nothing where it says nothing.
+InHand identified(const DrivenRobot& robot, const RobotFitOptions& options) {
+  const std::vector<DropChannel> channels = sensed_channels(robot.scene.robot);
+  InHand out{.noise = std::vector<double>(channels.size(), kNaN)};
+  if (!robot.known) return out;
+  for (std::size_t o = 0; o < channels.size(); ++o)
+    if (const auto left = robot.known->rms.find(channels[o].name); left != robot.known->rms.end())
+      out.noise[o] = left->second;
+  const std::vector<std::string>&free = options.terms.free, &order = robot.known->constants.order;
+  std::vector<long> from, to;
+  for (std::size_t i = 0; i < free.size(); ++i)
+    if (const auto at = std::find(order.begin(), order.end(), options.terms[free[i]].name); at != order.end())
+      from.push_back(at - order.begin()), to.push_back(long(i));
+  if (from.empty()) return out;
+  const MatrixXd covariance = eigen(robot.known->constants.covariance)(from, from);
+  out.tell.push_back(MatrixXd::Zero(long(free.size()), long(free.size())));
+  out.tell.back()(to, to) = identify::ScaledSolver(covariance)(MatrixXd::Identity(long(to.size()), long(to.size())));
   return out;
 }
 
@@ -111,9 +134,12 @@ identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<Rob
                                        const std::vector<RobotTrial>& candidates,
                                        const std::map<std::string, double>& noise) {
   const std::vector<DropChannel> channels = sensed_channels(robot.scene.robot);
+  const bool as_fitted = in_hand.empty() && robot.known;
   in_hand.insert(in_hand.end(), candidates.begin(), candidates.end());
   for (std::size_t o = 0; o < channels.size() && !candidates.empty(); ++o)
-    if (noise.contains(channels[o].name) || noise.contains(kind_of(channels[o]))) in_hand.back().log.output[o] = {0};
+    if (noise.contains(channels[o].name) || noise.contains(kind_of(channels[o])) ||
+        (as_fitted && robot.known->rms.contains(channels[o].name)))
+      in_hand.back().log.output[o] = {0};
   return robot_terms(robot, in_hand);
 }
 
@@ -170,7 +196,7 @@ RobotDesign design_trials(const DrivenRobot& robot, const std::vector<RobotTrial
   if (candidates.empty()) throw InputError("--next: at least one log of commands is needed");
   RobotDesign out{.criterion = options.criterion, .in_hand = int(in_hand.size())};
   out.channels = sensed_channels(robot.scene.robot);
-  InHand present = follow(robot, in_hand, options.fit);
+  InHand present = in_hand.empty() ? identified(robot, options.fit) : follow(robot, in_hand, options.fit);
   out.doubts = std::move(present.doubts);
   out.noise = noise_to_come(out.channels, present.noise, options.noise);
   std::vector<RobotTrial> next;

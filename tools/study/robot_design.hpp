@@ -52,7 +52,7 @@ struct RobotDesign {
 };
 
 /// The terms of trials and candidates together, see robot_terms; of the candidates every channel that `noise` names is
-/// logged (RobotDesignOptions).
+/// logged (RobotDesignOptions), and without trials in hand what the robot's fit logged.
 identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<RobotTrial> in_hand,
                                        const std::vector<RobotTrial>& candidates,
                                        const std::map<std::string, double>& noise);
@@ -68,8 +68,8 @@ std::vector<RobotTrial> from_heights(const DrivenRobot& robot, const std::vector
 RobotTrial planned_trial(const DrivenRobot& robot, const RobotTrial& commands, const std::vector<double>& noise);
 
 /// Chooses among candidates one after the other, each that which makes the criterion smallest beside those before it. A
-/// faint prior, a standard deviation of a hundred parts, lets sets be compared that leave something open. Trials in
-/// hand may be none: then noise must be given. Throws InputError.
+/// faint prior, a standard deviation of a hundred parts, lets sets be compared that leave something open. Where
+/// trials in hand are none, what the robot's file knows counts (DrivenRobot::known), its noise too. Throws InputError.
 [[nodiscard]] RobotDesign design_trials(const DrivenRobot& robot, const std::vector<RobotTrial>& in_hand,
                                         const std::vector<RobotTrial>& candidates, const RobotDesignOptions& options);
 
