@@ -37,6 +37,24 @@ std::string interval_warning(const Estimate& e, Wording::Interval interval) {
                          : fmt::format("{:.3g} {}", e.half_width(), e.unit));
 }
 
+/// What the data say of one global where the others off their bounds follow it.
+struct Alone {
+  double information = 0;  ///< of it, for unit residual variance
+  std::vector<long> others;
+  Eigen::VectorXd follow;  ///< by how much each does
+};
+Alone alone_of(const LeastSquaresSolution& s, long g) {
+  Alone out{.information = s.information(g, g), .others = {}, .follow = {}};
+  for (long i = 0; i < s.information.rows(); ++i)
+    if (i != g && !s.at_bound[std::size_t(i)]) out.others.push_back(i);
+  if (out.others.empty()) return out;
+  const Eigen::VectorXd cross = s.information(out.others, g);
+  out.follow = -ScaledSolver(s.information(out.others, out.others))(cross);
+  out.information += cross.dot(out.follow);
+  return out;
+}
+constexpr double kSingular = 1e-12;  ///< of a global's information: what is left where the others follow tells nothing
+
 }  // namespace
 
 std::vector<const Estimate*> Estimates::globals() const {
@@ -70,29 +88,21 @@ void change_errors(const Eigen::MatrixXd& noise, double half_width, Wording::Int
 }
 
 void warn_of_priors(const Choice& choice, const LeastSquaresSolution& s, double noise, Estimates& out) {
-  constexpr double kFar = 4;           // standard deviations
-  constexpr double kSingular = 1e-12;  // of the information with the prior: the logs tell nothing
+  constexpr double kFar = 4;  // standard deviations
   const std::vector<const Estimate*> globals = out.globals();
   const double variance = s.cost / double(s.residuals - s.free_parameters);
   for (const Prior& p : choice.priors)
     for (std::size_t g = 0; g < globals.size() && s.information.size() > 0; ++g) {
       if (globals[g]->name != p.term || s.at_bound[g]) continue;
-      std::vector<long> others;
-      for (std::size_t i = 0; i < globals.size(); ++i)
-        if (i != g && !s.at_bound[i]) others.push_back(long(i));
-      const Eigen::VectorXd cross = s.information(others, long(g));
-      const double of_prior = std::pow(noise / p.std, 2),
-                   follow = others.empty() ? 0 : cross.dot(ScaledSolver(s.information(others, others))(cross)),
-                   of_logs = s.information(long(g), long(g)) - of_prior - follow, pulled = globals[g]->value - p.value;
-      if (!(of_logs > kSingular * of_prior)) continue;
-      const double apart = pulled * (1 + of_prior / of_logs), std = std::sqrt(variance / of_logs),
+      const double whole = alone_of(s, long(g)).information, of_logs = whole - std::pow(noise / p.std, 2);
+      if (!(of_logs > kSingular * whole)) continue;
+      const double apart = (globals[g]->value - p.value) * whole / of_logs, std = std::sqrt(variance / of_logs),
                    off = std::abs(apart) / std::hypot(std, p.std);
       if (off > kFar)
         out.warnings.push_back(
-            fmt::format("the logs alone say about {:.4g} ± {:.2g} of {}: {:.1f} standard deviations from its prior, {} "
-                        "with {}: logs and "
-                        "prior contradict",
-                        p.value + apart, std, p.term, off, shortest(p.value), shortest(p.std)));
+            fmt::format("{} is about {:.4g} ± {:.2g} by the logs alone, {:.1f} standard deviations from its prior, {} "
+                        "with {}: logs and prior contradict",
+                        p.term, p.value + apart, std, off, shortest(p.value), shortest(p.std)));
     }
 }
 
@@ -137,26 +147,20 @@ void warn(const Wording& wording, Estimates& out) {
 /// distribution of mean -m and deviation s_0 where that is above 0; at most that of one within the bounds. Ours.
 std::vector<Considered> considered_at_bounds(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
                                              double variance) {
-  constexpr double kSingular = 1e-12;  // of its information: what is left of it tells nothing
   std::vector<Considered> out;
   if (s.information.size() == 0 || !(variance > 0)) return out;
-  std::vector<long> free;
-  for (std::size_t g = 0; g < problem.globals.size(); ++g)
-    if (!s.at_bound[g]) free.push_back(long(g));
-  if (free.empty()) return out;
-  const ScaledSolver solve(s.information(free, free));
   for (std::size_t g = 0; g < problem.globals.size(); ++g) {
     const Parameter& p = problem.globals[g];
     if (!s.at_bound[g] || p.held) continue;
     const auto b = long(g);
-    const Eigen::VectorXd cross = s.information(free, b), follow = -solve(cross);
-    const double information = s.information(b, b) + cross.dot(follow);
-    if (!(information > kSingular * s.information(b, b))) continue;
-    const double std = std::sqrt(variance / information), slope = s.globals[b] > p.lower ? -s.slope[b] : s.slope[b],
-                 spread = std * spread_from_bound(std::max(slope, 0.0) / (information * std)),
-                 uniform = (p.upper - p.lower) / std::sqrt(3.0);
+    const Alone alone = alone_of(s, b);
+    if (!(alone.information > kSingular * s.information(b, b))) continue;
+    const double std = std::sqrt(variance / alone.information),
+                 beyond = std::max(s.globals[b] > p.lower ? -s.slope[b] : s.slope[b], 0.0) / alone.information,
+                 spread = std * spread_from_bound(beyond / std), uniform = (p.upper - p.lower) / std::sqrt(3.0);
     Considered c{p.name, std::min(spread, uniform), Eigen::MatrixXd::Zero(s.information.rows(), 1)};
-    for (std::size_t f = 0; f < free.size(); ++f) eigen(c.shift)(free[f], 0) = c.std * follow[long(f)];
+    for (std::size_t i = 0; i < alone.others.size(); ++i)
+      eigen(c.shift)(alone.others[i], 0) = c.std * alone.follow[long(i)];
     out.push_back(std::move(c));
   }
   return out;
