@@ -142,7 +142,7 @@ void tell_choices(const Terms<RigTerm>& terms, Identification& out) {
   if (!f.clear()) distrust(out.fit.parameters);
 }
 
-bool better(const Fit& a, const Fit& b) {
+bool clearly_better(const Fit& a, const Fit& b) {
   constexpr double kSame = 1e-6;  // relative costs so near are one minimum's
   return a.converged && (!b.converged || a.cost < (1 - kSame) * b.cost);
 }
@@ -176,7 +176,7 @@ Pointed fit_where_tests_point(const Experiment& e, const std::vector<std::string
     }
     Fit f = refit(e.rig, e.trials, from, e.options);
     f.starts += out.fit.starts;
-    if (better(f, out.fit)) out.fit = std::move(f);
+    if (clearly_better(f, out.fit)) out.fit = std::move(f);
   }
   return out;
 }
@@ -205,7 +205,7 @@ SecondLook look_again(const Experiment& e, const std::optional<SeaParameters<dou
   if (terms.empty() || out.fit.interrupted || e.options.explore > 0 || !doubtful(out)) return said;
   const double first = out.fit.rms;
   const auto adopt_better = [&](Fit f, const std::string& where) {
-    if (!better(f, out.fit)) return void(out.fit.starts += f.starts);
+    if (!clearly_better(f, out.fit)) return void(out.fit.starts += f.starts);
     said.better =
         fmt::format("the first minimum found, {:.4g} rad rms, was not the best: {:.4g} rad {}", first, f.rms, where);
     adopt(std::move(f), out.fit);

@@ -115,7 +115,7 @@ std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vect
     l.name = s.text("name");
     if (l.name.empty()) s.fail("name", "a name is needed");
     for (const Load& other : out)
-      if (other.name == l.name) s.fail("name", quoted(l.name) + ": the name is given twice");
+      if (other.name == l.name) s.fail("name", ukemi::quoted(l.name) + ": the name is given twice");
     const std::string kind = s.text("kind");
     const auto at = std::find(kinds.begin(), kinds.end(), kind);
     if (at == kinds.end()) s.fail("kind", one_of(kind, kinds));
@@ -148,7 +148,7 @@ void set_limit(BodyScene& scene, const Load& limit) {
 }
 
 void check(const Load& l, const Robot& robot) {
-  const std::string what = "load " + quoted(l.name) + ": ";
+  const std::string what = "load " + ukemi::quoted(l.name) + ": ";
   const Of of = named(l.kind).of;
   const std::size_t most = of == Of::kLink    ? robot.links.size()
                            : of == Of::kJoint ? robot.joints.size()

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace ukemi::tools {
 
@@ -83,11 +85,12 @@ void add_correlations(Report& report, const std::vector<std::string>& names, con
 }  // namespace
 
 FirstScreen first_screen(const identify::Estimates& fit, const std::string& from) {
-  long trusted = 0;
-  for (const Estimate& e : fit.parameters) trusted += e.verdict == identify::Identifiability::kTrusted;
-  return {fmt::format("{} of {} constants are trusted, from {}.", trusted, fit.parameters.size(), from),
-          {converged(fit.converged, fit.message),
-           check(fit.trusted(), "trusted", fmt::format("{} of {} constants", trusted, fit.parameters.size()))},
+  long trusted = 0, fitted = 0;
+  for (const Estimate& e : fit.parameters)
+    fitted += e.free, trusted += e.verdict == identify::Identifiability::kTrusted;
+  const std::string share = fmt::format("{} of {} fitted constants", trusted, fitted);
+  return {share + " are trusted, from " + from + ".",
+          {converged(fit.converged, fit.message), check(fit.trusted(), "trusted", share)},
           ""};
 }
 
@@ -95,6 +98,10 @@ void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantitie
            Run& run) {
   std::vector<Estimate> all = fit.parameters;
   all.insert(all.end(), fit.nuisance.begin(), fit.nuisance.end());
+  const bool none_fitted = std::ranges::none_of(fit.parameters, &Estimate::free);
+  std::vector<Estimate> of_all_trials;  // what was fitted for them
+  std::ranges::copy_if(all, std::back_inserter(of_all_trials),
+                       [&](const Estimate& e) { return (e.free || none_fitted) && e.trial < 0; });
   summary["parameters"] = Table(quantities, fit.parameters).keyed();
   summary["nuisance"] = nuisance_json(fit.nuisance);
   summary["cost"] = number(fit.cost);
@@ -106,7 +113,10 @@ void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantitie
   summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
   report.distrust(run.warnings());
   report.heading("Constants");
-  (void)add_table(Table(quantities, all), report, run);
+  say(Table(quantities, of_all_trials), run);
+  if (const std::size_t more = all.size() - of_all_trials.size(); more > 0)
+    run.say(fmt::format("{} more, as given or of one log alone: see summary.json", more));
+  report.table(Table(quantities, all));
   if (fit.correlation.rows() > 1) add_correlations(report, fit.fitted, fit.correlation);
 }
 
