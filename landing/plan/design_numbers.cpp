@@ -78,8 +78,42 @@ void add_all_drives(std::vector<DesignNumber>& out, const Robot& robot) {
   }
 }
 
+/// A place of the robot, as of links[1].at.
+void add_place(std::vector<DesignNumber>& out, const std::string& to, std::function<Place&(Robot&)> place) {
+  out.push_back(number(to + "along", [=](BodyScene& s) -> double& { return place(s.robot).along; }));
+  out.push_back(number(to + "across", [=](BodyScene& s) -> double& { return place(s.robot).across; }));
+}
+
+/// How far along itself a link reaches from its joint: to the farthest of its children's joints, contacts and the
+/// point that counts.
+double length_of(const Robot& robot, std::size_t link) {
+  double out = 0;
+  for (const Place& p : places(robot, int(link))) out = std::max(out, p.along);
+  return out;
+}
+/// All along it is stretched alike: joints, contacts, the point that counts, where pushes and loads act, and its
+/// matter, whose mass stays.
+void set_length(BodyScene& s, std::size_t link, double length) {
+  const double factor = length / length_of(s.robot, link);
+  const auto stretch = [&](int of, Place& p) {
+    if (of == int(link)) p.along *= factor;
+  };
+  for (Link& l : s.robot.links) stretch(l.parent, l.at);
+  for (ContactPoint& c : s.robot.contacts) stretch(c.link, c.at);
+  for (PushPoint& p : s.robot.pushes) stretch(p.link, p.at);
+  for (Load& l : s.loads)
+    if (l.kind == Load::Kind::kAcceleration) stretch(l.index, l.at);
+  stretch(s.robot.peak_link, s.robot.peak);
+  Link& own = s.robot.links[link];
+  stretch(int(link), own.com), own.inertia_com *= factor * factor;
+}
+
 void add_link(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
   const std::string to = "robot.link." + robot.links[i].name + ".";
+  if (length_of(robot, i) > 0)
+    out.push_back({to + "length", [i](const BodyScene& s) { return length_of(s.robot, i); },
+                   [i](BodyScene& s, double x) { set_length(s, i, x); }});
+  if (robot.links[i].parent >= 0) add_place(out, to + "at.", [i](Robot& r) -> Place& { return r.links[i].at; });
   out.push_back(number(to + "mass", [i](BodyScene& s) -> double& { return s.robot.links[i].mass; }));
   out.push_back(number(to + "inertia_com", [i](BodyScene& s) -> double& { return s.robot.links[i].inertia_com; }));
   out.push_back(number(to + "com.along", [i](BodyScene& s) -> double& { return s.robot.links[i].com.along; }));
@@ -138,8 +172,15 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
   for (std::size_t i = 0; i < scene.loads.size(); ++i)
     out.push_back(
         number("load." + scene.loads[i].name + ".rating", [i](BodyScene& s) -> double& { return s.loads[i].rating; }));
+  for (std::size_t i = 0; i < robot.contacts.size(); ++i)
+    add_place(out, "robot.contact." + robot.contacts[i].name + ".at.",
+              [i](Robot& r) -> Place& { return r.contacts[i].at; });
   out.push_back(number("robot.gravity", [](BodyScene& s) -> double& { return s.robot.gravity; }));
+  if (robot.base == Base::kPinned && !robot.contacts.empty())
+    out.push_back(number("robot.pin_height", [](BodyScene& s) -> double& { return s.robot.pin_height; }));
   if (robot.base == Base::kRail) {
+    out.push_back(number(
+        "robot.rail.direction_deg", [](BodyScene& s) -> double& { return s.robot.rail_direction; }, kDegree));
     out.push_back(number("robot.rail.viscous", [](BodyScene& s) -> double& { return s.robot.rail_viscous; }));
     out.push_back(number("robot.rail.friction", [](BodyScene& s) -> double& { return s.robot.rail_friction; }));
     out.push_back(
@@ -151,6 +192,7 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
     out.push_back(number("drop.height", [](BodyScene& s) -> double& { return s.drop.height; }));
   if (robot.base == Base::kFree)
     out.push_back(number("drop.forward_speed", [](BodyScene& s) -> double& { return s.drop.forward_speed; }));
+  out.push_back(number("detection.delay", [](BodyScene& s) -> double& { return s.detection_delay; }));
   out.push_back(number(
       "drop.pitch_deg", [](BodyScene& s) -> double& { return s.drop.pitch; }, kDegree));
   return out;

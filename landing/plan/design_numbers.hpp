@@ -11,9 +11,10 @@
 namespace ukemi::landing {
 
 /// Every name there is for a scene: drive.JOINT.KEY and drive.*.KEY (all driven joints), robot.link.LINK.KEY,
-/// robot.contact.CONTACT.KEY and robot.contact.*.KEY (all contacts that have it), robot.gravity, floor.KEY (all
-/// contacts that have no KEY of their own), drop.KEY, load.NAME.rating. Keys and units are those of the files, as
-/// k_sea, speed_max, mass, pad.thickness, friction, pitch_deg.
+/// robot.contact.CONTACT.KEY and robot.contact.*.KEY (all contacts that have it), robot.gravity, robot.pin_height,
+/// robot.rail.KEY, stop.JOINT.KEY, floor.KEY (all contacts that have no KEY of their own), drop.KEY, detection.delay,
+/// load.NAME.rating. Keys and units are those of the files, as k_sea, speed_max, mass, at.along, pad.thickness,
+/// friction, pitch_deg; and robot.link.LINK.length, which stretches a link with all that is on it, mass kept.
 std::vector<std::string> design_names(const BodyScene& scene);
 
 /// Sets a number of scenes like this one without a look at its range; throws InputError as design_number. For what sets

@@ -151,6 +151,60 @@ TEST_CASE("of heights that from which a drop tells most is chosen, and its log k
   CHECK_THROWS_WITH(from_heights(pinned.robot, commands, {0.1}), Contains("pinned"));
 }
 
+TEST_CASE("a pad and the exponent of a contact are fitted to the log of a drop", "[driven]") {
+  const test::Folder folder;
+  DrivenRobot robot = read_driven_robot(UKEMI_DATASETS "/scenes/hopper.toml");
+  const auto foot = std::find_if(robot.scene.robot.contacts.begin(), robot.scene.robot.contacts.end(),
+                                 [](const ContactPoint& c) { return c.name == "foot"; });
+  std::string held = "t,phi_ref_hip,phi_ref_knee\n";
+  for (int k = 0; k < 400; ++k) held += fmt::format("{},0.6109,-1.2217\n", 0.002 * k);
+  const std::string log = folder.write("held.csv", held);
+  const auto check = [&](const std::vector<std::string>& free, double off) {
+    const auto read =
+        read_robot_trials(log, robot.scene.robot, {.columns = "", .measured = RobotLogOptions::Measured::kNothing});
+    RobotTrial dropped = from_heights(robot, read, {0.1}).front();
+    const std::vector<DropChannel> channels = sensed_channels(robot.scene.robot);
+    std::vector<double> noise(channels.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t o = 0; o < channels.size(); ++o)
+      if (channels[o].name == "phi_hip" || channels[o].name == "phi_knee" || channels[o].name == "ay") noise[o] = 1e-3;
+    dropped = planned_trial(robot, dropped, noise);
+    RobotFitOptions options;
+    options.threads = 2;
+    const auto terms = [&] {
+      const std::vector<RobotTrial> one{dropped};
+      options.terms = robot_terms(robot, one), options.terms.free = free, options.terms.nuisance.clear();
+      return FollowedDrop(RobotTrials(robot, one, options).follow(0, {}, dropped.log.t, {}));
+    };
+    const FollowedDrop fall = terms();
+    REQUIRE(fall.complete);
+    Random random(kSeed, 6);
+    for (std::size_t o = 0; o < channels.size(); ++o)
+      for (std::size_t k = 0; k < dropped.log.output[o].size(); ++k)
+        dropped.log.output[o][k] = fall.value[o][k] + (channels[o].name == "ay" ? 0.05 : 2e-4) * random.normal();
+    (void)terms();
+    DrivenRobot first = robot;
+    for (const std::string& name : free) set_in(first, options.terms[name], off * number_of(robot, name));
+    const RobotFit fit = fit_robot(first, {dropped}, options);
+    REQUIRE(fit.converged);
+    for (const std::string& name : free) {
+      const identify::Estimate& e = *identify::find_constant(fit, name);
+      INFO(name << " " << e.value << ", true " << number_of(robot, name));
+      REQUIRE(e.std);
+      CHECK(std::abs(e.value - number_of(robot, name)) < 4 * *e.std);
+      CHECK(*e.std < 0.1 * e.value);
+    }
+  };
+  SECTION("a pad") {
+    foot->pad = Pad{.thickness = 0.02, .stiffness = 8000, .damping = 40};
+    check({"robot.contact.foot.pad.stiffness", "robot.contact.foot.pad.damping"}, 1.2);
+  }
+  SECTION("an exponent") {
+    foot->law.hunt_crossley = true, foot->law.damping_normal = 0, foot->law.exponent = 1.5, foot->law.dissipation = 0.3,
+    foot->law.stiffness = 2e5;
+    check({"robot.contact.foot.exponent", "robot.contact.foot.dissipation"}, 1.05);
+  }
+}
+
 TEST_CASE("a design of a robot that cannot be is refused", "[driven]") {
   Question q(0);
   CHECK_THROWS_WITH(q.design(), Contains("--next: at least one"));

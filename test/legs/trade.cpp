@@ -65,6 +65,29 @@ TEST_CASE("legs: a pad, a rating and a slope as numbers of a design, and what th
   CHECK_THROWS_WITH(set_design_number(scene, "robot.link.shank.mass", -1), Contains("robot.link.shank.mass = -1"));
 }
 
+TEST_CASE("legs: a link's length stretches it with all that is on it") {
+  BodyScene scene = legs::shipped("hopper");
+  const Robot before = scene.robot;
+  CHECK(design_number(scene, "robot.link.thigh.length") == before.links[2].at.along);
+  set_design_number(scene, "robot.link.thigh.length", 1.2 * before.links[2].at.along);
+  const Link &thigh = scene.robot.links[1], &was = before.links[1];
+  CHECK(scene.robot.links[2].at.along == Approx(1.2 * before.links[2].at.along));
+  CHECK(thigh.com.along == Approx(1.2 * was.com.along));
+  CHECK(thigh.inertia_com == Approx(1.44 * was.inertia_com));
+  CHECK(thigh.mass == was.mass);
+  for (std::size_t c = 0; c < before.contacts.size(); ++c)
+    CHECK(scene.robot.contacts[c].at.along ==
+          Approx((before.contacts[c].link == 1 ? 1.2 : 1) * before.contacts[c].at.along));
+  CHECK(scene.robot.links[2].com.along == before.links[2].com.along);
+  CHECK(reach(scene.robot) > reach(before));
+  // A longer shank lands otherwise, and a trade of it is planned.
+  TradeOptions options;
+  options.search.evaluations = 600;
+  const Trade t = trade(legs::shipped("hopper"), {{"robot.link.shank.length", {0.15, 0.2, 0.25}}}, options);
+  for (const TradePoint& p : t.points) CHECK((p.found() && p.planned < p.held));
+  CHECK(t.points[0].held != Approx(t.points[2].held).epsilon(1e-3));
+}
+
 TEST_CASE("legs: a robot's design has the numbers that it reads, and no others") {
   const BodyScene hopper = legs::shipped("hopper");  // geared, on a rail
   for (const char* key : {"drive.knee.k_sea", "drive.*.c_sea", "drop.forward_speed"})

@@ -45,6 +45,13 @@ void set_link(TomlEdit& file, const DrivenRobot& robot, const std::string& link,
       file.set_raw(table, "com", fmt::format("[{}, {}]", shortest(l.com.along), shortest(l.com.across)));
 }
 
+/// robot.contact.NAME.KEY, or .pad.KEY.
+void set_contact(TomlEdit& file, const Robot& robot, const std::vector<std::string>& parts, double value) {
+  Path table = {"robot", "contact", index_of(file, robot, "contact", parts[2])};
+  if (parts[3] == "pad") table.push_back("pad");
+  file.set(table, parts.back(), value);
+}
+
 void set_drive(TomlEdit& file, const std::string& joint, const std::string& key, double value) {
   const Path table = {"drive", joint};
   if (const std::string other = file.text_at(table, "file"); !other.empty())
@@ -113,7 +120,7 @@ std::string robot_text(const std::string& path, const DrivenRobot& robot,
     else if (parts[0] == "stop")
       set_stop(file, robot.scene.robot, parts[1], parts[2], value);
     else if (parts[1] == "contact")
-      file.set({"robot", "contact", index_of(file, robot.scene.robot, "contact", parts[2])}, parts[3], value);
+      set_contact(file, robot.scene.robot, parts, value);
     else if (parts[1] == "rail")
       file.set({"robot", "rail"}, parts[2], value);
     else if (parts.size() == 2)

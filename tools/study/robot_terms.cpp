@@ -134,6 +134,11 @@ class TableOf {
     if (c.law.stiffness_tangential > 0)
       add(to, {"stiffness_tangential", "N/m", "stiffness along the floor", 0, kInfinity, 1e4});
     if (std::isfinite(c.law.friction)) add(to, {"friction", "1", "friction of the contact", 0, kInfinity, 0.5});
+    if (hunt) add(to, {"exponent", "1", "exponent of the contact", 1, 10, 1});
+    if (!c.pad) return;
+    add(to, {"pad.stiffness", "N/m", "stiffness of the pad", 1, kInfinity, 1e3});
+    add(to, {"pad.damping", "N/(m/s)", "damping of the pad", 0, kInfinity, 10});
+    add(to, {"pad.thickness", "m", "thickness of the pad", 1e-4, 1, 0.01});
   }
   void add_stop(const Stop& s) {
     const bool rail = s.joint < 0;

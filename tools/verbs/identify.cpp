@@ -202,6 +202,8 @@ int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts pre
   check_no_pieces(a.pieces, a.tie);
   if (!a.errors.empty()) throw InputError("--errors: --robot is needed with it: a rig's file has [errors]");
   if (!a.per_run.empty()) throw InputError("--per-run: --robot is needed with it");
+  if (predicts == Predicts::kYes && !a.nuisance.empty())
+    throw InputError("--nuisance: --robot is needed with it: of a rig's trial --start-angle fit fits the start");
   return run_identify(a, common);
 }
 int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
@@ -229,6 +231,9 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
                      "to it [at rest at its reference]");
     verb->add_flag_callback(
         "--strict", [args] { args->doubt = Doubt::kFail; }, "exit 1 where the prediction does not hold");
+    verb->add_option("--nuisance", args->nuisance,
+                     "with --robot: what of its start is fitted to each trial, as of identify; none: it starts as its "
+                     "first rows say [all]");
   } else {
     verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
     verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");

@@ -167,7 +167,14 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
       read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading_of(a.reading), robot, run);
   RobotFitOptions options;
   options.terms = robot_terms(robot, trials);
-  if (only) return options.threads = common.threads, predict(robot, trials, options, run);
+  if (only) {
+    if (!a.nuisance.empty())
+      options.terms.nuisance = a.nuisance == "none" ? std::vector<std::string>{}
+                                                    : named_terms(*options.terms.table, "--nuisance", a.nuisance,
+                                                                  identify::Term::Role::kNuisance);
+    options.threads = common.threads;
+    return predict(robot, trials, options, run);
+  }
   if (a.free.empty()) throw InputError("--free: with --robot the constants that are fitted must be named");
   set_options(a, common, options);
   options.monitor = run.monitor("identify", "parts");
