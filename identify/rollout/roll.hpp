@@ -39,7 +39,7 @@ class Roll {
         shifted_(moved() ? trial.cut(shift(), value_of(delay_)) : std::vector<Stretch>()),
         t_(trial.trial->t),
         options_(options),
-        most_steps_(options.max_steps + 2 * long(trial.stretches.size())),
+        most_steps_(options.max_steps + 2 * long(trial.stretches.size()) + steps_of_lag(sea)),
         motor_(kDerivatives<T> == 0 || !trial.trial->phi_motor.empty()),
         phi_(phi),
         phi_m_(phi_m),
@@ -222,6 +222,12 @@ class Roll {
     }
     driver_.refresh(y);
     return true;
+  }
+
+  /// What the poles of a drive that is late take of an explicit method, however soft the rest.
+  long steps_of_lag([[maybe_unused]] const SeaParameters<T>& sea) const {
+    if constexpr (kTerms.late) return long(DriveLag<T>(sea).fastest() * (t_.back() - t_.front()));
+    return 0;
   }
 
   // --- integrated ---

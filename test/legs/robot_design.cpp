@@ -172,7 +172,7 @@ TEST_CASE("a pad and the exponent of a contact are fitted to the log of a drop",
     options.threads = 2;
     const auto terms = [&] {
       const std::vector<RobotTrial> one{dropped};
-      options.terms = robot_terms(robot, one), options.terms.free = free, options.terms.nuisance.clear();
+      options.terms = robot_terms(robot, one), options.terms.free = free;
       return FollowedDrop(RobotTrials(robot, one, options).follow(0, {}, dropped.log.t, {}));
     };
     const FollowedDrop fall = terms();

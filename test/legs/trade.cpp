@@ -8,6 +8,7 @@
 
 #include "common/error.hpp"
 #include "landing/body/load.hpp"
+#include "landing/body/places.hpp"
 #include "landing/plan/design_numbers.hpp"
 #include "landing/plan/trade_journal.hpp"
 #include "test/folder.hpp"

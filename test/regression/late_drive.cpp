@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/drive_stability.hpp"
+#include "identify/trust/diagnostics.hpp"
 #include "test/joint_simulator.hpp"
 
 using namespace ukemi;
@@ -113,4 +114,28 @@ TEST_CASE("a spring that softens, and a limit that the hits meet, are found") {
   CHECK_THROWS_WITH(from(std::numeric_limits<double>::infinity()),
                     Catch::Matchers::Contains("tau_max") && Catch::Matchers::Contains("to start with"));
   CHECK_FALSE(estimate(from(200), "tau_max").std);
+}
+
+TEST_CASE("late drives: a long log is tested for every term, a delay that is not there among them") {
+  Effects effects{.viscous = 0.1};
+  effects.angle_noise = 5e-4;
+  Trial log;
+  log.file = "long";
+  for (int i = 0; i <= 4000; ++i) {
+    log.t.push_back(i / 500.0);
+    const double s = std::fmod(log.t.back(), 1) / 0.03;
+    log.force.push_back(s > 0 && s < 1 ? (i % 1000 < 500 ? 60 : -60) * std::sin(std::numbers::pi * s) : 0);
+  }
+  log.phi = joint_angle(log.t, log.force, effects);
+  Random random(5);
+  for (double& x : log.phi) x += effects.angle_noise * random.normal();
+  const FitOptions options = with({"viscous_friction"});
+  const Fit f = fit(rig(), {log}, truth(), limited(), options);
+  INFO(f.message << " " << f.rms);
+  REQUIRE(f.converged);
+  const ResidualTests tests = test_residuals({rig(), {log}, options}, f);
+  REQUIRE(tests.score);
+  const auto& terms = tests.score->shared;
+  CHECK(std::any_of(terms.begin(), terms.end(), [](const auto& t) { return t.name == "control_delay"; }));
+  CHECK_FALSE(tests.model_rejected());
 }

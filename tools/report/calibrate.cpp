@@ -188,10 +188,9 @@ std::vector<std::string> findings(const FloorFit& c) {
                                 words(c.logs_of).model));
   if (tests.model_rejected())
     out.push_back(
-        fmt::format("the {} does not explain these {}: no constant is trusted, and the errors are widened to what "
-                    "the residuals say (tests at {:g} % together); the true ones may be larger still. Every plan "
-                    "rests on it",
-                    words(c.logs_of).model, words(c.logs_of).many, 100 * identify::kTestLevel));
+        fmt::format("the {} does not explain these {}: no constant is trusted, and the errors {} (tests at {:g} % "
+                    "together); the true ones may be larger still. Every plan rests on it",
+                    words(c.logs_of).model, words(c.logs_of).many, widened_words(tests), 100 * identify::kTestLevel));
   return out;
 }
 

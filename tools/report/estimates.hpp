@@ -17,6 +17,8 @@ Quantities<identify::Estimate> estimate_quantities();
 Quantities<identify::Estimate> constant_quantities();
 /// Value, standard error and unit, or why there is no error; an angle in degrees too.
 std::string value_words(const identify::Estimate& estimate);
+/// What a rejected model's errors are: widened, where the residuals' derivatives tell how far.
+std::string widened_words(const identify::ResidualTests& tests);
 /// "nuisance" of summary.json: a list for a term that each trial has.
 Json nuisance_json(const std::vector<identify::Estimate>& nuisance);
 /// How many constants are trusted, `from` "8 trials", and the checks that every fit has.

@@ -65,9 +65,9 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
                               small(tests.whiteness.p), tests.whiteness.correlation));
   if (tests.model_rejected())
     out.push_back(
-        fmt::format("the model does not explain these logs: no constant is trusted, and the errors are widened "
-                    "to what the residuals say (tests at {:g} % together); the true ones may be larger still",
-                    100 * kTestLevel));
+        fmt::format("the model does not explain these logs: no constant is trusted, and the errors {} (tests at {:g} % "
+                    "together); the true ones may be larger still",
+                    widened_words(tests), 100 * kTestLevel));
   if (tests.normality.rejected)
     out.push_back(
         fmt::format("the residuals are not normal (Jarque-Bera, p {}; skewness {:.2f}, excess kurtosis {:.2f}){}",
