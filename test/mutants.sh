@@ -12,8 +12,8 @@ faults=$(cat <<'FAULTS'
 common/sea.hpp|const T d = s.phi_m - s.phi;|const T d = s.phi_m + s.phi;|unit/sea|
 common/sea.hpp|return p.k_p * (ref.phi - s.phi) + p.k_d * (ref.dphi - s.dphi);|return p.k_p * (ref.phi - s.phi) - p.k_d * (ref.dphi - s.dphi);|unit/sea|
 common/sea.hpp|rate += T(3) * p.k_sea_cubic|rate += T(2) * p.k_sea_cubic|unit/sea|
-common/sea.hpp|T torque = motor_torque<kTerms>(p, s, ref) - tau_sea;|T torque = motor_torque<kTerms>(p, s, ref) + tau_sea;|unit/sea|
-identify/rig/one_link.hpp|dy[kOmega] = tau * T(inverse_inertia_);|dy[kOmega] = tau * T(2 * inverse_inertia_);|unit/one_link|identify/rollout/rollout.cpp identify/rollout/rollout_methods.cpp
+common/sea.hpp|T torque = tau_mot - tau_sea;|T torque = tau_mot + tau_sea;|unit/sea|
+identify/rig/one_link.hpp|dy[kOmega] = torque[kOutputSide] * T(inverse_inertia_);|dy[kOmega] = torque[kOutputSide] * T(2 * inverse_inertia_);|unit/one_link|identify/rollout/rollout.cpp identify/rollout/rollout_methods.cpp
 landing/model/motion.hpp|(T(10) + s * (T(-15) + T(6) * s))|(T(10) + s * (T(-15) + T(5) * s))|unit/motion|landing/model/motion.cpp
 landing/model/motion.hpp|const T window = T(64) * rest * rest;|const T window = T(32) * rest * rest;|unit/motion|landing/model/motion.cpp
 landing/model/two_link.hpp|r1 = load.q1 + tau + cs * p.omega0 * p.omega0;|r1 = load.q1 + tau - cs * p.omega0 * p.omega0;|property/two_link|

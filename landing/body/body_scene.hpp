@@ -56,13 +56,13 @@ struct Load {
 struct BodyScene {
   std::string name;
   Robot robot;
-  bool floor = false;                      ///< false: nothing can touch
-  double slope = 0;                        ///< the floor rises forward by so much, within a right angle [rad]
-  std::string robot_file;                  ///< that the scene's names; empty: none
-  std::vector<std::string> drive_files;    ///< actuators that were read
-  std::string source;                      ///< where the floor's constants come from
-  std::optional<Uncertainty> uncertainty;  ///< of the floor's constants and the pitch, as calibrate names them
-  Verdicts verdicts, robot_verdicts;       ///< of those, by the calibration that wrote them; of the robot's, by its fit
+  bool floor = false;                    ///< false: nothing can touch
+  double slope = 0;                      ///< the floor rises forward by so much, within a right angle [rad]
+  std::string robot_file;                ///< that the scene's names; empty: none
+  std::vector<std::string> drive_files;  ///< actuators that were read
+  std::string source;                    ///< where the floor's constants come from
+  std::optional<Uncertainty> uncertainty, identified;  ///< of floor and pitch by calibrate; of the robot by its fit
+  Verdicts verdicts, robot_verdicts;  ///< of those, by the calibration that wrote them; of the robot's, by its fit
   Drop drop;  ///< height: of the lowest contact's surface, not of a pinned robot; pitch: theta of the first
               ///< link; forward speed: of a free base; pitch_rate: not on a rail
   double detection_delay = 0;                ///< from the first touchdown to the motion's start [s], >= 0

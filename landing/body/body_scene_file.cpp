@@ -7,6 +7,7 @@
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
+#include "common/eigen.hpp"
 #include "common/uncertainty_file.hpp"
 #include "landing/body/command_path.hpp"
 #include "landing/body/floor_constants.hpp"
@@ -121,7 +122,35 @@ constexpr ContactLaw kNoFloor{.stiffness = 1};
 /// What a file is read for: a landing, whose drop it has or not, or a robot that is driven.
 enum class For { kLanding, kDrop, kDriven };
 
-/// Of [identified], whose errors `predict` asks for alone, how far its fit trusted each constant.
+/// Of [identified] how well a fit knew the robot's constants: a landing's; a gain of the command relative to what it
+/// is. Constants of drives that are given are not the robot's.
+std::optional<Uncertainty> read_identified_errors(TomlSection& known, const CommandPath& commands, const Robot& robot,
+                                                  const std::vector<GivenDrive>& drives) {
+  if (!known.has("order")) return std::nullopt;
+  const std::vector<std::string> none, order = known.optional_texts("order").value_or(none);
+  const Uncertainty all = read_uncertainty(known, order, "the robot");
+  const auto begins = [](const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; };
+  Uncertainty out;
+  std::vector<long> kept;
+  std::vector<double> unit;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::string& name = order[i];
+    double part = 1;
+    for (std::size_t j = 0; j < robot.joints.size(); ++j)
+      if (name == gain_name(robot.joints[j])) part = 1 / commands.joints[j].torque_gain;
+    const bool of_trials = begins(name, "sensor.") || (begins(name, "command.") && !name.ends_with(".torque_gain"));
+    const bool given = std::any_of(drives.begin(), drives.end(), [&](const GivenDrive& d) {
+      return begins(name, d.joint.empty() ? "drive." : "drive." + d.joint + ".");
+    });
+    if (!of_trials && !given) out.order.push_back(name), kept.push_back(long(i)), unit.push_back(part);
+  }
+  if (kept.empty()) return std::nullopt;
+  const Eigen::Map<const Eigen::VectorXd> scale(unit.data(), long(unit.size()));
+  out.covariance = Eigen::MatrixXd(scale.asDiagonal() * eigen(all.covariance)(kept, kept) * scale.asDiagonal());
+  return out;
+}
+
+/// Of [identified] how far a fit trusted each constant; what else is in it is not a landing's.
 Verdicts read_identified_verdicts(TomlFile& file) {
   Verdicts out;
   auto known = file.optional("identified");
@@ -143,17 +172,22 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
   read_floor(file, out, law);
   CommandPath commands;
   Verdicts of_robot;
+  const auto of_its_fit = [&](TomlFile& of) {
+    of_robot = read_identified_verdicts(of);
+    if (auto known = of.optional("identified"); known && what != For::kDriven)
+      out.identified = read_identified_errors(*known, commands, out.robot, drives);
+  };
   if (const auto name = file.optional_text("robot")) {
     out.robot_file = (std::filesystem::path(path).parent_path() / *name).string();
     TomlFile other(out.robot_file);
     read_robot_tables(other, &file, law, drives, out);
     commands = read_command_path(other, out.robot), (void)read_sensors(other, out.robot);
-    of_robot = read_identified_verdicts(other);
+    of_its_fit(other);
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
     commands = read_command_path(file, out.robot), (void)read_sensors(file, out.robot);
-    of_robot = read_identified_verdicts(file);
+    of_its_fit(file);
   }
   if (what != For::kDriven) stand_on_contacts(path, what == For::kDrop ? Contacts::kAll : Contacts::kAllOrNone, out);
   if (what != For::kDriven) apply(commands, out.robot);

@@ -20,6 +20,9 @@ namespace ukemi::landing {
 inline constexpr double kMostCommandDelay = 0.1;
 inline constexpr int kMostCommandRows = 100;
 
+/// "command.hip.torque_gain".
+inline std::string gain_name(const Joint& joint) { return "command." + joint.name + ".torque_gain"; }
+
 struct CommandPath {
   struct Joint {
     double torque_gain = 1;                                        ///< > 0

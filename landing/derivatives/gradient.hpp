@@ -41,7 +41,7 @@ enum class Parameter {
   kCSea,               ///< [Nm/(rad/s)]
   kIMotor,             ///< [kg m^2]
 };
-/// Eq. 6's; the motion's; all.
+/// Of the quintic of Eq. 6; of a motion with all that it may have; of Parameter.
 inline constexpr int kQuinticParameters = 3, kMotionParameters = 10, kParameters = 21;
 inline constexpr std::array<const char*, kParameters> kParameterNames = {
     "motion.phi_i",    "motion.phi_f",    "motion.duration",      "motion.bump_0",

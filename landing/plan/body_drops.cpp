@@ -7,9 +7,11 @@
 #include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
 #include "common/eigen.hpp"
+#include "landing/body/command_path.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/load.hpp"
 #include "landing/lanes/body_batch.hpp"
+#include "landing/plan/design_numbers.hpp"
 #include "landing/scatter/drop_model.hpp"
 #include "landing/scatter/moved.hpp"
 
@@ -70,9 +72,14 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
   scene_.uncertainty.reset(), scene_.verdicts.clear();  // of the planned floor
   if (phi_) sampler_.normal("phi", scatter.phi, int(driven_.size()));
   if (rate_) sampler_.normal("rate", scatter.rate, int(driven_.size()));
+  if (scene.identified && options.inflate > 0) scatter_robot(*scene.identified, options.inflate);
+  scene_.identified.reset(), scene_.robot_verdicts.clear();
   for (const int i : driven_) {
     const Joint& joint = robot.joints[std::size_t(i)];
-    if (joint.covariance.size() == 0 || options.inflate == 0) continue;
+    const auto of_it = [&](const std::string& name) { return name.rfind("drive." + joint.name + ".", 0) == 0; };
+    if (joint.covariance.size() == 0 || options.inflate == 0 ||
+        (scene.identified && std::ranges::any_of(scene.identified->order, of_it)))
+      continue;
     fitted_.emplace_back(i, constant_indices(joint.uncertain));
     sampler_.correlated("drive of " + joint.name, joint.covariance, options.inflate);
   }
@@ -90,6 +97,28 @@ void BodyDropModel::scatter_floor(const Uncertainty& known) {
     unit[long(i)] = value > 0 && std::isfinite(value) ? 1 / value : 0;
   }
   sampler_.correlated("floor", unit.asDiagonal() * eigen(known.covariance) * unit.asDiagonal());
+}
+
+/// None of what is above 0 falls below a hundredth of what it is.
+void BodyDropModel::scatter_robot(const Uncertainty& known, double inflate) {
+  constexpr double kLeast = 0.01;
+  for (const std::string& name : known.order) {
+    const auto joint = std::find_if(scene_.robot.joints.begin(), scene_.robot.joints.end(),
+                                    [&](const Joint& j) { return name == gain_name(j); });
+    if (joint != scene_.robot.joints.end()) {
+      of_robot_.emplace_back(
+          [kLeast, i = std::size_t(joint - scene_.robot.joints.begin())](BodyScene& s, double by_it) {
+            SeaParameters<double>& sea = s.robot.joints[i].sea;
+            for (double* const x : {&sea.k_p, &sea.k_d, &sea.tau_max}) *x *= std::max(1 + by_it, kLeast);
+          });
+      continue;
+    }
+    const double value = design_number(scene_, name);
+    of_robot_.emplace_back([value, kLeast, set = design_setter(scene_, name)](BodyScene& s, double by_it) {
+      set(s, value > 0 ? std::max(value + by_it, kLeast * value) : value + by_it);
+    });
+  }
+  sampler_.correlated("the robot", eigen(known.covariance), inflate);
 }
 
 BodyDrop BodyDropModel::drop(std::span<const double> u) const {
@@ -113,6 +142,7 @@ BodyDrop BodyDropModel::drop(std::span<const double> u) const {
     if (phi_) of(i).phi = *next++;
   for (const int i : driven_)
     if (rate_) of(i).rate = *next++;
+  for (const auto& move : of_robot_) move(out.scene, *next++);
   for (const auto& [i, constants] : fitted_) {
     std::array<double, kActuatorConstants> moves{};
     for (const int k : constants) moves[std::size_t(k)] = *next++;

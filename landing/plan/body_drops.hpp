@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -32,11 +33,12 @@ struct BodyDrop {
 class BodyDropModel {
  public:
   struct Options {
-    double inflate = 1;    ///< factor of the standard errors of the drives' constants, >= 0
+    double inflate = 1;    ///< factor of the standard errors of the drives' and the robot's constants, >= 0
     bool inexact = false;  ///< the motions are played anywhere in the execution box, uniformly
   };
   /// Every term of a scatter counts, `phi` and `rate` for each driven joint on its own; those of the floor scale all
-  /// contacts alike; the scene's [uncertainty] scatters with them. Throws InputError for a scene or a scatter that is
+  /// contacts alike; the scene's [uncertainty] scatters with them, and what a fit knew of the robot, which goes before
+  /// what an actuator's file knows of the same drive. Throws InputError for a scene or a scatter that is
   /// not valid, for one of `forward_speed` or `pitch_rate` where the base has none, and for a covariance that is not
   /// positive semidefinite.
   BodyDropModel(const BodyScene& scene, const Scatter& scatter, const Options& options);
@@ -61,12 +63,14 @@ class BodyDropModel {
 
  private:
   void scatter_floor(const Uncertainty& known);
+  void scatter_robot(const Uncertainty& known, double inflate);
 
   BodyScene scene_;
   Sampler sampler_;
   std::vector<int> driven_;                  ///< of Robot::joints
   std::vector<double Scatter::*> of_scene_;  ///< what the sampler's first numbers are
   std::vector<std::string> of_floor_;        ///< what the numbers behind those are, see floor_constants
+  std::vector<std::function<void(BodyScene&, double)>> of_robot_;  ///< what moves its constants, as its fit names them
   bool phi_, rate_, inexact_;
   std::vector<std::pair<int, std::vector<int>>> fitted_;  ///< joints whose covariance is known, their constants
 };

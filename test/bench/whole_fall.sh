@@ -29,4 +29,7 @@ done <<LIST
 --bumps 2 $air --deadline 3
 --bumps 4 $air --deadline 10
 --bumps 2 --objective tolerant --deadline 1
+--objective tolerant $air --deadline 0.1
+--bumps 2 --objective tolerant $air --deadline 0.3
+--bumps 2 --objective tolerant $air --deadline 3
 LIST

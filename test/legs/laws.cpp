@@ -9,41 +9,16 @@
 #include "landing/body/body_system.hpp"
 #include "landing/model/landing_system.hpp"
 #include "test/legs/robots.hpp"
+#include "test/legs/trees.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using legs::random_state, legs::random_tree, legs::State, legs::System;
 
 namespace {
 
-using System = BodySystem<kAny>;
-using State = System::State;
 constexpr std::uint64_t kSeed = 20261124;
 
-/// A tree of up to `most` links, each joint passive without any torque.
-Robot random_tree(Random& r, int most, Base base) {
-  Robot out;
-  out.base = base;
-  const int links = 2 + int(r.uniform() * (most - 1));
-  for (int i = 0; i < links; ++i) {
-    const int parent = i == 0 ? -1 : int(r.uniform() * i);
-    const auto place = [&] { return Place{r.uniform(-0.1, 0.3), r.uniform(-0.05, 0.05)}; };
-    out.links.push_back({"link", parent, place(), r.uniform(0.2, 2), r.uniform(1e-3, 2e-2), place()});
-    if (i > 0) out.joints.push_back({.name = "joint", .child = i, .kind = DriveKind::kPassive});
-  }
-  out.peak = out.links[0].com;
-  return out;
-}
-State random_state(Random& r, const Robot& robot) {
-  State y = State::Zero();
-  const bool rail = robot.base == Base::kRail;
-  for (int i = 0; i < int(robot.links.size()); ++i) {
-    y[System::kTheta + i] = r.uniform(-3, 3);
-    y[System::kOmega + i] = rail && i == 0 ? 0 : r.uniform(-5, 5);
-  }
-  if (robot.base != Base::kPinned) y[System::kVx] = r.uniform(-2, 2);
-  if (robot.base == Base::kFree) y[System::kVy] = r.uniform(-2, 2);
-  return y;
-}
 State after(const System& s, State y, double seconds) {
   integrate::Integrator<integrate::DormandPrince853, System> driver(s, 0, y, {.accuracy = 1e-12});
   for (integrate::Outcome o{integrate::Status::kStepped}; o.status == integrate::Status::kStepped;)
@@ -129,6 +104,27 @@ TEST_CASE("legs: random trees keep their energy, a free one its momentum, and fa
         return out;
       };
       CHECK(std::abs(spin(end) - spin(y)) < 1e-9 * (1 + std::abs(spin(y))));
+    }
+}
+
+TEST_CASE("legs: a tree in a mirror moves as its image does") {
+  for (const Base base : {Base::kFree, Base::kRail, Base::kPinned})
+    for (int n = 0; n < 100; ++n) {
+      Random r(kSeed, std::uint64_t(1000 + 100 * int(base) + n));
+      const Robot robot = random_tree(r, kMostLinks, base);
+      Robot image = robot;
+      for (Link& l : image.links) l.at.across *= -1, l.com.across *= -1;
+      image.peak.across *= -1;
+      const State y = random_state(r, robot);
+      State z = y;
+      for (int i = 0; i < kMostLinks; ++i) z[System::kTheta + i] *= -1, z[System::kOmega + i] *= -1;
+      if (base == Base::kFree) z[System::kX] *= -1, z[System::kVx] *= -1;
+      System one(robot, 0), other(image, 0);
+      const State dy = one.derivative(0, y), dz = other.derivative(0, z);
+      for (int i = 0; i < int(robot.links.size()); ++i)
+        CHECK(dz[System::kOmega + i] ==
+              Approx(-dy[System::kOmega + i]).epsilon(1e-11).margin(1e-11 * dy.cwiseAbs().maxCoeff()));
+      if (base == Base::kRail) CHECK(dz[System::kVx] == Approx(dy[System::kVx]).epsilon(1e-11));  // it is upright
     }
 }
 

@@ -30,6 +30,18 @@ std::vector<Case> cases(const std::string& file) {
   return out;
 }
 
+/// One of its contacts leaves the floor for a moment and comes back, or does not: its peak and all else agree.
+constexpr const char* kChatters = "floor_022.toml";
+
+/// The contacts in the order of their touchdowns, as many as `like` names.
+std::string order_of(const BodyLanding& l, const Robot& robot, const std::string& like) {
+  const auto names = std::size_t(std::count(like.begin(), like.end(), ' ')) + 1;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(names, l.touches.size()); ++i)
+    out += (i > 0 ? " " : "") + robot.contacts[std::size_t(l.touches[i].point)].name;
+  return out;
+}
+
 /// How many are beyond 1e-6; those named may be. Of `sensitive` ones the tight accuracy counts.
 int beyond(const std::string& file, const std::vector<std::string>& named, const std::vector<std::string>& sensitive) {
   const std::string folder = UKEMI_DATASETS "/reference/legs/";
@@ -45,6 +57,7 @@ int beyond(const std::string& file, const std::vector<std::string>& named, const
     INFO(c.scene << ": peak " << l.peak << ", reference " << c.peak);
     CHECK(l.end == End::kTimeLimit);
     CHECK(std::abs(l.first_touchdown - c.first) < 2e-9);
+    if (!is_in(named) && c.scene != kChatters) CHECK(order_of(l, scene.robot, c.contacts) == c.contacts);
     const bool off = !(std::abs(l.peak / c.peak - 1) < 1e-6);
     CHECK(off == is_in(named));
     out += off;

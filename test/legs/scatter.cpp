@@ -67,6 +67,47 @@ TEST_CASE("legs: a scatter reaches what it names, on bases that have it") {
   CHECK(some_from_floor);
 }
 
+TEST_CASE("legs: what a fit knew of a robot scatters with its drops") {
+  const test::Folder folder;
+  std::string robot = test::read(UKEMI_DATASETS "/robots/hopper.toml");
+  robot +=
+      "\n[command.hip]\ntorque_gain = 0.8\n[identified]\norder = [\"drive.knee.k_p\", \"robot.link.shank.mass\", "
+      "\"command.hip.torque_gain\", \"command.delay\", \"robot.contact.foot.stiffness\"]\ncovariance = [\n"
+      "  [4, 0.016, 0, 0, 0],\n  [0.016, 1e-4, 0, 0, 0],\n  [0, 0, 0.0064, 0, 0],\n  [0, 0, 0, 1e-6, 0],\n"
+      "  [0, 0, 0, 0, 1e6],\n]\n";
+  (void)folder.write("hopper.toml", robot);
+  const BodyScene scene = read_body_scene(
+      folder.write("scene.toml", test::replaced(test::read(UKEMI_DATASETS "/scenes/hopper.toml"),
+                                                "robot = \"../robots/hopper.toml\"", "robot = \"hopper.toml\"")));
+  REQUIRE(scene.identified);
+  CHECK(scene.identified->order.size() == 4);  // a delay of commands is none of a landing's
+  const BodyDropModel model(scene, {});
+  CHECK(model.sampler().dimension() == 4);
+  CHECK_FALSE(BodyDropModel(scene, {}, {.inflate = 0}).scatters());
+  constexpr long kDrops = 4096;
+  double k_p = 0, mass = 0, both = 0, gain = 0, stiffness = 0;
+  for (const BodyDrop& d : model.even(kDrops, 1)) {
+    const Robot &is = d.scene.robot, &was = scene.robot;
+    const double p = is.joints[1].sea.k_p - was.joints[1].sea.k_p, m = is.links[2].mass - was.links[2].mass,
+                 g = is.joints[0].sea.k_p / was.joints[0].sea.k_p - 1;
+    k_p += p * p, mass += m * m, both += p * m, gain += g * g;
+    stiffness += std::pow(is.contacts[2].law.stiffness - was.contacts[2].law.stiffness, 2);
+    CHECK(is.joints[0].sea.k_d / was.joints[0].sea.k_d == Approx(1 + g).epsilon(1e-12));
+    CHECK(is.joints[0].sea.tau_max / was.joints[0].sea.tau_max == Approx(1 + g).epsilon(1e-12));
+    CHECK(is.contacts[0].law.stiffness == was.contacts[0].law.stiffness);
+  }
+  const auto deviation = [](double square) { return std::sqrt(square / double(kDrops)); };
+  CHECK(deviation(k_p) == Approx(2).epsilon(0.03));
+  CHECK(deviation(mass) == Approx(0.01).epsilon(0.03));
+  CHECK(both / std::sqrt(k_p * mass) == Approx(0.8).margin(0.03));
+  CHECK(deviation(gain) == Approx(0.1).epsilon(0.03));  // 0.08 of 0.8
+  CHECK(deviation(stiffness) == Approx(1000).epsilon(0.03));
+  // Risk says how much of the spread is the robot's.
+  const BodyRisk risk = body_risk(scene, held_posture(scene), {.samples = 256, .scatter = Scatter{.height = 0.01}});
+  REQUIRE(risk.uncertainties.size() == 2);
+  CHECK(std::ranges::count(risk.uncertainties, "the robot", &PeakRisk::Uncertainty::name) == 1);
+}
+
 TEST_CASE("legs: friction, slopes and pads scatter, where the robot has them") {
   BodyScene hopper = shipped("hopper");
   for (const Scatter& s : {Scatter{.dissipation = 0.1}, Scatter{.pad_thickness = 0.1}, Scatter{.pad_damping = 0.1}})

@@ -158,8 +158,10 @@ std::optional<Scatter> scatter_of(const ScatterArguments& a) {
   return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
 }
 double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
-  if (a.inflate && !scene.robot.fitted())
-    run.warn("--inflate makes no difference: no drive's file holds [uncertainty], so their constants do not scatter");
+  if (a.inflate && !scene.robot.fitted() && !scene.identified)
+    run.warn(
+        "--inflate makes no difference: no drive's file holds [uncertainty] and no robot's [identified], so their "
+        "constants do not scatter");
   return checked_inflate(a);
 }
 
