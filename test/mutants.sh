@@ -22,11 +22,11 @@ landing/model/two_link.hpp|const T c = d.mu_a2 * (p.c0 * p.c1 + p.s0 * p.s1), cs
 FAULTS
 )
 
-# Compiles a test with the equations of the copy, and runs it.
+# Compiles a test with the equations of the copy, which go before those of the libraries, and runs it.
 passes() {
   local test=$1; shift
   (cd "$work" && "${CXX:-g++}" -std=c++20 -O0 -w -I. -isystem /usr/include/eigen3 -DUKEMI_DATASETS="\"$OLDPWD/datasets\"" -DUKEMI_SOURCE="\"$OLDPWD\"" \
-     "test/$test.cpp" "$@" -o "$work/run" -Wl,--start-group "$build"/libukemi_{identify,landing,common}.a -Wl,--end-group \
+     "test/$test.cpp" "$@" -o "$work/run" -Wl,--allow-multiple-definition -Wl,--start-group "$build"/libukemi_{identify,landing,common}.a -Wl,--end-group \
      -lCatch2WithMain -lceres -lglog -lnlopt -lfmt -lpthread -lcholmod -lcxsparse -llapack -lblas) || exit 2
   "$work/run" >"$work/said" 2>&1
 }
