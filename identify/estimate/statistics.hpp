@@ -21,8 +21,8 @@ std::vector<bool> holm(const std::vector<double>& p, double level);
 /// 50:50), the terms taken as uncorrelated.
 double at_bound_tail(double ratio, int terms);
 
-/// Of a normal distribution of standard deviation 1 whose mean lies `beyond` >= 0 behind a bound, cut off there: the root
-/// of its mean square distance from the bound; 1 for 0, and sqrt(2) / beyond far behind.
+/// Of a normal distribution of standard deviation 1 whose mean lies `beyond` >= 0 behind a bound, cut off there: the
+/// root of its mean square distance from the bound; 1 for 0, and sqrt(2) / beyond far behind.
 double spread_from_bound(double beyond);
 
 /// Ljung and Box's Q over the lags 1 .. lags of one series of mean 0: chi-squared with as many degrees of freedom where

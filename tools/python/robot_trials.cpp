@@ -238,7 +238,8 @@ void bind_robot_trials(py::module_& m) {
       py::arg("per_run") = std::vector<std::string>{},
       "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
       "names as \"drive.hip.friction\"; starts: further ones, drawn; profile: constants whose likelihood profile is "
-      "made; errors: standard deviations of constants that are not fitted, which count in all errors and verdicts; where "
+      "made; errors: standard deviations of constants that are not fitted, which count in all errors and verdicts; "
+      "where "
       "neither the robot nor they say how late an elastic drive is, 1 ms of its control_delay and velocity_filter do; "
       "per_run: of `free`, those that each log has for its own, \"NAME@1\" of the first; `.robot` has their mean. "
       "controller: f(t, phi, dphi) -> torques, asked at "
