@@ -62,6 +62,8 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
         [](auto& c) { return c.pad.has_value(); });
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven()) driven_.push_back(int(i));
+  if (scene.identified && options.inflate > 0) scatter_robot(*scene.identified, options.inflate);
+  scene_.identified.reset(), scene_.robot_verdicts.clear();
   for (const ScatterTerm& t : kScatterTerms) {
     const bool of_joints = t.deviation == &Scatter::phi || t.deviation == &Scatter::rate;
     if (!(scatter.*t.deviation > 0) || of_joints) continue;
@@ -72,8 +74,6 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
   scene_.uncertainty.reset(), scene_.verdicts.clear();  // of the planned floor
   if (phi_) sampler_.normal("phi", scatter.phi, int(driven_.size()));
   if (rate_) sampler_.normal("rate", scatter.rate, int(driven_.size()));
-  if (scene.identified && options.inflate > 0) scatter_robot(*scene.identified, options.inflate);
-  scene_.identified.reset(), scene_.robot_verdicts.clear();
   for (const int i : driven_) {
     const Joint& joint = robot.joints[std::size_t(i)];
     const auto of_it = [&](const std::string& name) { return name.rfind("drive." + joint.name + ".", 0) == 0; };
@@ -125,6 +125,7 @@ BodyDrop BodyDropModel::drop(std::span<const double> u) const {
   const std::vector<double> deviation = sampler_.at(u);
   auto next = deviation.begin();
   BodyDrop out{scene_, std::vector<BodyDrop::Joint>(scene_.robot.joints.size())};
+  for (const auto& move : of_robot_) move(out.scene, *next++);  // what the floor scales is as its fit knew it
   Scatter z;
   for (double Scatter::*const name : of_scene_) z.*name = *next++;
   out.from_floor = move_drop(out.scene.drop, z);
@@ -142,7 +143,6 @@ BodyDrop BodyDropModel::drop(std::span<const double> u) const {
     if (phi_) of(i).phi = *next++;
   for (const int i : driven_)
     if (rate_) of(i).rate = *next++;
-  for (const auto& move : of_robot_) move(out.scene, *next++);
   for (const auto& [i, constants] : fitted_) {
     std::array<double, kActuatorConstants> moves{};
     for (const int k : constants) moves[std::size_t(k)] = *next++;

@@ -67,10 +67,11 @@ class BodyDropModel {
 
   BodyScene scene_;
   Sampler sampler_;
-  std::vector<int> driven_;                  ///< of Robot::joints
-  std::vector<double Scatter::*> of_scene_;  ///< what the sampler's first numbers are
+  std::vector<int> driven_;  ///< of Robot::joints
+  /// What moves the robot's constants by the sampler's first numbers, as its fit names them.
+  std::vector<std::function<void(BodyScene&, double)>> of_robot_;
+  std::vector<double Scatter::*> of_scene_;  ///< what the numbers behind those of the robot are
   std::vector<std::string> of_floor_;        ///< what the numbers behind those are, see floor_constants
-  std::vector<std::function<void(BodyScene&, double)>> of_robot_;  ///< what moves its constants, as its fit names them
   bool phi_, rate_, inexact_;
   std::vector<std::pair<int, std::vector<int>>> fitted_;  ///< joints whose covariance is known, their constants
 };

@@ -102,6 +102,11 @@ TEST_CASE("legs: what a fit knew of a robot scatters with its drops") {
   CHECK(both / std::sqrt(k_p * mass) == Approx(0.8).margin(0.03));
   CHECK(deviation(gain) == Approx(0.1).epsilon(0.03));  // 0.08 of 0.8
   CHECK(deviation(stiffness) == Approx(1000).epsilon(0.03));
+  // The floor's own scatter comes on top.
+  double ratio = 0;
+  for (const BodyDrop& d : BodyDropModel(scene, {.stiffness = 0.1}).even(kDrops, 1))
+    ratio += std::pow(d.scene.robot.contacts[2].law.stiffness / d.scene.robot.contacts[0].law.stiffness - 1, 2);
+  CHECK(deviation(ratio) == Approx(0.05).epsilon(0.03));
   // Risk says how much of the spread is the robot's.
   const BodyRisk risk = body_risk(scene, held_posture(scene), {.samples = 256, .scatter = Scatter{.height = 0.01}});
   REQUIRE(risk.uncertainties.size() == 2);
