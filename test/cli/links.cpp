@@ -111,7 +111,9 @@ TEST_CASE("a drive of a robot of links comes from its file, or from --actuator J
 
 TEST_CASE("optimize plans for drops that scatter, risk plays the plan over them, of a robot of links") {
   const Folder f;
-  done(f, {"optimize", kHopper, "--robust", "cvar", "--evaluations", "6000", "--samples", "16", "-o", "best"});
+  const Result best =
+      done(f, {"optimize", kHopper, "--robust", "cvar", "--evaluations", "6000", "--samples", "16", "-o", "best"});
+  CHECK_THAT(best.err, Contains("pitch_deg=1,height=0.01 is assumed"));  // what its base has
   const Json s = Json::parse(read(f.at("best/summary.json")));
   CHECK(s["robust"]["measure"] == "cvar");
   const double promised = s["robust"]["promised"], fresh = s["scatter"]["measured"];

@@ -214,7 +214,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
   Json summary;
   if (plan.found) {
     warn_of(landing_doubts(scene, plan.motion, plan.landing), run);
-    if (options.measure && !options.scatter && !scene.scatter) warn_of_assumed(Scatter::assumed(), run);
+    if (options.measure && !options.scatter && !scene.scatter) warn_of_assumed(assumed_scatter(scene.robot), run);
     const Table table = Table::of(plan_quantities(scene, plan, goal, options.measure.has_value()), plan);
     summary = table.object();
     summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
