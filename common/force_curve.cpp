@@ -147,7 +147,7 @@ ForceCurve::ForceCurve(const ForceSamples& samples) : samples_(samples) {
   const auto off_rest = [&](std::size_t i) { return f[i] != samples_.rest; };
   for (std::size_t i = 0; i < f.size();) {
     if (!off_rest(i)) {
-      if (i + 1 < f.size() && !off_rest(i + 1)) add(i, samples_.t[i], rest());
+      if (!rests_ && i + 1 < f.size() && !off_rest(i + 1)) add(i, samples_.t[i], rest());
       ++i;
       continue;
     }

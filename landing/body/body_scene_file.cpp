@@ -129,7 +129,6 @@ std::optional<Uncertainty> read_identified_errors(TomlSection& known, const Comm
   if (!known.has("order")) return std::nullopt;
   const std::vector<std::string> none, order = known.optional_texts("order").value_or(none);
   const Uncertainty all = read_uncertainty(known, order, "the robot");
-  const auto begins = [](const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; };
   Uncertainty out;
   std::vector<long> kept;
   std::vector<double> unit;
@@ -138,9 +137,10 @@ std::optional<Uncertainty> read_identified_errors(TomlSection& known, const Comm
     double part = 1;
     for (std::size_t j = 0; j < robot.joints.size(); ++j)
       if (name == gain_name(robot.joints[j])) part = 1 / commands.joints[j].torque_gain;
-    const bool of_trials = begins(name, "sensor.") || (begins(name, "command.") && !name.ends_with(".torque_gain"));
+    const bool of_trials =
+        name.starts_with("sensor.") || (name.starts_with("command.") && !name.ends_with(".torque_gain"));
     const bool given = std::any_of(drives.begin(), drives.end(), [&](const GivenDrive& d) {
-      return begins(name, d.joint.empty() ? "drive." : "drive." + d.joint + ".");
+      return name.starts_with(d.joint.empty() ? "drive." : "drive." + d.joint + ".");
     });
     if (!of_trials && !given) out.order.push_back(name), kept.push_back(long(i)), unit.push_back(part);
   }

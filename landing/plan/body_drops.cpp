@@ -76,7 +76,7 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
   if (rate_) sampler_.normal("rate", scatter.rate, int(driven_.size()));
   for (const int i : driven_) {
     const Joint& joint = robot.joints[std::size_t(i)];
-    const auto of_it = [&](const std::string& name) { return name.rfind("drive." + joint.name + ".", 0) == 0; };
+    const auto of_it = [&](const std::string& name) { return name.starts_with("drive." + joint.name + "."); };
     if (joint.covariance.size() == 0 || options.inflate == 0 ||
         (scene.identified && std::ranges::any_of(scene.identified->order, of_it)))
       continue;
