@@ -78,7 +78,7 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
     const Joint& joint = robot.joints[std::size_t(i)];
     const auto of_it = [&](const std::string& name) { return name.starts_with("drive." + joint.name + "."); };
     if (joint.covariance.size() == 0 || options.inflate == 0 ||
-        (scene.identified && std::ranges::any_of(scene.identified->order, of_it)))
+        (scene.identified && std::any_of(scene.identified->order.begin(), scene.identified->order.end(), of_it)))
       continue;
     fitted_.emplace_back(i, constant_indices(joint.uncertain));
     sampler_.correlated("drive of " + joint.name, joint.covariance, options.inflate);
@@ -101,20 +101,19 @@ void BodyDropModel::scatter_floor(const Uncertainty& known) {
 
 /// None of what is above 0 falls below a hundredth of what it is.
 void BodyDropModel::scatter_robot(const Uncertainty& known, double inflate) {
-  constexpr double kLeast = 0.01;
+  static constexpr double kLeast = 0.01;
   for (const std::string& name : known.order) {
     const auto joint = std::find_if(scene_.robot.joints.begin(), scene_.robot.joints.end(),
                                     [&](const Joint& j) { return name == gain_name(j); });
     if (joint != scene_.robot.joints.end()) {
-      of_robot_.emplace_back(
-          [kLeast, i = std::size_t(joint - scene_.robot.joints.begin())](BodyScene& s, double by_it) {
-            SeaParameters<double>& sea = s.robot.joints[i].sea;
-            for (double* const x : {&sea.k_p, &sea.k_d, &sea.tau_max}) *x *= std::max(1 + by_it, kLeast);
-          });
+      of_robot_.emplace_back([i = std::size_t(joint - scene_.robot.joints.begin())](BodyScene& s, double by_it) {
+        SeaParameters<double>& sea = s.robot.joints[i].sea;
+        for (double* const x : {&sea.k_p, &sea.k_d, &sea.tau_max}) *x *= std::max(1 + by_it, kLeast);
+      });
       continue;
     }
     const double value = design_number(scene_, name);
-    of_robot_.emplace_back([value, kLeast, set = design_setter(scene_, name)](BodyScene& s, double by_it) {
+    of_robot_.emplace_back([value, set = design_setter(scene_, name)](BodyScene& s, double by_it) {
       set(s, value > 0 ? std::max(value + by_it, kLeast * value) : value + by_it);
     });
   }
