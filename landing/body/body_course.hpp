@@ -13,6 +13,7 @@
 #include "landing/body/body_scene.hpp"
 #include "landing/body/body_system.hpp"
 #include "landing/body/places.hpp"
+#include "landing/model/release.hpp"
 #include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
@@ -96,6 +97,44 @@ class BodyCourse {
     place(y);
     system.settle_lags(0.0, y);
     return y;
+  }
+
+  /// Where nothing turns and nothing strains the first flight is closed-form: only the base moves, as under gravity.
+  /// Moves y, as it was released, to shortly before the first touchdown or to the first deadline, and returns when that
+  /// is; else 0 [s].
+  double fall(State& y) const {
+    constexpr double kShortly = 1e-5;  // [s]
+    constexpr double kStill = 1e-8;    // what rounding makes of no acceleration [rad/s^2], and its like
+    constexpr int kAngles = int(System::kVx) - int(System::kTheta), kBehind = int(System::kOmega);
+    const Body<T, kSize>& body = system.body;
+    State dy, later;
+    const auto stands = [&](double t, const State& at, State& rate) {
+      system.derivative(t, at, rate);
+      return rate.template segment<kAngles>(System::kTheta).isZero(0) &&
+             rate.tail(State::RowsAtCompileTime - kBehind).isZero(kStill);
+    };
+    const bool rail_stop = std::any_of(body.stop.begin() + body.stops_begin, body.stop.begin() + body.stops_end,
+                                       [](auto& s) { return s.joint < 0; });
+    if (body.base == Base::kPinned || rail_stop || !stands(0, y, dy)) return 0;
+    const typename System::Pose p = system.pose(y);
+    const typename System::Accelerations acc = system.accelerations_of(dy);
+    double t = kNever;
+    for (int i = 0; i < body.contacts; ++i) {
+      const typename System::Point at = system.point_at(i, p, &acc);
+      t = std::min(t, landing::fall_time(-at.a, at.y - system.point[i].thickness, at.v));
+    }
+    if (!(t > kShortly && t < kNever)) return 0;
+    t = std::min(t - kShortly, stop());
+    State end = y;
+    for (const int k : {System::kX, System::kY}) {
+      const int v = k + int(System::kPositions);
+      end[k] += t * (y[v] + 0.5 * t * dy[v]), end[v] += t * dy[v];
+    }
+    if (!stands(0, end, later) ||
+        std::hypot(later[System::kVx] - dy[System::kVx], later[System::kVy] - dy[System::kVy]) > kStill)
+      return 0;
+    y = end;
+    return t;
   }
 
   /// Beyond guard `event`, which fell through zero at time t.

@@ -36,10 +36,11 @@ class BodyFollower {
   }
 
   void follow() {
-    const State y = course_.released();
+    State y = course_.released();
     if constexpr (kReport) recorder_.start(system_, y);
+    const double fallen = kReport ? 0 : course_.fall(y);
     integrate::Integrator<Method, System> driver(
-        system_, 0, y,
+        system_, fallen, y,
         {.accuracy = course_.step_accuracy(options_.accuracy), .first_step = 1e-4, .max_step = options_.max_step});
     std::optional<End> end;
     for (long n = 0; !end; ++n) end = advance(driver, n);

@@ -43,7 +43,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
         continue;
       }
       Course& course = course_[i].emplace(*c.scene, *c.motion);
-      const Values y = course.released();
+      Values y = course.released();
       if (system_.links == 0) system_.take_structure(course.system);
       const std::vector<LaneLoad> loads = loads_of_lanes(*c.scene);
       if (!any(active_)) loads_ = loads;
@@ -54,7 +54,8 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       }
       out_[i] = {};
       System::for_each(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
-      this->begin(i, 0, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
+      const double fallen = course.fall(y);
+      this->begin(i, fallen, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
       asked_[i] = 0, impact_[i] = impact_energy(course.system), per_square_.set(i, impact_[i]);
       const double abandon = c.abandon_above * own_rating(*c.scene);
       abandon_square_.set(i, abandon * abandon);

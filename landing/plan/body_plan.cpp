@@ -86,6 +86,7 @@ class BodySearch {
     set_goals();
     judge_held();
     if (options_.deadline) share_out();
+    if (!scene_.release) hold_others();
     if (!options_.starts.empty()) offer(Candidate{space_.unit(options_.starts[0])});  // no answer is worse
     BodyGoal first_look = own_drop(scene_);
     if (options_.measure)  // the mean of a few: the deepest place of one drop is often a cliff
@@ -179,6 +180,34 @@ class BodySearch {
     Candidate c{space_.unit(out_.hold)};
     c.value = out_.held_value;
     keep(c);
+  }
+
+  /// Other postures to hold, where the robot may be let go in any: some by the scene's own drop, then beside the best
+  /// of them; the best that lie apart by the goal. The best of all is an answer.
+  void hold_others() {
+    constexpr std::size_t kMany = 64, kFew = 16, kBest = 3;
+    constexpr double kHolding = 0.05, kBeside = 0.1;  // of the budget; of the box
+    const bool many = !options_.deadline && kHolding * double(evaluations_) > 2 * kMany;
+    Random random(options_.seed);
+    const BodyGoal own = own_drop(scene_);
+    const Archive known = best_;
+    Archive best(kBest, kApart);
+    std::vector<Candidate> postures(many ? kMany : kFew);
+    goal_ = &own;
+    for (int round = 0; round < 2 && share() < kHolding; ++round) {
+      for (Candidate& p : postures) {
+        p = best.empty() ? random_point(random, space_.dimension()) : beside(best[0], kBeside, random);
+        p.u = space_.held(p.u);
+      }
+      evaluate(postures);
+      for (const Candidate& p : postures)
+        if (p.value < kNoMotion) best.add(p);
+    }
+    goal_ = &final_, best_ = known;
+    std::vector<Candidate> judged(best.begin(), best.end());
+    for (Candidate& p : judged) p.bound = kNoMotion;
+    evaluate(judged);
+    if (!best_.empty() && !late()) offer(Candidate(best_[0]));
   }
 
   /// Values of as many of the points as the budget allows; the others come back with kNoMotion.

@@ -89,6 +89,19 @@ Coordinates BodySpace::unit(const BodyMotion& motion) const {
   return out;
 }
 
+Coordinates BodySpace::held(Coordinates unit) const {
+  const Coordinates rest = this->unit(rest_);
+  double phi_i = 0;  // phi_F of a joint follows its phi_I
+  for (std::size_t k = 0; k < slots_.size(); ++k) {
+    double& u = unit[long(k)];
+    if (slots_[k].number == 0)
+      phi_i = u;
+    else
+      u = slots_[k].number == 1 ? phi_i : rest[long(k)];
+  }
+  return unit;
+}
+
 Coordinates BodySpace::values(const Coordinates& unit) const {
   Coordinates out(dimension());
   for (std::size_t k = 0; k < variables_.size(); ++k)

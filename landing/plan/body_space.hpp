@@ -26,6 +26,8 @@ class BodySpace {
   BodyMotion motion(const Coordinates& unit) const;
   /// The place of a motion in the cube, the nearest where it lies beyond.
   Coordinates unit(const BodyMotion& motion) const;
+  /// A point's motion that stays where it starts: phi_F as phi_I, all else as of the held posture.
+  Coordinates held(Coordinates unit) const;
   /// The variables' values at a point of the cube, and back: the nearest place in it; a range of one value has its
   /// middle.
   Coordinates values(const Coordinates& unit) const;

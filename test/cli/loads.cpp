@@ -153,6 +153,24 @@ TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadli
   CHECK(summary(f, "risk")["ratings"].contains("load_foot"));
 }
 
+TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
+  const Folder f;
+  const Arguments plan = {"optimize",      dataset("scenes/paper.toml"),
+                          "--actuator",    dataset("actuators/table2.toml"),
+                          "--robust",      "mean",
+                          "--forbid",      "hip",
+                          "--scatter",     "height=0.02",
+                          "--samples",     "16",
+                          "--evaluations", "3000",
+                          "--no-report"};
+  const Result r = done(f, plan + Arguments{"--share", "0.9", "-o", "out"});
+  CHECK_THAT(r.out, Contains("limits hold in"));
+  const Json s = summary(f);
+  CHECK(s["robust"]["share"] == 0.9);
+  CHECK(s["robust"]["value"].get<double>() < s["hold"]["value"].get<double>());
+  check_refused(f, plan + Arguments{"--share", "0.9", "--penalty", "500"} + kOut, {"--penalty", "--share"});
+}
+
 TEST_CASE("trade --pareto shows what one load costs in another") {
   const Folder f;
   write_scene(f, kKnee);

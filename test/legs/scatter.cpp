@@ -240,6 +240,36 @@ TEST_CASE("legs: a plan is never worse than holding by its own goal, with every 
       }
 }
 
+TEST_CASE("legs: a plan is never worse than the best posture to hold, with every goal, however short the search") {
+  for (const char* const name : {"hopper", "three_links"}) {
+    const BodyScene scene = shipped(name);
+    for (const auto& [goal, measure] :
+         {std::pair(Goal::kPeak, std::optional<Measure>()), std::pair(Goal::kTolerant, std::optional<Measure>()),
+          std::pair(Goal::kPeak, std::optional(Measure{Measure::Kind::kCvar}))}) {
+      BodyPlanOptions o;
+      o.goal = goal, o.measure = measure, o.samples = 8, o.judging = 16, o.fresh = 0;
+      o.evaluations = measure ? 1'500 : 150;
+      const BodyPlan p = plan(scene, o);
+      const BodyGoal by = plan_goals(scene, o, o.samples, o.judging).judge;
+      double best = p.held_value;
+      constexpr int kGrid = 9;
+      BodyMotion m = p.hold;
+      const auto held_at = [&](int joint, int k) {
+        const auto& [low, high] = scene.search[std::size_t(joint)].phi;
+        m[std::size_t(joint)].phi_i = m[std::size_t(joint)].phi_f = std::lerp(low, high, k / (kGrid - 1.0));
+      };
+      for (int i = 0; i < kGrid; ++i)
+        for (int j = 0; j < kGrid; ++j) {
+          held_at(0, i), held_at(1, j);
+          best = std::min(best, judged(by, m, o).value);
+        }
+      INFO(name << " " << int(goal) << " " << (measure ? measure->name() : "none") << ": " << p.held_value);
+      REQUIRE(p.found);
+      CHECK(p.value <= 1.02 * best);
+    }
+  }
+}
+
 TEST_CASE("legs: plans of one seed are the same on one thread and two, what they promise is kept on fresh drops") {
   const BodyScene scene = shipped("hopper");
   BodyPlanOptions o;

@@ -86,8 +86,7 @@ double writing_time(double deadline) {
 }
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
-  if (is_of_links(a.scene)) return optimize_body(a, common);
-  if (a.share) throw InputError("--share: of robots of links; of the paper's robot --penalty says what a drop counts");
+  if (is_of_links(a.scene) || a.share) return optimize_body(a, common);
   if (!a.logs.files.empty()) throw InputError("--log: of robots of links: the paper's robot has no log's commands");
   const std::string file = only_actuator(a.actuators);
   const Clock clock;
@@ -155,8 +154,8 @@ void add_optimize(CLI::App* verb, Action& chosen) {
   verb->add_option("--samples", args->samples,
                    "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
   verb->add_option("--share", args->share,
-                   "with --robust, of a robot of links: the share of drops that keep every limit [mean 0.5; worst 1; "
-                   "else its level]");
+                   "with --robust: the share of drops that keep every limit [mean 0.5; worst 1; else its level; of the "
+                   "paper's scene without loads --penalty]");
   verb->add_option("--penalty", args->penalty,
                    "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
