@@ -24,30 +24,43 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
 
 Range lateness() { return {0, kMostLate, false, fmt::format("from 0 to {} s", kMostLate)}; }
 
+// What is added to the struct is wanted in its for_each, and in the table below, by the table's type.
+static_assert([] {
+  SeaParameters<double> sea{};
+  int constants = 0;
+  SeaParameters<double>::for_each(sea, sea, [&](double&, double) { ++constants; });
+  return constants;
+}() == kActuatorConstants);
+
 const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants() {
   using Sea = SeaParameters<double>;
   const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = lateness();
-  static const std::array<ActuatorConstant, kActuatorConstants> list = {{
-      {kConstantNames[0], &Sea::k_p, kConstantUnits[0], level},
-      {kConstantNames[1], &Sea::k_d, kConstantUnits[1], level},
-      {kConstantNames[2], &Sea::k_sea, kConstantUnits[2], level},
-      {kConstantNames[3], &Sea::c_sea, kConstantUnits[3], level},
-      {kConstantNames[4], &Sea::i_motor, kConstantUnits[4], Range::positive()},
-      {"tau_max", &Sea::tau_max, "Nm", level, std::numeric_limits<double>::infinity()},
-      {"k_t", &Sea::k_t, "Nm for a unit of the command", level},
-      {"friction", &Sea::friction, "Nm", level},
-      {"friction_asymmetry", &Sea::friction_asymmetry, "of friction", part},
-      {"viscous_friction", &Sea::viscous, "Nm/(rad/s)", level},
-      {"output_friction", &Sea::output_friction, "Nm", level},
-      {"output_friction_asymmetry", &Sea::output_friction_asymmetry, "of output_friction", part},
-      {"output_viscous", &Sea::output_viscous, "Nm/(rad/s)", level},
-      {"breakaway", &Sea::breakaway, "of both dry frictions", level},
-      {"stribeck_speed", &Sea::stribeck_speed, "rad/s", Range::positive(), Sea{}.stribeck_speed},
-      {"spring_loss", &Sea::spring_loss, "of the spring's torque", level},
-      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", Range::any()},
-      {"control_delay", &Sea::control_delay, "s", late},
-      {"velocity_filter", &Sea::velocity_filter, "s", late},
-  }};
+  static const auto list = std::to_array<ActuatorConstant>({
+      {kConstantNames[0], &Sea::k_p, kConstantUnits[0], "Proportional gain", level},
+      {kConstantNames[1], &Sea::k_d, kConstantUnits[1], "Derivative gain", level},
+      {kConstantNames[2], &Sea::k_sea, kConstantUnits[2], "Stiffness of the spring", level},
+      {kConstantNames[3], &Sea::c_sea, kConstantUnits[3], "Damping of the spring", level},
+      {kConstantNames[4], &Sea::i_motor, kConstantUnits[4], "Reflected inertia of the motor", Range::positive()},
+      {"tau_max", &Sea::tau_max, "Nm", "Limit of the spring's torque, infinite: none", level,
+       std::numeric_limits<double>::infinity()},
+      {"k_t", &Sea::k_t, "Nm for a unit of the command", "Torque of the motor for a unit of its command", level},
+      {"friction", &Sea::friction, "Nm", "Dry friction on the motor", level},
+      {"friction_asymmetry", &Sea::friction_asymmetry, "of friction",
+       "Half the difference of both directions' levels over their mean", part},
+      {"viscous_friction", &Sea::viscous, "Nm/(rad/s)", "Viscous friction on the motor", level},
+      {"output_friction", &Sea::output_friction, "Nm", "Dry friction on the output", level},
+      {"output_friction_asymmetry", &Sea::output_friction_asymmetry, "of output_friction",
+       "Half the difference of both directions' levels over their mean", part},
+      {"output_viscous", &Sea::output_viscous, "Nm/(rad/s)", "Viscous friction on the output", level},
+      {"breakaway", &Sea::breakaway, "of both dry frictions", "By how much they are larger near rest", level},
+      {"stribeck_speed", &Sea::stribeck_speed, "rad/s", "Speed by which that has fallen to 1/e", Range::positive(),
+       Sea{}.stribeck_speed},
+      {"spring_loss", &Sea::spring_loss, "of the spring's torque", "Dry friction on the motor that grows with it",
+       level},
+      {"k_sea_cubic", &Sea::k_sea_cubic, "Nm/rad^3", "Cubic stiffness of the spring, below 0: softening", Range::any()},
+      {"control_delay", &Sea::control_delay, "s", "From what the drive measures to its torque", late},
+      {"velocity_filter", &Sea::velocity_filter, "s", "Time constant of the filter of the rate that K_d sees", late},
+  });
   return list;
 }
 

@@ -15,22 +15,22 @@
 namespace ukemi {
 
 /// The five constants of the fit, in the order of U = [K_p K_d K_SEA C_SEA I_motor] (Sec. 3 of [1]).
-inline constexpr int kConstants = 5;
-inline constexpr std::array<const char*, kConstants> kConstantNames = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
-inline constexpr std::array<const char*, kConstants> kConstantUnits = {"Nm/rad", "Nm/(rad/s)", "Nm/rad", "Nm/(rad/s)",
-                                                                       "kg m^2"};
+inline constexpr std::array kConstantNames = {"k_p", "k_d", "k_sea", "c_sea", "i_motor"};
+inline constexpr std::array kConstantUnits = {"Nm/rad", "Nm/(rad/s)", "Nm/rad", "Nm/(rad/s)", "kg m^2"};
+inline constexpr int kConstants = int(kConstantNames.size());
+static_assert(kConstantUnits.size() == kConstants);
 /// The actuator's constants as a vector and back; the other fields of `sea` stay.
 template <class T>
 std::array<T, kConstants> constants(const SeaParameters<T>& sea) {
-  return {sea.k_p, sea.k_d, sea.k_sea, sea.c_sea, sea.i_motor};
+  return std::array{sea.k_p, sea.k_d, sea.k_sea, sea.c_sea, sea.i_motor};
 }
 template <class T, class Vector>
 void set_constants(SeaParameters<T>& sea, const Vector& u) {
   sea.k_p = u[0], sea.k_d = u[1], sea.k_sea = u[2], sea.c_sea = u[3], sea.i_motor = u[4];
 }
 
-/// How many constants an actuator has: those five, tau_max, then the optional ones.
-inline constexpr int kActuatorConstants = 19;
+/// How many constants an actuator has: those five, tau_max, then the optional ones. `feedback` takes the room of one.
+inline constexpr int kActuatorConstants = int(sizeof(SeaParameters<double>) / sizeof(double)) - 1;
 
 struct Actuator {
   std::string name;

@@ -21,6 +21,7 @@ struct ActuatorConstant {
   const char* key;
   double SeaParameters<double>::*at;
   const char* unit;
+  const char* meaning;
   Range range;
   double absent = 0;  ///< its value in a file without it; of the five no meaning
 };

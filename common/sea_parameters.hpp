@@ -46,7 +46,7 @@ struct SeaParameters {
   }
   /// f(a's, b's) of every constant.
   template <class A, class B, class F>
-  static void for_each(A& a, const B& b, F&& f) {
+  static constexpr void for_each(A& a, const B& b, F&& f) {
     f(a.k_p, b.k_p), f(a.k_d, b.k_d), f(a.k_sea, b.k_sea), f(a.c_sea, b.c_sea), f(a.i_motor, b.i_motor);
     f(a.tau_max, b.tau_max), f(a.friction, b.friction), f(a.k_sea_cubic, b.k_sea_cubic), f(a.viscous, b.viscous);
     f(a.k_t, b.k_t), f(a.output_friction, b.output_friction), f(a.output_viscous, b.output_viscous);

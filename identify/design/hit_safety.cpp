@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "common/checks.hpp"
 #include "common/csv.hpp"
@@ -58,14 +59,56 @@ Trial blank_log(const Hit& hit, const HitLog& log) {
   return trial;
 }
 
+namespace {
+
+/// More closely and longer than it will be logged: the hit itself, not its samples, moves the link.
+HitLog watched(const HitLog& log, const Hit& hit) {
+  constexpr double kSamplesInPulse = 40, kLongEnough = 1;
+  HitLog out = log;
+  out.rate = std::max(log.rate, kSamplesInPulse / hit.width);
+  out.duration = std::max(log.duration, log.start + hit.width + kLongEnough);
+  return out;
+}
+
+/// The spring's largest torque in a rollout sampled at `rate` [Hz], and how long it is at its limit.
+void add_spring_torque(const std::vector<double>& phi, const std::vector<double>& phi_m,
+                       const SeaParameters<double>& sea, double rate, HitSafety& out) {
+  for (std::size_t i = 1; i + 1 < phi.size(); ++i) {
+    const double d = phi_m[i] - phi[i], d_rate = (phi_m[i + 1] - phi[i + 1] - phi_m[i - 1] + phi[i - 1]) * 0.5 * rate;
+    const double tau = std::abs((sea.k_sea + sea.k_sea_cubic * d * d) * d + sea.c_sea * d_rate);
+    out.torque = std::max(out.torque, tau);
+    if (tau >= sea.tau_max) out.limited += 1 / rate;
+  }
+}
+
+/// The half axes of the 95 % confidence ellipsoid of the constants, a column each.
+MatrixXd confidence_axes(const Knowledge& k) {
+  constexpr double kChiSquare95[kConstants] = {3.841, 5.991, 7.815, 9.488, 11.070};
+  const auto covariance = covariance_of(k.information);
+  assert(covariance);
+  const double radius = std::sqrt(kChiSquare95[covariance->rows() - 1]);
+  const SymmetricEigen eigen = symmetric_eigen(*covariance);
+  return radius * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
+/// Where on the ellipsoid the largest angle grows fastest, C g / sqrt(g' C g), in parts of the axes; none where it does
+/// not grow, or is not known.
+std::optional<VectorXd> steepest(const Rig& rig, const Knowledge& k, const PreparedTrial& hit, const MatrixXd& axes) {
+  thread_local std::vector<ConstantJet> dphi, dphi_m;
+  if (differentiate(rig, k.sea, k.constants, hit, dphi, dphi_m) != RolloutStatus::kDone) return std::nullopt;
+  const ConstantJet& farthest =
+      *std::max_element(dphi.begin(), dphi.end(),
+                        [](const ConstantJet& a, const ConstantJet& b) { return std::abs(a.a) < std::abs(b.a); });
+  const VectorXd g = axes.transpose() * farthest.v.head(axes.rows()) * (farthest.a < 0 ? -1 : 1);
+  return g.norm() > 0 ? std::optional<VectorXd>(g.normalized()) : std::nullopt;
+}
+
+}  // namespace
+
 HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
   rig.validate(), k.validate(), o.validate();
   check_finite("peak", hit.peak), check_positive("width", hit.width);
-  // Watched more closely and longer than it will be logged: the hit itself, not its samples, moves the link.
-  constexpr double kSamplesInPulse = 40, kLongEnough = 1;
-  HitLog close = o.log;
-  close.rate = std::max(o.log.rate, kSamplesInPulse / hit.width);
-  close.duration = std::max(o.log.duration, o.log.start + hit.width + kLongEnough);
+  const HitLog close = watched(o.log, hit);
   const Trial trial = blank_log(hit, close);
   const PreparedTrial prepared(trial);
   HitSafety out;
@@ -82,31 +125,12 @@ HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const De
   const bool safe = stays(k.sea);
   out.angle = out.worst_angle;
   if (!safe) return out;
-  for (std::size_t i = 1; i + 1 < phi.size(); ++i) {
-    const double d = phi_m[i] - phi[i],
-                 rate = (phi_m[i + 1] - phi[i + 1] - phi_m[i - 1] + phi[i - 1]) * 0.5 * close.rate;
-    const double tau = std::abs((k.sea.k_sea + k.sea.k_sea_cubic * d * d) * d + k.sea.c_sea * rate);
-    out.torque = std::max(out.torque, tau);
-    if (tau >= k.sea.tau_max) out.limited += 1 / close.rate;
-  }
+  add_spring_torque(phi, phi_m, k.sea, close.rate, out);
 
-  constexpr double kChiSquare95[kConstants] = {3.841, 5.991, 7.815, 9.488, 11.070};
-  const auto covariance = covariance_of(k.information);
-  assert(covariance);
-  const long n = covariance->rows();
-  const double radius = std::sqrt(kChiSquare95[n - 1]);
-  const SymmetricEigen eigen = symmetric_eigen(*covariance);
-  const MatrixXd axes = radius * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
-
-  // Where the largest angle grows fastest: C g / sqrt(g' C g).
-  thread_local std::vector<ConstantJet> dphi, dphi_m;
-  if (differentiate(rig, k.sea, k.constants, prepared, dphi, dphi_m) == RolloutStatus::kDone) {
-    const ConstantJet& farthest =
-        *std::max_element(dphi.begin(), dphi.end(),
-                          [](const ConstantJet& a, const ConstantJet& b) { return std::abs(a.a) < std::abs(b.a); });
-    const VectorXd g = axes.transpose() * farthest.v.head(n) * (farthest.a < 0 ? -1 : 1);
-    if (g.norm() > 0 && !stays(scaled(k, axes * g.normalized()))) return out;
-  }
+  const MatrixXd axes = confidence_axes(k);
+  const auto stays_at = [&](const VectorXd& place) { return stays(scaled(k, axes * place)); };
+  if (const auto place = steepest(rig, k, prepared, axes); place && !stays_at(*place)) return out;
+  const long n = axes.rows();
   for (long a = 0; a < n; ++a)
     for (const double sign : {1.0, -1.0})
       if (!stays(scaled(k, sign * axes.col(a)))) return out;
@@ -114,7 +138,7 @@ HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const De
     Random random(o.seed, std::uint64_t(draw));
     VectorXd z(n);
     for (double& x : z) x = random.normal();
-    if (!stays(scaled(k, axes * z.normalized()))) return out;
+    if (!stays_at(z.normalized())) return out;
   }
   return out;
 }

@@ -310,6 +310,74 @@ std::string reason(const ceres::Solver::Summary& s, const Watch& watch, int most
   return s.message;
 }
 
+/// The problem as Ceres sees it: its point in scaled parameters, and a cost of each block and prior.
+struct ScaledProblem {
+  std::vector<double> x;
+  std::vector<std::vector<double>> locals;
+  std::vector<bool> held;  ///< as it was asked for, or at a bound and pressed against it
+  bool all_held;           ///< as it was asked for: the locals alone are free
+  std::deque<BlockCost> costs;
+  std::deque<PriorCost> priors;
+  long residuals = 0;
+  ceres::Problem ceres_problem;
+
+  ScaledProblem(const LeastSquaresProblem& problem, const LeastSquaresOptions& options)
+      : x(scaled_start(problem.globals)), ceres_problem(borrowing()) {
+    for (const ResidualBlock& b : problem.blocks) locals.push_back(scaled_start(problem.locals, b.local_start));
+    for (const Parameter& p : problem.globals) held.push_back(p.held);
+    all_held = !held.empty() && std::find(held.begin(), held.end(), false) == held.end();
+    for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
+      std::vector<double*> blocks{x.data()};
+      if (!problem.locals.empty()) blocks.push_back(locals[b].data());
+      costs.emplace_back(problem, problem.blocks[b], options, held);
+      ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
+      residuals += problem.blocks[b].size;
+    }
+    for (const PriorResidual& p : problem.priors) {
+      priors.emplace_back(problem, p);
+      ceres_problem.AddResidualBlock(&priors.back(), nullptr, x.data());
+      ++residuals;
+    }
+    if (all_held)
+      ceres_problem.SetParameterBlockConstant(x.data());
+    else
+      set_bounds(ceres_problem, x.data(), problem.globals);
+    if (!problem.locals.empty())
+      for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
+  }
+  ScaledProblem(const ScaledProblem&) = delete;
+  ScaledProblem& operator=(const ScaledProblem&) = delete;
+
+ private:
+  static ceres::Problem::Options borrowing() {
+    ceres::Problem::Options out;
+    out.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return out;
+  }
+};
+
+/// Solves again with other parameters held as long as the bounds that the cost presses against change; how the last
+/// went. Counts `iterations`.
+ceres::Solver::Summary follow_bounds(const LeastSquaresProblem& problem, const LeastSquaresOptions& options,
+                                     ScaledProblem& scaled, Watch& watch, int& iterations) {
+  constexpr int kActiveSets = 8;  // then Ceres' own way to the end
+  ceres::Solver::Options o = ceres_options(options);
+  o.callbacks.push_back(&watch);
+  o.update_state_every_iteration = true;
+  ceres::Solver::Summary summary;
+  bool follow = !scaled.all_held;
+  for (int sets = 1;; ++sets) {
+    watch.look_at_bounds = follow;
+    ceres::Solve(o, &scaled.ceres_problem, &summary);
+    iterations += int(summary.iterations.size()) - 1;
+    if (!follow || !summary.IsSolutionUsable() || (options.stop && options.stop())) return summary;
+    std::vector<bool> now = pressed(problem, scaled.costs, scaled.x, scaled.locals, scaled.held);
+    if (now == scaled.held && !watch.cut_off) return summary;
+    follow = now != scaled.held && sets < kActiveSets;
+    scaled.held = std::move(now);
+  }
+}
+
 void silence_glog() {
   static std::once_flag once;
   std::call_once(once, [] { FLAGS_minloglevel = 3; });
@@ -335,65 +403,21 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   problem.validate();
   silence_glog();
   LeastSquaresSolution out;
-  std::vector<double> x = scaled_start(problem.globals);
-  std::vector<std::vector<double>> locals;
-  for (const ResidualBlock& b : problem.blocks) locals.push_back(scaled_start(problem.locals, b.local_start));
+  ScaledProblem scaled(problem, options);
+  Watch watch(problem.globals, scaled.x, scaled.held, options);
+  const ceres::Solver::Summary summary = follow_bounds(problem, options, scaled, watch, out.iterations);
 
-  std::vector<bool> held;  // as it was asked for, or at a bound and pressed against it
-  for (const Parameter& p : problem.globals) held.push_back(p.held);
-  std::deque<BlockCost> costs;
-  ceres::Problem::Options ours;
-  ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem ceres_problem(ours);
-  for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
-    std::vector<double*> blocks{x.data()};
-    if (!problem.locals.empty()) blocks.push_back(locals[b].data());
-    costs.emplace_back(problem, problem.blocks[b], options, held);
-    ceres_problem.AddResidualBlock(&costs.back(), nullptr, blocks);
-    out.residuals += problem.blocks[b].size;
-  }
-  std::deque<PriorCost> priors;
-  for (const PriorResidual& p : problem.priors) {
-    priors.emplace_back(problem, p);
-    ceres_problem.AddResidualBlock(&priors.back(), nullptr, x.data());
-    ++out.residuals;
-  }
-  const bool all_held = !held.empty() && std::find(held.begin(), held.end(), false) == held.end();
-  if (all_held)
-    ceres_problem.SetParameterBlockConstant(x.data());
-  else
-    set_bounds(ceres_problem, x.data(), problem.globals);
-  if (!problem.locals.empty())
-    for (auto& l : locals) set_bounds(ceres_problem, l.data(), problem.locals);
-
-  ceres::Solver::Options o = ceres_options(options);
-  Watch watch(problem.globals, x, held, options);
-  o.callbacks.push_back(&watch);
-  o.update_state_every_iteration = true;
-  ceres::Solver::Summary summary;
-  constexpr int kActiveSets = 8;  // then Ceres' own way to the end
-  bool follow = !all_held;
-  for (int sets = 1;; ++sets) {
-    watch.look_at_bounds = follow;
-    ceres::Solve(o, &ceres_problem, &summary);
-    out.iterations += int(summary.iterations.size()) - 1;
-    if (!follow || !summary.IsSolutionUsable() || (options.stop && options.stop())) break;
-    std::vector<bool> now = pressed(problem, costs, x, locals, held);
-    if (now == held && !watch.cut_off) break;
-    follow = now != held && sets < kActiveSets;
-    held = std::move(now);
-  }
-
+  out.residuals = scaled.residuals;
   out.usable = summary.IsSolutionUsable();
   out.converged = summary.termination_type == ceres::CONVERGENCE || watch.crawls;
   out.message = reason(summary, watch, options.max_iterations);
   out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
-  set_point(problem, x, locals, out);
+  set_point(problem, scaled.x, scaled.locals, out);
   if (!out.usable) return out;
-  if (all_held) out.at_bound.assign(problem.globals.size(), true);  // the locals alone have errors
-  const auto squares = squares_at(costs, x, locals);
+  if (scaled.all_held) out.at_bound.assign(problem.globals.size(), true);  // the locals alone have errors
+  const auto squares = squares_at(scaled.costs, scaled.x, scaled.locals);
   if (!squares) return out;
-  out.slope = slope_at(problem, *squares, x);
+  out.slope = slope_at(problem, *squares, scaled.x);
   for (long i = 0; i < out.slope.size(); ++i) out.slope[i] /= problem.globals[std::size_t(i)].scale;
   add_covariances(problem, *squares, out);
   return out;

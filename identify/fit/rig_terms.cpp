@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/actuator.hpp"
 #include "common/actuator_constants.hpp"
@@ -124,8 +125,8 @@ RigTerm in_ladder(RigTerm t) {
   return t;
 }
 
-std::vector<RigTerm> table() {
-  constexpr auto kShared = Scope::kShared, kEach = Scope::kEach;
+/// The five constants of the paper.
+std::vector<RigTerm> five_constants() {
   return {
       constant(0, "proportional gain of the motor", 1, 0, [](auto& in) { return &in.sea.k_p; }),
       constant(1, "derivative gain of the motor", 0.1, 0, [](auto& in) { return &in.sea.k_d; }),
@@ -133,6 +134,12 @@ std::vector<RigTerm> table() {
       constant(3, "damping of the spring", 0.1, 0, [](auto& in) { return &in.sea.c_sea; }),
       // It divides Eq. 4.
       constant(4, "reflected inertia of the motor", 1e-3, 1e-6, [](auto& in) { return &in.sea.i_motor; }),
+  };
+}
+/// Dry and viscous friction on either side.
+std::vector<RigTerm> friction_terms() {
+  constexpr auto kShared = Scope::kShared;
+  return {
       in_ladder(optional(nuisance("friction", "Nm", "dry friction on the motor", kShared, 0.1,
                                   [](auto& in) { return &in.sea.friction; }),
                          0.01, &Sea::k_p, "friction")),
@@ -152,6 +159,12 @@ std::vector<RigTerm> table() {
       asymmetry(
           "output_friction_asymmetry", "the same of output_friction",
           [](auto& in) { return &in.sea.output_friction_asymmetry; }, &Sea::output_friction),
+  };
+}
+/// Optional terms of the motor and the spring, friction apart.
+std::vector<RigTerm> drive_terms() {
+  constexpr auto kShared = Scope::kShared;
+  return {
       // Of a drive whose command is known; without one nothing depends on it.
       only_with(optional(nuisance("k_t", "Nm/unit", "the motor's torque for a unit of its command", kShared, 1,
                                   [](auto& in) { return &in.sea.k_t; }),
@@ -172,6 +185,12 @@ std::vector<RigTerm> table() {
       stored(bounded(nuisance("tau_max", "Nm", "limit of the spring's torque", kShared, 10,
                               [](auto& in) { return &in.sea.tau_max; }),
                      0, Term::kInfinity, Term::kInfinity)),
+  };
+}
+/// What may be wrong in every trial alike: numbers of the rig, gains of its sensors.
+std::vector<RigTerm> rig_scale_terms() {
+  constexpr auto kShared = Scope::kShared;
+  return {
       with_error("force_gain", bounded(nuisance("force_gain", "1", "the force over the load cell's", kShared, 1,
                                                 [](auto& in) { return &in.nuisance.force_gain; }),
                                        0.01, 100, 1)),
@@ -181,6 +200,12 @@ std::vector<RigTerm> table() {
                  not_tested(bounded(nuisance("encoder_gain", "1", "the measured angle over the link's", kShared, 1,
                                              [](auto& in) { return &in.nuisance.encoder_gain; }),
                                     0.01, 100, 1))),
+  };
+}
+/// What each trial has for its own.
+std::vector<RigTerm> trial_terms() {
+  constexpr auto kEach = Scope::kEach;
+  return {
       nuisance("initial_angle", "rad", "angle at the start", kEach, 0.01, [](auto& in) { return &in.nuisance.angle; }),
       nuisance("initial_rate", "rad/s", "rate at the start", kEach, 0.1, [](auto& in) { return &in.nuisance.rate; }),
       nuisance("encoder_offset", "rad", "the measured angle minus the link's", kEach, 0.01,
@@ -191,17 +216,33 @@ std::vector<RigTerm> table() {
                                                 1e-3, [](auto& in) { return &in.nuisance.time_shift; }),
                                        -0.1, 0.1, 0)),
       between_samples(),
+  };
+}
+/// Of a log of the spring's torque.
+std::vector<RigTerm> torque_terms() {
+  constexpr auto kShared = Scope::kShared;
+  return {
       of_torque(bounded(nuisance("torque_gain", "1", "the logged torque over the spring's", kShared, 1,
                                  [](auto& in) { return &in.nuisance.torque_gain; }),
                         0.01, 100, 1)),
       of_torque(nuisance("torque_bias", "Nm", "the logged torque minus the spring's", kShared, 0.1,
                          [](auto& in) { return &in.nuisance.torque_bias; })),
+  };
+}
+/// How late the drive is.
+std::vector<RigTerm> lag_terms() {
+  return {
       lag("control_delay", "delay", "from what the drive measures, or is told, to its torque",
           [](auto& in) { return &in.sea.control_delay; }),
       only_with(lag("velocity_filter", "filter", "time constant of the low-pass of the rate that K_d sees",
                     [](auto& in) { return &in.sea.velocity_filter; }),
                 {&Sea::k_d}),
-      // Stribeck's, of whatever dry friction there is.
+  };
+}
+/// Stribeck's, of whatever dry friction there is.
+std::vector<RigTerm> stribeck_terms() {
+  constexpr auto kShared = Scope::kShared;
+  return {
       only_with(stored(bounded(nuisance("breakaway", "1",
                                         "of dry friction: what it breaks away with over what it slides with, less 1",
                                         kShared, 0.3, [](auto& in) { return &in.sea.breakaway; }),
@@ -212,6 +253,14 @@ std::vector<RigTerm> table() {
                                1e-4, 100, Sea{}.stribeck_speed)),
                 {&Sea::breakaway}),
   };
+}
+/// All of them, in the order in which they are told.
+std::vector<RigTerm> table() {
+  std::vector<RigTerm> out;
+  for (const auto part : {five_constants, friction_terms, drive_terms, rig_scale_terms, trial_terms, torque_terms,
+                          lag_terms, stribeck_terms})
+    for (RigTerm& t : part()) out.push_back(std::move(t));
+  return out;
 }
 
 /// What tells a term by itself, where logs of hits cannot.

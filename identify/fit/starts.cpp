@@ -7,8 +7,8 @@
 
 #include "common/actuator.hpp"
 #include "common/checks.hpp"
+#include "common/noise.hpp"
 #include "common/random.hpp"
-#include "identify/logs/hits.hpp"
 #include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {

@@ -7,9 +7,8 @@
 #include <functional>
 
 #include "common/median.hpp"
+#include "common/noise.hpp"
 #include "identify/logs/columns.hpp"
-#include "identify/logs/hits.hpp"
-#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/noise.hpp"
 #include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
-
-double largest_deviation(const std::vector<double>& x, double from) {
-  double out = 0;
-  for (const double v : x) out = std::max(out, std::abs(v - from));
-  return out;
-}
 
 namespace {
 

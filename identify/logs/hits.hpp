@@ -9,9 +9,6 @@
 
 namespace ukemi::identify {
 
-/// The largest |x - from|.
-double largest_deviation(const std::vector<double>& x, double from = 0);
-
 /// Samples first .. last of a trial's force, between which it acts.
 struct LoggedHit {
   std::size_t first, last;

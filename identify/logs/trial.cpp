@@ -10,10 +10,9 @@
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
-#include "common/median.hpp"
+#include "common/noise.hpp"
 #include "common/same_numbers.hpp"
 #include "identify/logs/columns.hpp"
-#include "identify/logs/hits.hpp"
 #include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
@@ -192,26 +191,6 @@ int shortest_pulse(const Trial& trial) {
     }
   }
   return fewest;
-}
-
-double noise_level(const std::vector<double>& x) {
-  if (x.size() < 9) return 0;
-  std::vector<double> d(x.size() - 4);
-  for (std::size_t i = 0; i + 4 < x.size(); ++i)
-    d[i] = std::abs(x[i] - 4 * x[i + 1] + 6 * x[i + 2] - 4 * x[i + 3] + x[i + 4]);
-  const double white =
-      median(std::move(d)) / (0.6744897501960817 * std::sqrt(70.0));  // that of |normal|; 1 + 16 + 36 + 16 + 1 = 70
-  // A coarsely quantised log stands still most of the time: then its step, spread evenly, is the noise.
-  double step = 0;
-  std::size_t still = 0;
-  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
-    const double change = std::abs(x[i + 1] - x[i]);
-    if (change < 1e-12)
-      ++still;
-    else
-      step = step == 0 ? change : std::min(step, change);
-  }
-  return 2 * still > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
 }
 
 double angle_per_torque(const Trial& trial) {

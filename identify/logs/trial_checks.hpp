@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "common/noise.hpp"
 #include "identify/logs/trial.hpp"
 
 namespace ukemi::identify {
@@ -26,11 +27,8 @@ std::vector<double> force_at_samples(const Trial& trial);
 /// Fewest samples of any pulse of the force (a run above 5 % of the largest |force|); 0 without force.
 int shortest_pulse(const Trial& trial);
 
-/// Standard deviation of the measurement noise of a column, from the median of its fourth differences [same unit]; the
-/// signal must be slow against the sampling. A log that mostly stands still is taken as quantised: its smallest step /
-/// sqrt(12).
-double noise_level(const std::vector<double>& column);
-/// The same over every measured angle of several trials, root mean square [rad]; 0 where nothing is measured.
+using ukemi::noise_level;
+/// The noise of every measured angle of several trials, root mean square [rad]; 0 where nothing is measured.
 double noise_level(const std::vector<const Trial*>& trials);
 double noise_level(const std::vector<Trial>& trials);
 

@@ -31,61 +31,82 @@ bool better(const Fit& a, const Fit& b) {
   return a.converged != b.converged ? a.converged : a.cost < b.cost;
 }
 
-}  // namespace
-
-Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads) {
-  experiment.validate(fit);
-  std::vector<const RigTerm*> terms;
+/// The terms that come and go.
+std::vector<const RigTerm*> terms_of(const Experiment& experiment) {
+  std::vector<const RigTerm*> out;
   for (const RigTerm& t : *experiment.options.terms.table)
-    if (t.in_ladder) terms.push_back(&t);
-  const unsigned rungs = 1u << terms.size();
-  const double samples = double(measurements(experiment.trials));
-  Ladder out;
-  out.rungs.resize(rungs);
-  for (unsigned i = 0; i < rungs; ++i) {
-    Rung& r = out.rungs[i];
+    if (t.in_ladder) out.push_back(&t);
+  return out;
+}
+/// Whether the rung of this number has a term.
+bool has(std::size_t rung, std::size_t term) { return rung >> term & 1; }
+
+/// A rung for each subset of the terms, not yet fitted.
+std::vector<Rung> rungs_of(const Experiment& experiment, const std::vector<const RigTerm*>& terms) {
+  std::vector<Rung> out(std::size_t(1) << terms.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    Rung& r = out[i];
     r.options = experiment.options;
     std::vector<std::string>& nuisance = r.options.terms.nuisance;
-    for (unsigned t = 0; t < terms.size(); ++t) {
+    for (std::size_t t = 0; t < terms.size(); ++t) {
       std::erase(nuisance, terms[t]->name);
-      if (!(i >> t & 1)) continue;
+      if (!has(i, t)) continue;
       nuisance.push_back(terms[t]->name);
       r.name += (r.terms.empty() ? "" : " and ") + terms[t]->name;
       r.terms.push_back(terms[t]->name);
     }
     if (r.name.empty()) r.name = "plain";
   }
+  return out;
+}
+
+/// Fits each rung from `fit` without the terms that the rung lacks; afresh too where that may not be its minimum.
+void fit_rungs(const Experiment& experiment, const std::vector<const RigTerm*>& terms, const Fit& fit, int threads,
+               std::vector<Rung>& rungs) {
   const auto start_of = [&](int i) {
     SeaParameters<double> from = fit.sea;
-    for (unsigned t = 0; t < terms.size(); ++t)
-      if (!(unsigned(i) >> t & 1)) terms[t]->set_in(from, terms[t]->absent);
+    for (std::size_t t = 0; t < terms.size(); ++t)
+      if (!has(std::size_t(i), t)) terms[t]->set_in(from, terms[t]->absent);
     return from;
   };
-  parallel_for(int(rungs), threads, [&](int i) {
-    Rung& r = out.rungs[std::size_t(i)];
+  parallel_for(int(rungs.size()), threads, [&](int i) {
+    Rung& r = rungs[std::size_t(i)];
     r.fit = refit(experiment.rig, experiment.trials, start_of(i), r.options);
   });
-  const Fit& full = out.rungs.back().fit;
+  const Fit& full = rungs.back().fit;
   const bool all_afresh = !full.converged || full.far_above_noise,
              some_held =
                  std::any_of(fit.parameters.begin(), fit.parameters.end(), [](const Estimate&e) { return !e.free; });
-  parallel_for(int(rungs), threads, [&](int i) {
-    Rung& r = out.rungs[std::size_t(i)];
+  parallel_for(int(rungs.size()), threads, [&](int i) {
+    Rung& r = rungs[std::size_t(i)];
     if (r.terms.empty() || !(all_afresh || !r.fit.converged)) return;
     const SeaParameters<double> from = start_of(i);
     Fit fresh = identify::fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from,
                               r.options);
     if (better(fresh, r.fit)) r.fit = std::move(fresh);
   });
-  parallel_for(int(rungs), threads, [&](int i) {
-    Rung& r = out.rungs[std::size_t(i)];
-    const auto of_trial =
-        std::count_if(r.fit.nuisance.begin(), r.fit.nuisance.end(), [](const Estimate& e) { return e.trial >= 0; });
-    r.deviance = deviance(r.fit, experiment.trials, r.options);
-    r.bic = r.deviance + double(long(r.fit.fitted.size()) + of_trial) * std::log(samples);
-    r.held_out = std::numeric_limits<double>::quiet_NaN();
-    if (held_out == HeldOut::kCompute && r.fit.converged) r.held_out = held_out_error(experiment, r);
-  });
+}
+
+/// The rung's deviance, BIC and, where asked for, error on trials that are held out.
+void judge(const Experiment& experiment, HeldOut held_out, Rung& r) {
+  const auto of_trial =
+      std::count_if(r.fit.nuisance.begin(), r.fit.nuisance.end(), [](const Estimate& e) { return e.trial >= 0; });
+  r.deviance = deviance(r.fit, experiment.trials, r.options);
+  r.bic = r.deviance + double(long(r.fit.fitted.size()) + of_trial) * std::log(double(measurements(experiment.trials)));
+  r.held_out = std::numeric_limits<double>::quiet_NaN();
+  if (held_out == HeldOut::kCompute && r.fit.converged) r.held_out = held_out_error(experiment, r);
+}
+
+}  // namespace
+
+Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads) {
+  experiment.validate(fit);
+  const std::vector<const RigTerm*> terms = terms_of(experiment);
+  Ladder out;
+  out.rungs = rungs_of(experiment, terms);
+  fit_rungs(experiment, terms, fit, threads, out.rungs);
+  const std::size_t rungs = out.rungs.size();
+  parallel_for(int(rungs), threads, [&](int i) { judge(experiment, held_out, out.rungs[std::size_t(i)]); });
   for (std::size_t i = 1; i < rungs; ++i) {
     Rung& r = out.rungs[i];
     if (!r.fit.converged) continue;

@@ -15,11 +15,10 @@
 namespace ukemi::landing {
 
 /// The numbers of a drop, by their names.
-inline constexpr std::array<const char*, 5> kDropNames = {"height", "forward_speed", "pitch", "pitch_rate",
-                                                          "vertical_speed"};
+inline constexpr std::array kDropNames = {"height", "forward_speed", "pitch", "pitch_rate", "vertical_speed"};
 template <class T>
 std::array<T*, kDropNames.size()> drop_numbers(DropOf<T>& d) {
-  return {&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed};
+  return std::array{&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed};
 }
 
 /// The landing and, in the same mode, the same system in plain doubles, and in scalars that carry the rate along the

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/actuator.hpp"
 #include "landing/derivatives/peak_kind.hpp"
 #include "landing/run/simulate.hpp"
 
@@ -42,14 +43,10 @@ enum class Parameter {
   kIMotor,             ///< [kg m^2]
 };
 /// Of the quintic of Eq. 6; of a motion with all that it may have; of Parameter.
-inline constexpr int kQuinticParameters = 3, kMotionParameters = 10, kParameters = 21;
-inline constexpr std::array<const char*, kParameters> kParameterNames = {
-    "motion.phi_i",    "motion.phi_f",    "motion.duration",      "motion.bump_0",
-    "motion.bump_1",   "motion.bump_2",   "motion.bump_3",        "motion.gain_p",
-    "motion.gain_d",   "motion.to",       "drop.height",          "drop.forward_speed",
-    "drop.pitch",      "floor.stiffness", "floor.damping_normal", "floor.damping_tangential",
-    "actuator.k_p",    "actuator.k_d",    "actuator.k_sea",       "actuator.c_sea",
-    "actuator.i_motor"};
+inline constexpr int kQuinticParameters = int(Parameter::kBump0), kMotionParameters = int(Parameter::kHeight),
+                     kParameters = int(Parameter::kIMotor) + 1;
+static_assert(kQuinticParameters == kBumpSlot && kMotionParameters == kMotionNumbers, "as motion_numbers()");
+static_assert(kParameters == int(Parameter::kKp) + kConstants, "the last are those of constants()");
 
 /// One local maximum of |ddr_0| and its gradient, in the order of Parameter.
 template <int P>

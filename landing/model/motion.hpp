@@ -13,15 +13,16 @@
 namespace ukemi::landing {
 
 /// The numbers of a motion, by their names; `to` is the end of the move in the air.
-inline constexpr int kMotionNumbers = 10, kDurationSlot = 2, kBumpSlot = 3, kGainSlot = kBumpSlot + kMostBumps,
-                     kToSlot = kGainSlot + 2;
-inline constexpr std::array<const char*, kMotionNumbers> kMotionNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
-                                                                         "b2",    "b3",    "gain_p",   "gain_d", "to"};
+inline constexpr std::array kMotionNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
+                                            "b2",    "b3",    "gain_p",   "gain_d", "to"};
+inline constexpr int kMotionNumbers = int(kMotionNames.size()), kDurationSlot = 2, kBumpSlot = 3,
+                     kGainSlot = kBumpSlot + kMostBumps, kToSlot = kGainSlot + 2;
+static_assert(kToSlot + 1 == kMotionNumbers);
 /// Their values; `none` is given for the `to` of a motion that does not move in the air.
 template <class T>
 std::array<T*, kMotionNumbers> motion_numbers(MotionOf<T>& m, T& none) {
-  return {&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
-          &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   m.reposition ? &m.reposition->to : &none};
+  return std::array{&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
+                    &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   m.reposition ? &m.reposition->to : &none};
 }
 
 /// Which part of the reference is played: before a piece of it, in it, or after the landing motion.

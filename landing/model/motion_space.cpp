@@ -107,7 +107,8 @@ Eigen::Matrix<double, kPlayNumbers, 1> numbers(const DrivenMotion& p) {
   double none = 0;
   const auto of = motion_numbers(m, none);
   for (int k = 0; k < kMotionNumbers; ++k) n[k] = *of[std::size_t(k)];
-  n.tail<5>() << p.sea.k_p, p.sea.k_d, p.sea.k_sea, p.sea.c_sea, p.sea.i_motor;
+  const auto drive = constants(p.sea);
+  for (int k = 0; k < kConstants; ++k) n[kMotionNumbers + k] = drive[std::size_t(k)];
   return n;
 }
 

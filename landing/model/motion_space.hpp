@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/actuator.hpp"
 #include "landing/model/motion.hpp"
 #include "landing/model/scene.hpp"
 #include "landing/model/variables.hpp"
@@ -18,8 +19,8 @@ namespace ukemi::landing {
 using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostVariables, 1>;
 
 /// The numbers of a play that gradients know, in the order of Parameter (landing/derivatives/gradient.hpp): those of
-/// the motion, phi_I, phi_F and duration first, then K_p, K_d, K_SEA, C_SEA, I_motor.
-inline constexpr int kPlayNumbers = kMotionNumbers + 5;
+/// the motion, phi_I, phi_F and duration first, then constants() of the drive.
+inline constexpr int kPlayNumbers = kMotionNumbers + kConstants;
 Eigen::Matrix<double, kPlayNumbers, 1> numbers(const DrivenMotion& p);
 
 /// The range of `to` where the reference may move from `from` on and the floor comes after `fall` [s]: a move ends

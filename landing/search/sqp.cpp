@@ -30,7 +30,7 @@ Peaks peaks_of(const Scene& scene, const DrivenMotion& play, const SimulateOptio
       Eigen::Matrix<double, kPlayNumbers, 1> d = Eigen::Matrix<double, kPlayNumbers, 1>::Zero();
       const int motion = std::min(int(p.d.size()), kMotionNumbers);
       d.head(motion) = p.d.head(motion);
-      if (p.d.size() > kMotionNumbers) d.template tail<5>() = p.d.template tail<5>();
+      if (p.d.size() > kMotionNumbers) d.template tail<kConstants>() = p.d.template tail<kConstants>();
       out.largest.emplace_back(p.value, d);
     }
   };

@@ -84,7 +84,7 @@ TEST_CASE("motion space: gradients follow its variables") {
   const auto found = all_gradients(scene, play.sea, play.motion, tight, 1);
   REQUIRE(found.peaks.size() == 1);
   Eigen::Matrix<double, kPlayNumbers, 1> by_numbers;
-  by_numbers << found.peaks[0].d.head<kMotionNumbers>(), found.peaks[0].d.tail<5>();
+  by_numbers << found.peaks[0].d.head<kMotionNumbers>(), found.peaks[0].d.tail<kConstants>();
   const Eigen::VectorXd gradient = space.jacobian(x).transpose() * by_numbers;
   for (int k = 0; k < 4; ++k) {
     constexpr double kStep = 1e-5;

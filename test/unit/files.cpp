@@ -517,6 +517,19 @@ TEST_CASE("an actuator's [uncertainty] is validated by whoever reads the file") 
   }
 }
 
+TEST_CASE("each constant of the struct has one key of the file") {
+  SeaParameters<double> sea{};
+  std::set<std::string> keys;
+  SeaParameters<double>::for_each(sea, sea, [&](double& constant, double) {
+    std::vector<const char*> own;
+    for (const ActuatorConstant& c : actuator_constants())
+      if (&(sea.*c.at) == &constant) own.push_back(c.key);
+    REQUIRE(own.size() == 1);
+    keys.insert(own[0]);
+  });
+  CHECK(keys.size() == actuator_constants().size());
+}
+
 TEST_CASE("whatever an actuator's file may hold the library takes, and what the file may not it refuses") {
   Actuator a;
   a.name = "a", a.sea = {50, 1, 65, 1.6, 0.085, 20};

@@ -163,14 +163,9 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
   return json;
 }
 
-}  // namespace
-
-int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
-  Run run(Outputs{"bench optimizers",
-                  {"optimizers.csv", "gaps.csv", "best_known.csv"},
-                  {"peak_time", "peak_motions", "tolerant_time", "tolerant_motions"}},
-          common);
-  Cases cases{arguments.solvers, arguments.times, common.seed, arguments.seeds};
+/// What is searched: what is asked for, else every solver that suits, for these times.
+Cases cases_of(const BenchArguments& arguments, std::uint64_t seed) {
+  Cases cases{arguments.solvers, arguments.times, seed, arguments.seeds};
   if (cases.solvers.empty()) {
     cases.solvers = landing::solver_names();
     std::erase(cases.solvers, "cma");  // it is for more variables than these scenes have
@@ -180,6 +175,38 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
   if (times.empty()) times = {0.03, 0.1, 0.3, 1};
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
+  return cases;
+}
+
+/// The gaps of one goal, after a time and after so many motions.
+Json show_goal(std::size_t goal, const Cases& cases, const AllGaps& gaps, Report& report, Run& run) {
+  report.heading(kGoalNames[goal]), run.say(fmt::format("{}:", kGoalNames[goal]));
+  Json of_goal;
+  of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoalNames[goal]), cases.solvers, gaps.after_time[goal],
+                         cases.times, "s", "time of one core [s]");
+  if (gaps.after_time[goal].count("auto")) {
+    of_goal["auto_leads"] = beside_others(report, gaps.after_time[goal], cases.times);
+    const std::string leads = fmt::format("of ten scenes auto leads, or is level, on {}",
+                                          fmt::join(of_goal["auto_leads"].get<std::vector<int>>(), ", "));
+    report.paragraph(leads), run.say("  " + leads);
+  }
+  report.paragraph(
+      "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
+      "NLopt's solvers evaluate one motion at a time.");
+  of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoalNames[goal]), cases.solvers,
+                               gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
+  return of_goal;
+}
+
+}  // namespace
+
+int bench_optimizers(const BenchArguments& arguments, const CommonOptions& common) {
+  Run run(Outputs{"bench optimizers",
+                  {"optimizers.csv", "gaps.csv", "best_known.csv"},
+                  {"peak_time", "peak_motions", "tolerant_time", "tolerant_motions"}},
+          common);
+  const Cases cases = cases_of(arguments, common.seed);
+  const std::vector<double>& times = cases.times;
   BestKnown best = best_known(dataset("best_known.csv"));
   std::vector<Trial> earlier;
   for (const std::string& path : arguments.with) {
@@ -198,23 +225,8 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
       "(in brackets the largest); one core's own time, verification included.",
       arguments.seeds));
   Json summary;
-  for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal) {
-    report.heading(kGoalNames[goal]), run.say(fmt::format("{}:", kGoalNames[goal]));
-    Json& of_goal = summary[kGoalNames[goal]];
-    of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoalNames[goal]), cases.solvers, gaps.after_time[goal],
-                           times, "s", "time of one core [s]");
-    if (gaps.after_time[goal].count("auto")) {
-      of_goal["auto_leads"] = beside_others(report, gaps.after_time[goal], times);
-      const std::string leads = fmt::format("of ten scenes auto leads, or is level, on {}",
-                                            fmt::join(of_goal["auto_leads"].get<std::vector<int>>(), ", "));
-      report.paragraph(leads), run.say("  " + leads);
-    }
-    report.paragraph(
-        "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
-        "NLopt's solvers evaluate one motion at a time.");
-    of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoalNames[goal]), cases.solvers,
-                                 gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
-  }
+  for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal)
+    summary[kGoalNames[goal]] = show_goal(goal, cases, gaps, report, run);
   summary["times"] = times, summary["seeds"] = arguments.seeds;
   const Json leads = summary[kGoalNames[0]].value("auto_leads", Json());
   report.answer(

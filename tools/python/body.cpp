@@ -76,6 +76,43 @@ py::dict loads_of_landing(const BodyScene& scene, const BodyLanding& landing) {
 
 namespace {
 
+void bind_drop_of_scene(py::class_<BodyScene>& c) {
+  c.def_property_readonly(
+       "height", [](const BodyScene& s) { return s.drop.height; }, "Clearance of the lowest contact at release [m].")
+      .def_property_readonly(
+          "forward_speed", [](const BodyScene& s) { return s.drop.forward_speed; }, "At release [m/s].")
+      .def_property_readonly(
+          "pitch", [](const BodyScene& s) { return s.drop.pitch; }, "Angle of the first link at release [rad].")
+      .def_property_readonly(
+          "pitch_rate", [](const BodyScene& s) { return s.drop.pitch_rate; }, "At release [rad/s].")
+      .def(
+          "dropped",
+          [](BodyScene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
+             std::optional<double> pitch_rate) {
+            s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
+            s.validate();
+            return s;
+          },
+          py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
+          py::arg("pitch_rate") = py::none(),
+          "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
+}
+
+void bind_design_numbers(py::class_<BodyScene>& c) {
+  c.def_property_readonly("loads", loads_of_scene,
+                          "What its parts bear, by name: a dict of kind, of, rating, unit and limit.")
+      .def_property_readonly("design_names", design_names, "Every number of the design that has a name, see `design`.")
+      .def("design", design_number, py::arg("name"),
+           "A number by the way to it in the files, as \"drive.knee.k_sea\", in their unit; NaN: there is none.")
+      .def(
+          "with_design",
+          [](BodyScene s, const std::map<std::string, double>& numbers) {
+            for (const auto& [name, value] : numbers) set_design_number(s, name, value);
+            return s;
+          },
+          py::arg("numbers"), "The same scene with other numbers: a dict of names and values, see `design`.");
+}
+
 void bind_robot_scene(py::module_& m) {
   py::class_<BodyScene> c(m, "RobotScene", "A robot of links, its floor, its drop, and what a plan may be.");
   c.def_readonly("name", &BodyScene::name, "What it is called.")
@@ -95,41 +132,11 @@ void bind_robot_scene(py::module_& m) {
       .def_property_readonly(
           "mass", [](const BodyScene& s) { return s.robot.mass(); }, "Of the whole robot [kg].")
       .def_property_readonly(
-          "doubts", [](const BodyScene& s) { return doubts(s); }, "What looks wrong, a sentence each.")
-      .def_property_readonly(
-          "height", [](const BodyScene& s) { return s.drop.height; }, "Clearance of the lowest contact at release [m].")
-      .def_property_readonly(
-          "forward_speed", [](const BodyScene& s) { return s.drop.forward_speed; }, "At release [m/s].")
-      .def_property_readonly(
-          "pitch", [](const BodyScene& s) { return s.drop.pitch; }, "Angle of the first link at release [rad].")
-      .def_property_readonly(
-          "pitch_rate", [](const BodyScene& s) { return s.drop.pitch_rate; }, "At release [rad/s].")
-      .def(
-          "dropped",
-          [](BodyScene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
-             std::optional<double> pitch_rate) {
-            s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
-            s.validate();
-            return s;
-          },
-          py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
-          py::arg("pitch_rate") = py::none(),
-          "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].")
-      .def_property_readonly("loads", loads_of_scene,
-                             "What its parts bear, by name: a dict of kind, of, rating, unit and limit.")
-      .def_property_readonly("design_names", design_names, "Every number of the design that has a name, see `design`.")
-      .def("design", design_number, py::arg("name"),
-           "A number by the way to it in the files, as \"drive.knee.k_sea\", in their unit; NaN: there is none.")
-      .def(
-          "with_design",
-          [](BodyScene s, const std::map<std::string, double>& numbers) {
-            for (const auto& [name, value] : numbers) set_design_number(s, name, value);
-            return s;
-          },
-          py::arg("numbers"), "The same scene with other numbers: a dict of names and values, see `design`.")
-      .def(
-          "held", [](const BodyScene& s) { return by_joint(s.robot, held_posture(s)); },
-          "The posture that it holds without a plan: a Motion for each driven joint by its name.")
+          "doubts", [](const BodyScene& s) { return doubts(s); }, "What looks wrong, a sentence each.");
+  bind_drop_of_scene(c), bind_design_numbers(c);
+  c.def(
+       "held", [](const BodyScene& s) { return by_joint(s.robot, held_posture(s)); },
+       "The posture that it holds without a plan: a Motion for each driven joint by its name.")
       .def("__repr__", [](const BodyScene& s) {
         return fmt::format("<ukemi.RobotScene '{}': {} links, {} joints, {:.4g} kg>", s.name, s.robot.links.size(),
                            s.robot.joints.size(), s.robot.mass());

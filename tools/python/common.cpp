@@ -1,7 +1,7 @@
 // Errors, arrays, figures and the actuator for Python.
 #include <fmt/format.h>
 
-#include "common/actuator.hpp"
+#include "common/actuator_constants.hpp"
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/eigen.hpp"
@@ -85,22 +85,10 @@ Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, F
 }
 
 void bind_constants(py::class_<Actuator>& c) {
-  using Sea = SeaParameters<double>;
-  const std::pair<const char*, std::pair<double Sea::*, const char*>> numbers[] = {
-      {"k_p", {&Sea::k_p, "Proportional gain [Nm/rad]."}},
-      {"k_d", {&Sea::k_d, "Derivative gain [Nm/(rad/s)]."}},
-      {"k_sea", {&Sea::k_sea, "Stiffness of the spring [Nm/rad]."}},
-      {"c_sea", {&Sea::c_sea, "Damping of the spring [Nm/(rad/s)]."}},
-      {"i_motor", {&Sea::i_motor, "Reflected inertia of the motor [kg m^2]."}},
-      {"tau_max", {&Sea::tau_max, "Limit of the spring's torque [Nm]; infinite: none."}},
-      {"friction", {&Sea::friction, "Dry friction on the motor [Nm]."}},
-      {"viscous_friction", {&Sea::viscous, "Viscous friction on the motor [Nm/(rad/s)]."}},
-      {"k_sea_cubic", {&Sea::k_sea_cubic, "Cubic stiffness of the spring [Nm/rad^3]; below 0: softening."}},
-      {"control_delay", {&Sea::control_delay, "From what the drive measures to its torque [s]."}},
-      {"velocity_filter", {&Sea::velocity_filter, "Time constant of the filter of the rate that K_d sees [s]."}}};
-  for (const auto& [name, what] : numbers)
+  for (const ActuatorConstant& constant : actuator_constants())
     c.def_property_readonly(
-        name, [member = what.first](const Actuator& a) { return a.sea.*member; }, what.second);
+        constant.key, [at = constant.at](const Actuator& a) { return a.sea.*at; },
+        fmt::format("{} [{}].", constant.meaning, constant.unit).c_str());
 }
 
 void bind_actuator(py::module_& m) {

@@ -88,22 +88,9 @@ void bind_landings(py::class_<Answer>& c) {
           "The landing of the held reference, or None where none is known.");
 }
 
-void bind_answer(py::module_& m) {
-  py::class_<Answer> c(m, "Optimum", "The best motion that was found, its landing beside that of the held reference.");
-  c.def_property_readonly(
-       "found", [](const Answer& a) { return a.best.found; }, "Whether any motion could be followed within the limits.")
-      .def_property_readonly(
-          "message", [](const Answer& a) { return a.best.message; },
-          "Why nothing was found, or why the search ended before all was spent.")
-      .def_property_readonly(
-          "motion",
-          [](const Answer& a) {
-            return PlannedMotion{a.best.motion, tools::goal_words(a.options), a.best.value};
-          },
-          "The best motion, with what it minimised.")
-      .def_property_readonly(
-          "goal", [](const Answer& a) { return tools::goal_words(a.options); }, "What was minimised.")
-      .def_property_readonly("peak", &Answer::peak, "Its largest |ddr_0| [m/s^2].")
+/// What the motion is worth, and what a posture that is held is.
+void bind_worth(py::class_<Answer>& c) {
+  c.def_property_readonly("peak", &Answer::peak, "Its largest |ddr_0| [m/s^2].")
       .def_property_readonly(
           "tolerant_peak",
           [](const Answer& a) { return a.tolerant_known ? std::optional(a.best.tolerant.value) : std::nullopt; },
@@ -125,18 +112,38 @@ void bind_answer(py::module_& m) {
       .def_property_readonly("reduction", &Answer::reduction, "1 - peak / held_peak [1].")
       .def_property_readonly(
           "value", [](const Answer& a) { return a.best.value; },
-          "Of the goal: the peak, the tolerant peak, or the measure under scatter [m/s^2].")
-      .def_property_readonly(
-          "evaluations", [](const Answer& a) { return a.best.evaluations; }, "Motions that were searched.")
+          "Of the goal: the peak, the tolerant peak, or the measure under scatter [m/s^2].");
+}
+void bind_search(py::class_<Answer>& c) {
+  c.def_property_readonly(
+       "evaluations", [](const Answer& a) { return a.best.evaluations; }, "Motions that were searched.")
       .def_property_readonly(
           "seconds", [](const Answer& a) { return a.best.seconds; }, "That the search took [s].")
       .def_property_readonly(
-          "solver", [](const Answer& a) { return a.best.solver; }, "That found it.")
-      .def("__repr__", [](const Answer& a) {
-        if (!a.best.found) return "<ukemi.Optimum: " + a.best.message + ">";
-        return fmt::format("<ukemi.Optimum: {}; {}>", tools::motion_words(a.best.motion),
-                           minimised(tools::goal_words(a.options), a.best.value));
-      });
+          "solver", [](const Answer& a) { return a.best.solver; }, "That found it.");
+}
+
+void bind_answer(py::module_& m) {
+  py::class_<Answer> c(m, "Optimum", "The best motion that was found, its landing beside that of the held reference.");
+  c.def_property_readonly(
+       "found", [](const Answer& a) { return a.best.found; }, "Whether any motion could be followed within the limits.")
+      .def_property_readonly(
+          "message", [](const Answer& a) { return a.best.message; },
+          "Why nothing was found, or why the search ended before all was spent.")
+      .def_property_readonly(
+          "motion",
+          [](const Answer& a) {
+            return PlannedMotion{a.best.motion, tools::goal_words(a.options), a.best.value};
+          },
+          "The best motion, with what it minimised.")
+      .def_property_readonly(
+          "goal", [](const Answer& a) { return tools::goal_words(a.options); }, "What was minimised.");
+  bind_worth(c), bind_search(c);
+  c.def("__repr__", [](const Answer& a) {
+    if (!a.best.found) return "<ukemi.Optimum: " + a.best.message + ">";
+    return fmt::format("<ukemi.Optimum: {}; {}>", tools::motion_words(a.best.motion),
+                       minimised(tools::goal_words(a.options), a.best.value));
+  });
   bind_figure(
       c,
       [](const Answer& a) {

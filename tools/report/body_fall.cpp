@@ -90,6 +90,25 @@ Figure per_joint(const BodyScene& scene, const std::string& name, const std::str
   return out;
 }
 
+/// The floor, and the rail through the first link, within `half` of the drawing's middle in x [m].
+void add_guides(Panel& panel, const BodyScene& scene, const BodySample& s, double middle, double half) {
+  const double floor = 0.99 * half;  // within the drawing, or it is not drawn
+  if (scene.floor)
+    panel.series.push_back({"floor",
+                            {middle - floor, middle + floor},
+                            {std::tan(scene.slope) * (middle - floor), std::tan(scene.slope) * (middle + floor)},
+                            Series::Look::kLine,
+                            Series::kGrey});
+  if (scene.robot.base == Base::kRail) {
+    const double dx = std::cos(scene.robot.rail_direction), dy = std::sin(scene.robot.rail_direction);
+    panel.series.push_back({"rail",
+                            {s.x[0] - half * dx, s.x[0] + half * dx},
+                            {s.y[0] - half * dy, s.y[0] + half * dy},
+                            Series::Look::kDashed,
+                            Series::kGrey});
+  }
+}
+
 }  // namespace
 
 Figure drawing(const BodyScene& given) {
@@ -132,22 +151,8 @@ Figure drawing(const BodyScene& given) {
   add(peak, robot.peak_link, robot.peak);
   const double room = 0.1 * (high - low) + 0.03, middle = 0.5 * (left + right),
                half = 1.15 * (0.5 * (high - low) + room);  // the drawing is somewhat wider than it is high
-  const double floor = 0.99 * half;                        // within the drawing, or it is not drawn
   panel.y_range = {low - room, high + room}, panel.x_range = {middle - half, middle + half};
-  if (scene.floor)
-    panel.series.push_back({"floor",
-                            {middle - floor, middle + floor},
-                            {std::tan(scene.slope) * (middle - floor), std::tan(scene.slope) * (middle + floor)},
-                            Series::Look::kLine,
-                            Series::kGrey});
-  if (robot.base == Base::kRail) {
-    const double dx = std::cos(robot.rail_direction), dy = std::sin(robot.rail_direction);
-    panel.series.push_back({"rail",
-                            {s.x[0] - half * dx, s.x[0] + half * dx},
-                            {s.y[0] - half * dy, s.y[0] + half * dy},
-                            Series::Look::kDashed,
-                            Series::kGrey});
-  }
+  add_guides(panel, scene, s, middle, half);
   for (Series* series : {&joints, &contacts, &masses, &peak})
     if (!series->x.empty()) panel.series.push_back(*series);
   out.panels.push_back(panel);

@@ -112,9 +112,9 @@ void report_story(const Comparison& c, const Table& best, const Table& published
   page.write(run);
 }
 
-int run_demo(const DemoArguments& a, const CommonOptions& common) {
-  Run run(Outputs{"demo", {}}, common);
-  const std::string folder = run.options().folder;
+/// Runs the verbs one after another, each into a folder of its own; kDone, or the code of the first that fails.
+int run_chain(const CommonOptions& common, Run& run, Comparison& comparison) {
+  const std::string folder = run.options().folder, paper = dataset("scenes/paper.toml");
   const auto begin = [&](const char* part, const std::string& heading) {
     run.say(""), run.say("== " + heading);
     CommonOptions o = common;
@@ -123,32 +123,33 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
     if (o.out == CommonOptions::Stdout::kJson) o.out = CommonOptions::Stdout::kSilent;
     return o;
   };
-
   IdentifyArguments identify_arguments;
   for (int i = 1; i <= 8; ++i) identify_arguments.trials.push_back(dataset(fmt::format("impact/trial_{}.csv", i)));
   identify_arguments.rig = dataset("rigs/paper.toml");
-  run.withdraw_summary();
   int code =
       run_identify(identify_arguments, begin("identify", "identify: eight simulated impact trials (truth: Table 2)"));
   if (code != kDone) return code;
-  const std::string identified = folder + "/identify/actuator.toml", paper = dataset("scenes/paper.toml");
-
+  const std::string identified = folder + "/identify/actuator.toml";
   code = run_optimize(
       {.scene = paper, .actuators = {identified}, .robust = "mean"},
       begin("optimize", "optimize: the paper's landing for drops that scatter, with the constants just identified"));
   if (code != kDone) return code;
-
-  Comparison comparison;
-  code = run_compare({.nominal = {dataset("actuators/x8-9_nominal.toml")},
+  return run_compare({.nominal = {dataset("actuators/x8-9_nominal.toml")},
                       .identified = {identified},
                       .scene = paper,
                       .rig = identify_arguments.rig,
                       .trials = identify_arguments.trials},
                      begin("compare", "compare: identified against nominal (x8-9_nominal.toml)"), &comparison);
-  if (code != kDone) return code;
+}
+
+int run_demo(const DemoArguments& a, const CommonOptions& common) {
+  Run run(Outputs{"demo", {}}, common);
+  run.withdraw_summary();
+  Comparison comparison;
+  if (const int code = run_chain(common, run, comparison); code != kDone) return code;
 
   // Table 2 itself, and the paper's numbers.
-  const Scene scene = read_scene(paper);
+  const Scene scene = read_scene(dataset("scenes/paper.toml"));
   const SeaParameters<double> table2 = read_actuator(dataset("actuators/table2.toml")).sea;
   OptimizeOptions options;
   options.seed = common.seed, options.threads = common.threads;
@@ -167,7 +168,7 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
   run.say(""), run.say("== beside the paper");
   say(published, run);
   report_story(comparison, best, published, run);
-  name_reports(a, folder, common, run);
+  name_reports(a, run.options().folder, common, run);
   return run.finish({{"identified", best.object(0)},
                      {"table2", best.object(1)},
                      {"nominal", best.object(2)},

@@ -213,6 +213,60 @@ int run_predict_of(const IdentifyArguments& a, const CommonOptions& common) {
   return run_of(a, common, Predicts::kYes);
 }
 
+using SharedArguments = std::shared_ptr<IdentifyArguments>;
+
+/// What a prediction may be told.
+void add_prediction_options(CLI::App* verb, const SharedArguments& args) {
+  verb->add_option("--start-angle", args->start_angle,
+                   "angle that every trial starts at, at rest [rad], or fit: angle and rate of each trial are fitted "
+                   "to it [at rest at its reference]");
+  verb->add_flag_callback(
+      "--strict", [args] { args->doubt = Doubt::kFail; }, "exit 1 where the prediction does not hold");
+  verb->add_option("--nuisance", args->nuisance,
+                   "with --robot: what of its start is fitted to each trial, as of identify; none: it starts as its "
+                   "first rows say [all]");
+}
+/// What a fit may be told: where it starts, what it may change, how it weighs.
+void add_fit_options(CLI::App* verb, const SharedArguments& args) {
+  verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
+  verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");
+  verb->add_option("--motor-torque-max", args->motor_torque_max,
+                   "the motor's rated torque there [Nm] [the rig's]; tau_max of the rig limits the spring");
+  verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
+  verb->add_option("--per-run", args->per_run,
+                   "with --robot: constants of --free that each log has for its own, NAME@1 of the first [none]");
+  verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
+  verb->add_option("--errors", args->errors,
+                   "with --robot: link.LINK.mass=0.01,...: standard deviations of constants that are not fitted: they "
+                   "count in all errors and verdicts [1 ms of each elastic drive's control_delay and velocity_filter]");
+  verb->add_option("--prior", args->prior,
+                   "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
+  verb->add_option("--starts", args->starts,
+                   "explore: so many starts within 10x of --start or of what the logs suggest, and every minimum found")
+      ->check(CLI::Range(1, 100'000));
+  verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
+  verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
+  verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
+  using enum identify::FitOptions::Weights;
+  add_choice(*verb, "--weights", args->weights, {{"equal", kEqual}, {"trial", kTrial}},
+             "equal, or trial: 1 / each trial's own residual variance [equal]");
+}
+/// How a fit is judged, and what it is worth on a landing.
+void add_judgement_options(CLI::App* verb, const SharedArguments& args) {
+  verb->add_flag_callback(
+      "--strict", [args] { args->doubt = Doubt::kFail; },
+      "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
+  verb->add_flag_callback(
+      "--diagnose", [args] { args->depth = identify::TrustOptions::Depth::kRefit; },
+      "refit with and without each optional term (BIC, likelihood ratio, held-out error), and without each trial");
+  verb->add_option("--profile", args->profile,
+                   "k_sea,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
+  verb->add_option("--scene", args->scene,
+                   "scene file (TOML): how far the errors of the fit move the peak of a landing there, with --motion "
+                   "or --hold");
+  add_motion(*verb, args->motion);
+}
+
 void add_options(CLI::App* verb, Action& chosen, bool predict) {
   auto args = std::make_shared<IdentifyArguments>();
   verb->add_option(
@@ -226,51 +280,10 @@ void add_options(CLI::App* verb, Action& chosen, bool predict) {
   add_trial_options(*verb, args->reading);
   verb->add_option("--accuracy", args->accuracy, "relative tolerance of the rollout [1e-9]");
   if (predict) {
-    verb->add_option("--start-angle", args->start_angle,
-                     "angle that every trial starts at, at rest [rad], or fit: angle and rate of each trial are fitted "
-                     "to it [at rest at its reference]");
-    verb->add_flag_callback(
-        "--strict", [args] { args->doubt = Doubt::kFail; }, "exit 1 where the prediction does not hold");
-    verb->add_option("--nuisance", args->nuisance,
-                     "with --robot: what of its start is fitted to each trial, as of identify; none: it starts as its "
-                     "first rows say [all]");
+    add_prediction_options(verb, args);
   } else {
-    verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
-    verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");
-    verb->add_option("--motor-torque-max", args->motor_torque_max,
-                     "the motor's rated torque there [Nm] [the rig's]; tau_max of the rig limits the spring");
-    verb->add_option("--free", args->free, "constants that are fitted [k_p,k_d,k_sea,c_sea,i_motor]");
-    verb->add_option("--per-run", args->per_run,
-                     "with --robot: constants of --free that each log has for its own, NAME@1 of the first [none]");
-    verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
-    verb->add_option(
-        "--errors", args->errors,
-        "with --robot: link.LINK.mass=0.01,...: standard deviations of constants that are not fitted: they "
-        "count in all errors and verdicts [1 ms of each elastic drive's control_delay and velocity_filter]");
-    verb->add_option("--prior", args->prior,
-                     "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
-    verb->add_option(
-            "--starts", args->starts,
-            "explore: so many starts within 10x of --start or of what the logs suggest, and every minimum found")
-        ->check(CLI::Range(1, 100'000));
-    verb->add_option("--lower", args->lower, "k_p=0,...: lower bounds [0]");
-    verb->add_option("--upper", args->upper, "k_p=200,...: upper bounds [none]");
-    verb->add_option("--loss", args->loss, "none or huber:DELTA, DELTA in rad [none]");
-    using enum identify::FitOptions::Weights;
-    add_choice(*verb, "--weights", args->weights, {{"equal", kEqual}, {"trial", kTrial}},
-               "equal, or trial: 1 / each trial's own residual variance [equal]");
-    verb->add_flag_callback(
-        "--strict", [args] { args->doubt = Doubt::kFail; },
-        "exit 1 unless every fitted constant is trusted (95 % interval within 10 % of its value)");
-    verb->add_flag_callback(
-        "--diagnose", [args] { args->depth = identify::TrustOptions::Depth::kRefit; },
-        "refit with and without each optional term (BIC, likelihood ratio, held-out error), and without each trial");
-    verb->add_option("--profile", args->profile,
-                     "k_sea,...: profile likelihood of these constants: profile.csv and unsymmetric 95 % intervals");
-    verb->add_option("--scene", args->scene,
-                     "scene file (TOML): how far the errors of the fit move the peak of a landing there, with --motion "
-                     "or --hold");
-    add_motion(*verb, args->motion);
+    add_fit_options(verb, args);
+    add_judgement_options(verb, args);
   }
   add_export(*verb, args->exports, actuator_exports());
   note_given(*verb, {args, &args->given});

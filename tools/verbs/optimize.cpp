@@ -115,6 +115,30 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
 
 namespace {
 
+/// Of drops that scatter.
+void add_robust_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>& args) {
+  verb->add_option("--robust", args->robust,
+                   "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "
+                   "--objective tolerant each drop plays the motion somewhere in its execution box");
+  add_scatter(*verb, args->scatter);
+  verb->add_option("--samples", args->samples,
+                   "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
+  verb->add_option("--share", args->share,
+                   "with --robust: the share of drops that keep every limit [mean 0.5; worst 1; else its level; of the "
+                   "paper's scene without loads --penalty]");
+  verb->add_option("--penalty", args->penalty,
+                   "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
+}
+/// Of logs that the plan is told beside.
+void add_log_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>& args) {
+  verb->add_option("--log", args->logs.files,
+                   "of a robot of links with [command]: CSV logs of it; the plan is told beside what it did there")
+      ->allow_extra_args(false);
+  verb->add_option("--columns", args->logs.columns, "with --log: its columns by other names, as of identify");
+  verb->add_option("--pieces", args->logs.pieces,
+                   "with --log: cut it into trials, as of identify --robot [whole logs]");
+}
+
 void add_optimize(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<OptimizeArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
@@ -147,24 +171,9 @@ void add_optimize(CLI::App* verb, Action& chosen) {
       "keep the reference's rate, the motor's speed and its torque within the actuator's speed_max and "
       "motor_torque_max");
   add_freedom(*verb, args->freedom);
-  verb->add_option("--robust", args->robust,
-                   "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "
-                   "--objective tolerant each drop plays the motion somewhere in its execution box");
-  add_scatter(*verb, args->scatter);
-  verb->add_option("--samples", args->samples,
-                   "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
-  verb->add_option("--share", args->share,
-                   "with --robust: the share of drops that keep every limit [mean 0.5; worst 1; else its level; of the "
-                   "paper's scene without loads --penalty]");
-  verb->add_option("--penalty", args->penalty,
-                   "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
+  add_robust_options(verb, args);
   verb->add_option("--rate", args->rate, "rows of motion.csv a second [1000 Hz]");
-  verb->add_option("--log", args->logs.files,
-                   "of a robot of links with [command]: CSV logs of it; the plan is told beside what it did there")
-      ->allow_extra_args(false);
-  verb->add_option("--columns", args->logs.columns, "with --log: its columns by other names, as of identify");
-  verb->add_option("--pieces", args->logs.pieces,
-                   "with --log: cut it into trials, as of identify --robot [whole logs]");
+  add_log_options(verb, args);
   add_export(*verb, args->exports, landing_exports());
   verb->add_flag_callback(
       "--details", [args] { args->lines = CommonOptions::Lines::kAll; }, "every number of the answer on stdout");
