@@ -139,9 +139,9 @@ DrivenRobot robot_of(const std::string& path, Run& run) {
   return out;
 }
 
-std::vector<double> logged_peaks(const std::string& path, const LogArguments& logs, const CommonOptions& common,
-                                 Run& run) {
-  DrivenRobot robot = read_driven_robot(path);
+std::vector<double> logged_peaks(const std::string& path, const std::map<std::string, std::string>& texts,
+                                 const LogArguments& logs, const CommonOptions& common, Run& run) {
+  DrivenRobot robot = read_driven_robot(path, texts);
   robot.known.reset();  // bands are not asked for
   const std::vector<RobotTrial> trials = read_trials(logs, {}, robot, run);
   run.info(fmt::format("following {} trials of the logs", trials.size()));

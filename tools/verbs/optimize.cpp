@@ -87,6 +87,7 @@ double writing_time(double deadline) {
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   if (is_of_links(a.scene)) return optimize_body(a, common);
+  refuse_set(a.set);
   if (a.share) throw InputError("--share: of robots of links; of the paper's robot --penalty says what a drop counts");
   if (!a.logs.files.empty()) throw InputError("--log: of robots of links: the paper's robot has no log's commands");
   const std::string file = only_actuator(a.actuators);
@@ -128,6 +129,7 @@ void add_optimize(CLI::App* verb, Action& chosen) {
   for (const std::string& n : solver_names()) names += n + ", ";
   verb->add_option("--solver", args->solver,
                    names + "or compare: all of them, side by side, each with its part of a --deadline [auto]");
+  add_set(*verb, args->set);
   add_objective(*verb, args->goal);
   verb->add_option("--evaluations", args->evaluations,
                    "how many motions are tried in all, with --robust landings [40000; tolerant 10000, of a robot of "
