@@ -140,9 +140,9 @@ class NestingCheck {
 };
 }  // namespace
 
-TomlFile::TomlFile(const std::string& path) : data_(std::make_unique<Data>()) {
+TomlFile::TomlFile(const std::string& path) : TomlFile(path, read_text_file(path, 1 << 20, kLargestToml + 1)) {}
+TomlFile::TomlFile(const std::string& path, const std::string& text) : data_(std::make_unique<Data>()) {
   data_->path = path;
-  const std::string text = read_text_file(path, 1 << 20, kLargestToml + 1);
   if (text.size() > kLargestToml)
     throw InputError({path}, fmt::format("a TOML file of at most {} bytes is read", kLargestToml));
   NestingCheck(path, text).run();

@@ -34,6 +34,8 @@ class TomlFile {
  public:
   /// Throws InputError with line and column on what is no TOML, nests deeper than 32, or is longer than 16 MiB.
   explicit TomlFile(const std::string& path);
+  /// A text in place of what the file at that path holds.
+  TomlFile(const std::string& path, const std::string& text);
   ~TomlFile();
   TomlFile(TomlFile&&) noexcept;
 

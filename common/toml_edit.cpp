@@ -76,6 +76,15 @@ std::string TomlEdit::text_at(const Place& table, const std::string& key) const 
   return t ? (*t)[key].value<std::string>().value_or("") : "";
 }
 
+std::vector<double> TomlEdit::numbers_at(const Place& table, const std::string& key) const {
+  const toml::table root = parsed(path_, text_);
+  const toml::table* t = table_at(root, table);
+  std::vector<double> out;
+  if (const toml::array* list = t ? (*t)[key].as_array() : nullptr)
+    for (const toml::node& item : *list) out.push_back(item.value<double>().value_or(0));
+  return out;
+}
+
 void TomlEdit::set(const Place& table, const std::string& key, double value) {
   const toml::table root = parsed(path_, text_);
   const toml::table* t = table_at(root, table);

@@ -19,6 +19,8 @@ class TomlEdit {
   bool has(const Place& table, const std::string& key) const;
   /// The text at a key; empty where there is none.
   std::string text_at(const Place& table, const std::string& key) const;
+  /// The numbers of a list at a key; empty where there is none.
+  std::vector<double> numbers_at(const Place& table, const std::string& key) const;
   /// A number at a key of a table that is there; a number that is there already is left as it is written.
   void set(const Place& table, const std::string& key, double value);
   /// A text likewise.
@@ -31,6 +33,7 @@ class TomlEdit {
   void remove_table(const std::string& name);
   void append(const std::string& text) { text_ += text; }
   const std::string& text() const { return text_; }
+  const std::string& path() const { return path_; }
 
  private:
   std::string path_, text_;

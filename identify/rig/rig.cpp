@@ -99,6 +99,10 @@ Rig read_rig(const std::string& path) {
   const auto hanging = s.optional_number("hanging_deg", Range{-360, 360, false, "degrees from -360 to 360"});
   if (hanging && !moment) s.fail("hanging_deg", "without gravity_moment it has no say");
   rig.gravity = {moment.value_or(0), hanging.value_or(0) / kDegrees};
+  if (const auto stop = file.optional("stop"))
+    stop->fail("",
+               "[stop]: a rig has none: describe it as a robot of one link, base = \"pinned\", with [stop.JOINT], "
+               "and give that as --robot");
   if (auto drive = file.optional("drive")) rig.drive = read_drive(*drive, rig.feedback);
   if (auto errors = file.optional("errors")) rig.errors = read_errors(*errors);
   file.finish();

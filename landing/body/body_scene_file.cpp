@@ -164,8 +164,8 @@ Verdicts read_identified_verdicts(TomlFile& file) {
   return out;
 }
 
-BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, For what) {
-  TomlFile file(path);
+BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, For what, const Texts& texts = {}) {
+  TomlFile file = open_edited(path, texts);
   BodyScene out;
   out.name = std::filesystem::path(path).stem().string();
   ContactLaw law = kNoFloor;
@@ -179,7 +179,7 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
   };
   if (const auto name = file.optional_text("robot")) {
     out.robot_file = (std::filesystem::path(path).parent_path() / *name).string();
-    TomlFile other(out.robot_file);
+    TomlFile other = open_edited(out.robot_file, texts);
     read_robot_tables(other, &file, law, drives, out);
     commands = read_command_path(other, out.robot), (void)read_sensors(other, out.robot);
     of_its_fit(other);
@@ -312,6 +312,11 @@ void validate(const Robot& robot, const BodyMotion& motion) {
     if (robot.joints[i].driven()) validate(motion[i]);
 }
 
+TomlFile open_edited(const std::string& path, const Texts& texts) {
+  const auto text = texts.find(path);
+  return text == texts.end() ? TomlFile(path) : TomlFile(path, text->second);
+}
+
 bool is_of_links(const std::string& path) {
   TomlFile file(path);
   if (file.optional_text("robot") || !file.sections("load").empty()) return true;
@@ -326,9 +331,15 @@ BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& dri
   return read(path, drives, For::kDriven);
 }
 BodyScene read_dropped(const std::string& path, double height, const std::vector<GivenDrive>& drives) {
-  BodyScene out = read(path, drives, For::kDrop);
+  return read_edited(path, drives, height, {});
+}
+BodyScene read_edited_robot(const std::string& path, const Texts& texts) { return read(path, {}, For::kDriven, texts); }
+BodyScene read_edited(const std::string& path, const std::vector<GivenDrive>& drives,
+                      const std::optional<double>& height, const Texts& texts) {
+  if (!height) return read(path, drives, For::kLanding, texts);
+  BodyScene out = read(path, drives, For::kDrop, texts);
   if (out.robot.base == Base::kPinned) throw InputError(Location{path}, "a pinned robot is not dropped");
-  out.drop.height = height, out.floor = true;
+  out.drop.height = *height, out.floor = true;
   out.validate();
   return out;
 }

@@ -1,6 +1,8 @@
 // A robot's tables, in a file of its own or in a scene's.
 #pragma once
 
+#include <map>
+
 #include "common/actuator.hpp"
 #include "common/toml.hpp"
 #include "landing/body/body_scene.hpp"
@@ -11,6 +13,14 @@ namespace ukemi::landing {
 /// Whether a file asks for a robot of links: [[robot.link]], robot = "FILE", or loads, of which the paper's two links
 /// know none.
 bool is_of_links(const std::string& path);
+
+/// Texts that stand in place of files, by their paths.
+using Texts = std::map<std::string, std::string>;
+/// As read_body_scene or, with a height, as read_dropped; and as read_robot.
+BodyScene read_edited(const std::string& path, const std::vector<GivenDrive>& drives,
+                      const std::optional<double>& height, const Texts& texts);
+BodyScene read_edited_robot(const std::string& path, const Texts& texts);
+TomlFile open_edited(const std::string& path, const Texts& texts);
 
 /// Constants of the floor's law, the same keys in [floor] and in a contact; `floor` holds what stands where a contact
 /// omits one, absent for [floor] itself.

@@ -171,6 +171,12 @@ TEST_CASE("a malformed TOML file is refused with file, line and column") {
   SECTION("missing table") {
     check_scene(scene.substr(0, scene.find("[drop]")), {"scene.toml: ", "[drop] is missing"});
   }
+  SECTION("a stop") {
+    check_rig(rig + "\n[stop]\nphi_deg = [-10, 10]\nstiffness = 100\n",
+              {"rig.toml:", "[stop]: a rig has none", "--robot"});
+    check_rig(rig + "\n[stop.arm]\nphi_deg = [-10, 10]\nstiffness = 100\n",
+              {"rig.toml:", "describe it as a robot of one link, base = \"pinned\", with [stop.JOINT]"});
+  }
   SECTION("empty file") { check_rig("", {"rig.toml: ", "the table [rig] is missing"}); }
   SECTION("a trial for a rig") { check_rig(read(kTrial1), {"rig.toml:"}); }
   SECTION("a scene for an actuator") { check_actuator(scene, {"actuator.toml: ", "the table [actuator] is missing"}); }

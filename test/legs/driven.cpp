@@ -473,6 +473,24 @@ TEST_CASE("a run of hops is cut where the leg pushes, not where it stretches in 
                     Catch::Contains("base = \"rail\" is needed"));
 }
 
+TEST_CASE("a centre of mass stays within its link", "[driven]") {
+  const Pendulum p;
+  const Case c(p, 1, 1, 0, kFree);
+  const auto bounds = [](const DrivenRobot& robot, const std::string& name) {
+    const DropTerm t = robot_terms(robot, {})["robot.link." + name];
+    return std::array{t.lower, t.upper};
+  };
+  CHECK(bounds(c.robot, "thigh.com.along") == std::array{0.0, p.l1});  // its child's joint
+  CHECK(bounds(c.robot, "shank.com.along") == std::array{0.0, 0.25});  // the point that counts
+  CHECK(bounds(c.robot, "shank.com.across")[1] == Approx(0.25 / 4));
+  CHECK(bounds(c.robot, "shank.com.across")[0] == Approx(-0.25 / 4));
+  // The point that counts is its centre of mass, where none is given; a push is a place.
+  DrivenRobot arm = read_driven_robot(UKEMI_DATASETS "/robots/one_link.toml");
+  CHECK(bounds(arm, "arm.com.along") == std::array{0.0, 0.3});
+  arm.scene.robot.pushes.clear();
+  CHECK(bounds(arm, "arm.com.along") == std::array{-1.0, 1.0});  // of no length that is known
+}
+
 TEST_CASE("a prediction stands beside what knows no physics", "[driven]") {
   const Pendulum p;
   Case c(p, 1, 4, 0, kFree);

@@ -10,6 +10,7 @@
 #include "common/random.hpp"
 #include "test/folder.hpp"
 #include "test/impact.hpp"
+#include "tools/study/contact_times.hpp"
 #include "tools/study/robot_trials.hpp"
 
 using namespace ukemi;
@@ -313,4 +314,65 @@ TEST_CASE("a band of a touchdown is how it moves with the constants' errors", "[
       CHECK(here.promises[0].half_band(i - 1, i) / kNormal975 ==
             Approx(std::abs(after[i].t - before[i].t - after[i - 1].t + before[i - 1].t)).epsilon(0.1).margin(5e-6));
   }
+}
+
+TEST_CASE("measured landings stand beside those of the rollout, with bands, and beside the mean of the others",
+          "[driven]") {
+  const Leg leg;
+  const test::Folder folder;
+  std::string heel = robot_of(leg, 1);
+  const std::string drives = "[drive.hip]";
+  heel.insert(heel.find(drives),
+              "[[robot.contact]]\nname = \"hip\"\nlink = \"slider\"\nat = [0, 0]\nstiffness = 9000\n"
+              "damping_normal = 60\ndamping_tangential = 0\n");
+  DrivenRobot robot = read_driven_robot(folder.write("robot.toml", heel));
+  std::string log = log_of(leg, 400, 1.3, 1, true), with;
+  Random random(kSeed, 77);
+  for (std::size_t from = 0, end; from < log.size(); from = end + 1) {  // the hip's own, which never touches
+    end = log.find('\n', from);
+    with +=
+        log.substr(from, end - from) + (from == 0 ? ",f_hip_y" : fmt::format(",{:.6g}", 0.1 * random.normal())) + "\n";
+  }
+  const auto trials = read_robot_trials(folder.write("log.csv", with), robot.scene.robot, {.columns = ""});
+  RobotFitOptions options;
+  options.terms = robot_terms(robot, trials);
+  const double error = 0.01 * leg.mass[1];
+  robot.path.delay = leg.delay;
+  robot.known = {{{"robot.link.shank.mass"}, Eigen::Matrix<double, 1, 1>(error * error)}, {}};
+  const auto errors_of = [&] {
+    const RobotFit followed = predict_robot(robot, trials, options);
+    return stance_errors(robot, trials, compared_stances(robot, trials, followed));
+  };
+  const std::vector<StanceErrors> right = errors_of();
+  REQUIRE(right.size() == 2);
+  const auto of = [](const std::vector<StanceErrors>& all, bool toe) {
+    return *std::find_if(all.begin(), all.end(), [&](auto& e) { return (e.contact == 0) == toe; });
+  };
+  const StanceErrors hip = of(right, false), toe = of(right, true);
+  CHECK((hip.measured == 0 && hip.missed == 0 && hip.added == 0));
+  CHECK(std::isnan(hip.touchdown.absolute));
+  INFO(toe.measured << " landings, touchdown off " << toe.touchdown.absolute << " s, stance " << toe.duration.relative
+                    << ", flight " << toe.flight.relative << ", by the others " << toe.duration.others << ", "
+                    << toe.flight.others);
+  CHECK(toe.measured >= 4);
+  CHECK((toe.missed == 0 && toe.added == 0));
+  CHECK(toe.flight.count == toe.measured - 1);  // none before the first
+  CHECK(toe.touchdown.absolute < 2e-4);
+  CHECK(toe.duration.relative < 0.003);
+  CHECK(toe.flight.relative < 0.005);
+  CHECK(toe.duration.others > 10 * toe.duration.relative);
+  CHECK(toe.flight.others > 10 * toe.flight.relative);
+  CHECK(toe.touchdown.within >= 0.5);
+  // A robot that is another is told by its landings; its sensor's zero is not.
+  robot.sensors.column["f_toe_y"] = {1, -20};
+  auto shifted = trials;
+  const std::vector<DropChannel> channels = sensed_channels(robot.scene.robot);
+  for (std::size_t o = 0; o < channels.size(); ++o)
+    if (channels[o].name == "f_toe_y")
+      for (double& f : shifted[0].log.output[o]) f -= 20;
+  const StanceErrors again =
+      of(stance_errors(robot, shifted, compared_stances(robot, shifted, predict_robot(robot, shifted, options))), true);
+  CHECK(again.duration.absolute == Approx(toe.duration.absolute).epsilon(0.01));
+  robot.sensors.column.clear(), robot.scene.robot.links[2].mass *= 1.3;
+  CHECK(of(errors_of(), true).flight.absolute > 5 * toe.flight.absolute);
 }

@@ -15,6 +15,7 @@
 #include "test/folder.hpp"
 #include "test/legs/robots.hpp"
 #include "test/quotient.hpp"
+#include "tools/study/robot_trials.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -34,7 +35,7 @@ BodyScene rod(const Stop& stop) {
   s.floor = false, s.drop.pitch_rate = 2, s.search.resize(1);
   return s;
 }
-constexpr double kInertia = 0.02 + 1.5 * 0.2 * 0.2, kRate = 2, kEnd = 0.4;
+constexpr double kInertia = 0.02 + 1.5 * 0.2 * 0.2, kSpeed = 2, kEnd = 0.4;
 
 /// The hopper with stops that its landings meet.
 BodyScene stopped_hopper(double damping = 1.5) {
@@ -64,21 +65,21 @@ TEST_CASE("stops: a joint that runs against one leaves after half a swing of its
     const double stiffness = 300, w = std::sqrt(stiffness / kInertia), half = damping / (2 * kInertia),
                  ring = std::sqrt(w * w - half * half);
     BodyScene scene = rod({.joint = 0, .ends = {-1, kEnd}, .stiffness = stiffness, .damping = damping});
-    // From 0 at kRate: delta = kRate / ring exp(-half t) sin(ring t). It leaves where K delta + C ddelta = 0, which is
-    // tan(ring t) = -C ring / (K - C half).
+    // From 0 at kSpeed: delta = kSpeed / ring exp(-half t) sin(ring t). It leaves where K delta + C ddelta = 0, which
+    // is tan(ring t) = -C ring / (K - C half).
     const double leaves = damping == 0
                               ? std::numbers::pi / ring
                               : (std::numbers::pi - std::atan(damping * ring / (stiffness - damping * half))) / ring;
     const double out =
-        kRate * std::exp(-half * leaves) * (std::cos(ring * leaves) - half / ring * std::sin(ring * leaves));
-    scene.t_end = kEnd / kRate + leaves + 0.05;
+        kSpeed * std::exp(-half * leaves) * (std::cos(ring * leaves) - half / ring * std::sin(ring * leaves));
+    scene.t_end = kEnd / kSpeed + leaves + 0.05;
     const BodyLanding l = simulate(scene, held_posture(scene), {.accuracy = 1e-11}, 1000);
     REQUIRE(!l.trajectory.empty());
     CHECK(l.trajectory.back().dphi[0] == Approx(out).epsilon(1e-8));
     CHECK(l.energy_residual < 1e-8);
     const double deepest = std::atan2(ring, half) / ring;
     CHECK(l.demands[0].phi_max ==
-          Approx(kEnd + kRate / ring * std::exp(-half * deepest) * std::sin(ring * deepest)).epsilon(1e-4));
+          Approx(kEnd + kSpeed / ring * std::exp(-half * deepest) * std::sin(ring * deepest)).epsilon(1e-4));
   }
 }
 
@@ -181,4 +182,52 @@ TEST_CASE("stops: they are read, kept as numbers of a design, and refused with t
   for (int k = 0; k < 12; ++k) s.robot.contacts.push_back(s.robot.contacts[0]);
   s.robot.contacts.resize(kMostContacts);
   CHECK_THROWS_WITH(s.robot.validate(), Catch::Contains("contacts and ends of stops"));
+}
+
+TEST_CASE("stops: a rig of one link as a robot tells its stop's stiffness, damping and angle where it hits it",
+          "[driven]") {
+  // J ddphi = K_P (ref - phi) - K_D dphi - max(0, K delta + C ddelta) beyond the stop, by Heun's method.
+  constexpr double kP = 20, kD = 0.6, kArmature = 0.01, kStiffness = 350, kDamping = 1.4, kHigh = 22 * kDegree,
+                   kNoise = 2e-4, kRow = 2e-3, kStep = 5e-6;
+  const auto acceleration = [](double phi, double dphi, double ref) {
+    const double deep = phi - kHigh, push = deep > 0 ? std::max(0.0, kStiffness * deep + kDamping * dphi) : 0;
+    return (kP * (ref - phi) - kD * dphi - push) / (kInertia + kArmature);
+  };
+  Random random(20261127, 5);
+  double phi = 0, dphi = 0;
+  std::string log = "t,phi_arm,phi_ref_arm\n";
+  int beyond = 0;
+  for (int k = 0; k < 700; ++k) {
+    const double ref = 0.5 * std::sin(9 * kRow * k) + 0.2 * std::sin(23 * kRow * k);
+    log += fmt::format("{},{:.9g},{:.17g}\n", kRow * k, phi + kNoise * random.normal(), ref);
+    beyond += phi > kHigh;
+    for (int i = 0; i < int(kRow / kStep + 0.5); ++i) {
+      const double a = acceleration(phi, dphi, ref), p = phi + kStep * dphi, v = dphi + kStep * a;
+      phi += 0.5 * kStep * (dphi + v), dphi += 0.5 * kStep * (a + acceleration(p, v, ref));
+    }
+  }
+  REQUIRE(beyond > 50);
+  const test::Folder f;
+  const tools::DrivenRobot robot = tools::read_driven_robot(f.write(
+      "robot.toml", fmt::format("[robot]\ngravity = 0\nbase = \"pinned\"\n[[robot.link]]\nname = \"arm\"\njoint = "
+                                "\"arm\"\nmass = 1.5\ninertia_com = 0.02\ncom = [0.2, 0]\n[drive.arm]\nkind = "
+                                "\"geared\"\nk_p = {}\nk_d = {}\ni_motor = {}\n[stop.arm]\nphi_deg = [-360, "
+                                "25]\nstiffness = 200\ndamping = 0.5\n",
+                                kP, kD, kArmature)));
+  const auto trials = tools::read_robot_trials(f.write("log.csv", log), robot.scene.robot, {.columns = ""});
+  tools::RobotFitOptions options;
+  options.terms = tools::robot_terms(robot, trials), options.threads = 2;
+  options.terms.free = {"stop.arm.stiffness", "stop.arm.damping", "stop.arm.high_deg"};
+  const tools::RobotFit fit = tools::fit_robot(robot, trials, options);
+  REQUIRE(fit.converged);
+  for (const auto& [name, truth, part] : {std::tuple("stop.arm.stiffness", kStiffness, 0.02),
+                                          {"stop.arm.damping", kDamping, 0.05},
+                                          {"stop.arm.high_deg", kHigh / kDegree, 0.002}}) {
+    const identify::Estimate* e = identify::find_constant(fit, name);
+    REQUIRE((e && e->std));
+    INFO(name << " " << e->value << " +- " << *e->std << ", true " << truth);
+    CHECK(std::abs(e->value - truth) < 4 * *e->std);
+    CHECK(*e->std < part * truth);
+  }
+  CHECK(fit.rms[kAngle] == Approx(kNoise).epsilon(0.1));
 }

@@ -91,12 +91,11 @@ bool write_contact(const Robot& robot, std::size_t i, TomlEdit& file) {
   return file.text() != before;
 }
 
-/// A path as it is from a folder, which need not be there yet.
-std::string from_folder(const fs::path& path, const std::string& folder) {
+}  // namespace
+
+std::string from_folder(const std::string& path, const std::string& folder) {
   return fs::relative(fs::absolute(path), fs::absolute(folder)).generic_string();
 }
-
-}  // namespace
 
 void write_own_law(const ContactPoint& contact, TomlEdit& file, const TomlEdit::Place& table) {
   for (const LawConstant& constant : kLawConstants)
@@ -107,12 +106,9 @@ void write_own_law(const ContactPoint& contact, TomlEdit& file, const TomlEdit::
 void move_drives(const Robot& robot, const std::string& path, const std::string& folder, TomlEdit& file) {
   for (const Joint& j : robot.joints)
     if (const std::string drive = file.text_at({"drive", j.name}, "file"); !drive.empty())
-      file.set({"drive", j.name}, "file", from_folder(fs::path(path).parent_path() / drive, folder));
+      file.set({"drive", j.name}, "file", from_folder((fs::path(path).parent_path() / drive).string(), folder));
 }
 
-namespace {
-
-/// Tables of drives that were given beside the files'.
 std::string drive_tables(const BodyScene& scene, const std::vector<GivenDrive>& drives, const TomlEdit& file,
                          const TomlEdit& robot, const std::string& folder) {
   std::string out;
@@ -129,6 +125,8 @@ std::string drive_tables(const BodyScene& scene, const std::vector<GivenDrive>& 
   }
   return out;
 }
+
+namespace {
 
 std::string tables_behind(const BodyScene& scene) {
   std::string out;

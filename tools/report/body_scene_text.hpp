@@ -16,6 +16,12 @@ void move_drives(const landing::Robot& robot, const std::string& path, const std
 /// Writes the law of a contact into its table, what it has of a [floor] too.
 void write_own_law(const landing::ContactPoint& contact, TomlEdit& file, const TomlEdit::Place& table);
 
+/// A path as it is from a folder, which need not be there yet.
+std::string from_folder(const std::string& path, const std::string& folder);
+/// Tables of drives that were given beside the files'. Throws InputError for a drive of a joint that has one there.
+std::string drive_tables(const landing::BodyScene& scene, const std::vector<landing::GivenDrive>& drives,
+                         const TomlEdit& file, const TomlEdit& robot, const std::string& folder);
+
 /// The files scene.toml and, where contacts that stand in the robot's own file change, robot.toml, for `folder`. `path`
 /// is the scene's file; `scene` was read from it, and has other contact laws, pads, pitch, uncertainty or verdicts.
 /// What stands in the file and is as before is left as it is written, paths are made relative to the folder;

@@ -275,20 +275,21 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
 namespace {
 
 /// A contact that touches its surface, from when to when: changes of the trial's DropResult.
-struct Stance {
+struct SimulatedStance {
   std::size_t trial;  ///< counts from 1
   int contact;
   std::optional<std::size_t> touchdown, liftoff;  ///< absent: before the trial's first row, after its last
   std::optional<std::size_t> left;                ///< the contact's liftoff before
 };
-std::vector<Stance> stances(const FloorFit& c) {
-  std::vector<Stance> out;
+std::vector<SimulatedStance> simulated_stances(const FloorFit& c) {
+  std::vector<SimulatedStance> out;
   for (std::size_t m = 0; m < c.drops.size(); ++m) {
     const std::size_t first = out.size();
     for (std::size_t i = 0; i < c.drops[m].changes.size(); ++i) {
       const ContactChange& change = c.drops[m].changes[i];
-      const auto end = out.rend() - long(first),
-                 last = std::find_if(out.rbegin(), end, [&](const Stance&s) { return s.contact == change.contact; });
+      const auto end = out.rend() - long(first), last = std::find_if(out.rbegin(), end, [&](const SimulatedStance&s) {
+                                                   return s.contact == change.contact;
+                                                 });
       if (change.touches)
         out.push_back({m + 1, change.contact, change.t > 0 ? std::optional(i) : std::nullopt, std::nullopt,
                        last == end ? std::nullopt : last->liftoff});
@@ -298,27 +299,28 @@ std::vector<Stance> stances(const FloorFit& c) {
   }
   return out;
 }
-Quantities<Stance> stance_quantities(const FloorFit& c, const std::vector<std::string>& contacts) {
-  Quantities<Stance> out = {
+Quantities<SimulatedStance> stance_quantities(const FloorFit& c, const std::vector<std::string>& contacts) {
+  Quantities<SimulatedStance> out = {
       {"trial", "trial", "trial", {}, [](auto& s) { return s.trial; }},
       {"contact", "contact", "contact", {}, [&contacts](auto& s) { return contacts[std::size_t(s.contact)]; }}};
-  using Change = std::optional<std::size_t> Stance::*;
+  using Change = std::optional<std::size_t> SimulatedStance::*;
   const auto add = [&](const std::string& key, const char* words, Change from, Change to) {
-    out.push_back({key, key, std::string(words) + " [s]", "{:.4f}", [&c, from, to](const Stance& s) -> Json {
+    out.push_back({key, key, std::string(words) + " [s]", "{:.4f}", [&c, from, to](const SimulatedStance& s) -> Json {
                      const auto& changes = c.drops[s.trial - 1].changes;
                      if (!(s.*to) || (from && !(s.*from))) return {};
                      return number(changes[*(s.*to)].t - (from ? changes[*(s.*from)].t : 0));
                    }});
     if (c.promises.empty()) return;
-    out.push_back({key + "_band", key + "_band", "+- [s]", "{:.4f}", [&c, from, to](const Stance& s) -> Json {
+    out.push_back({key + "_band", key + "_band", "+- [s]", "{:.4f}", [&c, from, to](const SimulatedStance& s) -> Json {
                      const Promise& p = c.promises[s.trial - 1];
                      if (!p.known() || !(s.*to) || (from && !(s.*from))) return {};
                      return number(from ? p.half_band(*(s.*from), *(s.*to)) : p.half_band(*(s.*to)));
                    }});
   };
-  add("touchdown", "touches from", nullptr, &Stance::touchdown), add("liftoff", "to", nullptr, &Stance::liftoff);
-  add("duration", "for", &Stance::touchdown, &Stance::liftoff);
-  add("flight", "after a flight of", &Stance::left, &Stance::touchdown);
+  add("touchdown", "touches from", nullptr, &SimulatedStance::touchdown),
+      add("liftoff", "to", nullptr, &SimulatedStance::liftoff);
+  add("duration", "for", &SimulatedStance::touchdown, &SimulatedStance::liftoff);
+  add("flight", "after a flight of", &SimulatedStance::left, &SimulatedStance::touchdown);
   return out;
 }
 
@@ -374,9 +376,90 @@ Check check_promises(const FitTexts& played, Run& run) {
   return check(beyond.empty(), kWhat, beyond.empty() ? "" : fmt::format("not {}", fmt::join(beyond, ", ")));
 }
 
+Quantities<ComparedStance> compared_quantities(const FloorFit& c, const std::vector<std::string>& contacts) {
+  Quantities<ComparedStance> out = {
+      {"trial", "trial", "trial", {}, [](auto& s) { return s.trial + 1; }},
+      {"contact", "contact", "contact", {}, [&contacts](auto& s) { return contacts[std::size_t(s.contact)]; }},
+      {"touchdown", "touchdown", "touches at [s]", "{:.4f}", [](auto& s) { return number(s.measured.touchdown); }},
+      {"touchdown_predicted", "touchdown_predicted", "predicted", "{:.4f}",
+       [](auto& s) { return number(s.predicted.touchdown); }},
+      {"liftoff", "liftoff", "leaves at [s]", "{:.4f}", [](auto& s) { return number(s.measured.liftoff); }},
+      {"liftoff_predicted", "liftoff_predicted", "predicted", "{:.4f}",
+       [](auto& s) { return number(s.predicted.liftoff); }}};
+  const auto add = [&](const std::string& key, const char* words, double (Stance::*of)() const,
+                       double ComparedStance::*others) {
+    out.push_back({key, key, words, "{:.4f}", [of](auto& s) { return number((s.measured.*of)()); }});
+    out.push_back({key + "_predicted", key + "_predicted", "predicted", "{:.4f}",
+                   [of](auto& s) { return number((s.predicted.*of)()); }});
+    out.push_back({key + "_of_others", key + "_of_others", "mean of the others", "{:.4f}",
+                   [others](auto& s) { return number(s.*others); }});
+  };
+  add("stance", "stands for [s]", &Stance::duration, &ComparedStance::duration_of_others);
+  add("flight", "flight before [s]", &Stance::flight, &ComparedStance::flight_of_others);
+  if (c.promises.empty()) return out;
+  for (const auto& [key, band] : {std::pair("touchdown_band", &ComparedStance::touchdown_band),
+                                  {"stance_band", &ComparedStance::duration_band},
+                                  {"flight_band", &ComparedStance::flight_band}})
+    out.push_back({key, key, [band = band](auto& s) { return number(s.*band); }});
+  return out;
+}
+
+Quantities<StanceErrors> error_quantities(const FloorFit& c, const std::vector<std::string>& contacts) {
+  const auto percent = [](double part) {
+    return std::isnan(part) ? std::string() : fmt::format("{:.3g} %", 100 * part);
+  };
+  Quantities<StanceErrors> out = {
+      {"", "", "contact", {}, [&contacts](auto& e) { return contacts[std::size_t(e.contact)]; }},
+      {"", "landings", "landings", {}, &StanceErrors::measured},
+      {"", "missed", "not predicted", {}, &StanceErrors::missed},
+      {"", "added", "predicted alone", {}, &StanceErrors::added},
+      {"", "touchdown/error", "touchdown off [s]", "{:.2g}", [](auto& e) { return number(e.touchdown.absolute); }}};
+  const auto add = [&](const std::string& key, TimeErrors StanceErrors::*of) {
+    out.push_back({"", key + "/error", key + " off [s]", "{:.2g}", [of](auto& e) { return number((e.*of).absolute); }});
+    out.push_back({"", key + "/relative", "relative", +percent, [of](auto& e) { return number((e.*of).relative); }});
+    out.push_back({"", key + "/mean_of_others", "mean of the other landings", +percent,
+                   [of](auto& e) { return number((e.*of).others); }});
+  };
+  add("stance", &StanceErrors::duration), add("flight", &StanceErrors::flight);
+  for (const auto& [key, of] : {std::pair("touchdown", &StanceErrors::touchdown),
+                                {"stance", &StanceErrors::duration},
+                                {"flight", &StanceErrors::flight}}) {
+    out.push_back({"", std::string(key) + "/count", [of = of](auto& e) { return (e.*of).count; }});
+    if (!c.promises.empty())
+      out.push_back({"", std::string(key) + "/within_band", [of = of](auto& e) { return number((e.*of).within); }});
+  }
+  return out;
+}
+
+/// Measured landings beside those of the rollout; warns where the mean of the others is nearer.
+void report_landings(const FitTexts& played, const ContactTimes& contacts, Report& report, Json& summary, Run& run) {
+  if (contacts.errors.empty()) return;
+  report.heading("Landings, measured beside predicted");
+  report.paragraph(
+      "Both by one rule, from the force across the floor: a contact touches where it rises through a twentieth of the "
+      "largest, at least six times the log's noise, and leaves where it falls below half of that. A flight below 10 ms "
+      "is none. The mean of the other landings knows no physics.");
+  const Table errors(error_quantities(played.result, contacts.names), contacts.errors);
+  say(errors, run), report.table(errors), summary["landings"] = errors.keyed();
+  const Table each(compared_quantities(played.result, contacts.names), contacts.compared);
+  report.table(each);
+  run.add("landings.csv", each.csv(run,
+                                   "a row a stance of a contact whose force the log has; t from each trial's first "
+                                   "row; empty: not in the log, or the rollout has no such stance; flight: since the "
+                                   "liftoff before; ..._of_others: mean of the other stances of the logs; ..._band: "
+                                   "half of the 95 % band of the constants' errors. Units: s."));
+  for (const StanceErrors& e : contacts.errors)
+    for (const auto& [what, of] : {std::pair("stance", e.duration), {"flight", e.flight}})
+      if (of.others <= of.relative)
+        run.warn(
+            fmt::format("{}: the mean of the other landings is nearer to the {} than the robot: {:.3g} against "
+                        "{:.3g} %",
+                        contacts.names[std::size_t(e.contact)], what, 100 * of.others, 100 * of.relative));
+}
+
 }  // namespace
 
-int report_prediction(const FitTexts& played, const std::vector<std::string>& contacts, Run& run) {
+int report_prediction(const FitTexts& played, const ContactTimes& contacts, Run& run) {
   const FloorFit& c = played.result;
   for (const std::string& w : c.warnings) run.warn(w);
   const bool followed = std::all_of(c.drops.begin(), c.drops.end(), [](const DropResult& d) { return d.simulated; });
@@ -388,13 +471,14 @@ int report_prediction(const FitTexts& played, const std::vector<std::string>& co
   report.heading(fmt::format("The {}, for given constants", words(c.logs_of).many));
   report_drops(played, words(c.logs_of).one, report, summary, run);
   const Check nearer = report_baselines(played, report, summary, run);
-  if (!contacts.empty()) {
+  if (!contacts.names.empty()) {
     report.heading("When its contacts touch");
     summary["contacts"] =
-        add_table(Table(stance_quantities(c, contacts), stances(c)), report, run, "contacts.csv",
+        add_table(Table(stance_quantities(c, contacts.names), simulated_stances(c)), report, run, "contacts.csv",
                   "Of the simulation; t from each trial's first row; flight: since the contact's liftoff before; "
                   "..._band: half of the 95 % band of the constants' errors. Units: s.");
   }
+  report_landings(played, contacts, report, summary, run);
   run.add("fit.csv", samples_csv(run, played));
   FirstScreen first;
   first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), words(c.logs_of).many);

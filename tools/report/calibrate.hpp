@@ -9,6 +9,7 @@
 
 #include "tools/report/estimates.hpp"
 #include "tools/study/body_calibration.hpp"
+#include "tools/study/contact_times.hpp"
 
 namespace ukemi::tools {
 
@@ -24,8 +25,14 @@ std::string scene_comments(const Run& run, const FloorFit& fit);
 int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Doubt doubt,
            const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run);
 
+/// When contacts touch: their names, and measured stances beside those of the rollout.
+struct ContactTimes {
+  std::vector<std::string> names;
+  std::vector<ComparedStance> compared;
+  std::vector<StanceErrors> errors;
+};
 /// Logs played with given constants.
-int report_prediction(const FitTexts& played, const std::vector<std::string>& contacts, Run& run);
+int report_prediction(const FitTexts& played, const ContactTimes& contacts, Run& run);
 
 /// `path`: the scene's file. `validation`: of drops that were not fitted.
 int report(const std::string& path, const BodyCalibratedDrops& fitted,

@@ -8,7 +8,7 @@
 
 namespace ukemi::tools {
 
-const Outputs kMapOutputs{"map", {"map.csv", "basins.csv"}, {"map"}};
+const Outputs kMapOutputs{"map", {"map.csv", "basins.csv", "set_scene.toml", "set_robot.toml"}, {"map"}};
 
 using namespace landing;
 

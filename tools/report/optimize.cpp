@@ -21,7 +21,7 @@ namespace ukemi::tools {
 const Outputs kOptimizeOutputs = Outputs{
     "optimize",
     {"motion.toml", "motion.csv", "solvers.csv", "progress.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
-     "plotjuggler.csv"},
+     "plotjuggler.csv", "set_scene.toml", "set_robot.toml"},
     {"search", "histogram",
      "deviations"}}.with(fall_figures());
 

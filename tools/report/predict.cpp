@@ -9,7 +9,8 @@
 namespace ukemi::tools {
 
 const Outputs kPredictOutputs =
-    Outputs{"predict", {"fit.csv", "contacts.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}}.with(fit_figures());
+    Outputs{"predict", {"fit.csv", "contacts.csv", "landings.csv", "actuator.mjcf.xml", "actuator.urdf.xml"}}.with(
+        fit_figures());
 
 using identify::JudgedTrial, identify::Judgement, identify::Verdict;
 

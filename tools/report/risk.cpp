@@ -14,7 +14,8 @@
 
 namespace ukemi::tools {
 
-const Outputs kRiskOutputs{"risk", {"histogram.csv", "risk.csv", "sobol.csv"}, {"histogram", "sobol"}};
+const Outputs kRiskOutputs{
+    "risk", {"histogram.csv", "risk.csv", "sobol.csv", "set_scene.toml", "set_robot.toml"}, {"histogram", "sobol"}};
 
 using namespace landing;
 

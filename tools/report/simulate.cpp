@@ -16,8 +16,8 @@ namespace ukemi::tools {
 
 const Outputs kSimulateOutputs = Outputs{
     "simulate",
-    {"trajectory.csv", "contacts.csv", "motion_ros2.yaml", "reposition_ros2.yaml",
-     "plotjuggler.csv"}}.with(fall_figures());
+    {"trajectory.csv", "contacts.csv", "motion_ros2.yaml", "reposition_ros2.yaml", "plotjuggler.csv", "set_scene.toml",
+     "set_robot.toml"}}.with(fall_figures());
 
 using namespace landing;
 

@@ -18,13 +18,13 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastNoise = 1e-3;  ///< of the logs' own noise: a residual without any still has a weight
 
 /// The first value that was measured.
 double first_of(const std::vector<double>& x) {
   const auto at = std::find_if(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
-  return at == x.end() ? kNaN : *at;
+  return at == x.end() ? kUnknown : *at;
 }
 
 /// The part of a channel's name before its joint: "phi" of "phi_hip".
@@ -81,7 +81,7 @@ struct InHand {
   std::vector<std::string> doubts;
 };
 InHand follow(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const RobotFitOptions& options) {
-  InHand out{.noise = std::vector<double>(sensed_channels(robot.scene.robot).size(), kNaN)};
+  InHand out{.noise = std::vector<double>(sensed_channels(robot.scene.robot).size(), kUnknown)};
   const RobotTrials simulator(robot, trials, options);
   const FloorFit followed = validate_floor(simulator, options);
   for (const DropResult& d : followed.drops)
@@ -96,7 +96,7 @@ InHand follow(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, c
 /// What the robot's file says that it was fitted with; nothing where it says nothing.
 InHand identified(const DrivenRobot& robot, const RobotFitOptions& options) {
   const std::vector<DropChannel> channels = sensed_channels(robot.scene.robot);
-  InHand out{.noise = std::vector<double>(channels.size(), kNaN)};
+  InHand out{.noise = std::vector<double>(channels.size(), kUnknown)};
   if (!robot.known) return out;
   for (std::size_t o = 0; o < channels.size(); ++o)
     if (const auto left = robot.known->rms.find(channels[o].name); left != robot.known->rms.end())

@@ -44,6 +44,32 @@ constexpr Kind kOfCommand[] = {
 constexpr Kind kLevels[] = {{"torque_low", "Nm", "least torque that is asked", -kInfinity, 0, 1},
                             {"torque_high", "Nm", "largest torque that is asked", 0, kInfinity, 1}};
 
+/// Where a centre of mass is within its link: along it between its outermost places, across it up to a quarter of its
+/// length beside them: a link is at most half as wide as it is long. Pushes are places too; the point that counts is
+/// none where it is the centre of mass itself. A link without such places has no length that is known: within 1 m.
+struct Within {
+  Place low, high;
+  double length;
+};
+Within within(const Robot& robot, int link) {
+  constexpr double kShort = 0.02, kOfNoLength = 1, kWide = 0.25;  // [m]; of the length
+  const Place com = robot.links[std::size_t(link)].com;
+  std::vector<Place> all = places(robot, link);
+  if (robot.peak_link == link && robot.peak.along == com.along && robot.peak.across == com.across)
+    std::erase_if(all, [&](const Place& p) { return p.along == com.along && p.across == com.across; });
+  for (const PushPoint& p : robot.pushes)
+    if (p.link == link) all.push_back(p.at);
+  Within out{{}, {}, 0};
+  for (const Place& p : all) {
+    out.low = {std::min(out.low.along, p.along), std::min(out.low.across, p.across)};
+    out.high = {std::max(out.high.along, p.along), std::max(out.high.across, p.across)};
+  }
+  out.length = std::hypot(out.high.along - out.low.along, out.high.across - out.low.across);
+  if (out.length <= kShort) return {{-kOfNoLength, -kOfNoLength}, {kOfNoLength, kOfNoLength}, kOfNoLength};
+  out.low.across -= kWide * out.length, out.high.across += kWide * out.length;
+  return out;
+}
+
 class TableOf {
  public:
   explicit TableOf(const DrivenRobot& robot) : robot_(robot) {}
@@ -81,23 +107,15 @@ class TableOf {
     const Robot& robot = robot_.scene.robot;
     const Link& link = robot.links[i];
     const std::string to = "robot.link." + link.name + ".";
-    constexpr double kBeside = 0.25;  // a centre of mass may lie so far beside the link, in its lengths: doubts()
-    constexpr double kShort = 0.02, kOfNoLength = 1;
-    const double extent = landing::extent(robot, int(i)), length = extent > kShort ? extent : kOfNoLength;
-    Place low{}, high{};
-    for (const Place& p : places(robot, int(i))) {
-      low = {std::min(low.along, p.along), std::min(low.across, p.across)};
-      high = {std::max(high.along, p.along), std::max(high.across, p.across)};
-    }
-    const double beside = kBeside * length;
+    const Within com = within(robot, int(i));
     // Smallest parts keep what must be above 0 so; all the mass at both ends has the largest inertia.
     add(to, {"mass", "kg", "mass of the link", 0, kInfinity, link.mass});
     out.back().smallest_part = 1e-3;
     add(to, {"inertia_com", "kg m^2", "inertia of the link about its centre of mass", 0, kInfinity, link.inertia_com});
     out.back().smallest_part = 1e-3;
-    add(to, {"com.along", "m", "centre of mass along the link", low.along - beside, high.along + beside, 0.1 * length});
-    add(to, {"com.across", "m", "centre of mass beside the link", low.across - beside, high.across + beside,
-             0.1 * length, 0.1 * length});
+    const double size = 0.1 * com.length;
+    add(to, {"com.along", "m", "centre of mass along the link", com.low.along, com.high.along, size});
+    add(to, {"com.across", "m", "centre of mass beside the link", com.low.across, com.high.across, size, size});
   }
   /// Of each trial's start.
   void add_start(const std::string& key, const char* unit, const char* words, double size) {

@@ -175,9 +175,9 @@ Identified read_identified(TomlSection& s, const DrivenRobot& robot) {
 
 }  // namespace
 
-DrivenRobot read_driven_robot(const std::string& path) {
-  DrivenRobot out{.scene = read_robot(path), .path = {}};
-  TomlFile file(out.scene.robot_file.empty() ? path : out.scene.robot_file);
+DrivenRobot read_driven_robot(const std::string& path, const Texts& texts) {
+  DrivenRobot out{.scene = read_edited_robot(path, texts), .path = {}};
+  TomlFile file = open_edited(out.scene.robot_file.empty() ? path : out.scene.robot_file, texts);
   out.path = read_command_path(file, out.scene.robot);
   check_stiff_contacts(out.scene, path);
   if (out.scene.slope != 0)

@@ -26,8 +26,8 @@ struct DrivenRobot {
   std::optional<Identified> known = {};  ///< by the names of terms: [identified] of the file, which a fit writes
 };
 /// Of a file of a robot, or of a scene that has one. Throws InputError with file:line:column, and where trials have no
-/// law for it.
-DrivenRobot read_driven_robot(const std::string& path);
+/// law for it. `texts` stand in place of files, by their paths.
+DrivenRobot read_driven_robot(const std::string& path, const std::map<std::string, std::string>& texts = {});
 
 /// A trial: what was measured from its first row on, and the commands of the whole log.
 struct RobotTrial {
@@ -80,8 +80,9 @@ std::vector<std::string> leave_out_still(const landing::Robot& robot, std::vecto
 /// sensor.time_shift and sensor.push_smooth of pushes; then, a trial each, start.JOINT.phi, start.JOINT.dphi and
 /// start.JOINT.spring, added to what the log says, and of a base that is not pinned those of DrivenStart: start.height
 /// and start.speed; of a free one start.pitch, start.pitch_rate, start.forward_speed and start.x too.
-/// Chosen: no constant, every start. A centre of mass stays within its link, an inertia below that of all its mass at
-/// the link's ends.
+/// Chosen: no constant, every start. A centre of mass stays within its link: along it between its outermost places
+/// (joint, children's joints, contacts, pushes, the point that counts), across it up to a quarter of its length beside
+/// them. An inertia stays below that of all its mass at the link's ends.
 identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vector<RobotTrial>& trials);
 
 struct RobotFitOptions : CalibrationOptions {

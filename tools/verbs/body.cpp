@@ -25,6 +25,7 @@
 #include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
+#include "tools/report/scene_edit.hpp"
 #include "tools/robots/projection.hpp"
 
 namespace ukemi::tools {
@@ -109,11 +110,49 @@ std::optional<double> checked_height(const std::optional<double>& height) {
   return height;
 }
 
+void add_set(CLI::App& verb, std::vector<std::string>& set) {
+  verb.add_option(
+          "--set", set,
+          "KEY=VALUE, of a robot of links: a number of its files, as of `trade --vary`; also "
+          "search.JOINT.phi_deg=LO:HI, search.JOINT.hold_deg, search.duration=LO:HI, joint.JOINT.phi_deg=LO:HI; "
+          "once for each")
+      ->allow_extra_args(false);
+}
+void refuse_set(const std::vector<std::string>& set) {
+  if (!set.empty()) throw InputError("--set: of robots of links; numbers of the paper's robot are changed in its file");
+}
+
+namespace {
+
+SceneEdit edited(const std::string& path, const std::vector<GivenDrive>& drives, const std::optional<double>& height,
+                 const std::vector<std::string>& set) {
+  SceneEdit out(path, read_edited(path, drives, height, {}));
+  for (const std::string& text : set) out.set(text);
+  return out;
+}
+
+}  // namespace
+
+Texts edited_texts(const std::string& path, const std::vector<std::string>& actuators,
+                   const std::optional<double>& height, const std::vector<std::string>& set) {
+  return set.empty() ? Texts{} : edited(path, drives_of(actuators), height, set).texts();
+}
+
 BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
-                  const std::string& option, const std::optional<double>& height) {
+                  const std::string& option, const std::optional<double>& height, const std::vector<std::string>& set) {
   const std::vector<GivenDrive> drives = drives_of(actuators, option);
-  BodyScene scene = checked_height(height) ? read_dropped(path, *height, drives) : read_body_scene(path, drives);
+  BodyScene scene = read_edited(path, drives, checked_height(height), {});
+  std::optional<SceneEdit> edit;
+  if (!set.empty()) try {
+      edit = edited(path, drives, height, set);
+      scene = read_edited(path, drives, height, edit->texts());
+    } catch (const InputError& e) {
+      const std::string what = e.what();
+      throw InputError(what.starts_with("--set") ? what : "--set: " + what);
+    }
   note_files(scene, path, run);
+  if (edit)
+    for (auto& [name, text] : edit->kept(height, run.provenance_text(), run.folder(), drives)) run.add(name, text);
   for (const std::string& doubt : doubts(scene)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
   warn_of_doubts(path, scene.verdicts, run);
@@ -237,7 +276,7 @@ std::string only_actuator(const std::vector<std::string>& given, const std::stri
 int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   Run run(kSimulateOutputs, common);
   refuse(!a.drop_from.empty(), "--drop-from");
-  const BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height);
+  const BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
   check_exports(a.exports, scene.robot);
   const BodyMotion motion = motion_of(scene, a.motion, run);
   const double rate = rate_of(a.rate.value_or(1000));
@@ -253,7 +292,7 @@ BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
   refuse(!a.scatter.drops.empty(), "--drops");
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
-  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height);
+  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
   apply_freedom(a.freedom, scene, run);
   forbid(scene, a.forbid, "--forbid");
   return scene;
@@ -296,7 +335,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   std::vector<double> logged;
   if (!a.logs.files.empty()) {
     if (a.deadline) throw InputError("--log: not with --deadline: following a log takes its own time");
-    logged = logged_peaks(a.scene, a.logs, common, run);
+    logged = logged_peaks(a.scene, edited_texts(a.scene, a.actuators, a.height, a.set), a.logs, common, run);
   }
   const std::string limit = a.deadline
                                 ? fmt::format("{:g} s", *a.deadline)
@@ -315,7 +354,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
 int risk_body(const RiskArguments& a, const CommonOptions& common) {
   Run run(kRiskOutputs, common);
   refuse(!a.scatter.drops.empty(), "--drops");
-  BodyScene scene = body_of(a.scene, a.actuators, run);
+  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", {}, a.set);
   forbid(scene, a.forbid, "--forbid");
   const BodyMotion motion = motion_of(scene, a.motion, run);
   BodyRiskOptions options;

@@ -1,10 +1,12 @@
 // What simulate, optimize, risk, compare and map do with a robot of links, and the verb that shows one.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "landing/body/robot_file.hpp"
 #include "landing/judge/map.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/plan/body_plan.hpp"
@@ -21,9 +23,18 @@ std::vector<landing::GivenDrive> drives_of(const std::vector<std::string>& given
 /// --height, checked.
 std::optional<double> checked_height(const std::optional<double>& height);
 /// The scene with the drives that are given, dropped from `height` where one is given; its files are inputs of the run,
-/// which warns of what looks wrong.
+/// which warns of what looks wrong. With `set`, KEY=VALUE each, the scene that the edited files hold, which the run
+/// keeps.
 landing::BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
-                           const std::string& option = "--actuator", const std::optional<double>& height = {});
+                           const std::string& option = "--actuator", const std::optional<double>& height = {},
+                           const std::vector<std::string>& set = {});
+/// --set of a verb.
+void add_set(CLI::App& verb, std::vector<std::string>& set);
+/// Throws InputError where it is given with the paper's robot.
+void refuse_set(const std::vector<std::string>& set);
+/// The files of a scene with what --set says. Throws InputError with its place.
+landing::Texts edited_texts(const std::string& path, const std::vector<std::string>& actuators,
+                            const std::optional<double>& height, const std::vector<std::string>& set);
 /// Throws InputError where an option is given that a robot of links does not have; the message lists what it has.
 void refuse(bool given, const char* option);
 /// Likewise a release of the joint, which a robot of links does not have; else what else a plan may have.
@@ -42,6 +53,7 @@ double inflate_of(const ScatterArguments& arguments, const landing::BodyScene& s
 
 struct SimulateArguments {
   std::string scene, drop_from;
+  std::vector<std::string> set;  ///< KEY=VALUE
   std::optional<double> height;
   std::vector<std::string> actuators;
   MotionArguments motion;
@@ -50,6 +62,7 @@ struct SimulateArguments {
 };
 struct RiskArguments {
   std::string scene;
+  std::vector<std::string> set;  ///< KEY=VALUE
   std::vector<std::string> actuators;
   MotionArguments motion;
   ScatterArguments scatter;
@@ -59,6 +72,7 @@ struct RiskArguments {
 };
 struct MapArguments {
   std::string scene, slice, vary;
+  std::vector<std::string> set;  ///< KEY=VALUE
   std::vector<std::string> actuators;
   std::vector<int> grid;  ///< of the paper's robot; empty: its default
   FreedomArguments freedom;

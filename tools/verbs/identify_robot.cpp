@@ -66,9 +66,12 @@ std::vector<std::pair<std::string, double>> values_of(const DrivenRobot& robot, 
 int predict(const DrivenRobot& robot, const std::vector<RobotTrial>& trials, RobotFitOptions options, Run& run) {
   warn_of_doubts(robot.scene.name, robot.scene.robot_verdicts, run);
   run.info(fmt::format("predicting {} trials", trials.size()));
-  std::vector<std::string> contacts;
-  for (const ContactPoint& c : robot.scene.robot.contacts) contacts.push_back(c.name);
-  return report_prediction({predict_robot(robot, trials, options), logs_of(trials)}, contacts, run);
+  const RobotFit followed = predict_robot(robot, trials, options);
+  ContactTimes contacts;
+  for (const ContactPoint& c : robot.scene.robot.contacts) contacts.names.push_back(c.name);
+  contacts.compared = compared_stances(robot, trials, followed);
+  contacts.errors = stance_errors(robot, trials, contacts.compared);
+  return report_prediction({followed, logs_of(trials)}, contacts, run);
 }
 
 }  // namespace
@@ -136,9 +139,9 @@ DrivenRobot robot_of(const std::string& path, Run& run) {
   return out;
 }
 
-std::vector<double> logged_peaks(const std::string& path, const LogArguments& logs, const CommonOptions& common,
-                                 Run& run) {
-  DrivenRobot robot = read_driven_robot(path);
+std::vector<double> logged_peaks(const std::string& path, const std::map<std::string, std::string>& texts,
+                                 const LogArguments& logs, const CommonOptions& common, Run& run) {
+  DrivenRobot robot = read_driven_robot(path, texts);
   robot.known.reset();  // bands are not asked for
   const std::vector<RobotTrial> trials = read_trials(logs, {}, robot, run);
   run.info(fmt::format("following {} trials of the logs", trials.size()));

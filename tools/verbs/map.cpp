@@ -31,6 +31,7 @@ Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
 
 int run_map(const MapArguments& a, const CommonOptions& common) {
   if (is_of_links(a.scene)) return map_body(a, common);
+  refuse_set(a.set);
   if (!a.vary.empty())
     throw InputError("--vary: the variables of a robot of links are named so; of the paper's robot --grid is needed");
   const std::string file = only_actuator(a.actuators);
@@ -65,6 +66,7 @@ void add_map(CLI::App* verb, Action& chosen) {
           "--actuator", args->actuators,
           "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
       ->allow_extra_args(false);
+  add_set(*verb, args->set);
   verb->add_option("--grid", args->grid,
                    "points of phi_I, phi_F, duration and, if the motion has more, those; 1: it stands [64,64,32]")
       ->delimiter(',');

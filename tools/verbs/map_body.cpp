@@ -44,7 +44,7 @@ std::vector<int> cells_of(const std::string& text, const BodySpace& space) {
 int map_body(const MapArguments& a, const CommonOptions& common) {
   Run run(kMapOutputs, common);
   if (!a.grid.empty()) throw InputError("--grid: of a robot of links --vary NAME[:N],... says what goes over the grid");
-  BodyScene scene = body_of(a.scene, a.actuators, run);
+  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", {}, a.set);
   apply_freedom(a.freedom, scene, run);
   const BodySpace space(scene);
   SurveyOptions options{.basins = run.monitor("map: basins", "searches")};

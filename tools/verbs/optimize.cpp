@@ -86,7 +86,9 @@ double writing_time(double deadline) {
 }
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
-  if (is_of_links(a.scene) || a.share) return optimize_body(a, common);
+  const bool of_links = is_of_links(a.scene);
+  if (!of_links) refuse_set(a.set);
+  if (of_links || a.share) return optimize_body(a, common);
   if (!a.logs.files.empty()) throw InputError("--log: of robots of links: the paper's robot has no log's commands");
   const std::string file = only_actuator(a.actuators);
   const Clock clock;
@@ -151,6 +153,7 @@ void add_optimize(CLI::App* verb, Action& chosen) {
   for (const std::string& n : solver_names()) names += n + ", ";
   verb->add_option("--solver", args->solver,
                    names + "or compare: all of them, side by side, each with its part of a --deadline [auto]");
+  add_set(*verb, args->set);
   add_objective(*verb, args->goal);
   verb->add_option("--evaluations", args->evaluations,
                    "how many motions are tried in all, with --robust landings [40000; tolerant 10000, of a robot of "

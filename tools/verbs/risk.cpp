@@ -45,6 +45,7 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
 
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
   if (is_of_links(a.scene)) return risk_body(a, common);
+  refuse_set(a.set);
   Run run(kRiskOutputs, common);
   const Scene scene = scene_of(a.scene, run);
   const Actuator actuator = rated_actuator_of(only_actuator(a.actuators), run);
@@ -81,6 +82,7 @@ void add_risk(CLI::App* verb, Action& chosen) {
           "--actuator", args->actuators,
           "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
       ->allow_extra_args(false);
+  add_set(*verb, args->set);
   add_motion(*verb, args->motion);
   add_scatter(*verb, args->scatter);
   verb->add_flag_callback(

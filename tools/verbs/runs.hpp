@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,12 +60,13 @@ struct LogArguments {
   int tie = 1;
 };
 /// Of each of their trials the largest acceleration of the point that counts, by the robot's model under the log's
-/// commands [m/s^2]; how each starts is fitted to it.
-std::vector<double> logged_peaks(const std::string& robot, const LogArguments& logs, const CommonOptions& common,
-                                 Run& run);
+/// commands [m/s^2]; how each starts is fitted to it. `texts` stand in place of its files.
+std::vector<double> logged_peaks(const std::string& robot, const std::map<std::string, std::string>& texts,
+                                 const LogArguments& logs, const CommonOptions& common, Run& run);
 
 struct OptimizeArguments {
   std::string scene;
+  std::vector<std::string> set;  ///< KEY=VALUE
   std::vector<std::string> actuators;
   std::optional<double> height;  ///< of the drop, instead of the scene's
   std::string solver = "auto";

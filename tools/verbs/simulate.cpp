@@ -39,6 +39,7 @@ ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuato
 
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   if (is_of_links(a.scene)) return simulate_body(a, common);
+  refuse_set(a.set);
   const std::string file = only_actuator(a.actuators);
   Run run(kSimulateOutputs, common);
   Scene scene = scene_of(a.scene, run);
@@ -68,6 +69,7 @@ void add_simulate(CLI::App* verb, Action& chosen) {
           "--actuator", args->actuators,
           "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
       ->allow_extra_args(false);
+  add_set(*verb, args->set);
   add_motion(*verb, args->motion);
   verb->add_option("--drop-from", args->drop_from, "FILE:ROW, a drop as risk.csv has it in place of the scene's");
   verb->add_option("--height", args->height, "drop from this height instead [m]; SCENE may be a robot of links alone");
