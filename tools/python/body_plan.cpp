@@ -119,18 +119,21 @@ void bind_body_optimize(py::module_& m) {
       [](const BodyScene& scene, std::uint64_t seed, const std::string& objective, std::optional<long> evaluations,
          std::optional<double> deadline, const std::optional<std::string>& robust,
          const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads,
-         const std::vector<std::string>& forbidden, bool ratings) {
+         const std::vector<std::string>& forbidden, bool ratings, std::optional<double> share) {
+        const BodyScene kept = limited(scene, forbidden, ratings);
         BodyPlanOptions options =
-            plan_options(scene, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
-        options.deadline = deadline, options.rate = checked_rate(rate);
-        return planned(limited(scene, forbidden, ratings), options);
+            plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
+        options.deadline = deadline, options.rate = checked_rate(rate), options.share = share;
+        if (share && !kept.limited()) throw InputError("share: the scene has no limit to keep");
+        return planned(kept, options);
       },
       py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
       py::arg("deadline") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
       py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("rate") = 1000.0,
       py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
+      py::arg("share") = py::none(),
       "The same of a robot of links: a motion for every driven joint. forbid: contacts that must never touch. Stops of "
-      "the scene are kept.");
+      "the scene are kept, with robust in `share` of the drops [1].");
 }
 
 /// A planner that is asked by one thread at a time, whatever Python's do.

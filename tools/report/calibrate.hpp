@@ -27,7 +27,7 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
 /// Logs played with given constants.
 int report_prediction(const FitTexts& played, const std::vector<std::string>& contacts, Run& run);
 
-/// `path`: the scene's file. `validation`: of drops that were not fitted.
+/// `path`: the scene's file; empty: there is none, and none is written. `validation`: of drops that were not fitted.
 int report(const std::string& path, const BodyCalibratedDrops& fitted,
            const std::optional<BodyCalibratedDrops>& validation, Doubt doubt, Run& run);
 
