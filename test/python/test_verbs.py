@@ -222,7 +222,10 @@ def test_robots_of_links(hopper, tmp_path):
     best = ukemi.optimize(hopper, evaluations=60)
     same(best, tmp_path, "optimize", HOPPER, "--evaluations", 60)
     assert best.value <= best.held_value and f"{best.goal} {best.value:.6g} m/s^2" in repr(best)
-    same(ukemi.risk(hopper, motions, samples=100), tmp_path, "risk", HOPPER, "--motion", MOTIONS, "--samples", 100)
+    same(ukemi.risk(hopper, motions, samples=100, forbid=["knee"]), tmp_path, "risk", HOPPER, "--motion", MOTIONS,
+         "--samples", 100, "--forbid", "knee")
+    with pytest.raises(ukemi.InputError, match="forbid: 'toe'"):
+        ukemi.risk(hopper, motions, forbid=["toe"])
     same(ukemi.robot(ukemi.dataset("robots/hopper.toml")), tmp_path, "robot", ukemi.dataset("robots/hopper.toml"))
     ukemi.save_motions(tmp_path / "m.toml", hopper, motions)
     again = ukemi.read_motions(tmp_path / "m.toml", hopper)

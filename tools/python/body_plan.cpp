@@ -241,22 +241,23 @@ void bind_body_risk(py::module_& m) {
   m.def(
       "risk",
       [](const BodyScene& scene, const JointMotions& motions, const std::optional<std::string>& scatter, double inflate,
-         bool inexact, long samples, std::uint64_t seed, int threads) {
+         bool inexact, long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden) {
         BodyRiskOptions options{.samples = samples, .scatter = asked_scatter(scatter)};
         options.drops = {.inflate = inflation(inflate), .inexact = inexact};
         options.seed = seed, options.threads = threads;
         options.validate();
+        const BodyScene kept = limited(scene, forbidden, false);
         const BodyMotion motion = motions_of(scene, motions);
         return long_call([&](const std::function<bool()>& stop) {
           options.monitor.stop = stop;
-          BodyRiskResult out{scene, motion, body_risk(scene, motion, options), options};
+          BodyRiskResult out{kept, motion, body_risk(kept, motion, options), options};
           out.options.monitor = {};
           return out;
         });
       },
       py::arg("scene"), py::arg("motions"), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
       py::arg("inexact") = false, py::arg("samples") = BodyRiskOptions().samples, py::arg("seed") = 1,
-      py::arg("threads") = 0,
+      py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{},
       "The same of a robot of links. motions: of its joints by name; one that is not named is held as its scene says.");
 }
 
