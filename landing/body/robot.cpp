@@ -62,6 +62,8 @@ void check(const Joint& j) {
   }
   for (const double x : {j.stiffness, j.damping, j.parallel_stiffness}) check_not_negative(what + ": spring", x);
   for (const double x : {j.rest, j.parallel_rest, j.phi}) check_finite(what + ": angle", x);
+  if (j.speed_max) check_positive(what + ": speed_max", *j.speed_max);
+  if (j.motor_torque_max) check_positive(what + ": motor_torque_max", *j.motor_torque_max);
 }
 
 }  // namespace

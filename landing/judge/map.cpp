@@ -84,7 +84,8 @@ PeakMap empty_map(const std::vector<Variable>& variables, const MapOptions& opti
   }
   std::size_t points = 1;
   for (const int c : map.cells) points *= std::size_t(c);
-  map.grid.resize(points);
+  const PeakMap::Cell not_played{std::numeric_limits<double>::quiet_NaN(), {}, -1, false, End::kStopped};
+  map.grid.resize(points, not_played);
   return map;
 }
 
@@ -147,6 +148,7 @@ PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& opti
   std::atomic<long> rows{0};
   const int count = int(map.grid.size() / row);
   parallel_for(count, options.threads, [&](int r) {
+    if (options.monitor.stopped()) return;
     const std::size_t first = std::size_t(r) * row;
     play(map, first, std::span(map.grid).subspan(first, row));
     options.monitor.progress(++rows, count);

@@ -59,6 +59,28 @@ Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordin
 
 }  // namespace
 
+std::vector<int> cells_of(const BodySpace& space, const std::vector<GridAxis>& axes, const std::string& option) {
+  constexpr int kUsual = 64, kOfThree = 24;
+  std::vector<std::string> names;
+  for (const Variable& v : space.variables()) names.push_back(v.name);
+  if (axes.empty() || axes.size() > 3)
+    throw InputError(fmt::format("{}: {} variables: one to three of {} are needed, the others stand", option,
+                                 axes.size(), fmt::join(names, ", ")));
+  std::vector<int> out(names.size(), 1);
+  for (const GridAxis& axis : axes) {
+    const auto at = std::find(names.begin(), names.end(), axis.variable);
+    if (at == names.end()) throw InputError(option + ": " + one_of(axis.variable, names));
+    int& points = out[std::size_t(at - names.begin())];
+    if (points > 1) throw InputError(option + ": " + quoted(axis.variable) + ": the variable is given twice");
+    const double n = axis.points.value_or(axes.size() < 3 ? kUsual : kOfThree);
+    if (!(n >= 2 && n <= 4096 && n == std::floor(n)))
+      throw InputError(fmt::format("{}: {}: {}: a whole number of points from 2 to 4096 is needed", option,
+                                   quoted(axis.variable), n));
+    points = int(n);
+  }
+  return out;
+}
+
 Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyMotion& motion, const Location& where) {
   const Coordinates unit = space.unit(motion);
   BodyMotion given = motion, kept = space.motion(unit);

@@ -1,6 +1,8 @@
 // The motions of a robot of links on a grid over some of their variables, and the basins that it shows. Ours.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/error.hpp"
@@ -27,6 +29,14 @@ struct BodySurvey : MappedPeaks {
   std::vector<GridMinimum> minima;  ///< the best MapOptions::polished, the best first
   std::vector<BodyBasin> basins;    ///< that lie apart, the best first
 };
+
+/// A variable that goes over the grid, and how many points it has there.
+struct GridAxis {
+  std::string variable;          ///< of BodySpace
+  std::optional<double> points;  ///< absent: 64, of three variables 24
+};
+/// MapOptions::cells of one to three variables; the others stand. Throws InputError "OPTION: ...".
+std::vector<int> cells_of(const BodySpace& space, const std::vector<GridAxis>& axes, const std::string& option);
 
 /// Values of a motion's variables, for MapOptions::slice. Throws InputError at `where` for a number of the motion that
 /// is not within what is searched.

@@ -209,6 +209,8 @@ DesignNumber found(const BodyScene& scene, const std::string& name) {
 
 }  // namespace
 
+bool is_rating(const std::string& name) { return name.ends_with(".speed_max") || name.ends_with(".motor_torque_max"); }
+
 std::vector<std::string> design_names(const BodyScene& scene) {
   std::vector<std::string> out;
   for (const DesignNumber& n : design_of(scene)) out.push_back(n.name);

@@ -17,6 +17,9 @@ namespace ukemi::landing {
 /// friction, pitch_deg; and robot.link.LINK.length, which stretches a link with all that is on it, mass kept.
 std::vector<std::string> design_names(const BodyScene& scene);
 
+/// Whether it is a drive's rating, which only plans that respect ratings keep.
+bool is_rating(const std::string& name);
+
 /// Sets a number of scenes like this one without a look at its range; throws InputError as design_number. For what sets
 /// many, time and again, and then asks BodyScene::validate.
 std::function<void(BodyScene&, double)> design_setter(const BodyScene& scene, const std::string& name);

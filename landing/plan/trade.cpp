@@ -66,7 +66,7 @@ class Trader {
     while (exchange()) {
     }
     const TradePoint& m = out_.points[out_.middle];
-    for (std::size_t k = first_; m.found() && k < last_; ++k)
+    for (std::size_t k = first_; m.found() && k < last_ && !options_.monitor.stopped(); ++k)
       out_.points[k].unchanged = k == out_.middle ? m.planned : value(k, m.motion);
   }
 

@@ -148,10 +148,10 @@ TEST_CASE("map of a robot of links refuses what it has no grid for, in one line"
   const auto refused = [&](const Arguments& more, const std::vector<std::string>& words) {
     check_refused(f, Arguments{"map", kHopper} + more, words);
   };
-  refused({}, {"--vary NAME[:N],... is needed", "phi_i_hip, phi_f_hip, phi_i_knee, phi_f_knee, duration"});
+  refused({}, {"--vary: 0 variables: one to three of phi_i_hip, phi_f_hip, phi_i_knee, phi_f_knee, duration"});
   refused({"--vary", "phi_i_hop"}, {"--vary: 'phi_i_hop': ", "did you mean \"phi_i_hip\"?"});
-  refused({"--vary", "phi_i_hip:1"}, {"--vary: 'phi_i_hip:1': ", "2 to 4096"});
-  refused({"--vary", "phi_i_hip:2.5"}, {"--vary: 'phi_i_hip:2.5': ", "2 to 4096"});
+  refused({"--vary", "phi_i_hip:1"}, {"--vary: 'phi_i_hip': 1: ", "2 to 4096"});
+  refused({"--vary", "phi_i_hip:2.5"}, {"--vary: 'phi_i_hip': 2.5: ", "2 to 4096"});
   refused({"--vary", "phi_i_hip,phi_i_hip"}, {"given twice"});
   refused({"--vary", "phi_i_hip,phi_f_hip,phi_i_knee,phi_f_knee"}, {"--vary: 4 variables: one to three"});
   refused({"--vary", "duration", "--grid", "4,4,4"}, {"--grid: ", "--vary"});

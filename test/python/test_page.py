@@ -9,6 +9,6 @@ def test_the_examples_of_the_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "out").mkdir()
     blocks = re.findall(r"<!-- run by test/python/test_page.py -->\n```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
-    assert len(blocks) == 2
+    assert len(blocks) == 3
     exec("\n".join(blocks), {})
     assert (tmp_path / "out/optimize/report.html").exists() and (tmp_path / "out/atlas.bin").exists()

@@ -271,12 +271,25 @@ def test_what_was_not_checked_or_lost_says_so(scene, actuator):
     assert on_floor.peaks.samples == 256 and on_floor.failed == 0 and 64 < on_floor.from_floor < 192
 
 
-def test_ctrl_c_ends_a_long_call_soon(scene, actuator):
+def drops_of(hopper):
+    return [ukemi.RobotDrop(ukemi.read_drop(ukemi.dataset(f"drops/hopper_{i}.csv"), hopper),
+                            ukemi.read_motions(ukemi.dataset(f"drops/hopper_hold_{i}.toml"), hopper), height=height)
+            for i, height in ((1, 0.3), (2, 0.2), (3, 0.15), (4, 0.25))]
+
+
+@pytest.mark.parametrize("call", [
+    lambda s, a, h: ukemi.optimize(s, a, evaluations=50_000_000),
+    lambda s, a, h: ukemi.map(h, {"phi_i_hip": 1000, "phi_f_knee": 1000}),
+    lambda s, a, h: ukemi.ratings(h, np.linspace(2, 12, 100), evaluations=1_000_000),
+    lambda s, a, h: ukemi.compare(h, h, evaluations=50_000_000),
+    lambda s, a, h: ukemi.calibrate(h, drops_of(h)),
+])
+def test_ctrl_c_ends_a_long_call_soon(scene, actuator, hopper, call):
     timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))  # runs: the interpreter is free
     timer.start()
     start = time.perf_counter()
     with pytest.raises(KeyboardInterrupt):
-        ukemi.optimize(scene, actuator, evaluations=50_000_000)
+        call(scene, actuator, hopper)
     assert time.perf_counter() - start < 10
     assert ukemi.simulate(scene, actuator, ukemi.hold(-45)).peak > 0
 

@@ -30,6 +30,9 @@ def examples(scene, actuator, hopper, driven):
     comparison = ukemi.compare(actuator, fit.actuator, scene=scene, robust="mean")
     design = ukemi.design(rig, fit.actuator, trials, hits=1, check=0)
     next_trials = ukemi.design_robot(driven[0], driven[1], ["drive.servo.friction"], noise={"phi": 1e-3})
+    fall = ukemi.RobotDrop(ukemi.read_drop(ukemi.dataset("drops/hopper_1.csv"), hopper))
+    leg = ukemi.calibrate(hopper, [fall], free=["stiffness"], law="only")
+    legs = ukemi.compare(hopper.with_design({"drive.hip.k_p": 40}), hopper, evaluations=20)
     atlas = ukemi.atlas(scene, actuator, (0.3, 0.4, 2), (0, 1, 2), (0, 0.1, 2), evaluations=100)
     return {type(x).__name__: x for x in (
         scene, actuator, hopper, rig, rig.errors, trials[0], fit, fit.trials[0], fit.parameters["k_sea"], landing,
@@ -40,6 +43,7 @@ def examples(scene, actuator, hopper, driven):
         ukemi.optimize(hopper, evaluations=20), ukemi.risk(hopper, {}, samples=20), entry_of(atlas, scene, actuator),
         ukemi.atlas(hopper, height=(0.2, 0.3, 2), evaluations=100),
         ukemi.trade(hopper, {"drop.height": [0.2, 0.3]}, evaluations=20), driven[0], driven[1][0],
+        ukemi.map(hopper, {"duration": 3}, polish=1), fall.log, fall, leg, legs,
         ukemi.predict_robot(driven[0], driven[1]), next_trials, next_trials.candidates[0])}
 
 
@@ -97,7 +101,8 @@ def test_a_pickle_of_something_else_is_an_input_error(scene):
 
 def test_a_report_of_a_result_that_was_pickled(examples, tmp_path):
     from told import numbers
-    for name in ("Landing", "Optimum", "Identification", "RobotOptimum", "Risk", "Calibration", "Design", "Comparison"):
+    for name in ("Landing", "Optimum", "Identification", "RobotOptimum", "Risk", "Calibration", "Design", "Comparison",
+                 "RobotMap", "RobotCalibration", "RobotComparison"):
         again = pickle.loads(pickle.dumps(examples[name]))
         assert numbers(again.write_report(tmp_path / f"{name}2")) == numbers(examples[name].write_report(tmp_path / name))
 

@@ -203,10 +203,13 @@ def test_calibrate(scene, actuator, tmp_path):
     logs = [ukemi.dataset(f"drops/drop_{i}.csv") for i in (1, 2)]
     guess = ukemi.dataset("drops/first_guess.toml")
     drops = [ukemi.Drop(ukemi.read_drop(p), ukemi.read_motion(hold)) for p in logs]
-    found = ukemi.calibrate(ukemi.read_scene(guess), actuator, drops[:1], validate=drops[1:])
+    found = ukemi.calibrate(ukemi.read_scene(guess), actuator, drops[:1], validate=drops[1:], free=["stiffness", "pitch"],
+                            profile=["stiffness"], errors={"damping_normal": 20})
     same(found, tmp_path, "calibrate", logs[0], "--scene", guess, "--actuator", TABLE2, "--motion", hold, "--validate",
-         logs[1])
+         logs[1], "--free", "stiffness,pitch", "--profile", "stiffness", "--errors", "damping_normal=20")
     assert len(found.drops) == len(found.validation) == 1
+    low, high = found.profiles["stiffness"]
+    assert low < found.parameters["stiffness"].value < high and found.error_budget["stiffness"]["damping_normal"] > 0
 
 
 def test_robots_of_links(hopper, tmp_path):
@@ -219,7 +222,10 @@ def test_robots_of_links(hopper, tmp_path):
     best = ukemi.optimize(hopper, evaluations=60)
     same(best, tmp_path, "optimize", HOPPER, "--evaluations", 60)
     assert best.value <= best.held_value and f"{best.goal} {best.value:.6g} m/s^2" in repr(best)
-    same(ukemi.risk(hopper, motions, samples=100), tmp_path, "risk", HOPPER, "--motion", MOTIONS, "--samples", 100)
+    same(ukemi.risk(hopper, motions, samples=100, forbid=["knee"]), tmp_path, "risk", HOPPER, "--motion", MOTIONS,
+         "--samples", 100, "--forbid", "knee")
+    with pytest.raises(ukemi.InputError, match="forbid: 'toe'"):
+        ukemi.risk(hopper, motions, forbid=["toe"])
     same(ukemi.robot(ukemi.dataset("robots/hopper.toml")), tmp_path, "robot", ukemi.dataset("robots/hopper.toml"))
     ukemi.save_motions(tmp_path / "m.toml", hopper, motions)
     again = ukemi.read_motions(tmp_path / "m.toml", hopper)
@@ -234,6 +240,129 @@ def test_robots_of_links(hopper, tmp_path):
             ukemi.optimize(hopper, **wrong)
     with pytest.raises(TypeError):
         ukemi.simulate(hopper, [motions["knee"]])
+
+
+def test_map_of_links(hopper, tmp_path):
+    motions = {n: ukemi.Motion(*m, 0.3) for n, m in (("hip", (0.7, 1.0)), ("knee", (-1.4, -1.0)))}
+    ukemi.save_motions(tmp_path / "slice.toml", hopper, motions)
+    found = ukemi.map(hopper, {"phi_i_hip": 5, "phi_f_knee": 4}, slice=ukemi.read_motions(tmp_path / "slice.toml", hopper),
+                      polish=2, seed=3)
+    told = same(found, tmp_path, "map", HOPPER, "--vary", "phi_i_hip:5,phi_f_knee:4", "--slice", tmp_path / "slice.toml",
+                "--polish", 2, "--seed", 3)
+    assert list(found.axes) == ["phi_i_hip", "phi_f_knee"] and found.peak.shape == (5, 4)
+    assert found.minima[0]["peak"] == np.nanmin(found.peak) == told["minima"][0]["peak_acceleration"]
+    assert [b["peak"] for b in found.basins] == [b["peak_acceleration"] for b in told["basins"]]
+    there = {"hip": ukemi.Motion(found.axes["phi_i_hip"][1], 1.0, 0.3), "knee": ukemi.Motion(-1.4, found.axes["phi_f_knee"][2], 0.3)}
+    assert found.peak[1, 2] == pytest.approx(ukemi.simulate(hopper, there).peak, rel=1e-3)
+    assert not found.peak.flags.writeable and "<path" in found.figure().svg + ukemi.map(hopper, {"duration": 3}).figure().svg
+    for vary, said in (([], "vary: 0 variables: one to three of phi_i_hip"), (["phi_i_toe"], "vary: 'phi_i_toe': one of"),
+                       ({"duration": 1}, "vary: 'duration': 1: a whole number of points from 2 to 4096"),
+                       (["duration", "duration"], "vary: 'duration': the variable is given twice"),
+                       ({"duration": math.nan}, "vary: 'duration': nan")):
+        with pytest.raises(ukemi.InputError, match=said) as e:
+            ukemi.map(hopper, vary)
+        assert "\n" not in str(e.value)
+    with pytest.raises(ukemi.InputError, match="slice: phi_i_hip = 3"):
+        ukemi.map(hopper, {"duration": 3}, slice={**motions, "hip": ukemi.Motion(3, 1, 0.3)})
+    with pytest.raises(ukemi.InputError, match="motions: 'toe'"):
+        ukemi.map(hopper, {"duration": 3}, slice={"toe": motions["hip"]})
+
+
+def test_ratings_of_links(hopper, tmp_path):
+    rated = ukemi.ratings(hopper, [4, 12], evaluations=300, seed=2)
+    same(rated, tmp_path, "ratings", HOPPER, "--motor-speed", "4:12:2", "--evaluations", 300, "--seed", 2)
+    assert [p["at"]["drive.*.speed_max"] for p in rated.points] == [4, 12]
+    both = ukemi.ratings(hopper, [4, 12], motor_torques=[6, 12], evaluations=50)
+    same(both, tmp_path, "ratings", HOPPER, "--motor-speed", "4:12:2", "--motor-torque", "6:12:2", "--evaluations", 50)
+    for speeds, said in (([], "two values or more that rise"), ([12, 4], "two values or more that rise"),
+                         ([0, 4], "drive.*.speed_max = 0"), ([math.nan, 4], "drive.*.speed_max = nan")):
+        with pytest.raises(ukemi.InputError, match=re.escape(said)):
+            ukemi.ratings(hopper, speeds)
+    with pytest.raises(ukemi.InputError, match="vary: 'drive.knee.speed_max': respect_ratings is needed"):
+        ukemi.trade(hopper, {"drive.knee.speed_max": [4, 8]})
+
+
+def test_compare_of_links(tmp_path):
+    softer, fit = tmp_path / "softer.toml", tmp_path / "fit.toml"
+    softer.write_text('[actuator]\nname = "softer"\nk_p = 40\nk_d = 1\nk_sea = 120\nc_sea = 1.6\ni_motor = 0.085\n')
+    fit.write_text(pathlib.Path(TABLE2).read_text() +
+                   '\n[uncertainty]\norder = ["k_p", "k_sea"]\ncovariance = [[4, 0], [0, 9]]\n')
+    nominal, identified = (ukemi.read_robot_scene(HOPPER, {"hip": f}) for f in (softer, fit))
+    found = ukemi.compare(nominal, identified, evaluations=200, robust="mean", seed=2)
+    told = same(found, tmp_path, "compare", "--scene", HOPPER, "--nominal", f"hip={softer}", "--identified", f"hip={fit}",
+                "--evaluations", 200, "--robust", "mean", "--seed", 2)
+    assert found.complete and {c.name: c.z for c in found.constants} == {k: v["z"] for k, v in told["parameters"].items()}
+    assert [m["set"] for m in found.motions] == ["nominal", "identified"]
+    for m in found.motions:
+        assert m["peaks"] == told["peaks"][m["set"] + "_motion"] and set(m["motions"]) == {"hip", "knee"}
+        for name, scene in (("nominal", nominal), ("identified", identified)):
+            assert m["peaks"][name] == pytest.approx(ukemi.simulate(scene, m["motions"]).peak, rel=1e-9)
+    assert [p["value"] for p in found.plans] == [p["promised"] for p in told["plans"]] and len(found.plans) == 3
+    assert found.plans[2]["truth"].mean.value == told["plans"][2]["truth"]["mean"]
+    for other, said in ((identified.dropped(height=1), "drop.height: 0.3 and 1: only drives may differ"),
+                        (ukemi.read_robot_scene(ukemi.dataset("scenes/foot.toml")), "two robots")):
+        with pytest.raises(ukemi.InputError, match=said):
+            ukemi.compare(nominal, other)
+    for wrong in ({"evaluations": 0}, {"robust": "worse"}, {"robust": "mean", "scatter": "forward_speed=1"},
+                  {"scatter": "height=0.01"}):
+        with pytest.raises(ukemi.InputError):
+            ukemi.compare(nominal, identified, **wrong)
+
+
+def test_calibrate_of_links(hopper, tmp_path):
+    logs = [ukemi.dataset(f"drops/hopper_{i}.csv") for i in (1, 2)]
+    holds = [ukemi.dataset(f"drops/hopper_hold_{i}.toml") for i in (1, 2)]
+    drops = [ukemi.RobotDrop(ukemi.read_drop(log, hopper), ukemi.read_motions(hold, hopper), height=height)
+             for log, hold, height in zip(logs, holds, (0.3, 0.2))]
+    found = ukemi.calibrate(HOPPER, drops[:1], free=["stiffness", "friction"], law="only", validate=drops[1:],
+                            profile=["friction"], errors={"damping_normal": 5}, priors={"friction": (0.45, 0.2)})
+    same(found, tmp_path, "calibrate", logs[0], "--scene", HOPPER, "--motion-of", f"hopper_1={holds[0]}", "--motion-of",
+         f"hopper_2={holds[1]}", "--height-of", "hopper_1=0.3", "--height-of", "hopper_2=0.2", "--validate", logs[1],
+         "--free", "stiffness,friction", "--law", "only", "--profile", "friction", "--errors", "damping_normal=5",
+         "--prior", "friction=0.45:0.2")
+    told, mine = ((tmp_path / f / "scene.toml").read_text().split("\nrobot =")[1] for f in ("its", "mine"))
+    assert told.partition("\n")[2] == mine.partition("\n")[2]  # but for the way to the robot's file, the same text
+    assert found.converged and len(found.drops) == len(found.validation) == 1 and set(found.profiles) == {"friction"}
+    assert found.scene.design("floor.friction") == found.parameters["friction"].value
+    assert found.error_budget["stiffness"].keys() >= {"noise", "damping_normal"} and "phi_knee" in found.rms
+    of_scene = ukemi.calibrate(hopper, drops[:1], free=["stiffness", "friction"], law="only")
+    assert "parameters" in of_scene.write_report(tmp_path / "no_file") and not (tmp_path / "no_file/scene.toml").exists()
+    asked = ukemi.calibrate(hopper, drops[:1], free=["stiffness"], law="asked")  # one constant is not enough for these
+    laws = [law["law"] for law in asked.laws]
+    assert laws[0] == "linear, Coulomb's friction, without pads" and asked.asked in laws[1:] and asked.laws[0]["rejected"]
+    assert asked.laws[0]["bic"] == 0 > asked.laws[laws.index(asked.asked)]["bic"]
+    pad = "robot.contact.foot.pad.thickness"
+    assert hopper.design(pad) == 0 and (asked.scene.design(pad) > 0) == ("with pads" in asked.asked)
+    log = drops[0].log
+    again = ukemi.RobotDropLog(hopper, log.t, log.outputs, name=log.name)
+    assert again == log and not log.outputs["acc"].flags.writeable
+    for call, said in (
+            (lambda: ukemi.RobotDropLog(hopper, log.t, {"phi_toe": log.t}), "drop: 'phi_toe': acc, ax, ay, x_slider"),
+            (lambda: ukemi.RobotDropLog(hopper, log.t[::-1], {"acc": log.t}), "t"),
+            (lambda: ukemi.RobotDropLog(hopper, log.t, {"acc": log.t[1:]}), "acc"),
+            (lambda: ukemi.read_drop(HOPPER, hopper), "hopper.toml"),
+            (lambda: ukemi.RobotDrop(log, height=-1), "height: -1"),
+            (lambda: ukemi.calibrate(hopper, []), "drop"),
+            (lambda: ukemi.calibrate(hopper, [ukemi.RobotDrop(log, forward_speed=1)]), "forward_speed: a robot on this base"),
+            (lambda: ukemi.calibrate(hopper, [ukemi.RobotDrop(log, {"toe": ukemi.hold(-45)})]), "motions: 'toe'"),
+            (lambda: ukemi.calibrate(hopper, drops, free=["frictions"]), "frictions"),
+            (lambda: ukemi.calibrate(hopper, drops, law="mine"), "law: 'mine'"),
+            (lambda: ukemi.calibrate(hopper, drops, accuracy=1), "accuracy: 1"),
+            (lambda: ukemi.calibrate(ukemi.read_robot_scene(ukemi.dataset("scenes/foot.toml")), drops), "another robot")):
+        with pytest.raises(ukemi.InputError, match=re.escape(said)) as e:
+            call()
+        assert "\n" not in str(e.value)
+
+
+def test_a_plan_that_keeps_limits_in_a_share_of_the_drops(hopper, tmp_path):
+    best = ukemi.optimize(hopper, evaluations=2000, robust="mean", samples=16, scatter="height=0.02", forbid=["knee"],
+                          share=0.9)
+    same(best, tmp_path, "optimize", HOPPER, "--evaluations", 2000, "--robust", "mean", "--samples", 16, "--scatter",
+         "height=0.02", "--forbid", "knee", "--share", 0.9)
+    for wrong, said in (({"share": 0.9}, "share: "), ({"share": 2, "robust": "mean", "forbid": ["knee"]}, "share: 2"),
+                        ({"share": 0.9, "robust": "mean"}, "share: the scene has no limit to keep")):
+        with pytest.raises(ukemi.InputError, match=said):
+            ukemi.optimize(hopper, **wrong)
 
 
 def test_driven_robots(driven, hopper, tmp_path):

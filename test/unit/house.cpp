@@ -207,6 +207,20 @@ TEST_CASE("every link and every path of the pages leads somewhere") {
   }
 }
 
+TEST_CASE("the page on playing a plan shows the code of its example") {
+  const auto unindented = [](const std::string& text) {
+    return std::regex_replace("\n" + text, std::regex("\n +"), "\n");
+  };
+  const fs::path tools = fs::path(UKEMI_SOURCE) / "tools";
+  const std::string example = unindented(text_of(tools / "examples/play.cpp"));
+  const std::vector<std::string> blocks = found(text_of(tools / "docs/play.md"), "```cpp\n([^`]*)```");
+  CHECK(blocks.size() == 2);
+  for (const std::string& block : blocks) {
+    INFO(block);
+    CHECK(example.find(unindented(block)) != example.npos);
+  }
+}
+
 TEST_CASE("README is read in five minutes, and every page of tools/docs is reached from it") {
   const std::string readme = text_of(fs::path(UKEMI_SOURCE) / "README.md");
   CHECK(std::count(readme.begin(), readme.end(), '\n') <= 150);

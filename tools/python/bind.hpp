@@ -164,25 +164,28 @@ void bind_profiles(py::class_<Result, Options...>& c, std::vector<identify::Prof
 /// tools::require_gains of an argument.
 inline void require_gains(const Actuator& actuator) { tools::require_gains(actuator, {"actuator"}); }
 
-void bind_common(py::module_& m);        ///< errors, figures, the actuator
-void bind_trials(py::module_& m);        ///< rig, trials
-void bind_identify(py::module_& m);      ///< fits and predictions
-void bind_design(py::module_& m);        ///< the next hits
-void bind_scene(py::module_& m);         ///< scene, motion, player
-void bind_landing(py::module_& m);       ///< one landing
-void bind_optimize(py::module_& m);      ///< the best motion
-void bind_risk(py::module_& m);          ///< over drops that scatter
-void bind_map(py::module_& m);           ///< the box of motions, ratings
-void bind_planner(py::module_& m);       ///< for control programs
-void bind_atlas(py::module_& m);         ///< the table that a robot carries, its reader
-void bind_calibrate(py::module_& m);     ///< drops, the floor
-void bind_compare(py::module_& m);       ///< two sets of constants
-void bind_body(py::module_& m);          ///< robots of links: one landing
-void bind_body_plan(py::module_& m);     ///< their plans, their risk
-void bind_trade(py::module_& m);         ///< what their designs buy
-void bind_robot_trials(py::module_& m);  ///< robots of links that logs drive
-void bind_robot_design(py::module_& m);  ///< design_robot
-void bind_report(py::module_& m);        ///< write_report
+void bind_common(py::module_& m);          ///< errors, figures, the actuator
+void bind_trials(py::module_& m);          ///< rig, trials
+void bind_identify(py::module_& m);        ///< fits and predictions
+void bind_design(py::module_& m);          ///< the next hits
+void bind_scene(py::module_& m);           ///< scene, motion, player
+void bind_landing(py::module_& m);         ///< one landing
+void bind_optimize(py::module_& m);        ///< the best motion
+void bind_risk(py::module_& m);            ///< over drops that scatter
+void bind_map(py::module_& m);             ///< the box of motions, ratings
+void bind_planner(py::module_& m);         ///< for control programs
+void bind_atlas(py::module_& m);           ///< the table that a robot carries, its reader
+void bind_calibrate(py::module_& m);       ///< drops, the floor
+void bind_compare(py::module_& m);         ///< two sets of constants
+void bind_body(py::module_& m);            ///< robots of links: one landing
+void bind_body_plan(py::module_& m);       ///< their plans, their risk
+void bind_body_map(py::module_& m);        ///< their motions on a grid
+void bind_body_calibrate(py::module_& m);  ///< their floor
+void bind_body_compare(py::module_& m);    ///< two sets of their drives
+void bind_trade(py::module_& m);           ///< what their designs buy
+void bind_robot_trials(py::module_& m);    ///< robots of links that logs drive
+void bind_robot_design(py::module_& m);    ///< design_robot
+void bind_report(py::module_& m);          ///< write_report
 
 }  // namespace ukemi::python
 

@@ -244,7 +244,7 @@ void bind_body_landing(py::module_& m) {
   bind_run_end(
       c, +[](const BodyPlayed& p) -> const RunEnd& { return p.checked.landing; }, "contact");
   bind_sensitivity(
-      c, +[](const BodyPlayed& p) -> const Sensitivity& { return p.checked.sensitivity; });
+      c, +[](const BodyPlayed& p) -> const landing::Sensitivity& { return p.checked.sensitivity; });
   c.def_property_readonly(
        "contacts",
        [](const BodyPlayed& p) { return named(p.checked.landing.touches, tools::contact_name(p.checked.scene.robot)); },

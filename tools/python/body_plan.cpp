@@ -119,18 +119,21 @@ void bind_body_optimize(py::module_& m) {
       [](const BodyScene& scene, std::uint64_t seed, const std::string& objective, std::optional<long> evaluations,
          std::optional<double> deadline, const std::optional<std::string>& robust,
          const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads,
-         const std::vector<std::string>& forbidden, bool ratings) {
+         const std::vector<std::string>& forbidden, bool ratings, std::optional<double> share) {
+        const BodyScene kept = limited(scene, forbidden, ratings);
         BodyPlanOptions options =
-            plan_options(scene, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
-        options.deadline = deadline, options.rate = checked_rate(rate);
-        return planned(limited(scene, forbidden, ratings), options);
+            plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
+        options.deadline = deadline, options.rate = checked_rate(rate), options.share = share;
+        if (share && !kept.limited()) throw InputError("share: the scene has no limit to keep");
+        return planned(kept, options);
       },
       py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
       py::arg("deadline") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
       py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("rate") = 1000.0,
       py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
+      py::arg("share") = py::none(),
       "The same of a robot of links: a motion for every driven joint. forbid: contacts that must never touch. Stops of "
-      "the scene are kept.");
+      "the scene are kept, with robust in `share` of the drops [1].");
 }
 
 /// A planner that is asked by one thread at a time, whatever Python's do.
@@ -238,22 +241,23 @@ void bind_body_risk(py::module_& m) {
   m.def(
       "risk",
       [](const BodyScene& scene, const JointMotions& motions, const std::optional<std::string>& scatter, double inflate,
-         bool inexact, long samples, std::uint64_t seed, int threads) {
+         bool inexact, long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden) {
         BodyRiskOptions options{.samples = samples, .scatter = asked_scatter(scatter)};
         options.drops = {.inflate = inflation(inflate), .inexact = inexact};
         options.seed = seed, options.threads = threads;
         options.validate();
+        const BodyScene kept = limited(scene, forbidden, false);
         const BodyMotion motion = motions_of(scene, motions);
         return long_call([&](const std::function<bool()>& stop) {
           options.monitor.stop = stop;
-          BodyRiskResult out{scene, motion, body_risk(scene, motion, options), options};
+          BodyRiskResult out{kept, motion, body_risk(kept, motion, options), options};
           out.options.monitor = {};
           return out;
         });
       },
       py::arg("scene"), py::arg("motions"), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
       py::arg("inexact") = false, py::arg("samples") = BodyRiskOptions().samples, py::arg("seed") = 1,
-      py::arg("threads") = 0,
+      py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{},
       "The same of a robot of links. motions: of its joints by name; one that is not named is held as its scene says.");
 }
 

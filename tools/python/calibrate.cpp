@@ -6,6 +6,7 @@
 #include "common/actuator.hpp"
 #include "common/csv.hpp"
 #include "landing/model/scene_file.hpp"
+#include "tools/python/floor_fit.hpp"
 #include "tools/python/landing.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/results.hpp"
@@ -15,24 +16,33 @@ namespace ukemi::python {
 
 using namespace landing;
 
+std::vector<double> drop_times(const Numbers& t, const std::string& name) {
+  std::vector<double> out = column("t", t);
+  require_times("t", out);
+  if (out.front() < 0)
+    throw InputError(fmt::format("{}: t[0]: {}: times from the release on are needed", name, shortest(out.front())));
+  return out;
+}
+
+std::vector<double> drop_output(const std::string& output, const std::optional<Numbers>& values, std::size_t rows,
+                                const std::string& name) {
+  std::vector<double> out = column(output, values, rows);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (std::isinf(out[i]))
+      throw InputError(
+          fmt::format("{}: {}[{}]: a number, or NaN where it was not measured, is needed", name, output, i));
+  return out;
+}
+
 namespace {
 
 using tools::Calibration, tools::LoggedDrop, tools::DropResult;
 
 DropLog log_of(const Numbers& t, const std::array<std::optional<Numbers>, kOutputs>& outputs, const std::string& name) {
   DropLog out;
-  out.file = name;
-  out.t = column("t", t);
-  require_times("t", out.t);
-  if (out.t.front() < 0)
-    throw InputError(fmt::format("{}: t[0]: {}: times from the release on are needed", name, shortest(out.t.front())));
-  for (std::size_t o = 0; o < kOutputs; ++o) {
-    out.output[o] = column(kOutputNames[o], outputs[o], out.t.size());
-    for (std::size_t i = 0; i < out.output[o].size(); ++i)
-      if (std::isinf(out.output[o][i]))
-        throw InputError(
-            fmt::format("{}: {}[{}]: a number, or NaN where it was not measured, is needed", name, kOutputNames[o], i));
-  }
+  out.file = name, out.t = drop_times(t, name);
+  for (std::size_t o = 0; o < kOutputs; ++o)
+    out.output[o] = drop_output(kOutputNames[o], outputs[o], out.t.size(), name);
   return out;
 }
 
@@ -136,27 +146,16 @@ void bind_calibration(py::module_& m) {
   py::class_<Calibrated> c(m, "Calibration", "The floor's constants and the pitch, fitted to drops.");
   bind_estimates(
       c, +[](const Calibrated& x) -> const identify::Estimates& { return x.fitted.result; });
+  bind_floor_fit(
+      c, +[](const Calibrated& x) -> const tools::FloorFit& { return x.fitted.result; });
+  bind_profiles(
+      c, +[](const Calibrated& x) { return x.fitted.result.profiles; });
   c.def_property_readonly(
        "scene", [](const Calibrated& x) { return x.fitted.result.scene; }, "The given scene with the fitted constants.")
-      .def_property_readonly(
-          "model_rejected", [](const Calibrated& x) { return x.fitted.result.tests.model_rejected(); },
-          "Whether the residuals speak against the floor.")
-      .def_property_readonly(
-          "drops", [](const Calibrated& x) { return x.fitted.result.drops; }, "Each drop beside its log.")
       .def_property_readonly(
           "validation",
           [](const Calibrated& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; },
           "The same of drops that were not fitted.")
-      .def_property_readonly(
-          "rms",
-          [](const Calibrated& x) {
-            const Calibration& found = x.fitted.result;
-            std::map<std::string, double> out;
-            for (std::size_t o = 0; o < kOutputs; ++o)
-              if (std::isfinite(found.noise[o])) out[kOutputNames[o]] = found.rms[o];
-            return out;
-          },
-          "Residual of each output that was measured, by its name [m/s^2, m or rad].")
       .def("__repr__", [](const Calibrated& x) {
         return fmt::format("<ukemi.Calibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
                            x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
@@ -179,20 +178,24 @@ void bind_calibrate(py::module_& m) {
       [](const Scene& scene, const Actuator& actuator, const std::vector<PlayedDrop>& drops,
          const std::optional<std::vector<std::string>>& free, const std::vector<std::string>& nuisance,
          const Priors& priors, const Bounds& lower, const Bounds& upper, double accuracy, std::uint64_t seed,
-         const std::vector<PlayedDrop>& validate) {
+         const std::vector<PlayedDrop>& validate, const std::vector<std::string>& profile, const Bounds& errors) {
         tools::CalibrationOptions o;
         o.terms = choose(std::move(o.terms), free, nuisance, priors, lower, upper);
-        o.accuracy = accuracy, o.seed = seed;
+        o.accuracy = accuracy, o.seed = seed, o.profiles = profile;
+        o.errors.assign(errors.begin(), errors.end());
         return calibrated(scene, actuator, drops, validate, std::move(o));
       },
       py::arg("scene"), py::arg("actuator"), py::arg("drops"), py::arg("free") = py::none(),
       py::arg("nuisance") = std::vector<std::string>{}, py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
       py::arg("upper") = Bounds{}, py::arg("accuracy") = 1e-9, py::arg("seed") = 1,
-      py::arg("validate") = std::vector<PlayedDrop>{},
+      py::arg("validate") = std::vector<PlayedDrop>{}, py::arg("profile") = std::vector<std::string>{},
+      py::arg("errors") = Bounds{},
       "Fits the floor's constants and the pitch to logs of drops, as `ukemi calibrate`. free: of stiffness, "
       "damping_normal, damping_tangential, pitch (None: all); priors: name -> (value, standard deviation); lower, "
       "upper: "
-      "name -> bound, each in the term's unit (pitch [rad]); validate: drops that are not fitted.");
+      "name -> bound, each in the term's unit (pitch [rad]); validate: drops that are not fitted; profile: constants "
+      "whose "
+      "likelihood profile is made; errors: standard deviations of constants that are not fitted.");
 }
 
 }  // namespace ukemi::python

@@ -92,7 +92,7 @@ void bind_landing_class(py::module_& m) {
   bind_run_end(
       c, +[](const Played& p) -> const RunEnd& { return p.checked.landing; }, "point");
   bind_sensitivity(
-      c, +[](const Played& p) -> const Sensitivity& { return p.checked.sensitivity; });
+      c, +[](const Played& p) -> const landing::Sensitivity& { return p.checked.sensitivity; });
   c.def_property_readonly(
        "contacts", [](const Played& p) { return named(p.checked.landing.touches, tools::point_name); },
        "Every contact, in the order of the touchdowns.")

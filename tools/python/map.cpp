@@ -3,34 +3,61 @@
 
 #include "landing/judge/speed.hpp"
 #include "landing/judge/survey.hpp"
-#include "tools/python/landing.hpp"
+#include "tools/python/mapped.hpp"
 #include "tools/report/results.hpp"
 
 namespace ukemi::python {
 
 using namespace landing;
 
-namespace {
-
-std::vector<double> axis(const PeakMap& map, int variable) {
-  std::vector<double> out;
-  for (int i = 0; i < map.cells[std::size_t(variable)]; ++i) out.push_back(map.coordinate(variable, i));
+std::vector<int> varied(const PeakMap& map) {
+  std::vector<int> out;
+  for (int k = 0; k < int(map.cells.size()); ++k)
+    if (map.cells[std::size_t(k)] > 1) out.push_back(k);
   return out;
 }
+
+py::array_t<double> peaks_view(const PeakMap& map, py::handle owner) {
+  std::vector<py::ssize_t> shape, strides;
+  py::ssize_t step = sizeof(PeakMap::Cell);
+  for (std::size_t k = map.cells.size(); k-- > 0; step *= map.cells[k])
+    if (map.cells[k] > 1) shape.insert(shape.begin(), map.cells[k]), strides.insert(strides.begin(), step);
+  py::array_t<double> out(shape, strides, &map.grid.front().peak, owner);
+  out.attr("setflags")(false);
+  return out;
+}
+
+py::dict axes_of(const PeakMap& map) {
+  py::dict out;
+  for (const int k : varied(map)) {
+    std::vector<double> values;
+    for (int i = 0; i < map.cells[std::size_t(k)]; ++i) values.push_back(map.coordinate(k, i));
+    out[py::str(map.variables[std::size_t(k)].name)] = py::array_t<double>(py::ssize_t(values.size()), values.data());
+  }
+  return out;
+}
+
+Figure figure(const PeakMap& map, int x, int y) {
+  const std::vector<int> over = varied(map);
+  const int n = int(over.size());
+  if (n == 1) {
+    const tools::Heatmap line = tools::projection(map, over[0], over[0]);
+    tools::Series peaks{"", line.x, {}};
+    for (const PeakMap::Cell& c : map.grid) peaks.y.push_back(c.peak);
+    return {tools::lines_svg(line.x_label, "peak [m/s^2]", {peaks})};
+  }
+  if (x < 0 || y < 0 || x >= n || y >= n || x == y)
+    throw InputError(fmt::format("x, y: {}, {}: two of the axes 0 to {} are needed", x, y, n - 1));
+  return {tools::Report("").heatmap(tools::projection(map, over[std::size_t(x)], over[std::size_t(y)]))};
+}
+
+namespace {
 
 /// A survey with its seed.
 struct SurveyResult {
   Survey survey;
   std::uint64_t seed = 1;
 };
-
-Figure map_figure(const SurveyResult& r, int x, int y) {
-  const Survey& s = r.survey;
-  const int n = int(s.map.cells.size());
-  if (x < 0 || y < 0 || x >= n || y >= n || x == y)
-    throw InputError(fmt::format("x, y: {}, {}: two of the variables 0 to {} are needed", x, y, n - 1));
-  return {tools::Report("").heatmap(tools::projection(s.map, x, y))};
-}
 
 void bind_basin(py::module_& m) {
   py::class_<JudgedBasin> c(m, "Basin", "The best motion found near a local minimum of a map.");
@@ -46,40 +73,10 @@ void bind_basin(py::module_& m) {
 
 void bind_survey(py::module_& m) {
   py::class_<SurveyResult> c(m, "Map", "The box of motions on a grid, and its basins.");
+  bind_mapped(
+      c, +[](const SurveyResult& r) -> const MappedPeaks& { return r.survey; });
   c.def_property_readonly(
-       "peak",
-       [](const py::object& self) {
-         const PeakMap& map = self.cast<const SurveyResult&>().survey.map;
-         std::vector<py::ssize_t> shape(map.cells.begin(), map.cells.end()), strides(shape.size());
-         py::ssize_t step = sizeof(PeakMap::Cell);
-         for (std::size_t k = shape.size(); k-- > 0; step *= shape[k]) strides[k] = step;
-         py::array_t<double> out(shape, strides, &map.grid.front().peak, self);
-         out.attr("setflags")(false);
-         return out;
-       },
-       "Peaks [m/s^2], an axis for each variable; NaN where a landing could not be followed.")
-      .def_property_readonly(
-          "axes",
-          [](const SurveyResult& r) {
-            const Survey& s = r.survey;
-            py::dict out;
-            for (std::size_t k = 0; k < s.map.variables.size(); ++k) {
-              const std::vector<double> values = axis(s.map, int(k));
-              out[py::str(s.map.variables[k].name)] = py::array_t<double>(py::ssize_t(values.size()), values.data());
-            }
-            return out;
-          },
-          "The grid's values along each variable by its name [rad, s or 1].")
-      .def_property_readonly(
-          "basins", [](const SurveyResult& r) { return r.survey.basins; }, "The distinct basins, the best first.")
-      .def_property_readonly(
-          "failed", [](const SurveyResult& r) { return r.survey.failed; }, "Landings that could not be followed.")
-      .def_property_readonly(
-          "joint_lost", [](const SurveyResult& r) { return r.survey.lost; }, "Landings whose drive lost the joint.")
-      .def("figure", &map_figure, py::arg("x") = 0, py::arg("y") = 1,
-           "The smallest peak [m/s^2] over the variables that are not drawn.")
-      .def(
-          "_repr_svg_", [](const SurveyResult& r) { return map_figure(r, 0, 1).svg; }, "What a notebook shows.");
+      "basins", [](const SurveyResult& r) { return r.survey.basins; }, "The distinct basins, the best first.");
   bind_value(c);
   bind_report(
       c, tools::kMapOutputs, [](const SurveyResult& r, tools::Run& run) { return report(r.survey, run); },

@@ -5,9 +5,11 @@
 
 #include "landing/judge/answer.hpp"
 #include "landing/judge/survey.hpp"
+#include "landing/plan/body_map.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "tools/python/archive.hpp"
+#include "tools/study/body_calibration.hpp"
 #include "tools/study/calibration.hpp"
 #include "tools/study/robot_trials.hpp"
 
@@ -46,6 +48,9 @@ struct Carry<BodyRisk> : OnBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRis
 template <>
 struct Carry<landing::Survey>
     : OnBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};
+template <>
+struct Carry<landing::BodySurvey> : OnBase<landing::BodySurvey, landing::MappedPeaks, &landing::BodySurvey::scene,
+                                           &landing::BodySurvey::minima, &landing::BodySurvey::basins> {};
 using identify::Estimates, identify::Fit, tools::Calibration;
 template <>
 struct Carry<Fit> : OnBase<Fit, Estimates, &Fit::sea, &Fit::rms, &Fit::identifiable, &Fit::far_above_noise,
@@ -57,6 +62,10 @@ struct Carry<FloorFit>
              &FloorFit::rms, &FloorFit::drops, &FloorFit::promises, &FloorFit::profiles, &FloorFit::steps> {};
 template <>
 struct Carry<Calibration> : OnBase<Calibration, FloorFit, &Calibration::scene> {};
+template <>
+struct Carry<tools::BodyCalibration>
+    : OnBase<tools::BodyCalibration, FloorFit, &tools::BodyCalibration::scene, &tools::BodyCalibration::laws,
+             &tools::BodyCalibration::asked, &tools::BodyCalibration::own> {};
 template <>
 struct Carry<tools::RobotFit> : OnBase<tools::RobotFit, FloorFit, &tools::RobotFit::robot> {};
 

@@ -33,16 +33,55 @@ py::list designs_of(const TradeResult& r) {
   return out;
 }
 
-std::vector<TradeAxis> axes_of(const BodyScene& scene, const py::dict& vary) {
-  std::vector<TradeAxis> out;
-  for (const auto& [key, values] : vary) {
-    out.push_back({py::cast<std::string>(key), py::cast<std::vector<double>>(values)});
-    for (const double value : out.back().values) {  // refused before anything is searched
+/// Refused before anything is searched.
+void check_axes(const BodyScene& scene, const std::vector<TradeAxis>& axes, bool ratings) {
+  for (const TradeAxis& axis : axes) {
+    for (const double value : axis.values) {
       BodyScene tried = scene;
-      set_design_number(tried, out.back().name, value);
+      set_design_number(tried, axis.name, value);
     }
+    if (!ratings && is_rating(axis.name))
+      throw InputError("vary: " + quoted(axis.name) + ": respect_ratings is needed: without it no plan keeps a rating");
   }
+}
+
+std::vector<TradeAxis> axes_of(const py::dict& vary) {
+  std::vector<TradeAxis> out;
+  for (const auto& [key, values] : vary)
+    out.push_back({py::cast<std::string>(key), py::cast<std::vector<double>>(values)});
   return out;
+}
+
+/// A trade of these designs, or a front of two loads.
+TradeResult traded(const BodyScene& scene, const std::vector<TradeAxis>& axes,
+                   const std::optional<std::pair<std::string, std::string>>& front, std::size_t designs, bool ratings,
+                   const BodyPlanOptions& search) {
+  check_axes(scene, axes, ratings);
+  TradeOptions options{.search = search};
+  if (ratings) options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
+  return long_call([&](const std::function<bool()>& stop) {
+    options.monitor.stop = stop;
+    if (!front) return TradeResult{.scene = scene, .trade = trade(scene, axes, options), .search = search};
+    Front f = pareto(scene, front->first, front->second, designs, options);
+    return TradeResult{
+        .scene = std::move(f.scene), .trade = std::move(f.trade), .search = search, .of = TradeResult::Of::kFront};
+  });
+}
+
+void bind_body_ratings(py::module_& m) {
+  m.def(
+      "ratings",
+      [](const BodyScene& scene, const Numbers& speeds, const std::optional<Numbers>& torques,
+         std::optional<long> evaluations, std::uint64_t seed, int threads) {
+        std::vector<TradeAxis> axes = {{"drive.*.speed_max", column("motor_speeds", speeds)}};
+        if (torques) axes.push_back({"drive.*.motor_torque_max", column("motor_torques", *torques)});
+        return traded(scene, axes, {}, 0, true,
+                      plan_options(scene, seed, "peak", evaluations, {}, {}, 1, BodyPlanOptions().samples, threads));
+      },
+      py::arg("scene"), py::arg("motor_speeds"), py::arg("motor_torques") = py::none(),
+      py::arg("evaluations") = py::none(), py::arg("seed") = 1, py::arg("threads") = 0,
+      "The same of a robot of links, a trade of what all its drives are rated: motor_speeds [rad/s], motor_torques "
+      "[Nm], two of each at least; None: what each drive's own motor_torque_max says.");
 }
 
 }  // namespace
@@ -70,19 +109,8 @@ void bind_trade(py::module_& m) {
          const std::optional<std::pair<std::string, std::string>>& front, std::size_t designs) {
         if (front.has_value() == !vary.empty()) throw InputError("vary or pareto is needed, and not both");
         const BodyScene kept = limited(scene, forbidden, false);
-        TradeOptions options{
-            .search = plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads)};
-        if (ratings) options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
-        const std::vector<TradeAxis> axes = axes_of(kept, vary);
-        return long_call([&](const std::function<bool()>& stop) {
-          options.monitor.stop = stop;
-          if (!front) return TradeResult{.scene = kept, .trade = trade(kept, axes, options), .search = options.search};
-          Front f = pareto(kept, front->first, front->second, designs, options);
-          return TradeResult{.scene = std::move(f.scene),
-                             .trade = std::move(f.trade),
-                             .search = options.search,
-                             .of = TradeResult::Of::kFront};
-        });
+        return traded(kept, axes_of(vary), front, designs, ratings,
+                      plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads));
       },
       py::arg("scene"), py::arg("vary") = py::dict(), py::arg("seed") = 1, py::arg("objective") = "peak",
       py::arg("evaluations") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
@@ -92,6 +120,7 @@ void bind_trade(py::module_& m) {
       "What numbers of a robot's design buy: vary is a dict of one or two names, as \"drive.knee.k_sea\", each with "
       "the values that rise, in the units of the files. Or what one load costs in another: pareto is a pair of names "
       "of loads, or \"peak\"; the first is made small for so many values (designs) that the second may have.");
+  bind_body_ratings(m);
 }
 
 }  // namespace ukemi::python

@@ -34,7 +34,7 @@ struct ContactTimes {
 /// Logs played with given constants.
 int report_prediction(const FitTexts& played, const ContactTimes& contacts, Run& run);
 
-/// `path`: the scene's file. `validation`: of drops that were not fitted.
+/// `path`: the scene's file; empty: there is none, and none is written. `validation`: of drops that were not fitted.
 int report(const std::string& path, const BodyCalibratedDrops& fitted,
            const std::optional<BodyCalibratedDrops>& validation, Doubt doubt, Run& run);
 

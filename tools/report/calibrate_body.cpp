@@ -74,7 +74,8 @@ int report(const std::string& path, const BodyCalibratedDrops& fitted,
   scene.source = "calibrated from drop logs by ukemi";
   return report(
       texts_of(fitted), validation ? std::optional(texts_of(*validation)) : std::nullopt, doubt,
-      scene_files(path, scene, scene_comments(run, c), run.folder()),
+      path.empty() ? std::map<std::string, std::string>{}
+                   : scene_files(path, scene, scene_comments(run, c), run.folder()),
       [&](Report& page, Json& summary) { report_laws(c, page, summary, run); }, run);
 }
 

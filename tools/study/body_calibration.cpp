@@ -333,6 +333,12 @@ void check_floor(const BodyScene& scene) {
 
 }  // namespace
 
+void check_thrown(const Robot& robot, const char* height, const char* forward_speed) {
+  if (height && robot.base == Base::kPinned) throw InputError(std::string(height) + ": a pinned robot is not dropped");
+  if (forward_speed && robot.base != Base::kFree)
+    throw InputError(std::string(forward_speed) + ": a robot on this base has no forward speed");
+}
+
 void check_drops(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops) {
   check_floor(scene);
   constexpr double kAccuracy = 1e-6;

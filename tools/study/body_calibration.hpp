@@ -87,6 +87,10 @@ struct BodyCalibratedDrops {
   BodyCalibration result;
 };
 
+/// Throws InputError "NAME: ..." where a height or a forward speed, null where there is none, is given that the base
+/// does not have.
+void check_thrown(const landing::Robot& robot, const char* height, const char* forward_speed);
+
 /// Throws InputError where the scene lacks a floor or contacts, and as check_logs.
 void check_drops(const landing::BodyScene& scene, const std::vector<BodyLoggedDrop>& drops);
 

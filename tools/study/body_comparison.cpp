@@ -1,7 +1,12 @@
 #include "tools/study/body_comparison.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "common/error.hpp"
 #include "landing/plan/body_drops.hpp"
+#include "landing/plan/design_numbers.hpp"
 #include "landing/scatter/sampler.hpp"
 
 namespace ukemi::tools {
@@ -52,6 +57,23 @@ bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions&
 }
 
 }  // namespace
+
+void check_sets(const OfSets<BodyScene>& scenes) {
+  const auto others = [](const BodyScene& scene) {
+    std::vector<std::string> out = design_names(scene);
+    std::erase_if(out, [](const std::string& name) { return name.starts_with("drive."); });
+    return out;
+  };
+  const std::vector<std::string> names = others(scenes[0]);
+  if (names != others(scenes[1]) || scenes[0].robot.joints.size() != scenes[1].robot.joints.size())
+    throw InputError("nominal, identified: they are two robots: one scene with two sets of drives is needed");
+  for (const std::string& name : names) {
+    const OfSets<double> value = {design_number(scenes[0], name), design_number(scenes[1], name)};
+    if (value[0] != value[1] && !(std::isnan(value[0]) && std::isnan(value[1])))
+      throw InputError(
+          fmt::format("nominal, identified: {}: {:g} and {:g}: only drives may differ", name, value[0], value[1]));
+  }
+}
 
 BodyComparison compare(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options) {
   BodyComparison out{.scenes = scenes, .constants = drive_differences(scenes)};

@@ -29,6 +29,9 @@ struct BodyComparisonOptions {
   double rate = 1000;                                  ///< rows of the trajectories a second [Hz]
 };
 
+/// Throws InputError where the scenes differ in a number of the design that is no drive's.
+void check_sets(const OfSets<landing::BodyScene>& scenes);
+
 /// Compares the drives of two scenes that have all else in common. Numbers that do not work out are in the result: it
 /// ends with the first motion that could not be found or landed. Tests: test/cli/links_compared.cpp.
 [[nodiscard]] BodyComparison compare(const OfSets<landing::BodyScene>& scenes,

@@ -37,20 +37,12 @@ std::vector<BodyLoggedDrop> read_drops(const std::vector<std::string>& paths, co
   return out;
 }
 
-/// Throws InputError for an option that a base of this kind does not have.
-void check_base(const CalibrateArguments& a, const Robot& robot) {
-  if (!a.height_of.empty() && robot.base == Base::kPinned)
-    throw InputError("--height-of: a pinned robot is not dropped");
-  if (!a.speed_of.empty() && robot.base != Base::kFree)
-    throw InputError("--speed-of: a robot on this base has no forward speed");
-}
-
 }  // namespace
 
 int calibrate_body(const CalibrateArguments& a, const CommonOptions& common) {
   Run run(kCalibrateOutputs, common);
   const BodyScene scene = body_of(a.scene, a.actuators, run);
-  check_base(a, scene.robot);
+  check_thrown(scene.robot, a.height_of.empty() ? nullptr : "--height-of", a.speed_of.empty() ? nullptr : "--speed-of");
   BodyCalibrationOptions options;
   options.terms = drop_choice(scene);
   if (options.terms.free.empty()) throw InputError(Location{a.scene}, "no contact: there is nothing to fit");

@@ -1,8 +1,4 @@
 // ukemi map of a robot of links.
-#include <fmt/format.h>
-
-#include <algorithm>
-
 #include "common/error.hpp"
 #include "landing/plan/body_map.hpp"
 #include "tools/program/arguments.hpp"
@@ -16,25 +12,13 @@ using namespace landing;
 
 namespace {
 
-/// Points along each variable: those of NAME[:N],...; 1 where a variable is fixed.
-std::vector<int> cells_of(const std::string& text, const BodySpace& space) {
-  std::vector<std::string> names;
-  for (const Variable& v : space.variables()) names.push_back(v.name);
-  if (text.empty())
-    throw InputError(fmt::format("map: --vary NAME[:N],... is needed: one to three of {}", fmt::join(names, ", ")));
-  const std::vector<std::string> items = split(text);
-  if (items.size() > 3)
-    throw InputError(fmt::format("--vary: {} variables: one to three are needed, the others stand", items.size()));
-  std::vector<int> out(names.size(), 1);
-  for (const std::string& item : items) {
+/// NAME[:N],...
+std::vector<GridAxis> grid_of(const std::string& text) {
+  std::vector<GridAxis> out;
+  for (const std::string& item : split(text)) {
     const std::size_t colon = item.find(':');
-    int& points = out[choice_index("--vary", item.substr(0, colon), names)];
-    if (points > 1) throw InputError("--vary: " + quoted(item) + ": the variable is given twice");
-    const double n =
-        colon == std::string::npos ? (items.size() < 3 ? 64 : 24) : to_number("--vary", item.substr(colon + 1));
-    if (!(n >= 2 && n <= 4096 && n == std::floor(n)))
-      throw InputError("--vary: " + quoted(item) + ": a whole number of points from 2 to 4096 is needed");
-    points = int(n);
+    out.push_back({item.substr(0, colon), {}});
+    if (colon != std::string::npos) out.back().points = to_number("--vary", item.substr(colon + 1));
   }
   return out;
 }
@@ -49,7 +33,7 @@ int map_body(const MapArguments& a, const CommonOptions& common) {
   const BodySpace space(scene);
   SurveyOptions options{.basins = run.monitor("map: basins", "searches")};
   MapOptions& map = options.map;
-  map.cells = cells_of(a.vary, space);
+  map.cells = cells_of(space, grid_of(a.vary), "--vary");
   map.slice = held_slice(space, scene);
   if (!a.slice.empty()) {
     run.input(a.slice);

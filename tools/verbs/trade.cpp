@@ -50,8 +50,7 @@ std::vector<TradeAxis> axes_of(const TradeArguments& a, const BodyScene& scene) 
     out.push_back(axis_of(text, a.vary.size() == 1 ? kCurve : kMap, scene));
     const std::string& name = out.back().name;
     if (out.size() == 2 && out[0].name == name) throw InputError("--vary: " + quoted(name) + ": named twice");
-    const bool rating = name.ends_with(".speed_max") || name.ends_with(".motor_torque_max");
-    if (rating && a.plan.ratings != OptimizeArguments::Ratings::kRespect)
+    if (is_rating(name) && a.plan.ratings != OptimizeArguments::Ratings::kRespect)
       throw InputError("--vary: " + quoted(name) + ": --respect-ratings is needed: without it no plan keeps a rating");
   }
   return out;

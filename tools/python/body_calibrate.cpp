@@ -1,0 +1,240 @@
+// Logs of drops of robots of links and the calibration of their floor, for Python.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <variant>
+
+#include "landing/drops/body_rollout.hpp"
+#include "tools/program/arguments.hpp"
+#include "tools/python/body.hpp"
+#include "tools/python/floor_fit.hpp"
+#include "tools/report/calibrate.hpp"
+#include "tools/report/results.hpp"
+
+namespace ukemi::python {
+
+using namespace landing;
+using tools::BodyCalibratedDrops, tools::BodyCalibration, tools::BodyCalibrationOptions, tools::BodyLoggedDrop,
+    tools::DropResult, tools::TriedLaw;
+
+namespace {
+
+/// A log with what its outputs are.
+struct BodyDropLog {
+  DropLog log;
+  std::vector<DropChannel> channels;
+};
+
+std::vector<DropChannel> channels_of(const BodyScene& scene) { return drop_channels(body_channels(scene.robot)); }
+
+BodyDropLog body_log_of(const BodyScene& scene, const Numbers& t, const std::map<std::string, Numbers>& outputs,
+                        const std::string& name) {
+  BodyDropLog out{{}, channels_of(scene)};
+  out.log.file = name, out.log.t = drop_times(t, name), out.log.output.resize(out.channels.size());
+  for (const auto& [output, values] : outputs) {
+    const auto at = std::find_if(out.channels.begin(), out.channels.end(),
+                                 [&output = output](const DropChannel& c) { return c.name == output; });
+    if (at == out.channels.end())
+      throw InputError(fmt::format("{}: {}: {} is needed", name, quoted(output), names_of(out.channels)));
+    out.log.output[std::size_t(at - out.channels.begin())] = drop_output(output, values, out.log.t.size(), name);
+  }
+  return out;
+}
+
+void bind_body_log(py::module_& m) {
+  py::class_<BodyDropLog> c(m, "RobotDropLog", "What was measured of a robot of links in one drop.");
+  c.def(py::init(&body_log_of),
+        "Times t from release [s]; outputs by name, as \"acc\" [m/s^2], \"x_thigh\" [m], \"phi_knee\" [rad]: arrays as "
+        "long as t, NaN where not measured.",
+        py::arg("scene"), py::arg("t"), py::arg("outputs"), py::arg("name") = "drop")
+      .def_property_readonly(
+          "name", [](const BodyDropLog& d) { return d.log.file; }, "Its file, or the name that it was given.")
+      .def_property_readonly(
+          "t", [](const py::object& self) { return view(self.cast<const BodyDropLog&>().log.t, self); },
+          "Times from release [s].")
+      .def_property_readonly(
+          "outputs",
+          [](const py::object& self) {
+            const auto& d = self.cast<const BodyDropLog&>();
+            py::dict out;
+            for (std::size_t o = 0; o < d.channels.size(); ++o)
+              if (!d.log.output[o].empty()) out[py::str(d.channels[o].name)] = view(d.log.output[o], self);
+            return out;
+          },
+          "What was measured, by its name [m/s^2, m or rad].")
+      .def("__repr__", [](const BodyDropLog& d) {
+        return fmt::format("<ukemi.RobotDropLog {}: {} rows>", d.log.file, d.log.t.size());
+      });
+  bind_value(c);
+  m.def(
+      "read_drop",
+      [](const Path& path, const BodyScene& scene) {
+        const std::vector<DropChannel> channels = channels_of(scene);
+        return BodyDropLog{read_drop(path, channels), channels};
+      },
+      py::arg("path"), py::arg("scene"), "The same of a robot of links.");
+}
+
+/// A log with how it was played; what is not said is the scene's.
+struct PlayedBodyDrop {
+  BodyDropLog log;
+  JointMotions motions;
+  std::optional<double> height, forward_speed;
+
+  BodyLoggedDrop thrown(const BodyScene& scene) const {
+    const std::vector<DropChannel> channels = channels_of(scene);
+    if (!std::equal(channels.begin(), channels.end(), log.channels.begin(), log.channels.end(),
+                    [](const DropChannel& a, const DropChannel& b) { return a.name == b.name; }))
+      throw InputError(log.log.file + ": a drop of another robot");
+    tools::check_thrown(scene.robot, height ? "height" : nullptr, forward_speed ? "forward_speed" : nullptr);
+    BodyLoggedDrop out{log.log, motions_of(scene, motions), scene.drop};
+    out.thrown.height = height.value_or(scene.drop.height);
+    out.thrown.forward_speed = forward_speed.value_or(scene.drop.forward_speed);
+    return out;
+  }
+};
+
+void bind_body_drop(py::module_& m) {
+  py::class_<PlayedBodyDrop> c(m, "RobotDrop", "A log with the motions that were played, and how it was thrown.");
+  c.def(py::init([](const BodyDropLog& log, const JointMotions& motions, std::optional<double> height,
+                    std::optional<double> forward_speed) {
+          return PlayedBodyDrop{log, motions, checked("height", height, Range::non_negative()),
+                                checked("forward_speed", forward_speed, Range::any())};
+        }),
+        "motions: by joint, one that is not named is held as the scene says; height [m] and forward_speed [m/s]; None: "
+        "the scene's.",
+        py::arg("log"), py::arg("motions") = JointMotions{}, py::arg("height") = py::none(),
+        py::arg("forward_speed") = py::none())
+      .def_readonly("log", &PlayedBodyDrop::log, "What was measured.")
+      .def_readonly("motions", &PlayedBodyDrop::motions, "What was played, by joint.")
+      .def_readonly("height", &PlayedBodyDrop::height, "Of the drop [m]; None: the scene's.")
+      .def_readonly("forward_speed", &PlayedBodyDrop::forward_speed, "At release [m/s]; None: the scene's.");
+  bind_value(c);
+}
+
+/// A calibration with its drops, and those that were not fitted.
+struct BodyCalibrated {
+  BodyCalibratedDrops fitted;
+  std::optional<BodyCalibratedDrops> validation;
+  std::string file;  ///< of the scene; empty: it is not known
+  std::uint64_t seed = 1;
+};
+
+std::vector<BodyLoggedDrop> thrown(const std::vector<PlayedBodyDrop>& played, const BodyScene& scene) {
+  std::vector<BodyLoggedDrop> out;
+  for (const PlayedBodyDrop& d : played) out.push_back(d.thrown(scene));
+  return out;
+}
+
+enum class Law { kScene, kAsked, kOnly };
+Law law_of(const std::string& text) {
+  return tools::choice<Law>("law", text, {{"scene", Law::kScene}, {"asked", Law::kAsked}, {"only", Law::kOnly}});
+}
+
+BodyCalibrated calibrated(const BodyScene& scene, const std::vector<PlayedBodyDrop>& played,
+                          const std::vector<PlayedBodyDrop>& unseen, Law law, BodyCalibrationOptions options) {
+  if (law == Law::kOnly) options.rivals = BodyCalibrationOptions::Rivals::kNone;
+  BodyCalibrated out{{thrown(played, scene), {}}, {}, {}, options.seed};
+  const std::vector<BodyLoggedDrop> others = thrown(unseen, scene);
+  check_drops(scene, out.fitted.drops);
+  if (!others.empty()) check_drops(scene, others);
+  return long_call([&](const std::function<bool()>& stop) {
+    options.monitor.stop = stop;
+    BodyCalibration& c = out.fitted.result = tools::calibrate(scene, out.fitted.drops, options);
+    if (law == Law::kAsked) take_asked_law(c, out.fitted.drops, options);
+    if (!others.empty() && !stop()) out.validation = {others, tools::validate(c.scene, others, options)};
+    return out;
+  });
+}
+
+/// A law that was tried, as numbers.
+py::dict dict_of(const TriedLaw& t) {
+  py::dict out;
+  out["law"] = words(t.law), out["converged"] = t.converged, out["rms"] = t.rms, out["bic"] = t.bic;
+  out["held_out"] = t.held_out, out["rejected"] = t.rejected;
+  return out;
+}
+
+void bind_laws(py::class_<BodyCalibrated>& c) {
+  c.def_property_readonly(
+       "laws",
+       [](const BodyCalibrated& x) {
+         py::list out;
+         for (const TriedLaw& t : x.fitted.result.laws) out.append(dict_of(t));
+         return out;
+       },
+       "The laws that were tried, the scene's first: a dict of law, converged, rms (in the logs' noise [1]), bic (less "
+       "that of the scene's), held_out (rms of drops left out) and rejected.")
+      .def_property_readonly(
+          "asked",
+          [](const BodyCalibrated& x) {
+            const BodyCalibration& found = x.fitted.result;
+            return found.laws.empty() ? std::nullopt : std::optional(words(found.laws[found.asked].law));
+          },
+          "The law that the drops support best; None where nothing could be followed.")
+      .def_property_readonly(
+          "law_rejected", [](const BodyCalibrated& x) { return x.fitted.result.law_rejected(); },
+          "Whether the drops speak against the law of `scene`: its residuals do, or another is better beyond doubt.");
+}
+
+void bind_body_calibration(py::module_& m) {
+  py::class_<BodyCalibrated> c(m, "RobotCalibration", "The floor of a robot of links, fitted to drops.");
+  bind_estimates(
+      c, +[](const BodyCalibrated& x) -> const identify::Estimates& { return x.fitted.result; });
+  bind_floor_fit(
+      c, +[](const BodyCalibrated& x) -> const tools::FloorFit& { return x.fitted.result; });
+  bind_profiles(
+      c, +[](const BodyCalibrated& x) { return x.fitted.result.profiles; });
+  bind_laws(c);
+  c.def_property_readonly(
+       "scene", [](const BodyCalibrated& x) { return x.fitted.result.scene; }, "The given scene with what was fitted.")
+      .def_property_readonly(
+          "validation",
+          [](const BodyCalibrated& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; },
+          "The same of drops that were not fitted.")
+      .def("__repr__", [](const BodyCalibrated& x) {
+        return fmt::format("<ukemi.RobotCalibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
+                           x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
+      });
+  bind_value(c);
+  bind_report(
+      c, tools::kCalibrateOutputs,
+      [](const BodyCalibrated& x, tools::Run& run) {
+        return report(x.file, x.fitted, x.validation, tools::Doubt::kReport, run);
+      },
+      [](const BodyCalibrated& x) { return x.seed; });
+}
+
+}  // namespace
+
+void bind_body_calibrate(py::module_& m) {
+  bind_body_log(m), bind_body_drop(m), bind_body_calibration(m);
+  m.def(
+      "calibrate",
+      [](const std::variant<BodyScene, Path>& given, const std::vector<PlayedBodyDrop>& drops,
+         const std::optional<std::vector<std::string>>& free, const std::vector<std::string>& nuisance,
+         const Priors& priors, const Bounds& lower, const Bounds& upper, double accuracy, std::uint64_t seed,
+         const std::vector<PlayedBodyDrop>& validate, const std::string& law, const std::vector<std::string>& profile,
+         const Bounds& errors, int threads) {
+        const Path* const file = std::get_if<Path>(&given);
+        const BodyScene scene = file ? read_body_scene(*file) : std::get<BodyScene>(given);
+        BodyCalibrationOptions o;
+        o.terms = choose(tools::drop_choice(scene), free, nuisance, priors, lower, upper);
+        o.accuracy = accuracy, o.seed = seed, o.threads = threads, o.profiles = profile;
+        o.errors.assign(errors.begin(), errors.end());
+        BodyCalibrated out = calibrated(scene, drops, validate, law_of(law), std::move(o));
+        if (file) out.file = *file;
+        return out;
+      },
+      py::arg("scene"), py::arg("drops"), py::arg("free") = py::none(),
+      py::arg("nuisance") = std::vector<std::string>{}, py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
+      py::arg("upper") = Bounds{}, py::arg("accuracy") = 1e-9, py::arg("seed") = 1,
+      py::arg("validate") = std::vector<PlayedBodyDrop>{}, py::arg("law") = "scene",
+      py::arg("profile") = std::vector<std::string>{}, py::arg("errors") = Bounds{}, py::arg("threads") = 0,
+      "The same of a robot of links. scene: its file or a RobotScene; of a file the report holds scene.toml with the "
+      "fitted constants. free: None: all of the scene's contact laws, CONTACT.NAME of a contact that has its own; law: "
+      "\"scene\" (others are tried), \"asked\" (the one that the drops ask for is fitted) or \"only\" (none is "
+      "tried).");
+}
+
+}  // namespace ukemi::python

@@ -1,0 +1,38 @@
+// What every map of motions tells, whatever falls.
+#pragma once
+
+#include "landing/judge/survey.hpp"
+#include "tools/python/landing.hpp"
+
+namespace ukemi::python {
+
+/// The variables that have a grid.
+std::vector<int> varied(const landing::PeakMap& map);
+/// The peaks, an axis for each of them; `owner` keeps them alive.
+py::array_t<double> peaks_view(const landing::PeakMap& map, py::handle owner);
+/// The grid's values along each of them by its name.
+py::dict axes_of(const landing::PeakMap& map);
+/// The smallest peak over two of them.
+Figure figure(const landing::PeakMap& map, int x, int y);
+
+template <class T, class... Options>
+void bind_mapped(py::class_<T, Options...>& c, const landing::MappedPeaks& (*of)(const T&)) {
+  c.def_property_readonly(
+       "peak", [of](const py::object& self) { return peaks_view(of(self.cast<const T&>()).map, self); },
+       "Peaks [m/s^2], of a robot with loads the largest value / rating [1], an axis for each of `axes`; NaN where a "
+       "landing could not be followed or breaks a limit.")
+      .def_property_readonly(
+          "axes", [of](const T& x) { return axes_of(of(x).map); },
+          "The grid's values along each variable that has a grid, by its name [rad, s or 1].")
+      .def_property_readonly(
+          "failed", [of](const T& x) { return of(x).failed; }, "Landings that could not be followed.")
+      .def_property_readonly(
+          "joint_lost", [of](const T& x) { return of(x).lost; }, "Landings whose drive lost the joint.")
+      .def(
+          "figure", [of](const T& r, int x, int y) { return figure(of(r).map, x, y); }, py::arg("x") = 0,
+          py::arg("y") = 1, "The smallest peak [m/s^2] over the variables that are not drawn; x, y: indices of `axes`.")
+      .def(
+          "_repr_svg_", [of](const T& x) { return figure(of(x).map, 0, 1).svg; }, "What a notebook shows.");
+}
+
+}  // namespace ukemi::python
