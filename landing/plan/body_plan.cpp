@@ -365,7 +365,7 @@ class BodySearch {
     std::size_t n = 0;
     for (const Candidate& p : best_) {
       if (out_.found && !options_.measure && !(p.value < out_.value)) break;  // those behind it are no better
-      if (options_.measure && n++ >= kJudged) break;
+      if (options_.measure && out_.found && n++ >= kJudged) break;  // the next ones, where none keeps the limits
       if (options_.deadline && out_.value < out_.held_value &&
           watch_.seconds() + kSlower * judging_ > *options_.deadline)
         break;
