@@ -210,7 +210,10 @@ class BodyCourse {
       const T surface = system.point_at(i, p).y - system.point[i].thickness;
       if (value_of(surface) < value_of(lowest)) lowest = surface;
     }
-    const T lift = value_of(lowest) < kNever ? T(drop.height - lowest) : drop.height;
+    // Off the floor by more than rounding: what begins below it, at rest, never falls through its surface.
+    constexpr double kOnFloor = 1e-12;  // [m]
+    const T height = drop.height + T(std::max(0.0, kOnFloor - value_of(drop.height)));
+    const T lift = value_of(lowest) < kNever ? T(height - lowest) : height;
     if (robot.base == Base::kRail) {
       system.base = {T(0), lift};
       if (present(drop.vertical_speed)) y[System::kVx] = drop.vertical_speed / T(std::sin(robot.rail_direction));

@@ -137,7 +137,10 @@ Motion read_motion(const std::string& path) {
   if (std::filesystem::path(path).extension() == ".csv") return read_motion_csv(path);
   TomlFile file(path);
   TomlSection s = file.require("motion");
-  const Motion motion = read_motion(s, file.optional("reposition"));
+  auto move = file.optional("reposition");
+  auto of_knee = s.optional_section("knee");  // as of a robot of links
+  const Motion motion =
+      of_knee ? read_motion(*of_knee, move ? move->optional_section("knee") : std::nullopt) : read_motion(s, move);
   if (auto p = file.optional("provenance")) p->accept_all();
   file.finish();
   return motion;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "common/checks.hpp"
@@ -358,7 +359,8 @@ class BodySearch {
     const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
     if (judge_.single()) value = worth(scene_, l);
     if (no_landing(l.end) || (out_.found && !(value < out_.value))) return;
-    out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true, out_.edges = space_.edges(p.u);
+    out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true;
+    out_.edges = p.u == space_.held(p.u) ? Edges{} : space_.edges(p.u);  // of a posture the duration has no say
   }
   /// The best few at a tight accuracy: many a best stands on a cliff. Those of a measure on other drops.
   void judge() {
@@ -372,6 +374,7 @@ class BodySearch {
       offer(p);
     }
     if (first_look_ && !(out_.value < out_.held_value)) offer(*first_look_);  // there was time for that alone
+    if (!out_.found) out_.value = out_.landing.peak = std::numeric_limits<double>::quiet_NaN();
     if (!out_.found)
       out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
                      : scene_.limited()               ? "no motion was found that keeps the limits" + held_breaks()

@@ -42,8 +42,12 @@ class ReleasedPosture {
   void doubt_angles(const Joint& j) {
     if (!j.driven()) return;
     const JointSearch& s = scene_.search[index(j)];
+    const std::size_t before = out_.size();
     if (scene_.release || s.hold) say(radians_doubt("joint " + quoted(j.name) + " is held at", phi(j) * kDegrees));
     say(radians_doubt("search." + j.name + ".phi_deg", {s.phi[0] * kDegrees, s.phi[1] * kDegrees}));
+    if (out_.size() > before || scene_.release || !s.hold || (phi(j) >= s.phi[0] && phi(j) <= s.phi[1])) return;
+    say(fmt::format("joint {} is held at {:.4g} deg, and search.{}.phi_deg is {:.4g} to {:.4g}: no plan holds it there",
+                    quoted(j.name), phi(j) * kDegrees, j.name, s.phi[0] * kDegrees, s.phi[1] * kDegrees));
   }
   void doubt_stop(const Stop& s) {
     const Joint& j = robot_.joints[std::size_t(s.joint)];

@@ -168,6 +168,10 @@ TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
   const Json s = summary(f);
   CHECK(s["robust"]["share"] == 0.9);
   CHECK(s["value"].get<double>() < s["hold"]["value"].get<double>());
+  done(f, {"simulate", dataset("scenes/paper.toml"), "--actuator", dataset("actuators/table2.toml"), "--motion",
+           "out/motion.toml", "-o", "played", "--no-report"});
+  CHECK(summary(f, "played")["peak_acceleration"].get<double>() ==
+        Approx(s["peak_acceleration"].get<double>()).epsilon(1e-4));
   check_refused(f, plan + Arguments{"--share", "0.9", "--penalty", "500"} + kOut, {"--penalty", "--share"});
 }
 

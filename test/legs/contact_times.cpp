@@ -68,3 +68,15 @@ TEST_CASE("a contact that chatters stands through flights below 10 ms, and noise
   CHECK(all[0].duration() == Approx(0.4).margin(0.01));
   CHECK(all[1].flight() == Approx(0.1).margin(0.01));
 }
+
+TEST_CASE("what stands by its weight alone after a hard landing stands") {
+  Log log(1, {{0.1, 0.11}});
+  for (std::size_t i = 0; i < log.t.size(); ++i) log.force[i] = 50 * log.force[i] + (log.t[i] > 0.105 ? 20 : 0);
+  const auto level = [](double noise) { return stance_level(5000, 20, noise); };
+  const std::vector<Stance> all = stances(log.t, log.force, level(0.1));
+  REQUIRE(all.size() == 1);
+  CHECK(std::isnan(all[0].liftoff));
+  CHECK(level(std::nan("")) == level(0.1));
+  CHECK(level(30) == 30);
+  CHECK(stance_level(100, 0, 1) == 5);
+}

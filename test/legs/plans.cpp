@@ -293,6 +293,8 @@ TEST_CASE("legs: what looks wrong with how a robot is let go is said, and nothin
   said(
       "hopper", [](BodyScene& s) { s.search[1].hold = -1.22 * kDegree; }, "(-1.22 rad would be -69.9)");
   said(
+      "hopper", [](BodyScene& s) { s.search[1].hold = 20 * kDegree; }, "no plan holds it there");
+  said(
       "hopper",
       [](BodyScene& s) {
         s.search[0].phi = {-0.35 * kDegree, 1.2 * kDegree};

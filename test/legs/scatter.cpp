@@ -270,6 +270,21 @@ TEST_CASE("legs: a plan is never worse than the best posture to hold, with every
   }
 }
 
+TEST_CASE("legs: a robot that begins on the floor stands on it, however its posture rounds") {
+  for (const char* const name : {"hopper", "three_links"}) {
+    BodyScene scene = shipped(name);
+    scene.drop.height = 0;
+    const BodyMotion held = held_posture(scene);
+    for (int i = 0; i < 60; ++i) {
+      scene.drop.pitch = 1e-3 * (i - 30);
+      const BodyLanding l = peak_acceleration(scene, held, {.accuracy = kSearchAccuracy});
+      INFO(name << " at " << scene.drop.pitch << " rad: " << l.peak << " m/s^2");
+      CHECK(l.first_touchdown < 1e-5);
+      CHECK(l.peak == Approx(simulate(scene, held).peak).epsilon(1e-3));
+    }
+  }
+}
+
 TEST_CASE("legs: plans of one seed are the same on one thread and two, what they promise is kept on fresh drops") {
   const BodyScene scene = shipped("hopper");
   BodyPlanOptions o;

@@ -127,6 +127,9 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const BodyPl
   return out;
 }
 
+/// Nothing where there is no band: the worst of all drops has none.
+std::string band_words(double half) { return std::isfinite(half) ? fmt::format(" +- {:.2g}", half) : ""; }
+
 /// The plan and the held posture over fresh drops, and whether what was promised is kept there.
 void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
                     Report& report, Run& run) {
@@ -135,8 +138,8 @@ void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std
   run.say(fmt::format("under scatter ({}; {} fresh drops): {}; {}: {}", drops, u.planned.samples,
                       distribution_words(u.planned), held, distribution_words(u.held)));
   if (options.measure)
-    run.say(fmt::format("promised {}, fresh {} +- {:.2g} ({:+.1f} %)", short_peak_words(p.value),
-                        short_peak_words(u.measured.value), kNormal975 * u.measured.standard_error,
+    run.say(fmt::format("promised {}, fresh {}{} ({:+.1f} %)", short_peak_words(p.value),
+                        short_peak_words(u.measured.value), band_words(kNormal975 * u.measured.standard_error),
                         100 * (u.measured.value / p.value - 1)));
   if (u.broken > 0)
     run.warn(fmt::format("the plan breaks a limit in {} of {} fresh drops ({:.2g} %)", u.broken, u.planned.samples,
@@ -223,8 +226,10 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     if (!beside.logged.empty())
       summary["logged"] = {{"peak_acceleration", beside.logged}, {"median", median(beside.logged)}};
     const std::string contacts = contact_order(plan.landing.peaks, contact_name(robot));
+    const bool stands = std::none_of(plan.motion.begin(), plan.motion.end(), [](const Motion& m) { return moves(m); });
     say(first_screen(scene, plan, options, beside.logged),
-        {"motion: " + motion_words(robot, plan.motion), contacts.empty() ? "no contact" : "contacts: " + contacts},
+        {(stands ? "motion: none, held at " : "motion: ") + motion_words(robot, plan.motion),
+         contacts.empty() ? "no contact" : "contacts: " + contacts},
         table.turned(), run);
     run.say(fmt::format("searched for {:.2f} s", plan.seconds));
     run.add("motion.toml", body_motion_toml(plan.motion, robot, run.provenance_text()));
@@ -268,7 +273,8 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
   summary["solver"] = "auto", summary["objective"] = kGoalNames[std::size_t(options.goal)],
   summary["seed"] = options.seed;
   if (options.measure)
-    summary["robust"] = {{"measure", options.measure->name()}, {"promised", plan.value}, {"samples", options.samples}};
+    summary["robust"] = {
+        {"measure", options.measure->name()}, {"promised", number(plan.value)}, {"samples", options.samples}};
   if (options.share) summary["robust"]["share"] = *options.share;
   return run.finish(summary, plan.found ? kDone : kNumbers);
 }

@@ -42,6 +42,7 @@ SceneEdit::SceneEdit(const std::string& path, const BodyScene& scene) : scene_(s
 
 void SceneEdit::set(const std::string& text) {
   const Assignment a = assignment("--set", text);
+  if (!set_.insert(a.name).second) throw InputError(fmt::format("--set: {}: given twice", a.name));
   if (a.name == "search.duration") {
     const std::string range = range_text(a.name, a.value);
     make_table(file_, {"search"});

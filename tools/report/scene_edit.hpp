@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ class SceneEdit {
   TomlEdit file_;                  ///< the one that is given
   std::optional<TomlEdit> apart_;  ///< the robot's own
   std::string apart_before_;
+  std::set<std::string> set_;  ///< keys so far
 };
 
 }  // namespace ukemi::tools

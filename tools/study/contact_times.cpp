@@ -10,7 +10,7 @@ using namespace landing;
 
 namespace {
 
-constexpr double kPart = 0.05, kNoises = 6, kLeaves = 0.5;  // of the largest force; of the level
+constexpr double kPart = 0.05, kOfWeight = 0.2, kNoises = 6, kLeaves = 0.5;  // of the largest force; of the level
 
 /// The force across the floor of a contact: its channel.
 struct ForceChannel {
@@ -113,6 +113,11 @@ class Means {
 
 }  // namespace
 
+double stance_level(double largest, double weight, double noise) {
+  const double part = kPart * largest, small = weight > 0 ? std::min(part, kOfWeight * weight) : part;
+  return noise > small ? noise : small;
+}
+
 std::vector<Stance> stances(const std::vector<double>& t, const std::vector<double>& force, double level) {
   std::vector<Stance> out;
   bool stands = false;
@@ -143,12 +148,14 @@ std::vector<ComparedStance> compared_stances(const DrivenRobot& robot, const std
   std::vector<ComparedStance> out;
   for (const ForceChannel& channel : force_channels(robot.scene.robot, trials)) {
     const Sensor sensor = robot.sensors.of(channel.name);
-    double level = kNoises * followed.noise[channel.at] / sensor.gain;
-    if (!(level > 0)) level = 0;
+    const double noise = kNoises * followed.noise[channel.at] / sensor.gain;
+    double largest = 0;
     for (const RobotTrial& t : trials)
       for (const double f : t.log.output[channel.at])
-        if (std::isfinite(f)) level = std::max(level, kPart * sensor.actual(f));
-    if (!(level > 0)) continue;
+        if (std::isfinite(f)) largest = std::max(largest, sensor.actual(f));
+    if (!(largest > 0)) continue;
+    const Robot& body = robot.scene.robot;
+    const double level = stance_level(largest, body.mass() * body.gravity, noise);
     for (std::size_t m = 0; m < trials.size(); ++m) {
       const DropLog& log = trials[m].log;
       const DropResult& d = followed.drops[m];

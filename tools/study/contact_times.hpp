@@ -2,9 +2,10 @@
 // far the two are apart.
 //
 // A contact touches where the force across the floor rises through a level, and leaves where it falls below half of
-// that. The level is a twentieth of the largest force of that contact in the logs, at least six standard deviations of
-// the log's noise. A flight shorter than kShortestFlight is none: the contact chatters. Times are on the line between
-// two rows. What the rule is late by is late in the log and in the rollout alike.
+// that. The level is a twentieth of the largest force of that contact in the logs, at most a fifth of the robot's
+// weight and at least six standard deviations of the log's noise. A flight shorter than kShortestFlight is none: the
+// contact chatters. Times are on the line between two rows. What the rule is late by is late in the log and in the
+// rollout alike.
 //
 // No printing, no files. Tests: test/legs/contact_times.cpp.
 #pragma once
@@ -28,6 +29,9 @@ struct Stance {
   double duration() const { return liftoff - touchdown; }
   double flight() const { return touchdown - left; }
 };
+/// The level by the largest force of a contact, the robot's weight (0: none) and six standard deviations of the noise
+/// (NaN: not known) [N]. After a hard landing the weight alone is still a stance.
+double stance_level(double largest, double weight, double noise);
 /// Of a force on the contact across the floor [N], a row a time; rows that are not finite are left out. level > 0.
 std::vector<Stance> stances(const std::vector<double>& t, const std::vector<double>& force, double level);
 
