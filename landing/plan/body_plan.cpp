@@ -204,11 +204,13 @@ class BodySearch {
       for (const Candidate& p : postures)
         if (p.value < kNoMotion) best.add(p);
     }
-    goal_ = &final_, best_ = known;
+    goal_ = &final_;
     std::vector<Candidate> judged(best.begin(), best.end());
     for (Candidate& p : judged) p.bound = kNoMotion;
     evaluate(judged);
-    if (!best_.empty() && !late()) offer(Candidate(best_[0]));
+    best_ = known;  // no run is given up for being worse than a posture
+    const auto lowest = std::min_element(judged.begin(), judged.end());
+    if (lowest != judged.end() && lowest->value < kNoMotion && !late()) offer(*lowest);
   }
 
   /// Values of as many of the points as the budget allows; the others come back with kNoMotion.
