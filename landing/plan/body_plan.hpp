@@ -53,12 +53,12 @@ struct BodyUnderScatter {
 };
 
 struct BodyPlan {
-  BodyMotion motion;      ///< the best; holding where nothing was better
-  BodyLanding landing;    ///< of it, at BodyPlanOptions::accuracy
-  BodyMotion hold;        ///< the posture of `held_posture`
-  BodyLanding held;       ///< its landing
-  double value = 0;       ///< the goal: the peak, the tolerant peak, the measure over the judging drops; NaN: none found
-  double held_value = 0;  ///< the same of the held posture, judged first
+  BodyMotion motion;    ///< the best; holding where nothing was better
+  BodyLanding landing;  ///< of it, at BodyPlanOptions::accuracy
+  BodyMotion hold;      ///< the posture of `held_posture`
+  BodyLanding held;     ///< its landing
+  double value = 0;     ///< the goal: the peak, the tolerant peak, the measure over the judging drops; NaN: none found
+  double held_value = 0;                  ///< the same of the held posture, judged first
   bool held_keeps_limits = true;          ///< false: holding is no answer
   std::optional<BodyUnderScatter> under;  ///< with a measure, or a scatter of the scene or of the options
   std::vector<Variable> variables;
