@@ -138,9 +138,10 @@ Motion read_motion(const std::string& path) {
   TomlFile file(path);
   TomlSection s = file.require("motion");
   auto move = file.optional("reposition");
-  auto of_knee = s.optional_section("knee");  // as of a robot of links
+  const char* const joint = kPointNames[kKnee];
+  auto of_knee = s.optional_section(joint);  // as of a robot of links
   const Motion motion =
-      of_knee ? read_motion(*of_knee, move ? move->optional_section("knee") : std::nullopt) : read_motion(s, move);
+      of_knee ? read_motion(*of_knee, move ? move->optional_section(joint) : std::nullopt) : read_motion(s, move);
   if (auto p = file.optional("provenance")) p->accept_all();
   file.finish();
   return motion;

@@ -376,13 +376,14 @@ class BodySearch {
       offer(p);
     }
     if (first_look_ && !(out_.value < out_.held_value)) offer(*first_look_);  // there was time for that alone
-    if (!out_.found) out_.value = out_.landing.peak = std::numeric_limits<double>::quiet_NaN();
-    if (!out_.found)
-      out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
-                     : scene_.limited()               ? "no motion was found that keeps the limits" + held_breaks()
-                                                      : "no motion could be followed to the floor";
-    else if (options_.monitor.stopped())
-      out_.message = "interrupted: the best so far";
+    if (out_.found) {
+      if (options_.monitor.stopped()) out_.message = "interrupted: the best so far";
+      return;
+    }
+    out_.value = out_.landing.peak = std::numeric_limits<double>::quiet_NaN();
+    out_.message = out_.held.end == End::kNoContact ? "no contact touches the floor: there is no landing to plan"
+                   : scene_.limited()               ? "no motion was found that keeps the limits" + held_breaks()
+                                                    : "no motion could be followed to the floor";
   }
 
   /// What the held posture breaks first.

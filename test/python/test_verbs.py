@@ -299,7 +299,12 @@ def test_compare_of_links(tmp_path):
             assert m["peaks"][name] == pytest.approx(ukemi.simulate(scene, m["motions"]).peak, rel=1e-9)
     assert [p["value"] for p in found.plans] == [p["promised"] for p in told["plans"]] and len(found.plans) == 3
     assert found.plans[2]["truth"].mean.value == told["plans"][2]["truth"]["mean"]
-    for other, said in ((identified.dropped(height=1), "drop.height: 0.3 and 1: only drives may differ"),
+    text = pathlib.Path(HOPPER).read_text().replace("../robots", str(pathlib.Path(HOPPER).parent.parent / "robots"))
+    narrow = tmp_path / "narrow.toml"
+    narrow.write_text(text.replace("-150", "-120"))
+    assert narrow.read_text() != text
+    for other, said in ((ukemi.read_robot_scene(str(narrow), {"hip": fit}), "search of phi_i_knee: only drives"),
+                        (identified.dropped(height=1), "drop.height: 0.3 and 1: only drives may differ"),
                         (ukemi.read_robot_scene(ukemi.dataset("scenes/foot.toml")), "two robots")):
         with pytest.raises(ukemi.InputError, match=said):
             ukemi.compare(nominal, other)

@@ -192,10 +192,8 @@ void bind_calibrate(py::module_& m) {
       py::arg("errors") = Bounds{},
       "Fits the floor's constants and the pitch to logs of drops, as `ukemi calibrate`. free: of stiffness, "
       "damping_normal, damping_tangential, pitch (None: all); priors: name -> (value, standard deviation); lower, "
-      "upper: "
-      "name -> bound, each in the term's unit (pitch [rad]); validate: drops that are not fitted; profile: constants "
-      "whose "
-      "likelihood profile is made; errors: standard deviations of constants that are not fitted.");
+      "upper: name -> bound, each in the term's unit (pitch [rad]); validate: drops that are not fitted; profile: "
+      "constants whose likelihood profile is made; errors: standard deviations of constants that are not fitted.");
 }
 
 }  // namespace ukemi::python

@@ -438,8 +438,7 @@ void report_landings(const FitTexts& played, const ContactTimes& contacts, Repor
   report.paragraph(
       "Both by one rule, from the force across the floor: a contact touches where it rises through a twentieth of the "
       "largest, at most a fifth of the robot's weight, at least six times the log's noise, and leaves where it falls "
-      "below half of that. A flight below 10 ms "
-      "is none. The mean of the other landings knows no physics.");
+      "below half of that. A flight below 10 ms is none. The mean of the other landings knows no physics.");
   const Table errors(error_quantities(played.result, contacts.names), contacts.errors);
   say(errors, run), report.table(errors), summary["landings"] = errors.keyed();
   const Table each(compared_quantities(played.result, contacts.names), contacts.compared);

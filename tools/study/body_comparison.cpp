@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/error.hpp"
 #include "landing/plan/body_drops.hpp"
+#include "landing/plan/body_space.hpp"
 #include "landing/plan/design_numbers.hpp"
 #include "landing/scatter/sampler.hpp"
 
@@ -73,6 +75,15 @@ void check_sets(const OfSets<BodyScene>& scenes) {
       throw InputError(
           fmt::format("nominal, identified: {}: {:g} and {:g}: only drives may differ", name, value[0], value[1]));
   }
+  const BodySpace nominal(scenes[0]), identified(scenes[1]);
+  const auto same = [](const Variable& a, const Variable& b) {
+    return a.name == b.name && a.lower == b.lower && a.upper == b.upper;
+  };
+  const auto [one, other] = std::mismatch(nominal.variables().begin(), nominal.variables().end(),
+                                          identified.variables().begin(), identified.variables().end(), same);
+  if (one != nominal.variables().end() || other != identified.variables().end())
+    throw InputError(fmt::format("nominal, identified: search of {}: only drives may differ",
+                                 one != nominal.variables().end() ? one->name : other->name));
 }
 
 BodyComparison compare(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options) {

@@ -29,7 +29,7 @@ struct BodyComparisonOptions {
   double rate = 1000;                                  ///< rows of the trajectories a second [Hz]
 };
 
-/// Throws InputError where the scenes differ in a number of the design that is no drive's.
+/// Throws InputError where the scenes differ in a number of the design that is no drive's, or in what a plan may be.
 void check_sets(const OfSets<landing::BodyScene>& scenes);
 
 /// Compares the drives of two scenes that have all else in common. Numbers that do not work out are in the result: it

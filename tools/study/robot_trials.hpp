@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "landing/body/body_scene.hpp"
+#include "landing/body/robot_file.hpp"
 #include "landing/driven/driven_rollout.hpp"
 #include "tools/study/floor_fit.hpp"
 
@@ -27,7 +28,7 @@ struct DrivenRobot {
 };
 /// Of a file of a robot, or of a scene that has one. Throws InputError with file:line:column, and where trials have no
 /// law for it. `texts` stand in place of files, by their paths.
-DrivenRobot read_driven_robot(const std::string& path, const std::map<std::string, std::string>& texts = {});
+DrivenRobot read_driven_robot(const std::string& path, const landing::Texts& texts = {});
 
 /// A trial: what was measured from its first row on, and the commands of the whole log.
 struct RobotTrial {

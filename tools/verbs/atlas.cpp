@@ -297,10 +297,7 @@ int run_atlas(const AtlasArguments& a, const CommonOptions& common) {
 void add_atlas(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<AtlasArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML); its drop has no say");
-  verb->add_option(
-          "--actuator", args->actuators,
-          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
-      ->allow_extra_args(false);
+  add_actuators(*verb, args->actuators);
   verb->add_option("--height", args->height, "LO:HI:N, heights of the drops [m]");
   verb->add_option("--speed", args->speed, "LO:HI:N, forward speeds [m/s]; not of a robot on a rail");
   verb->add_option("--pitch-deg", args->pitch,
@@ -313,8 +310,7 @@ void add_atlas(CLI::App* verb, Action& chosen) {
   verb->add_option("--robust", args->robust,
                    "plan for drops that scatter about each of the grid: mean, cvar, quantile:Q or worst");
   add_scatter(*verb, args->scatter);
-  verb->add_option("--samples", args->samples,
-                   "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
+  add_samples(*verb, args->samples);
   verb->add_option("--shard", args->shard, "K/N: only part K of N of the grid's blocks");
   verb->add_option("--merge", args->merge, "folders of all shards of an atlas: puts them together");
   verb->add_option("--ask", args->ask,

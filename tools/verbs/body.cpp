@@ -110,6 +110,11 @@ std::optional<double> checked_height(const std::optional<double>& height) {
   return height;
 }
 
+void add_actuators(CLI::App& verb, std::vector<std::string>& actuators) {
+  verb.add_option("--actuator", actuators,
+                  "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
+      ->allow_extra_args(false);
+}
 void add_set(CLI::App& verb, std::vector<std::string>& set) {
   verb.add_option(
           "--set", set,
@@ -124,9 +129,8 @@ void refuse_set(const std::vector<std::string>& set) {
 
 namespace {
 
-SceneEdit edited(const std::string& path, const std::vector<GivenDrive>& drives, const std::optional<double>& height,
-                 const std::vector<std::string>& set) {
-  SceneEdit out(path, read_edited(path, drives, height, {}));
+SceneEdit edited(const std::string& path, const BodyScene& scene, const std::vector<std::string>& set) {
+  SceneEdit out(path, scene);
   for (const std::string& text : set) out.set(text);
   return out;
 }
@@ -135,7 +139,7 @@ SceneEdit edited(const std::string& path, const std::vector<GivenDrive>& drives,
 
 Texts edited_texts(const std::string& path, const std::vector<std::string>& actuators,
                    const std::optional<double>& height, const std::vector<std::string>& set) {
-  return set.empty() ? Texts{} : edited(path, drives_of(actuators), height, set).texts();
+  return set.empty() ? Texts{} : edited(path, read_edited(path, drives_of(actuators), height, {}), set).texts();
 }
 
 BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
@@ -144,7 +148,7 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
   BodyScene scene = read_edited(path, drives, checked_height(height), {});
   std::optional<SceneEdit> edit;
   if (!set.empty()) try {
-      edit = edited(path, drives, height, set);
+      edit = edited(path, scene, set);
       scene = read_edited(path, drives, height, edit->texts());
     } catch (const InputError& e) {
       const std::string what = e.what();

@@ -28,6 +28,8 @@ std::optional<double> checked_height(const std::optional<double>& height);
 landing::BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
                            const std::string& option = "--actuator", const std::optional<double>& height = {},
                            const std::vector<std::string>& set = {});
+/// --actuator of a verb that takes the paper's robot too.
+void add_actuators(CLI::App& verb, std::vector<std::string>& actuators);
 /// --set of a verb.
 void add_set(CLI::App& verb, std::vector<std::string>& set);
 /// Throws InputError where it is given with the paper's robot.

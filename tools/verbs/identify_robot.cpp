@@ -139,8 +139,8 @@ DrivenRobot robot_of(const std::string& path, Run& run) {
   return out;
 }
 
-std::vector<double> logged_peaks(const std::string& path, const std::map<std::string, std::string>& texts,
-                                 const LogArguments& logs, const CommonOptions& common, Run& run) {
+std::vector<double> logged_peaks(const std::string& path, const Texts& texts, const LogArguments& logs,
+                                 const CommonOptions& common, Run& run) {
   DrivenRobot robot = read_driven_robot(path, texts);
   robot.known.reset();  // bands are not asked for
   const std::vector<RobotTrial> trials = read_trials(logs, {}, robot, run);

@@ -62,10 +62,7 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
 void add_map(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<MapArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option(
-          "--actuator", args->actuators,
-          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
-      ->allow_extra_args(false);
+  add_actuators(*verb, args->actuators);
   add_set(*verb, args->set);
   verb->add_option("--grid", args->grid,
                    "points of phi_I, phi_F, duration and, if the motion has more, those; 1: it stands [64,64,32]")

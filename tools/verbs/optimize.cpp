@@ -123,8 +123,7 @@ void add_robust_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>
                    "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "
                    "--objective tolerant each drop plays the motion somewhere in its execution box");
   add_scatter(*verb, args->scatter);
-  verb->add_option("--samples", args->samples,
-                   "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
+  add_samples(*verb, args->samples);
   verb->add_option("--share", args->share,
                    "with --robust: the share of drops that keep every limit [mean 0.5; worst 1; else its level; of the "
                    "paper's scene without loads --penalty]");
@@ -144,10 +143,7 @@ void add_log_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>& a
 void add_optimize(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<OptimizeArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option(
-          "--actuator", args->actuators,
-          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
-      ->allow_extra_args(false);
+  add_actuators(*verb, args->actuators);
   verb->add_option("--height", args->height, "drop from this height instead [m]; SCENE may be a robot of links alone");
   std::string names;
   for (const std::string& n : solver_names()) names += n + ", ";

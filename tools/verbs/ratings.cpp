@@ -69,10 +69,7 @@ int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
 void add_ratings(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<RatingsArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option(
-          "--actuator", args->actuators,
-          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
-      ->allow_extra_args(false);
+  add_actuators(*verb, args->actuators);
   verb->add_option("--motor-speed", args->speed, "LO:HI:N, rated speeds [rad/s]")->required();
   verb->add_option("--motor-torque", args->torque,
                    "LO:HI:N, rated torques [Nm] [the actuator's motor_torque_max; else no limit]");

@@ -78,10 +78,7 @@ namespace {
 void add_risk(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<RiskArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option(
-          "--actuator", args->actuators,
-          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
-      ->allow_extra_args(false);
+  add_actuators(*verb, args->actuators);
   add_set(*verb, args->set);
   add_motion(*verb, args->motion);
   add_scatter(*verb, args->scatter);

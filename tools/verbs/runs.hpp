@@ -3,11 +3,11 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "landing/body/robot_file.hpp"
 #include "landing/judge/answer.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/trials.hpp"
@@ -61,8 +61,8 @@ struct LogArguments {
 };
 /// Of each of their trials the largest acceleration of the point that counts, by the robot's model under the log's
 /// commands [m/s^2]; how each starts is fitted to it. `texts` stand in place of its files.
-std::vector<double> logged_peaks(const std::string& robot, const std::map<std::string, std::string>& texts,
-                                 const LogArguments& logs, const CommonOptions& common, Run& run);
+std::vector<double> logged_peaks(const std::string& robot, const landing::Texts& texts, const LogArguments& logs,
+                                 const CommonOptions& common, Run& run);
 
 struct OptimizeArguments {
   std::string scene;

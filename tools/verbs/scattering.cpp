@@ -8,6 +8,10 @@
 
 namespace ukemi::tools {
 
+void add_samples(CLI::App& verb, std::optional<long>& samples) {
+  verb.add_option("--samples", samples,
+                  "with --robust, drops that are searched on, best a power of two [256; of a robot of links 64]");
+}
 void add_scatter(CLI::App& verb, ScatterArguments& a) {
   verb.add_option("--scatter", a.scatter,
                   "NAME=STD,...: standard deviations of pitch_deg, height, forward_speed, pitch_rate_deg, phi_deg, "

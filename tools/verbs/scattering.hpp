@@ -17,6 +17,8 @@ struct ScatterArguments {
   std::string drops;  ///< a file of measured ones
 };
 void add_scatter(CLI::App& verb, ScatterArguments& arguments);
+/// --samples of a plan for drops that scatter.
+void add_samples(CLI::App& verb, std::optional<long>& samples);
 
 /// Their --inflate, 1 where it is not given. Throws InputError.
 double checked_inflate(const ScatterArguments& arguments);

@@ -65,10 +65,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
 void add_simulate(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<SimulateArguments>();
   verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  verb->add_option(
-          "--actuator", args->actuators,
-          "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
-      ->allow_extra_args(false);
+  add_actuators(*verb, args->actuators);
   add_set(*verb, args->set);
   add_motion(*verb, args->motion);
   verb->add_option("--drop-from", args->drop_from, "FILE:ROW, a drop as risk.csv has it in place of the scene's");
