@@ -66,7 +66,7 @@ class LinearField {
     } else {
       driving = motor_torque<kTerms>(sea, s, {0, 0});
     }
-    out[at] = s.dphi_m, out[at + 1] = motor_acceleration<kTerms>(sea, s.dphi_m, driving, tau);
+    out[at] = s.dphi_m, out[at + 1] = torque_on_motor<kTerms>(sea, s.dphi_m, driving, tau) / sea.i_motor;
     return output_torque<kTerms>(sea, dphi, tau);
   }
 

@@ -15,10 +15,6 @@
 
 namespace ukemi {
 
-/// Below this speed dry friction is smoothed in a landing, v_f in `smoothed_friction` [rad/s]. Ours. On the rig it
-/// sticks: identify/rig/one_link.hpp.
-inline constexpr double kFrictionSpeed = 0.005;
-
 /// Which optional terms a kernel is compiled with. A kernel without a term pays nothing for it.
 struct SeaTerms {
   bool torque_limit = true;  ///< the clamp of Eq. 2
@@ -185,8 +181,8 @@ struct NoLag {
 /// Coulomb torque against motion in a direction, +1 or -1: tau_c (1 + direction asymmetry) [Nm]. The asymmetry is half
 /// the difference of both levels over their mean. Ours.
 template <class T>
-T coulomb_level(const T& mean, const T& asymmetry, int direction) {
-  return mean * (T(1) + T(direction) * asymmetry);
+T coulomb_level(const T& mean, const T& asymmetry, const T& direction) {
+  return mean * (T(1) + direction * asymmetry);
 }
 
 /// tau_c + eta |tau_SEA|: a transmission rubs the more the more it carries. |tau| = sqrt(tau^2 + e^2) - e, e = 10 mNm
@@ -206,45 +202,40 @@ T stribeck(const T& breakaway, const T& v_s, const T& speed) {
   return T(1) + breakaway * exp(-speed / v_s);
 }
 
-/// Friction of one side against its motion at the rate v, as a landing has it: Coulomb's torque by `coulomb_level` and
-/// `stribeck` with v / s for the sign of v and s = sqrt(v^2 + v_f^2) for |v|, and viscous v [Nm]. Ours.
-template <Scalar T>
-T smoothed_friction(const SeaParameters<T>& p, const T& mean, const T& asymmetry, const T& viscous, const T& v) {
-  using std::sqrt;
-  const T s = sqrt(v * v + T(kFrictionSpeed * kFrictionSpeed)), direction = v / s;
-  T coulomb = mean * direction * (T(1) + direction * asymmetry);
-  if (any(value_of(p.breakaway) != value_of(T(0)))) coulomb *= stribeck(p.breakaway, p.stribeck_speed, s);
-  return coulomb + viscous * v;
-}
+/// The two ends of the actuator, each with friction of its own; that of a motor that turns with its joint is of the
+/// output.
+enum Side { kOutputSide, kMotorSide, kSides };
 
-/// On the motor, in Eq. 4.
-template <SeaTerms kTerms, Scalar T>
-T friction_torque(const SeaParameters<T>& p, const T& dphi_m, const T& tau_sea) {
-  if constexpr (kTerms.extended)
-    return smoothed_friction(p, loaded(p.friction, p.spring_loss, tau_sea), p.friction_asymmetry, p.viscous, dphi_m);
-  else
-    return T(0);
+/// Coulomb's torque against a motion in `direction`, +1 or -1, at the rate v: direction L, L = `coulomb_level` times
+/// `stribeck` [Nm]; nothing where direction is 0.
+template <Scalar T>
+T coulomb_torque(const SeaParameters<T>& p, const T& mean, const T& asymmetry, const T& direction, const T& v) {
+  T torque = direction * coulomb_level(mean, asymmetry, direction);
+  if (any(present(p.breakaway))) torque *= stribeck(p.breakaway, p.stribeck_speed, T(direction * v));
+  return torque;
 }
-/// tau_SEA less the friction on the output: what turns the joint [Nm].
+/// tau_SEA less what the output's viscous friction takes: what turns the joint beside dry friction [Nm].
 template <SeaTerms kTerms, Scalar T>
 T output_torque(const SeaParameters<T>& p, const T& dphi, const T& tau_sea) {
   if constexpr (kTerms.extended)
-    return tau_sea - smoothed_friction(p, p.output_friction, p.output_friction_asymmetry, p.output_viscous, dphi);
+    return tau_sea - p.output_viscous * dphi;
   else
     return tau_sea;
 }
 
-/// ddphi_m = (tau_mot - tau_SEA - friction) / I_motor, Eq. 4 [rad/s^2].
+/// tau_mot - tau_SEA - viscous friction: what turns the motor beside dry friction [Nm].
 template <SeaTerms kTerms, Scalar T>
-T motor_acceleration(const SeaParameters<T>& p, const T& dphi_m, const T& tau_mot, const T& tau_sea) {
+T torque_on_motor(const SeaParameters<T>& p, const T& dphi_m, const T& tau_mot, const T& tau_sea) {
   T torque = tau_mot - tau_sea;
-  if constexpr (kTerms.extended) torque -= friction_torque<kTerms>(p, dphi_m, tau_sea);
-  return torque / p.i_motor;
+  if constexpr (kTerms.extended) torque -= p.viscous * dphi_m;
+  return torque;
 }
-/// ddphi_m of Eq. 4 for a drive that is not late [rad/s^2].
+
+/// ddphi_m = (tau_mot - tau_SEA - friction) / I_motor, Eq. 4, of a drive that is not late, beside dry friction
+/// [rad/s^2].
 template <SeaTerms kTerms, Scalar T>
 T motor_acceleration(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref, const T& tau_sea) {
-  return motor_acceleration<kTerms>(p, s.dphi_m, motor_torque<kTerms>(p, s, ref), tau_sea);
+  return torque_on_motor<kTerms>(p, s.dphi_m, motor_torque<kTerms>(p, s, ref), tau_sea) / p.i_motor;
 }
 
 }  // namespace ukemi

@@ -190,9 +190,17 @@ class Integrator {
     return std::clamp(f, kStepControl.least, after_rejection ? 1.0 : kStepControl.most);
   }
 
+  /// How many guards the system has now: the first ones.
+  int used() const {
+    if constexpr (requires { system_.guards_used(); })
+      return system_.guards_used();
+    else
+      return kGuards;
+  }
+
   /// A guard that is at or below zero and falling where the step starts; -1 if none.
   int violated() const {
-    for (int i = 0; i < kGuards; ++i)
+    for (int i = 0; i < used(); ++i)
       if (start_.value[i] <= 0 && start_.rate[i] < 0) return i;
     return -1;
   }
@@ -218,7 +226,8 @@ class Integrator {
     std::bitset<kGuards> near, plain;
     std::array<double, kGuards> guess{};
     double earliest = 2;
-    for (int i = 0; i < kGuards; ++i) {
+    const int guards = used();
+    for (int i = 0; i < guards; ++i) {
       if (stands(i)) continue;
       const Node a = start_of(i), b{1, end_.value[i], end_.rate[i] * step_.h};
       const double margin = 0.02 * (std::abs(a.d) + std::abs(b.d));
@@ -232,7 +241,7 @@ class Integrator {
       }
     }
     constexpr double kApart = 0.05;  // cubics do not err by more, in parts of a step
-    for (int i = 0; i < kGuards; ++i)
+    for (int i = 0; i < guards; ++i)
       if (plain[std::size_t(i)] && guess[i] <= earliest + kApart) {
         const double s = refined(i, guess[i]);
         if (s < first.s) first = {i, s};
@@ -273,7 +282,7 @@ class Integrator {
         field()(t, y, dy);
         system_.guards(t, y, dy, right);
       }
-      for (int i = 0; i < kGuards; ++i)
+      for (int i = 0; i < used(); ++i)
         if (near[std::size_t(i)]) {
           const Node a = q == 1 ? start_of(i) : Node{sa, left.value[i], left.rate[i] * step_.h},
                      b{sb, right.value[i], right.rate[i] * step_.h};

@@ -37,9 +37,6 @@ struct Excitation {
   }
 };
 
-/// The two ends of the actuator, each with friction of its own.
-enum Side { kOutputSide, kMotorSide, kSides };
-
 /// What is held between events.
 struct RigMode {
   int saturation = 0;      ///< branch of Eq. 2's clamp: -1, 0, +1
@@ -126,8 +123,9 @@ class OneLinkSystem {
   T level(int side, int direction, const State& y, const T& speed = T(0)) const {
     const T of_motor =
         lossy && side == kMotorSide ? loaded(sea.friction, sea.spring_loss, spring_on_output(y)) : sea.friction;
-    const T sliding = side == kMotorSide ? coulomb_level(of_motor, sea.friction_asymmetry, direction)
-                                         : coulomb_level(sea.output_friction, sea.output_friction_asymmetry, direction);
+    const T sliding = side == kMotorSide
+                          ? coulomb_level(of_motor, sea.friction_asymmetry, T(direction))
+                          : coulomb_level(sea.output_friction, sea.output_friction_asymmetry, T(direction));
     return stribeck ? T(sliding * ukemi::stribeck(sea.breakaway, sea.stribeck_speed, speed)) : sliding;
   }
 

@@ -70,7 +70,7 @@ class BodyCourse {
     double out = asked;
     for (int i = 0; i < joints(); ++i) {
       SeaParameters<double> sea = joint_of(i).sea;
-      if (joint_of(i).kind == DriveKind::kGeared) sea.output_friction = sea.friction;
+      if (joint_of(i).kind == DriveKind::kGeared) sea.output_friction = sea.friction + sea.spring_loss;
       out = std::min(out, landing::step_accuracy(asked, sea));
     }
     return out;
@@ -96,6 +96,7 @@ class BodyCourse {
     }
     place(y);
     system.settle_lags(0.0, y);
+    system.settle(0.0, y);
     return y;
   }
 
@@ -154,6 +155,8 @@ class BodyCourse {
     out.lands = scene_.detection_delay == 0;
     return out;
   }
+  /// After a crossing, and where landing motions start: what friction no longer holds slips.
+  void settle(double t, State& y) { system.hold_or_slip(t, y); }
   /// Whether the landing motions are due at a deadline; what else is, `advance` does.
   bool lands_at(double t) const { return t + kRounding >= detected_; }
   /// The landing motions start.

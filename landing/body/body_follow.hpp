@@ -115,7 +115,9 @@ class BodyFollower {
   }
   template <class Driver>
   void jump(Driver& driver) {
-    driver.refresh(), peak_.jump();
+    State y = driver.state();
+    course_.settle(t_, y);
+    driver.refresh(y), peak_.jump();
     if (loads_) loads_->jump();
     if constexpr (kReport) recorder_.jump();
   }

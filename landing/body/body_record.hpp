@@ -70,12 +70,13 @@ class BodyRecorder {
     for (int i = 0; i < s.body.contacts; ++i)
       if (Touch* const touch = log_.open(i))
         touch->peak_force = std::max(touch->peak_force, contact_force(s, i, p, y).norm());
+    const auto on_child = s.torques(t, y);
     for (int i = 0; i < s.body.joints; ++i) {
       const SeaState<double> q = s.joint_state(i, y);
       const auto& drive = s.drive[i];
       JointDemands& d = out_.demands[std::size_t(s.body.joint[i].joint)];
       d.phi_min = std::min(d.phi_min, q.phi), d.phi_max = std::max(d.phi_max, q.phi);
-      d.torque = std::max(d.torque, std::abs(s.torque(i, t, y)));
+      d.torque = std::max(d.torque, std::abs(on_child[std::size_t(i)]));
       if (drive.kind != DriveKind::kGeared && drive.kind != DriveKind::kElastic) continue;
       const auto [speed, torque] = motor_demand(s, i, t, y);
       d.motor_speed = std::max(d.motor_speed, speed), d.motor_torque = std::max(d.motor_torque, torque);
@@ -100,12 +101,13 @@ class BodyRecorder {
     }
     for (std::size_t j = 0; j < scene_.robot.joints.size(); ++j)
       out.phi[j] = out.phi_ref[j] = scene_.robot.joints[j].phi;
+    const auto on_child = s.torques(t, y);
     for (int i = 0; i < s.body.joints; ++i) {
       const std::size_t j = std::size_t(s.body.joint[i].joint);
       const SeaState<double> q = s.joint_state(i, y);
       const bool elastic = s.drive[i].kind == DriveKind::kElastic, driven = scene_.robot.joints[j].driven();
       out.phi[j] = q.phi, out.dphi[j] = q.dphi, out.phi_m[j] = elastic ? q.phi_m : q.phi;
-      out.tau[j] = s.torque(i, t, y), out.phi_ref[j] = driven ? s.reference(i, t).phi : q.phi;
+      out.tau[j] = on_child[std::size_t(i)], out.phi_ref[j] = driven ? s.reference(i, t).phi : q.phi;
     }
     const Vec2<double> a = level(acceleration(s.body.peak, p, s.accelerations_of(dy), s.body.bodies));
     out.acc_x = a.x(), out.acc_y = a.y(), out.acc = a.norm();

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "landing/body/body_system.hpp"
 #include "landing/run/rest.hpp"
@@ -99,10 +100,13 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   auto still = y;
   for (int i = System::kVx; i < System::kSlip; ++i) still[i] = 0;
   if (free) still[System::kVx] = slide;
+  std::optional<System> stuck;  // what dry friction holds is in balance
+  if (s.rubs) stuck.emplace(s), stuck->stand_still(t, still);
+  const System& standing = stuck ? *stuck : s;
   const double soft = softest(s);
   bool downhill = false;  // a free robot that slides down the slope and still gains speed
   const auto unheld = [&] {
-    const auto dy = s.derivative(t, still);
+    const auto dy = standing.derivative(t, still);
     const auto acc = s.accelerations_of(dy);
     p.vx = free ? 0 : acc.x, p.vy = acc.y;
     downhill = free && acc.x * s.gravity[0] > kGains * s.gravity[0] * s.gravity[0];

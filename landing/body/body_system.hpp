@@ -8,18 +8,17 @@
 #include "landing/body/contact.hpp"
 #include "landing/body/equations.hpp"
 #include "landing/body/joint.hpp"
+#include "landing/model/dry_friction.hpp"
 #include "landing/model/motion.hpp"
 #include "landing/model/two_link.hpp"
 
 namespace ukemi::landing {
 
-/// Below this speed the sign of a rail's dry friction is smooth [m/s].
-inline constexpr double kRailSpeed = 0.005;
-
 template <Capacity kSize>
 struct BodyMode {
   std::array<PointMode, kSize.contacts> contact{};
   std::array<JointMode, kSize.joints> joint{};
+  int rail_slip = 0;  ///< as JointMode::slip
 };
 
 /// The mode of a system in a scalar: one for a double and all its derivatives; lanes of it in landing/lanes.
@@ -37,15 +36,21 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kLag = kSlip + kC };
   static constexpr int kLags = DriveLag<T>::kStates, kWork = kLag + (kSize.late ? kLags * kJ : 0);
   static constexpr int kStates = kWork + kAccounts;
-  /// Guards: of each contact, then of each joint.
+  /// Guards: of each contact, then of each joint; where there is dry friction (`guards_used`) of each of its places: a
+  /// slip's end, or forward and back out of a hold.
   enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kOfContact };
   enum { kUpper, kLower, kOfJoint };
-  static constexpr int kJointGuards = kOfContact * kC, kGuards = kJointGuards + kOfJoint * kJ, kControlled = kWork;
+  static constexpr int kOfPlace = 2;
+  /// Where dry friction acts: on the output of each joint, on its motor, and along the rail.
+  static constexpr int kRailPlace = kSides * kJ, kPlaces = kRailPlace + 1;
+  static constexpr int kJointGuards = kOfContact * kC, kFrictionGuards = kJointGuards + kOfJoint * kJ,
+                       kGuards = kFrictionGuards + kOfPlace * kPlaces, kControlled = kWork;
   using State = Eigen::Matrix<T, kStates, 1>;
   using Pose = TreePose<T, kB>;
   using Accelerations = TreeAccelerations<T, kB>;
   using Mode = typename BodyModeOf<kSize, T>::type;
-  using Mode::contact, Mode::joint;
+  using Mode::contact, Mode::joint, Mode::rail_slip;
+  using Lane = typename MaskOf<T>::type;
   using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
   using GuardValues = integrate::Guards<kGuards, Value>;
   static constexpr SeaTerms kSea{true, true}, kPlainSea{true, false};
@@ -65,6 +70,19 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),     T(j.damping),
                   T(j.rest), T(j.parallel_stiffness), T(j.parallel_rest), is_extended(j.sea)};
     }
+    find_rubbing();
+  }
+  /// Where there is dry friction, or derivatives by it are needed.
+  void find_rubbing() {
+    rail_rubs = body.base == Base::kRail && any(present(rail_friction) | present(rail_load_friction));
+    rubs = rail_rubs;
+    for (int i = 0; i < body.joints; ++i) {
+      const SeaParameters<T>& sea = drive[i].sea;
+      const bool own = any(present(sea.friction) | present(sea.spring_loss)),
+                 elastic = drive[i].kind == DriveKind::kElastic;
+      drive[i].rubs = {elastic ? any(present(sea.output_friction)) : own, elastic && own};
+      rubs = rubs || drive[i].rubs[kOutputSide] || drive[i].rubs[kMotorSide];
+    }
   }
 
   /// The same system in the same mode, without the derivatives of `o`.
@@ -77,14 +95,14 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// What is no number of T, of `o`.
   template <bool kOther, class U>
   void take_structure(const BodySystem<kSize, kOther, U>& o) {
-    links = o.links, body.take_structure(o.body);
+    links = o.links, rubs = o.rubs, rail_rubs = o.rail_rubs, body.take_structure(o.body);
     for (std::size_t i = 0; i < point.size(); ++i) point[i].take_structure(o.point[i]);
     for (std::size_t i = 0; i < drive.size(); ++i) drive[i].take_structure(o.drive[i]);
   }
   /// Whether `o` differs in numbers alone.
   template <class Other>
   bool same_structure(const Other& o) const {
-    bool same = body.same_structure(o.body) && links == o.links;
+    bool same = body.same_structure(o.body) && links == o.links && rail_rubs == o.rail_rubs;
     for (std::size_t i = 0; i < point.size(); ++i) same = same && point[i].same_structure(o.point[i]);
     for (std::size_t i = 0; i < drive.size(); ++i) same = same && drive[i].same_structure(o.drive[i]);
     return same;
@@ -114,7 +132,9 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     for_each_played(*this, o, kWithout);
   }
 
-  int links = 0;  ///< of the robot; locked ones share a body
+  int links = 0;                         ///< of the robot; locked ones share a body
+  bool rubs = false, rail_rubs = false;  ///< dry friction acts somewhere; along the rail
+  T rail_smooth{0};                      ///< its sign in a run that smooths it, which holds nothing
   Body<T, kSize> body;
   std::array<T, 2> gravity{};  ///< in the floor's frame
   T rail_viscous{0}, rail_friction{0}, rail_load_friction{0};
@@ -165,10 +185,29 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   T torque(int i, const Time& t, const State& y, T* motor = nullptr, State* dy = nullptr) const {
     const JointConstants<T>& d = drive[i];
     const SeaState<T> s = joint_state(i, y);
-    return joint_torque(i, s, motor, [&]() UKEMI_INLINE_LAMBDA {
-      if (d.kind == DriveKind::kGeared) return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
-      return elastic_motor_torque(i, t, y, s, dy);
-    });
+    const T out = joint_torque(
+        i, s, motor,
+        [&]() UKEMI_INLINE_LAMBDA {
+          if (d.kind == DriveKind::kGeared)
+            return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+          return elastic_motor_torque(i, t, y, s, dy);
+        },
+        [&](Side side, const T& tau) UKEMI_INLINE_LAMBDA {
+          return coulomb_torque(d.sea, mean_friction(i, side, tau), asymmetry(i, side),
+                                direction_of<T>(joint[i].slip[side]), side == kMotorSide ? s.dphi_m : s.dphi);
+        });
+    if (motor && d.rubs[kMotorSide]) *motor = masked(!stuck(i, kMotorSide), *motor);
+    return out;
+  }
+  /// Of all joints, what holds them at rest taken from it [Nm].
+  template <class Time>
+  std::array<T, kJ> torques(const Time& t, const State& y) const {
+    std::array<T, kJ> out{};
+    for (int i = 0; i < body.joints; ++i) out[i] = torque(i, t, y);
+    if (!rubs) return out;
+    const std::array<Hold<T>, kPlaces> hold = holds(t, y);
+    for (int i = 0; i < body.joints; ++i) out[i] -= masked(stuck(i, kOutputSide), hold[kSides * i].torque);
+    return out;
   }
   /// Of the motor of an elastic drive, as late as the drive is [Nm].
   template <class Time>
@@ -201,27 +240,30 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
         y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(asked_of(i, t, s), s);
       }
   }
-  /// The same of a motor whose torque is asked() [Nm].
-  template <class Asked>
-  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked) const {
+  /// The same of a motor whose torque is asked() [Nm], where coulomb(side, tau) rubs on a side that carries tau.
+  template <class Asked, class Coulomb>
+  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked, Coulomb&& coulomb) const {
     const JointConstants<T>& d = drive[i];
-    T out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
+    T out = -d.parallel_stiffness * (s.phi - d.parallel_rest), tau(0);
     if (d.kind == DriveKind::kElastic) {
-      const T tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
+      tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
       if (d.extended) {
         out += output_torque<kSea>(d.sea, s.dphi, tau);
-        if (motor) *motor = motor_acceleration<kSea>(d.sea, s.dphi_m, asked(), tau);
+        if (motor) *motor = torque_on_motor<kSea>(d.sea, s.dphi_m, asked(), tau);
+        if (motor && d.rubs[kMotorSide]) *motor -= coulomb(kMotorSide, tau);
       } else {
         out += tau;
-        if (motor) *motor = motor_acceleration<kPlainSea>(d.sea, s.dphi_m, asked(), tau);
+        if (motor) *motor = torque_on_motor<kPlainSea>(d.sea, s.dphi_m, asked(), tau);
       }
+      if (motor) *motor = *motor / d.sea.i_motor;
     } else if (d.kind == DriveKind::kGeared) {
-      const T tau = asked();
+      tau = asked();
       out += tau;
-      if (d.extended) out -= friction_torque<kSea>(d.sea, s.dphi, tau);
+      if (d.extended) out -= d.sea.viscous * s.dphi;
     } else {
       out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
     }
+    if (d.rubs[kOutputSide]) out -= coulomb(kOutputSide, tau);
     return out;
   }
   template <class Time>
@@ -294,9 +336,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     if constexpr (kSize.late) dy.template segment<kLags * kJ>(kLag).setConstant(T(0));
     derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor, &dy); });
   }
-  /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links.
+  /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links. Where
+  /// `holds` is given it holds what it says, else what the mode does.
   template <class Torque, class Push = NoPush>
-  UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of, Push&& push = {}) const {
+  UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of, Push&& push = {},
+                                     Holds<T, kSize>* holds = nullptr) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power(0);  // on the links
@@ -324,7 +368,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       dy[kOmegaM + i] = motor;
     }
     T along_rail(0);
-    const Accelerations acc = accelerations(p, load, y, along_rail);
+    const Accelerations acc =
+        rubs && !holds ? held_accelerations(p, load, y, along_rail) : accelerations(p, load, y, along_rail, holds);
     if constexpr (kAccounts) power += along_rail * y[kVx];
     dy[kX] = y[kVx], dy[kY] = y[kVy];
     if (body.base == Base::kFree)
@@ -342,27 +387,33 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     derivative(t, y, dy);
     return dy;
   }
-  /// `along_rail`: becomes the rail's force in its direction [N]: viscous, and dry friction F = -(F_c + mu |N|) sgn v,
-  /// whose sign is smooth below kRailSpeed. N is the force across the rail, on which F acts in turn: both are solved
-  /// for.
-  Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail) const {
-    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0));
-    const T& v = y[kVx];
-    along_rail = -rail_viscous * v;
-    const bool loaded = any(present(rail_load_friction));
-    if (!loaded && !any(present(rail_friction))) return solve(body, p, load, gravity, along_rail);
-    using std::sqrt;
-    const T sign = v / sqrt(v * v + T(kRailSpeed * kRailSpeed));
+  /// In the mode, where there is dry friction.
+  [[gnu::noinline]] Accelerations held_accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y,
+                                                     T& along_rail) const {
+    Holds<T, kSize> holds = held();
+    Lane some = holds.held[Holds<T, kSize>::kRail];
+    for (int i = 0; i < body.joints; ++i) some = some | holds.held[i];
+    return accelerations(p, load, y, along_rail, any(some) ? &holds : nullptr);
+  }
+  /// `along_rail`: becomes the rail's force in its direction [N]: viscous, and where it slips dry friction
+  /// F = -(F_c + mu |N|) sgn v. N is the force across the rail, on which F acts in turn: both are solved for.
+  Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail,
+                              Holds<T, kSize>* holds = nullptr) const {
+    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0), holds);
+    along_rail = -rail_viscous * y[kVx];
+    if (!rail_rubs) return solve(body, p, load, gravity, along_rail, holds);
+    const T sign = direction_of<T>(rail_slip) + rail_smooth;
     along_rail -= rail_friction * sign;
-    const Accelerations without = solve(body, p, load, gravity, along_rail);
-    if (!loaded) return without;
+    const Accelerations without = solve(body, p, load, gravity, along_rail, holds);
+    if (!any(present(rail_load_friction))) return without;
     const T n = across_rail(p, load, without),
-            per_force = across_rail(p, load, solve(body, p, load, gravity, T(along_rail + T(1)))) - n;
+            per_force = across_rail(p, load, solve(body, p, load, gravity, T(along_rail + T(1)), holds)) - n;
     const T mu = rail_load_friction * sign, up = select(n < T(0), T(-n), n),
-            turned = select(n < T(0), T(-per_force), per_force), held = T(1) + mu * turned;
-    constexpr double kJammed = 0.1;  // of `held`: a rail that jams is not modelled
-    along_rail -= mu * up / select(held > T(kJammed), held, T(kJammed));
-    return solve(body, p, load, gravity, along_rail);
+            turned = select(n < T(0), T(-per_force), per_force), resists = T(1) + mu * turned;
+    constexpr double kJammed = 0.1;  // of `resists`: a rail that jams is not modelled
+    along_rail -= mu * up / select(resists > T(kJammed), resists, T(kJammed));
+    if (holds) holds->across_rail = n;  // of what is held, on which no friction acts
+    return solve(body, p, load, gravity, along_rail, holds);
   }
   /// The rail's force across its direction, on the robot, left of it [N].
   T across_rail(const Pose& p, const TreeLoads<T, kB>& load, const Accelerations& acc) const {
@@ -403,7 +454,10 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     const Accelerations acc = accelerations_of(dy);
     contact_guards(p, acc, y, dy, out);
     for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
+    if (rubs) [[unlikely]]
+      friction_guards(t, y, dy, out);
   }
+  int guards_used() const { return rubs ? kGuards : kFrictionGuards; }
   template <class G>
   void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
@@ -488,8 +542,144 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     set(kLower, !lower, T(tau + d.sea.tau_max), rate, limited & !upper);
   }
 
+  // Dry friction, see dry_friction.hpp.
+
+  /// Of a side of joint i that carries tau [Nm], and its asymmetry. A motor that turns with its joint has its own
+  /// there.
+  T mean_friction(int i, Side side, const T& tau) const {
+    const JointConstants<T>& d = drive[i];
+    if (side == kOutputSide && d.kind == DriveKind::kElastic) return d.sea.output_friction;
+    return d.kind == DriveKind::kPassive ? d.sea.friction : loaded(d.sea.friction, d.sea.spring_loss, tau);
+  }
+  const T& asymmetry(int i, Side side) const {
+    const bool output = side == kOutputSide && drive[i].kind == DriveKind::kElastic;
+    return output ? drive[i].sea.output_friction_asymmetry : drive[i].sea.friction_asymmetry;
+  }
+  auto& slip_of(int place) { return place == kRailPlace ? rail_slip : joint[place / kSides].slip[place % kSides]; }
+  const auto& slip_of(int place) const {
+    return place == kRailPlace ? rail_slip : joint[place / kSides].slip[place % kSides];
+  }
+  bool rubs_at(int place) const {
+    return place == kRailPlace ? rail_rubs : place / kSides < body.joints && drive[place / kSides].rubs[place % kSides];
+  }
+  auto stuck(int i, Side side) const { return Lane(drive[i].rubs[side]) & is_stuck(joint[i].slip[side]); }
+  /// The rate of a place, or its acceleration where y is dy.
+  T rate_of(int place, const State& y) const {
+    if (place == kRailPlace) return y[kVx];
+    const int i = place / kSides;
+    if (place % kSides == kMotorSide) return y[kOmegaM + i];
+    const JointPlace& at = body.joint[i];
+    return at.parent < 0 ? y[kOmega + at.child] : T(y[kOmega + at.child] - y[kOmega + at.parent]);
+  }
+  /// What is stuck of joints and rail.
+  Holds<T, kSize> held() const {
+    Holds<T, kSize> out;
+    for (int i = 0; i < body.joints; ++i) out.held[i] = stuck(i, kOutputSide);
+    out.held[Holds<T, kSize>::kRail] = Lane(rail_rubs) & is_stuck(rail_slip);
+    return out;
+  }
+  /// What moves each place that is stuck, and what holds it.
+  template <class Time>
+  std::array<Hold<T>, kPlaces> holds(const Time& t, const State& y) const {
+    State dy;
+    if constexpr (kSize.late) dy.template segment<kLags * kJ>(kLag).setConstant(T(0));
+    Holds<T, kSize> held_still = held();
+    derivative_under(
+        y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor, &dy); }, {}, &held_still);
+    std::array<Hold<T>, kPlaces> out;
+    for (int i = 0; i < body.joints; ++i) {
+      const JointConstants<T>& d = drive[i];
+      const SeaState<T> s = joint_state(i, y);
+      const bool elastic = d.kind == DriveKind::kElastic;
+      T tau(0);
+      if (elastic)
+        tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
+      else if (d.kind == DriveKind::kGeared)
+        tau = limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+      const auto hold = [&](Side side, const T& moved_by) {
+        out[kSides * i + side] = Hold<T>(d.sea, mean_friction(i, side, tau), asymmetry(i, side), moved_by);
+      };
+      if (d.rubs[kOutputSide]) hold(kOutputSide, held_still.needed[i]);
+      if (d.rubs[kMotorSide])
+        hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, elastic_motor_torque(i, t, y, s), tau));
+    }
+    Hold<T>& rail = out[kRailPlace];
+    rail.torque = held_still.needed[Holds<T, kSize>::kRail];
+    rail.up = rail.down =
+        rail_friction +
+        rail_load_friction * select(held_still.across_rail < T(0), T(-held_still.across_rail), held_still.across_rail);
+    return out;
+  }
+  /// Of each place: what a hold has left, forward and back, or the rate of a slip.
+  template <class Time, class G>
+  [[gnu::noinline]] void friction_guards(const Time& t, const State& y, const State& dy,
+                                         integrate::Guards<kGuards, G>& out) const {
+    std::array<Hold<T>, kPlaces> now, next;
+    Lane some(false);
+    for (int k = 0; k < kPlaces; ++k)
+      if (rubs_at(k)) some = some | is_stuck(slip_of(k));
+    if (any(some)) now = holds(t, y), next = holds(Time(t + Time(kApart)), soon(y, dy));
+    for (int k = 0; k < kPlaces; ++k)
+      if (rubs_at(k))
+        guard_friction(slip_of(k), now[k], next[k], rate_of(k, y), rate_of(k, dy),
+                       [&](int of, const T& value, const T& rate, const Lane& active) {
+                         out.set(kFrictionGuards + kOfPlace * k + of, narrowed<G>(value), narrowed<G>(rate), active);
+                       });
+  }
+  /// What may be stuck is so, where friction holds it.
+  template <class Time>
+  void stand_still(const Time& t, State& y) {
+    for (int k = 0; k < kPlaces; ++k)
+      if (rubs_at(k)) slip_of(k) = 0;
+    hold_or_slip(t, y);
+  }
+  /// A landing starts: what moves slips.
+  template <class Time>
+  void settle(const Time& t, State& y) {
+    for (int k = 0; k < kPlaces; ++k) {
+      if (!rubs_at(k)) continue;
+      const double v = value_of(rate_of(k, y));
+      slip_of(k) = v > 0 ? 1 : v < 0 ? -1 : 0;
+    }
+    hold_or_slip(t, y);
+  }
+  /// What is stuck and what friction cannot hold slips, the farthest beyond its hold first. The rest has a rate of 0.
+  template <class Time>
+  void hold_or_slip(const Time& t, State& y) {
+    if (!rubs) return;
+    for (int n = 0; n < kPlaces; ++n) {
+      const std::array<Hold<T>, kPlaces> hold = holds(t, y);
+      int worst = -1;
+      double most = 0;
+      for (int k = 0; k < kPlaces; ++k) {
+        if (!rubs_at(k) || slip_of(k) != 0) continue;
+        const double left = std::min(value_of(hold[k].left_up()), value_of(hold[k].left_down()));
+        if (left < most) most = left, worst = k;
+      }
+      if (worst < 0) break;
+      slip_of(worst) = breaks_loose(value_of(hold[worst].left_up()), value_of(hold[worst].left_down()));
+    }
+    for (int k = 0; k < kPlaces; ++k)
+      if (rubs_at(k) && slip_of(k) == 0) rest(k, y);
+  }
+  void rest(int place, State& y) const {
+    if (place == kRailPlace) return void(y[kVx] = T(0));
+    const JointPlace& at = body.joint[place / kSides];
+    if (place % kSides == kMotorSide)
+      y[kOmegaM + place / kSides] = T(0);
+    else
+      y[kOmega + at.child] = at.parent < 0 ? T(0) : y[kOmega + at.parent];
+  }
+
   /// Into the mode beyond the zero of a guard. Returns the contact that touches the floor there, or -1.
   int cross(int guard, State& y) {
+    if (guard >= kFrictionGuards) {
+      const int place = (guard - kFrictionGuards) / kOfPlace;
+      int& slip = slip_of(place);
+      slip = slip != 0 ? 0 : (guard - kFrictionGuards) % kOfPlace == 0 ? 1 : -1;
+      if (slip == 0) rest(place, y);
+      return -1;
+    }
     if (guard >= kJointGuards) {
       int& saturation = joint[(guard - kJointGuards) / kOfJoint].saturation;
       saturation = saturation ? 0 : (guard - kJointGuards) % kOfJoint == kUpper ? 1 : -1;

@@ -233,11 +233,38 @@ struct TreeLoads {
   }
 };
 
-/// M of the angles, and of the rail's s behind them; a body that stays has the row of 1. In a lower triangle.
-template <class T, Capacity kSize>
-struct MassMatrix {
-  static constexpr int kMost = kSize.bodies + 1;
+/// A symmetric positive matrix, in its lower triangle.
+template <class T, int kMost>
+struct Symmetric {
   std::array<std::array<T, kMost>, kMost> m{};
+
+  /// M = L D L', in place.
+  UKEMI_INLINE void factor(int n) {
+    for (int j = 0; j < n; ++j) {
+      std::array<T, kMost> scaled{};
+      for (int k = 0; k < j; ++k) scaled[k] = m[j][k] * m[k][k], m[j][j] -= m[j][k] * scaled[k];
+      const T inverse = T(1) / m[j][j];
+      for (int i = j + 1; i < n; ++i) {
+        for (int k = 0; k < j; ++k) m[i][j] -= m[i][k] * scaled[k];
+        m[i][j] *= inverse;
+      }
+    }
+  }
+  UKEMI_INLINE void solve(int n, std::array<T, kMost>& x) const {
+    for (int i = 0; i < n; ++i)
+      for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
+    for (int i = n; i-- > 0;) {
+      x[i] = x[i] / m[i][i];
+      for (int k = i + 1; k < n; ++k) x[i] -= m[k][i] * x[k];
+    }
+  }
+};
+
+/// M of the angles, and of the rail's s behind them; a body that stays has the row of 1.
+template <class T, Capacity kSize>
+struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
+  static constexpr int kMost = kSize.bodies + 1;
+  using Symmetric<T, kMost>::m;
 
   MassMatrix(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMost>& right) {
     const int n = b.bodies;
@@ -266,33 +293,66 @@ struct MassMatrix {
       right[n] -= w * (ey * y - ex * x);
     }
   }
-  /// M = L D L', in place.
-  UKEMI_INLINE void factor(int n) {
-    for (int j = 0; j < n; ++j) {
-      std::array<T, kMost> scaled{};
-      for (int k = 0; k < j; ++k) scaled[k] = m[j][k] * m[k][k], m[j][j] -= m[j][k] * scaled[k];
-      const T inverse = T(1) / m[j][j];
-      for (int i = j + 1; i < n; ++i) {
-        for (int k = 0; k < j; ++k) m[i][j] -= m[i][k] * scaled[k];
-        m[i][j] *= inverse;
-      }
+};
+
+/// What dry friction holds still: joints, and behind them the way along the rail; and what each needs to stay so, taken
+/// from the torques and the force along the rail [Nm], [N].
+template <class T, Capacity kSize>
+struct Holds {
+  static constexpr int kRail = kSize.joints, kMost = kRail + 1;
+  std::array<typename MaskOf<T>::type, kMost> held{};
+  std::array<T, kMost> needed{};
+  T across_rail{0};  ///< the rail's force across itself, where its friction follows that [N]
+
+  /// Solves for them, of the accelerations x without them, and takes them: with J the rates of what is held by those of
+  /// the state, J (x - M^-1 J' needed) = 0.
+  [[gnu::noinline]] void take(const Body<T, kSize>& b, const MassMatrix<T, kSize>& mass, int n,
+                              std::array<T, kSize.bodies + 1>& x) {
+    std::array<std::array<T, kSize.bodies + 1>, kMost> response{};  // columns of M^-1 J'
+    Symmetric<T, kMost> w;
+    for (int i = 0; i < kMost; ++i) {
+      needed[i] = T(0), w.m[i][i] = T(1);
+      if (!any(held[i])) continue;
+      add_unit(b, i, response[i]), mass.solve(n, response[i]);
+      needed[i] = masked(held[i], across(b, i, x));
+      for (int k = 0; k <= i; ++k)
+        if (any(held[k])) w.m[i][k] = select(held[i] & held[k], across(b, k, response[i]), w.m[i][k]);
+    }
+    w.factor(kMost), w.solve(kMost, needed);
+    for (int i = 0; i < kMost; ++i) {
+      if (!any(held[i])) continue;
+      for (int j = 0; j < n; ++j) x[j] -= needed[i] * response[i][j];
+    }
+    for (int i = 0; i < kMost; ++i) {  // exactly, from the base outwards
+      T& rate = x[std::size_t(i == kRail ? int(b.bodies) : b.joint[i].child)];
+      rate = select(held[i], T(i == kRail || parent(b, i) < 0 ? T(0) : x[std::size_t(parent(b, i))]), rate);
     }
   }
-  UKEMI_INLINE void solve(int n, std::array<T, kMost>& x) const {
-    for (int i = 0; i < n; ++i)
-      for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
-    for (int i = n; i-- > 0;) {
-      x[i] = x[i] / m[i][i];
-      for (int k = i + 1; k < n; ++k) x[i] -= m[k][i] * x[k];
-    }
+
+ private:
+  /// -1: one that does not turn.
+  static int parent(const Body<T, kSize>& b, int i) {
+    const int of = b.joint[i].parent;
+    return of == 0 && b.first_stays ? -1 : of;
+  }
+  static void add_unit(const Body<T, kSize>& b, int i, std::array<T, kSize.bodies + 1>& x) {
+    if (i == kRail) return void(x[std::size_t(int(b.bodies))] = T(1));
+    x[std::size_t(b.joint[i].child)] = T(1);
+    if (parent(b, i) >= 0) x[std::size_t(parent(b, i))] = T(-1);
+  }
+  static T across(const Body<T, kSize>& b, int i, const std::array<T, kSize.bodies + 1>& x) {
+    if (i == kRail) return x[std::size_t(int(b.bodies))];
+    const T& child = x[std::size_t(b.joint[i].child)];
+    return parent(b, i) < 0 ? child : T(child - x[std::size_t(parent(b, i))]);
   }
 };
 
-/// Eq. 1 for a tree: the accelerations under loads (torques of joints within) and gravity (gx, gy).
+/// Eq. 1 for a tree: the accelerations under loads (torques of joints within) and gravity (gx, gy); what `holds` holds
+/// keeps its rate.
 template <class T, Capacity kSize>
 TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p,
                                          const TreeLoads<T, kSize.bodies>& load, const std::array<T, 2>& gravity,
-                                         const T& along_rail) {
+                                         const T& along_rail, Holds<T, kSize>* holds = nullptr) {
   const T &gx = gravity[0], &gy = gravity[1];
   std::array<T, MassMatrix<T, kSize>::kMost> right{};
   const int bodies = b.bodies;
@@ -307,6 +367,8 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
     mass.factor(bodies + 1), mass.solve(bodies + 1, right);
   else
     mass.factor(bodies), mass.solve(bodies, right);
+  if (holds) [[unlikely]]
+    holds->take(b, mass, b.base == Base::kRail ? bodies + 1 : bodies, right);
   TreeAccelerations<T, kSize.bodies> out;
   for (int j = 0; j < bodies; ++j) out.alpha[j] = right[j];
   if (b.base == Base::kFree)

@@ -15,15 +15,16 @@ struct JointConstants {
   T stiffness{0}, damping{0}, rest{0};  ///< passive
   T parallel_stiffness{0}, parallel_rest{0};
 
-  bool extended = false;  ///< it has friction, or a spring that stiffens
+  bool extended = false;            ///< it has friction, or a spring that stiffens
+  std::array<bool, kSides> rubs{};  ///< a side has dry friction, or derivatives by it are needed
 
   template <class Other>
   void take_structure(const Other& o) {
-    kind = o.kind, sea.feedback = o.sea.feedback, extended = o.extended;
+    kind = o.kind, sea.feedback = o.sea.feedback, extended = o.extended, rubs = o.rubs;
   }
   template <class Other>
   bool same_structure(const Other& o) const {
-    return kind == o.kind && sea.feedback == o.sea.feedback && extended == o.extended;
+    return kind == o.kind && sea.feedback == o.sea.feedback && extended == o.extended && rubs == o.rubs;
   }
   /// f(a's, b's) of every constant.
   template <class A, class B, class F>
@@ -35,7 +36,8 @@ struct JointConstants {
 };
 
 struct JointMode {
-  int saturation = 0;  ///< of the spring's torque, or of the geared motor's
+  int saturation = 0;              ///< of the spring's torque, or of the geared motor's
+  std::array<int, kSides> slip{};  ///< of a side with dry friction: the sign of its motion, or 0 where it is stuck
   Phase phase = Phase::kBefore;
 };
 

@@ -39,7 +39,7 @@ struct Link {
 enum class DriveKind {
   kElastic,  ///< Eq. 2-4, a motor behind a spring; the motor's reaction on the links is the spring's torque alone
   kGeared,   ///< a motor that turns with the joint: tau = clamp(Eq. 3, +- tau_max) - friction - i_motor ddphi
-  kPassive,  ///< tau = -stiffness (phi - rest) - damping dphi
+  kPassive,  ///< tau = -stiffness (phi - rest) - damping dphi - dry friction
   kLocked,   ///< stays at its angle of release
 };
 const char* name(DriveKind kind);  ///< "elastic"
@@ -49,7 +49,8 @@ struct Joint {
   std::string name;
   int child = 0;  ///< link
   DriveKind kind = DriveKind::kElastic;
-  SeaParameters<double> sea{0, 0, 0, 0, 1};           ///< elastic; geared: k_p, k_d, i_motor, tau_max, friction terms
+  SeaParameters<double> sea{0, 0, 0, 0,
+                            1};  ///< elastic; geared: k_p, k_d, i_motor, tau_max, friction terms; passive: friction
   std::optional<double> speed_max, motor_torque_max;  ///< rated, of the motor at the output [rad/s], [Nm], > 0
   double stiffness = 0, damping = 0;                  ///< passive [Nm/rad], [Nm/(rad/s)], >= 0
   double rest = 0;                                    ///< of the passive spring [rad]

@@ -192,8 +192,7 @@ void read_drive(TomlSection& s, Joint& joint, const std::string& folder, std::ve
     joint.stiffness = s.optional_number("stiffness", Range::non_negative()).value_or(0);
     joint.damping = s.optional_number("damping", Range::non_negative()).value_or(0);
     joint.rest = s.optional_angle("rest").value_or(joint.phi);
-    if (s.optional_number("friction", Range::non_negative()).value_or(0) > 0)
-      s.fail("friction", "0 is needed: a passive joint has no dry friction here");
+    joint.sea.friction = s.optional_number("friction", Range::non_negative()).value_or(0);
   }
   if (joint.kind == kLocked) return;
   joint.parallel_stiffness = s.optional_number("parallel_stiffness", Range::non_negative()).value_or(0);

@@ -42,6 +42,7 @@ class DifferentiatedBody {
                      const SimulateOptions& options)
       : scene_(scene), options_(options), course_(scene, motion), plain_(scene.robot, scene.slope), dual_(plain_) {
     for (std::size_t k = 0; k < parameters.size(); ++k) seed(parameters[k], int(k));
+    course_.system.find_rubbing();
   }
 
   template <class Observer>
@@ -88,7 +89,7 @@ class DifferentiatedBody {
   integrate::Options step_options() const {
     return {.accuracy = course_.step_accuracy(options_.accuracy), .first_step = 1e-4, .max_step = options_.max_step};
   }
-  void open(double) {}
+  void open(double, const State&) {}
   double longest_step() const { return course_.longest_step(); }
   double stop() const { return course_.stop(); }
   bool end_moves() const { return course_.limit_moves(); }
@@ -99,13 +100,13 @@ class DifferentiatedBody {
     if (!lands) course_.advance(t), follow();
     return {std::nullopt, lands};
   }
-  void land(const Jet& t) { course_.land(t), course_.advance(t.a), follow(); }
+  void land(const Jet& t, State& y) { course_.land(t), course_.advance(t.a), course_.settle(t.a, y), follow(); }
   bool cross(int event, const Jet& t, State& y) {
     const bool first = !course_.touched();
     const typename Course::Crossing crossing = course_.cross(event, t, y);
     touchdowns_ += crossing.touched >= 0;
     if (crossing.lands) course_.land(t);
-    follow();
+    course_.settle(t.a, y), follow();
     return first && crossing.touched >= 0;
   }
   bool rests(double t, const Values& y, double square) const {
@@ -157,7 +158,7 @@ class DifferentiatedBody {
     const auto at = actuator_constants()[std::size_t(which)].at;
     auto& drive = course_.system.drive[std::size_t(i)];
     const SeaParameters<double>& plain = course_.joint_of(i).sea;
-    drive.extended = true;  // derivatives by a friction that is 0 too
+    drive.extended = true;  // derivatives by a friction that is 0 too; see find_rubbing
     SeaParameters<Jet>::for_each(drive.sea, plain, [&](Jet& x, const double& of) {
       if (&of == &(plain.*at)) set(x, slot, true);
     });

@@ -89,7 +89,10 @@ class DifferentiatedLanding {
             .first_step = std::min(options_.max_step, schedule_.first_step()),
             .max_step = options_.max_step};
   }
-  void open(double t) { change(schedule_.opening(system_), Jet(t)); }
+  void open(double t, const State& y) {
+    change(schedule_.opening(system_), Jet(t));
+    system_.settle(t, y), follow();
+  }
   double longest_step() const {
     return system_.phase == Phase::kMoving ? schedule_.motion_part() : std::numeric_limits<double>::infinity();
   }
@@ -101,17 +104,22 @@ class DifferentiatedLanding {
     if (!deadline.end && !lands) change(deadline.change, Jet(t));
     return {deadline.end, lands};
   }
-  void land(const Jet& t) { change(ReferenceChange::kLand, t); }
-  bool cross(int event, const Jet& t, State&) {
+  void land(const Jet& t, State& y) {
+    change(ReferenceChange::kLand, t);
+    system_.settle(-1, t.a, y), follow();
+  }
+  bool cross(int event, const Jet& t, State& y) {
     const Schedule::Crossing crossing = schedule_.cross(event, t.a, system_, Limits(), contacts_);
     change(crossing.change, t);
+    system_.settle(event, t.a, y), follow();
     return crossing.first;
   }
   bool rests(double, const Values& y, double square) const { return at_rest(plain_, y, square, impact_energy(plain_)); }
 
  private:
+  void follow() { static_cast<Mode&>(plain_) = system_; }
   void change(ReferenceChange to, const Jet& t) {
-    static_cast<Mode&>(plain_) = system_;
+    follow();
     system_.change(to, motion_, t);
     plain_.change(to, plain_motion_, t.a);
   }

@@ -49,7 +49,7 @@ class DifferentiatedRun {
     const SimulateOptions& options = l_.options();
     Driver driver(l_.system(), t, start, l_.step_options());
     DifferentiatedOutcome out;
-    l_.open(t);
+    l_.open(t, start);
     observer_.begin(l_, t, start);
     for (long n = 0;; ++n) {
       if (const double longest = l_.longest_step(); longest < std::numeric_limits<double>::infinity())
@@ -86,7 +86,7 @@ class DifferentiatedRun {
       return *deadline.end;
     }
     constexpr int kNoGuard = Landing::System::kGuards;
-    if (deadline.lands) jump(t, driver, touchdown_, kNoGuard, [&](State&) { l_.land(Jet(t, touchdown_)); });
+    if (deadline.lands) jump(t, driver, touchdown_, kNoGuard, [&](State& y) { l_.land(Jet(t, touchdown_), y); });
     return End::kFailed;
   }
 

@@ -13,6 +13,12 @@ namespace ukemi::landing {
 
 namespace {
 
+/// Below these speeds dry friction is smooth here, where steps are of one length and do not end at its turns: rates of
+/// joints and motors [rad/s], of a rail [m/s].
+constexpr double kFrictionSpeed = 0.005, kRailSpeed = 0.005;
+/// sgn(v) so smoothed.
+double smooth_sign(double v, double below) { return v / std::sqrt(v * v + below * below); }
+
 constexpr double kFarthest = 1e4;  ///< of any state in SI units: beyond it a run is lost
 
 template <Capacity kSize>
@@ -28,6 +34,7 @@ class DrivenRun {
         peak_axis_(shifted(system_.body, Arms<double, System::kB>{}, robot.peak_link, Place{1, 0})),
         now_(std::size_t(system_.body.joints)) {
     if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
+    system_.rubs = false;  // nothing is held here
     const std::vector<MeasuredColumn> columns = push_columns(robot);
     for (std::size_t i = 0; i < commands.push.size(); ++i) {
       const PushPoint& p = robot.pushes[i];
@@ -322,8 +329,15 @@ class DrivenRun {
         const double spring = spring_torque<System::kSea>(sea, s);
         system_.joint[i].saturation = spring > sea.tau_max ? 1 : spring < -sea.tau_max ? -1 : 0;
       }
-      return system_.joint_torque(i, s, motor, [&] { return of(i).torque_gain * given(i, s, y, &dy); });
+      const auto rubs = [&](Side side, double tau) {
+        const double v = side == kMotorSide ? s.dphi_m : s.dphi, direction = smooth_sign(v, kFrictionSpeed);
+        return coulomb_torque(system_.drive[i].sea, system_.mean_friction(i, side, tau), system_.asymmetry(i, side),
+                              direction, v);
+      };
+      return system_.joint_torque(
+          i, s, motor, [&] { return of(i).torque_gain * given(i, s, y, &dy); }, rubs);
     };
+    if (system_.rail_rubs) system_.rail_smooth = smooth_sign(y[System::kVx], kRailSpeed);
     system_.derivative_under(y, dy, torque_of, [&](auto& load, const auto& pose) {
       for (const Pushed& p : pushed_) {
         const double after = t - pushed_from_;

@@ -3,8 +3,8 @@
 // Fixed steps of the classical Runge-Kutta method, as many to each command between two of the times, so that what comes
 // out depends smoothly on every number of the robot: differences are derivatives. They are longer while everything that
 // rubs moves fast; a run beside another takes its steps. A contact's touchdown, lift-off,
-// sticking and sliding are found within their step, which is parted there. Dry friction is that of a
-// landing, smooth below kFrictionSpeed. Ours. Tests: test/legs/driven.cpp.
+// sticking and sliding are found within their step, which is parted there. Dry friction is smooth
+// below 5 mrad/s, of a rail 5 mm/s, where that of a landing sticks. Ours. Tests: test/legs/driven.cpp.
 #pragma once
 
 #include "landing/body/command_path.hpp"
@@ -16,7 +16,7 @@ namespace ukemi::landing {
 /// Longest steps [s].
 struct DrivenSteps {
   double fine = 0;
-  /// While all that rubs dry moves at 20 times kFrictionSpeed or faster, one way, where there is no contact, no stop
+  /// While all that rubs dry moves at 20 times that speed or faster, one way, where there is no contact, no stop
   /// and no controller; at least `fine`.
   double coarse = 0;
 };

@@ -64,8 +64,10 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
       if constexpr (kTerms.sea.late) system_.lag = typename System::Lag(system_.sea);
       system_.shaped = system_.shaped || has_bumps(c.motion);
       single.change(schedule.opening(single), c.motion, t);
+      single.settle(t, y);
       ReferencePiece<T>::for_each(system_.piece, single.piece, set);
       for (int j = 0; j < kPoints; ++j) system_.present[j].set(i, single.present[j]);
+      for (int j = 0; j < kSides; ++j) system_.rubs[j].set(i, single.rubs[j]);
       system_.set_lane(i, single);
       this->begin(i, t, y, schedule.first_step(), schedule.ballistic() ? g * g : 0,
                   [&](int k) { return single.tolerance_unit(k); });
@@ -111,7 +113,23 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
     if (crossing.forbidden) return false;
     system_.set_lane(i, mode);
     stale_.set(i, true);
-    return !crossing.first || change(i, crossing.change);
+    if (crossing.first && !change(i, crossing.change)) return false;
+    settle(i, g);
+    return true;
+  }
+
+  /// As LandingSystem::settle, of one lane.
+  void settle(int i, int event) {
+    if constexpr (!kTerms.sea.extended) return;
+    if (!system_.rubs[kOutputSide][i] && !system_.rubs[kMotorSide][i]) return;
+    if (event >= kLandingGuards && system_.stuck(Mode::side_of(event))[i]) {
+      const bool motor = Mode::side_of(event) == kMotorSide;
+      step_.y[motor ? kOmegaM : kOmega1].set(i, motor ? 0 : step_.y[kOmega0][i]);
+    }
+    const std::array<Hold<T>, kSides> hold = system_.holds(step_.t, step_.y);
+    for (const Side side : {kOutputSide, kMotorSide})
+      if (system_.stuck(side)[i])
+        system_.slip[side].set(i, breaks_loose(hold[side].left_up()[i], hold[side].left_down()[i]));
   }
 
   /// The reference's change, as LandingSystem::change; the next deadline with it. False where it breaks a limit.
@@ -137,7 +155,9 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
     Mode mode = system_.lane(i);
     const Schedule::Deadline deadline = schedule_[i].reached(step_.t[i], mode);
     system_.set_lane(i, mode);
-    return change(i, deadline.change) ? deadline.end : End::kBroken;
+    if (!change(i, deadline.change)) return End::kBroken;
+    if (deadline.change == ReferenceChange::kLand) settle(i, -1);
+    return deadline.end;
   }
 
   // --- every lane at once ---

@@ -122,14 +122,20 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     const double t = step_.t[i];
     Values y = values(i);
     const typename Course::Crossing crossing = course.cross(g, t, y);
-    for (int k = System::kSlip; k < kStates; ++k) step_.y[k].set(i, y[k]);
     if (crossing.touched >= 0)
       touched(i, crossing.touched);
     else if (crossing.surface)
       lifted(i, g / System::kOfContact);
     if (crossing.lands) land(i);
+    settle(i, y);
     enter(i);
     return !(out_[i].broken && case_[i].scene->ends_broken);
+  }
+
+  /// What friction no longer holds slips; the lane's rates and slips from y.
+  void settle(int i, Values& y) {
+    course_[i]->settle(step_.t[i], y);
+    for (int k = System::kVx; k < kStates; ++k) step_.y[k].set(i, y[k]);
   }
 
   /// The lane's step has ended at its deadline: the next one, or how the landing ended.
@@ -138,7 +144,10 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     Course& course = *course_[i];
     const double t = step_.t[i];
     if (t + kRounding >= course.limit()) return course.touched() ? End::kTimeLimit : End::kNoContact;
-    if (course.lands_at(t)) land(i);
+    if (course.lands_at(t)) {
+      Values y = values(i);
+      land(i), settle(i, y);
+    }
     if (out_[i].broken && case_[i].scene->ends_broken) return End::kBroken;
     course.advance(t);
     enter(i);

@@ -24,6 +24,20 @@ const Mask<W>& at_lower(const LaneSaturation<W>& s) {
 namespace ukemi::landing {
 
 template <int W>
+struct LaneSlip {
+  Mask<W> forward, back;
+  void set(int i, int slip) { forward.set(i, slip > 0), back.set(i, slip < 0); }
+};
+template <int W>
+const Mask<W>& slips_forward(const LaneSlip<W>& s) {
+  return s.forward;
+}
+template <int W>
+const Mask<W>& slips_back(const LaneSlip<W>& s) {
+  return s.back;
+}
+
+template <int W>
 struct LaneContact {
   Mask<W> below, pressed;
 };
@@ -53,6 +67,7 @@ template <int W>
 struct LaneMode {
   std::array<LaneContact<W>, kPoints> contact{};
   LaneSaturation<W> saturation{};
+  std::array<LaneSlip<W>, kSides> slip{};
   LanePhase<W> phase{};
 
   /// One lane of it as a mode, and back.
@@ -63,6 +78,7 @@ struct LaneMode {
                      : contact[j].pressed[i] ? Contact::kPressed
                                              : Contact::kLoose;
     m.saturation = int(saturation.upper[i]) - int(saturation.lower[i]);
+    for (std::size_t j = 0; j < kSides; ++j) m.slip[j] = int(slip[j].forward[i]) - int(slip[j].back[i]);
     m.phase = phase.moving[i] ? Phase::kMoving : phase.after[i] ? Phase::kAfter : Phase::kBefore;
     return m;
   }
@@ -70,6 +86,7 @@ struct LaneMode {
     for (std::size_t j = 0; j < kPoints; ++j)
       contact[j].below.set(i, below(m.contact[j])), contact[j].pressed.set(i, pressed(m.contact[j]));
     saturation.upper.set(i, at_upper(m.saturation)), saturation.lower.set(i, at_lower(m.saturation));
+    for (std::size_t j = 0; j < kSides; ++j) slip[j].set(i, m.slip[j]);
     phase.moving.set(i, moving(m.phase)), phase.after.set(i, after(m.phase));
   }
 };

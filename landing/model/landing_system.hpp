@@ -31,10 +31,11 @@ class LandingSystem : public ModeOf<T>::type {
 
  public:
   using Mode = typename ModeOf<T>::type;
-  using Mode::contact, Mode::saturation, Mode::phase;
+  using Mode::contact, Mode::saturation, Mode::slip, Mode::phase;
   using Lag = std::conditional_t<kTerms.late, DriveLag<T>, NoLag<T>>;
   static constexpr int kLags = Lag::kStates, kStates = kMechanical + kLags;
-  static constexpr int kControlled = kStates, kPositions = kVx, kGuards = kLandingGuards;
+  static constexpr int kControlled = kStates, kPositions = kVx,
+                       kGuards = kLandingGuards + (kTerms.extended ? kFrictionGuards : 0);
   enum Account { kWorkJoint = kStates, kWorkFloor, kWorkMotor, kWithAccounts };  ///< work [J]
   using State = Eigen::Matrix<T, kAccounts ? int(kWithAccounts) : kStates, 1>;
   using Lane = typename MaskOf<T>::type;
@@ -61,6 +62,8 @@ class LandingSystem : public ModeOf<T>::type {
       : link(robot), floor(f), sea(actuator), lag(actuator), piece(standing_at(motion.release_phi())) {
     if constexpr (kTerms.torque_limit && !kIsPack<T>)
       if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
+    rubs = {Lane(ukemi::present(sea.output_friction)),
+            Lane(ukemi::present(sea.friction) | ukemi::present(sea.spring_loss))};
   }
 
   /// This system, in its present mode, in another scalar.
@@ -73,7 +76,8 @@ class LandingSystem : public ModeOf<T>::type {
         lag(o.lag),
         piece(o.piece.template cast<T>()),
         shaped(o.shaped),
-        present(o.present) {}
+        present(o.present),
+        rubs(o.rubs) {}
 
   TwoLinkDynamics<Constant> link;
   Floor<T> floor;
@@ -82,6 +86,7 @@ class LandingSystem : public ModeOf<T>::type {
   ReferencePiece<T> piece;  ///< of the reference, at present
   bool shaped = false;      ///< it has bumps
   std::array<Lane, kPoints> present{};
+  std::array<Lane, kSides> rubs{};  ///< the side has dry friction, or derivatives by it are needed
 
   /// The reference does something else from the time t on; the schedule has set the phase. With the landing motion
   /// begin the gains that it is played with.
@@ -132,32 +137,99 @@ class LandingSystem : public ModeOf<T>::type {
   template <class Time>
   void derivative(const Time& t, const State& y, State& dy) const {
     const Pose<T> p = pose(y);
-    Loads<T> load;
     [[maybe_unused]] T floor_power(0);
+    const Loads<T> load = loads(p, floor_power);
+    const SeaState<T> joint = sea_state(y);
+    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, joint), saturation);
+    T turning = output_torque<kTerms>(sea, joint.dphi, tau);
+    if constexpr (kTerms.extended)
+      if (any(rubs[kOutputSide])) turning -= coulomb(kOutputSide, joint.dphi, tau);
+    Accelerations<T> acc = solve(link, p, turning, load);
+    if constexpr (kTerms.extended)
+      if (const Lane held = stuck(kOutputSide); any(held)) hold(held, p, acc);
+    for (int i = 0; i < kVx; ++i) dy[i] = y[kVx + i];
+    dy[kVx] = acc.x, dy[kVy] = acc.y, dy[kOmega0] = acc.theta0, dy[kOmega1] = acc.theta1;
+    T driving = asked(t, y);
+    if constexpr (kTerms.late) {
+      dy.template segment<kLags>(kMechanical) = lag.derivative(driving, joint, lags(y));
+      driving = lag.torque(driving, lags(y));
+    }
+    T on_motor = torque_on_motor<kTerms>(sea, joint.dphi_m, driving, tau);
+    if constexpr (kTerms.extended)
+      if (any(rubs[kMotorSide]))
+        on_motor = select(stuck(kMotorSide), T(0), T(on_motor - coulomb(kMotorSide, joint.dphi_m, tau)));
+    dy[kOmegaM] = on_motor / sea.i_motor;
+    if constexpr (kAccounts) {
+      dy[kWorkJoint] = turning * joint.dphi;
+      dy[kWorkFloor] = floor_power;
+      dy[kWorkMotor] = sea.i_motor * dy[kOmegaM] * y[kOmegaM];
+    }
+  }
+
+  /// What the floor pushes with, and the power of it where that is accounted for.
+  UKEMI_INLINE Loads<T> loads(const Pose<T>& p, [[maybe_unused]] T& power) const {
+    Loads<T> load;
     if constexpr (kAllTerms.floor)
       for (int j = 0; j < kPoints; ++j)
         if (any(below(contact[j]))) {
           const Vec2<T> f = force(p, j);
           load.add(link, p, j, select(below(contact[j]), f.x(), T(0)), f.y());
-          if constexpr (kAccounts) floor_power += f.x() * velocity_x(link, p, j) + f.y() * velocity_y(link, p, j);
+          if constexpr (kAccounts) power += f.x() * velocity_x(link, p, j) + f.y() * velocity_y(link, p, j);
         }
-    const SeaState<T> joint = sea_state(y);
-    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, joint), saturation);
-    const T turning = output_torque<kTerms>(sea, joint.dphi, tau);
-    const Accelerations<T> acc = solve(link, p, turning, load);
-    for (int i = 0; i < kVx; ++i) dy[i] = y[kVx + i];
-    dy[kVx] = acc.x, dy[kVy] = acc.y, dy[kOmega0] = acc.theta0, dy[kOmega1] = acc.theta1;
-    if constexpr (kTerms.late) {
-      const T ask = asked(t, y);
-      dy[kOmegaM] = motor_acceleration<kTerms>(sea, joint.dphi_m, lag.torque(ask, lags(y)), tau);
-      dy.template segment<kLags>(kMechanical) = lag.derivative(ask, joint, lags(y));
-    } else {
-      dy[kOmegaM] = motor_acceleration<kTerms>(sea, joint, reference(t), tau);
-    }
-    if constexpr (kAccounts) {
-      dy[kWorkJoint] = turning * joint.dphi;
-      dy[kWorkFloor] = floor_power;
-      dy[kWorkMotor] = sea.i_motor * dy[kOmegaM] * y[kOmegaM];
+    return load;
+  }
+
+  // Dry friction, see dry_friction.hpp.
+
+  Lane stuck(Side side) const { return rubs[side] & is_stuck(slip[side]); }
+  static T rate(Side side, const State& y) { return side == kMotorSide ? y[kOmegaM] : T(y[kOmega1] - y[kOmega0]); }
+  /// What moves each side and what holds it, were both stuck.
+  template <class Time>
+  std::array<Hold<T>, kSides> holds(const Time& t, const State& y) const {
+    const Pose<T> p = pose(y);
+    const SeaState<T> s = sea_state(y);
+    T power(0);
+    const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), saturation),
+            turning = output_torque<kTerms>(sea, s.dphi, tau);
+    const Loads<T> load = loads(p, power);
+    const Accelerations<T> acc = solve(link, p, turning, load), unit = unit_response(p);
+    const T needed = (acc.theta1 - acc.theta0) / (unit.theta1 - unit.theta0);
+    return {Hold<T>(sea, sea.output_friction, sea.output_friction_asymmetry, needed),
+            Hold<T>(sea, loaded(sea.friction, sea.spring_loss, tau), sea.friction_asymmetry,
+                    torque_on_motor<kTerms>(sea, s.dphi_m, motor_torque_of(t, y), tau))};
+  }
+  /// A landing starts: sides that move slip.
+  template <class Time>
+  void settle(const Time& t, const State& y) {
+    if constexpr (kTerms.extended)
+      for (const Side side : {kOutputSide, kMotorSide}) {
+        const double v = value_of(rate(side, y));
+        slip[side] = v > 0 ? 1 : v < 0 ? -1 : 0;
+      }
+    hold_or_slip(t, y);
+  }
+  /// The same beyond guard `event`, or where what moves a side may have jumped.
+  template <class Time>
+  void settle(int event, const Time& t, State& y) {
+    if constexpr (kTerms.extended)
+      if (event >= kLandingGuards && stuck(Mode::side_of(event))) rest(Mode::side_of(event), y);
+    hold_or_slip(t, y);
+  }
+  /// A side's rate to exactly 0.
+  static void rest(Side side, State& y) {
+    if (side == kMotorSide)
+      y[kOmegaM] = T(0);
+    else
+      y[kOmega1] = y[kOmega0];
+  }
+  /// Sides that are stuck and that friction cannot hold slip.
+  template <class Time>
+  void hold_or_slip(const Time& t, const State& y) {
+    if constexpr (kTerms.extended) {
+      if (!stuck(kOutputSide) && !stuck(kMotorSide)) return;
+      const std::array<Hold<T>, kSides> hold = holds(t, y);
+      for (const Side side : {kOutputSide, kMotorSide})
+        if (stuck(side)) slip[side] = breaks_loose(value_of(hold[side].left_up()), value_of(hold[side].left_down()));
     }
   }
 
@@ -216,11 +288,13 @@ class LandingSystem : public ModeOf<T>::type {
     }
   }
 
-  /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7; `dy` is the field at y. The driver asks for their
-  /// values alone; in a T they keep their derivatives.
+  /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7, dry friction; `dy` is the field at y. The driver asks
+  /// for their values alone; in a T they keep their derivatives.
   template <class Time, class Out>
-  void guards(const Time&, const State& y, const State& dy, integrate::Guards<kGuards, Out>& out) const {
+  void guards(const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, Out>& out) const {
     out = {};
+    if constexpr (kTerms.extended)
+      if (any(rubs[kOutputSide] | rubs[kMotorSide])) friction_guards(t, y, dy, out);
     const Accelerations<T> acc{dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]};
     if constexpr (kAllTerms.floor) contact_guards(pose(y), acc, out);
     if constexpr (kTerms.torque_limit) {
@@ -234,6 +308,20 @@ class LandingSystem : public ModeOf<T>::type {
       out.set(kTorqueUpper, select(upper, tau - limit, limit - tau), select(upper, rate, -rate), limited & !lower);
       out.set(kTorqueLower, select(lower, -limit - tau, limit + tau), select(lower, -rate, rate), limited & !upper);
     }
+  }
+
+  /// Of each side: what a hold has left, forward and back, or the rate of a slip.
+  template <class Time, class Out>
+  void friction_guards(const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, Out>& out) const {
+    std::array<Hold<T>, kSides> now, next;
+    if (any(stuck(kOutputSide) | stuck(kMotorSide)))
+      now = holds(t, y), next = holds(Time(t + Time(kApart)), soon(y, dy));
+    for (const Side side : {kOutputSide, kMotorSide})
+      guard_friction(slip[side], now[side], next[side], rate(side, y), rate(side, dy),
+                     [&](int k, const T& value, const T& value_rate, const Lane& active) {
+                       out.set(kLandingGuards + 2 * side + k, narrowed<Out>(value), narrowed<Out>(value_rate),
+                               active & rubs[side]);
+                     });
   }
 
   template <class Out>
@@ -264,11 +352,36 @@ class LandingSystem : public ModeOf<T>::type {
     return i >= kVx ? unit * Value(kRate) : unit;
   }
 
+  /// How many of the guards there are now: those of dry friction come last.
+  int guards_used() const {
+    if constexpr (kTerms.extended)
+      if (any(rubs[kOutputSide] | rubs[kMotorSide])) return kGuards;
+    return kLandingGuards;
+  }
+
   /// Potential and kinetic energy of the links, and the motor's kinetic energy [J].
   T link_energy(const State& y) const { return kinetic_energy(link, pose(y)) + link.total_mass * link.gravity * y[kY]; }
   T motor_energy(const State& y) const { return T(0.5) * sea.i_motor * y[kOmegaM] * y[kOmegaM]; }
 
  private:
+  T coulomb(Side side, const T& v, const T& tau_sea) const {
+    const bool motor = side == kMotorSide;
+    return coulomb_torque(sea, motor ? loaded(sea.friction, sea.spring_loss, tau_sea) : sea.output_friction,
+                          motor ? sea.friction_asymmetry : sea.output_friction_asymmetry, direction_of<T>(slip[side]),
+                          v);
+  }
+  /// Of the accelerations, to the joint's torque alone.
+  Accelerations<T> unit_response(const Pose<T>& p) const {
+    Pose<T> still = p;
+    still.omega0 = still.omega1 = T(0);
+    return solve(link, still, T(1), Loads<T>());
+  }
+  /// Takes from the joint's torque what keeps its rate, where it is held.
+  void hold(const Lane& held, const Pose<T>& p, Accelerations<T>& acc) const {
+    const Accelerations<T> unit = unit_response(p);
+    const T taken = (acc.theta1 - acc.theta0) / (unit.theta1 - unit.theta0), both = acc.theta0 - taken * unit.theta0;
+    acc.theta0 = select(held, both, acc.theta0), acc.theta1 = select(held, both, acc.theta1);
+  }
   static auto lags(const State& y) { return y.template segment<kLags>(kMechanical); }
   /// The torque that the drive demands now, Eq. 3 of what it measures [Nm].
   template <class Time>

@@ -55,6 +55,7 @@ void add_drive(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i
         to + "motor_torque_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].motor_torque_max; }));
   } else if (joint.kind == DriveKind::kPassive) {
     own("stiffness", &Joint::stiffness), own("damping", &Joint::damping), own("rest_deg", &Joint::rest, kDegree);
+    out.push_back(number(to + "friction", [i](BodyScene& s) -> double& { return s.robot.joints[i].sea.friction; }));
   }
   if (joint.kind == DriveKind::kLocked) return;
   own("parallel_stiffness", &Joint::parallel_stiffness);

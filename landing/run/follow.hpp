@@ -52,6 +52,7 @@ class Follower {
                            .first_step = std::min(options_.max_step, schedule_.first_step()),
                            .max_step = options_.max_step});
     system_.change(schedule_.opening(system_), motion_, t_);
+    system_.settle(t_, y);
     impact_ = impact_energy(system_);
     std::optional<End> end;
     for (long n = 0; !end; ++n) end = advance(integrator, n);
@@ -114,7 +115,7 @@ class Follower {
     if (to == ReferenceChange::kLand && options_.limits.broken_by(motion_, t_)) return false;
     system_.change(to, motion_, t_);
     if (to == ReferenceChange::kHold) return true;
-    integrator.refresh();
+    settle(integrator, -1);
     peak_.jump();
     if constexpr (kReport) recorder_.jump();
     return true;
@@ -127,7 +128,7 @@ class Follower {
     if (crossing.change == ReferenceChange::kLand && options_.limits.broken_by(motion_, t_)) return End::kBroken;
     if (crossing.touchdown && options_.touchdowns) options_.touchdowns->push_back(t_);
     system_.change(crossing.change, motion_, t_);
-    integrator.refresh();
+    settle(integrator, event);
     peak_.jump();
     if constexpr (kReport) {
       recorder_.jump();
@@ -136,6 +137,13 @@ class Follower {
       recorder_.row(system_, t_, integrator.state());
     }
     return std::nullopt;
+  }
+
+  /// The field has jumped, beyond guard `event` or at a deadline.
+  void settle(Integrator& integrator, int event) {
+    State y = integrator.state();
+    system_.settle(event, t_, y);
+    integrator.refresh(y);
   }
 
   End failed(Failure why) {

@@ -15,11 +15,13 @@ using integrate::Method;
 
 /// From this accuracy up the lower order takes less time; see the table of tools/docs/benchmarks_landings.md.
 inline constexpr double kLowOrder = 1e-7;
-/// Whether dry friction acts on the output. It turns within kFrictionSpeed, so that an error of the joint's rate that
-/// no tolerance of the state sees is one of |ddr_0| there, and the peak would be the largest of such errors. The scalar
-/// path follows these landings at 1e-7 or finer, where stability and not accuracy bounds the steps anyway; lanes hand
-/// them over. Tests: test/property/batch.cpp, stability.cpp.
-inline bool needs_fine_steps(const SeaParameters<double>& sea) { return sea.output_friction != 0; }
+
+/// Whether dry friction on the output falls with speed. Where the joint turns it then changes within stribeck_speed,
+/// which may be some microseconds, so that looser steps pass over a peak of |ddr_0| there. The scalar path follows
+/// these landings at 1e-7 or finer; lanes hand them over. Tests: test/property/batch.cpp, stability.cpp.
+inline bool needs_fine_steps(const SeaParameters<double>& sea) {
+  return sea.output_friction != 0 && sea.breakaway != 0;
+}
 /// The accuracy that the steps of a landing keep where `asked` is asked.
 inline double step_accuracy(double asked, const SeaParameters<double>& sea) {
   constexpr double kFine = 1e-7;

@@ -65,9 +65,8 @@ Answer judge(const Case& c, const BodyParameter& p, double derivative, double pe
 }
 
 /// Every `stride`-th parameter of a reference robot from `first` on.
-Tally compare(const std::string& stem, std::size_t first, std::size_t stride) {
+Tally compare(const std::string& stem, const Case& c, std::size_t first, std::size_t stride) {
   INFO(stem);
-  const Case c = reference(stem);
   const std::vector<BodyParameter> all = parameters_of(c.scene, c.motion);
   const BodyGradients g = gradients(c.scene, c.motion, all, kTight, 3);
   const double peak = peak_acceleration(c.scene, c.motion, kTight).peak;
@@ -95,7 +94,7 @@ Tally compare_all(const std::string& prefix, int count, int scenes, std::size_t 
   for (int i = 0; i < count; i += scenes) {
     const std::string number = std::to_string(i);
     const std::string stem = prefix + std::string(3 - number.size(), '0') + number;
-    const Tally t = compare(stem, std::size_t(i), stride);
+    const Tally t = compare(stem, reference(stem), std::size_t(i), stride);
     UNSCOPED_INFO(stem << ": " << t.right << " right, " << t.wrong << " wrong, " << t.unsure << " unsure");
     sum.right += t.right, sum.wrong += t.wrong, sum.unsure += t.unsure;
   }
@@ -110,6 +109,25 @@ TEST_CASE("legs: gradients by the numbers of motion, drop, drives and contacts a
   CAPTURE(prefix, t.right, t.wrong, t.unsure);
   CHECK(t.wrong == 0);
   CHECK(t.right > 3 * t.unsure);
+}
+
+TEST_CASE("legs: gradients where joints stick and slip") {
+  Random r(20261131);
+  Tally sum;
+  for (const std::string name : {"hopper", "three_links", "foot"})
+    for (int n = 0; n < 2; ++n) {
+      Case c{.scene = legs::shipped(name), .motion = {}};
+      legs::rub(c.scene, r);
+      c.motion = held_posture(c.scene);
+      for (std::size_t i = 0; i < c.motion.size(); ++i)
+        if (c.scene.robot.joints[i].driven())
+          c.motion[i].phi_f = r.uniform(c.scene.search[i].phi[0], c.scene.search[i].phi[1]), c.motion[i].duration = 0.3;
+      const Tally t = compare(name, c, std::size_t(n), 14);
+      UNSCOPED_INFO(name << ": " << t.right << " right, " << t.wrong << " wrong, " << t.unsure << " unsure");
+      sum.right += t.right, sum.wrong += t.wrong, sum.unsure += t.unsure;
+    }
+  CHECK(sum.wrong == 0);
+  CHECK(sum.right > 2 * sum.unsure);
 }
 
 // About 20 minutes.

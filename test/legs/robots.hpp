@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/actuator.hpp"
+#include "common/random.hpp"
 #include "landing/body/robot_file.hpp"
 
 namespace legs {
@@ -28,6 +29,19 @@ inline BodyScene long_paper(const Scene& s, const Actuator& a) {
   out.search.resize(1);
   out.execution = s.execution;
   return out;
+}
+
+/// Dry friction of every kind on every driven joint, as large as makes joints stick and slip in turn.
+inline void rub(BodyScene& scene, Random& r) {
+  for (Joint& j : scene.robot.joints) {
+    if (!j.driven()) continue;
+    SeaParameters<double>& sea = j.sea;
+    sea.friction = r.uniform(0.05, 1), sea.friction_asymmetry = r.uniform(-0.4, 0.4),
+    sea.spring_loss = r.uniform(0, 0.1);
+    sea.breakaway = r.uniform(0, 0.6), sea.stribeck_speed = r.uniform(0.05, 1);
+    if (j.kind != DriveKind::kElastic) continue;
+    sea.output_friction = r.uniform(0.05, 1), sea.output_friction_asymmetry = r.uniform(-0.4, 0.4);
+  }
 }
 
 }  // namespace legs

@@ -62,6 +62,7 @@ TEST_CASE("batch: the field in a lane is the field of a double, in every mode") 
       for (int k = 0; k < kMechanical; ++k) x[k] = r.uniform(-1, 1) * (k < kVx ? 1 : 5), y[k].set(i, x[k]);
       for (Contact& c : s.contact) c = Contact(int(r.uniform(0, 3)));
       s.saturation = int(r.uniform(0, 3)) - 1, s.phase = Phase(int(r.uniform(0, 3)));
+      for (int& slip : s.slip) slip = int(r.uniform(0, 3)) - 1;
       s.change(ReferenceChange::kLand, motion, 0.1);
       lanes.set_lane(i, s);
       singles.push_back(s), states.push_back(x);

@@ -59,6 +59,8 @@ void check_landing() {
     system.change(ReferenceChange::kLand, motion, 0.1), system.phase = Phase::kMoving;
     typename LandingSystem<kTerms, kAccounts>::State y;
     for (int k = 0; k < y.size(); ++k) y[k] = r.uniform(-1, 1) * (k >= kVx ? 3 : 1);
+    for (const Side side : {kOutputSide, kMotorSide})  // slips, or is stuck
+      system.slip[side] = r.uniform(0, 3) < 1 ? 0 : system.rate(side, y) > 0 ? 1 : -1;
     CAPTURE(i);
     CHECK(disagreement(system, 0.2, y) < 1e-7);
   }

@@ -281,6 +281,7 @@ TEST_CASE("two_link: Jet derivatives of the field are its central differences") 
     y << r.uniform(-1, 1), r.uniform(0, 0.1), r.uniform(-2, 2), r.uniform(-2, 2), r.uniform(-2, 2), r.uniform(-2, 2),
         r.uniform(-2, 2), r.uniform(-9, 9), r.uniform(-9, 9), (i % 2 == 0 ? 1 : -1) * r.uniform(0.5, 5);
 
+    for (const Side side : {kOutputSide, kMotorSide}) system.slip[side] = system.rate(side, y) > 0 ? 1 : -1;
     JetState x;
     for (int k = 0; k < kMechanical; ++k) x[k] = Jet(y[k], k);
     const TwoLinkDynamics<Jet> link(TwoLink<Jet>{
@@ -299,11 +300,15 @@ TEST_CASE("two_link: Jet derivatives of the field are its central differences") 
                c == Contact::kPressed ? normal_force(floor, height(link, pose, j), velocity_y(link, pose, j)) : Jet(0));
     }
     const Jet tau = limited_torque<kExtended>(p, spring_torque<kExtended>(p, s), system.saturation);
-    const Accelerations<Jet> acc = solve(link, pose, output_torque<kExtended>(p, s.dphi, tau), load);
+    const Jet on_output = coulomb_torque(p, p.output_friction, p.output_friction_asymmetry,
+                                         Jet(system.slip[kOutputSide]), s.dphi),
+              on_motor = coulomb_torque(p, loaded(p.friction, p.spring_loss, tau), p.friction_asymmetry,
+                                        Jet(system.slip[kMotorSide]), s.dphi_m);
+    const Accelerations<Jet> acc = solve(link, pose, Jet(output_torque<kExtended>(p, s.dphi, tau) - on_output), load);
     const Reference<double> ref = system.reference(t);
     JetState dx;
     dx << x[kVx], x[kVy], x[kOmega0], x[kOmega1], x[kOmegaM], acc.x, acc.y, acc.theta0, acc.theta1,
-        motor_acceleration<kExtended>(p, s, {Jet(ref.phi), Jet(ref.dphi)}, tau);
+        motor_acceleration<kExtended>(p, s, {Jet(ref.phi), Jet(ref.dphi)}, tau) - on_motor / p.i_motor;
 
     const System::State dy = system.derivative(t, y);
     double size = 0;  // of the largest derivative: smaller entries are differences of such

@@ -1,5 +1,6 @@
 // Eq. 2-4 (common/sea.hpp), term by term against their printed forms, worked out by hand or by differences.
 #include "common/sea.hpp"
+#include "landing/model/dry_friction.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -83,54 +84,59 @@ TEST_CASE("sea: the motor's torque feeds back the output, Eq. 3, or the motor") 
   CHECK(motor_torque<kExtended>(p, {0.2, 0.2, 1, 1}, ref) == motor_torque<kPlain>(p, {0.2, 0.2, 1, 1}, ref));
 }
 
-TEST_CASE("sea: dry friction is odd, smooth within its speed, and saturates") {
-  const SeaParameters<double> p = extended();
-  const auto friction = [&](double v) { return friction_torque<kExtended>(p, v, 0.0); };
-  CHECK(friction(0) == 0);
-  CHECK(friction(kFrictionSpeed) == Approx(0.7 / std::sqrt(2.0)));
-  CHECK(friction(1e-8) / 1e-8 == Approx(0.7 / kFrictionSpeed));  // its slope at rest
-  CHECK(friction(100) == Approx(0.7).epsilon(1e-8));
-  double before = -1;
-  for (double v = -0.1; v <= 0.1; v += 0.001) {
-    CHECK(friction(-v) == -friction(v));
-    CHECK(friction(v) * v >= 0);  // it brakes: friction(v) is taken from the torque
-    CHECK(std::abs(friction(v)) < 0.7);
-    CHECK(friction(v) > before);
-    before = friction(v);
-  }
-  CHECK(friction_torque<kPlain>(p, 1.0, 0.0) == 0);
-}
-
 TEST_CASE("sea: friction on both sides, by direction, from its breakaway on") {
   SeaParameters<double> p = table2();
   p.friction = 0.7, p.friction_asymmetry = 0.2, p.viscous = 0.3;
   p.output_friction = 0.4, p.output_friction_asymmetry = -0.5, p.output_viscous = 0.1;
-  const auto motor = [&](double v) { return friction_torque<kExtended>(p, v, 0.0); };
-  const auto output = [&](double v) { return 8.0 - output_torque<kExtended>(p, v, 8.0); };
-  CHECK(output_torque<kPlain>(p, 1.0, 8.0) == 8);
-  CHECK(motor(2) == Approx(0.7 * 1.2 + 0.6).epsilon(1e-5));
-  CHECK(motor(-2) == Approx(-0.7 * 0.8 - 0.6).epsilon(1e-5));
-  CHECK(output(2) == Approx(0.4 * 0.5 + 0.2).epsilon(1e-5));
-  CHECK(output(-2) == Approx(-0.4 * 1.5 - 0.2).epsilon(1e-5));
-  CHECK(output(0) == 0);
+  const auto motor = [&](double direction, double v) {
+    return coulomb_torque(p, loaded(p.friction, p.spring_loss, 0.0), p.friction_asymmetry, direction, v);
+  };
+  const auto output = [&](double direction, double v) {
+    return coulomb_torque(p, p.output_friction, p.output_friction_asymmetry, direction, v);
+  };
+  CHECK(motor(1, 2) == Approx(0.7 * 1.2));
+  CHECK(motor(-1, -2) == Approx(-0.7 * 0.8));
+  CHECK(output(1, 2) == Approx(0.4 * 0.5));
+  CHECK(output(-1, -2) == Approx(-0.4 * 1.5));
+  CHECK(output(0, 0) == 0);
+  CHECK(torque_on_motor<kExtended>(p, 2.0, 5.0, 3.0) == Approx(2 - 0.6));
+  CHECK(torque_on_motor<kPlain>(p, 2.0, 5.0, 3.0) == 2);
+  CHECK(output_torque<kExtended>(p, 2.0, 8.0) == Approx(8 - 0.2));
+  CHECK(output_torque<kPlain>(p, 2.0, 8.0) == 8);
   p.breakaway = 0.5, p.stribeck_speed = 1;
-  CHECK(motor(2) == Approx(0.7 * 1.2 * (1 + 0.5 * std::exp(-2.0)) + 0.6).epsilon(1e-4));
-  CHECK(output(-0.2) == Approx(-0.4 * 1.5 * (1 + 0.5 * std::exp(-0.2)) - 0.02).epsilon(1e-3));
-  CHECK(output(-20) == Approx(-0.4 * 1.5 - 2).epsilon(1e-6));
+  CHECK(motor(1, 2) == Approx(0.7 * 1.2 * (1 + 0.5 * std::exp(-2.0))));
+  CHECK(output(-1, -0.2) == Approx(-0.4 * 1.5 * (1 + 0.5 * std::exp(-0.2))));
   // What the transmission carries rubs on the motor, whichever way it is carried.
   p.breakaway = 0, p.spring_loss = 0.1;
   for (const double tau : {-5.0, 5.0})
-    CHECK(friction_torque<kExtended>(p, 2.0, tau) == Approx((0.7 + 0.1 * 4.99) * 1.2 + 0.6).epsilon(1e-5));
-  CHECK(friction_torque<kExtended>(p, 2.0, 0.0) == motor(2));
+    CHECK(loaded(p.friction, p.spring_loss, tau) == Approx(0.7 + 0.1 * 4.99).epsilon(1e-5));
+  CHECK(loaded(p.friction, p.spring_loss, 0.0) == 0.7);
 }
 
-TEST_CASE("sea: the motor's acceleration, Eq. 4") {
+TEST_CASE("sea: a side at rest stays within its breakaway torque in either direction") {
+  SeaParameters<double> p = table2();
+  p.breakaway = 0.5;
+  const auto starts = [&](double torque) {
+    const landing::Hold<double> h(p, 2.0, 0.25, torque);
+    return landing::breaks_loose(h.left_up(), h.left_down());
+  };
+  CHECK(starts(0) == 0);
+  CHECK(starts(2 * 1.25 * 1.5) == 0);
+  CHECK(starts(2 * 1.25 * 1.5 + 1e-9) == 1);
+  CHECK(starts(-2 * 0.75 * 1.5) == 0);
+  CHECK(starts(-2 * 0.75 * 1.5 - 1e-9) == -1);
+  // At the moment that it breaks loose nothing accelerates it yet.
+  CHECK(coulomb_torque(p, 2.0, 0.25, 1.0, 0.0) == landing::Hold<double>(p, 2.0, 0.25, 0.0).up);
+  CHECK(coulomb_torque(p, 2.0, 0.25, -1.0, 0.0) == -landing::Hold<double>(p, 2.0, 0.25, 0.0).down);
+}
+
+TEST_CASE("sea: the motor's acceleration beside dry friction, Eq. 4") {
   const SeaState<double> s{.phi = 0.1, .phi_m = 0.3, .dphi = 2, .dphi_m = -1};
   const Reference<double> ref{-0.4, 0.5};
   CHECK(motor_acceleration<kPlain>(table2(), s, ref, 8.2) == Approx((-26.5 - 8.2) / 0.085));
-  const double braking =
-      0.7 / std::sqrt(1 + kFrictionSpeed * kFrictionSpeed);  // the motor turns backward: it acts forward
-  CHECK(motor_acceleration<kExtended>(extended(), s, ref, 9.16) == Approx((-26.5 - 9.16 + braking) / 0.085));
+  SeaParameters<double> p = extended();
+  p.viscous = 0.3;
+  CHECK(motor_acceleration<kExtended>(p, s, ref, 9.16) == Approx((-26.5 - 9.16 + 0.3) / 0.085));
 }
 
 TEST_CASE("sea: an actuator is extended where an optional term is set") {

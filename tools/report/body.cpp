@@ -46,6 +46,7 @@ std::string drive_words(const Joint& j) {
     add("i_motor", j.sea.i_motor, "kg m²"), add("tau_max", j.sea.tau_max, "Nm");
   } else if (j.kind == DriveKind::kPassive) {
     add("stiffness", j.stiffness, "Nm/rad"), add("damping", j.damping, "Nm/(rad/s)");
+    add("friction", j.sea.friction, "Nm");
     out += fmt::format("{}rest {:.4g} deg", out.empty() ? "" : ", ", j.rest * kDegrees);
   } else {
     out = fmt::format("locked at {:.4g} deg", j.phi * kDegrees);

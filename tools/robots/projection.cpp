@@ -299,6 +299,7 @@ class Projector {
     if (file.empty()) {
       out.kind = landing::DriveKind::kPassive;
       out.stiffness = j.stiffness, out.damping = j.damping, out.rest = j.stiffness > 0 ? j.rest : 0;
+      out.sea.friction = j.friction;
     } else {
       landing::set_elastic(read_actuator(file), out, {file});
     }
@@ -323,14 +324,13 @@ class Projector {
     if (j.effort) add(fmt::format("effort {:.4g} Nm", *j.effort));
     if (j.speed) add(fmt::format("speed {:.4g} rad/s", *j.speed));
     if (j.armature > 0) add(fmt::format("armature {:.4g} kg m^2", j.armature));
-    if (j.friction > 0) add(fmt::format("friction {:.4g} Nm", j.friction));
     if (j.lower.value_or(0) > 0 || j.upper.value_or(0) < 0)
       note("to fill in", "drive." + name, "phi_deg: at release it stands at 0, which is outside of its limits");
-    note(
-        "to fill in", "drive." + name,
-        fmt::format("{}: it swings freely, damping {:.4g} Nm/(rad/s){}; as comments in robot.toml: {}", robot_.no_drive,
-                    j.damping, j.stiffness > 0 ? fmt::format(", stiffness {:.4g} Nm/rad", j.stiffness) : "",
-                    comments.empty() ? "no more" : comments));
+    note("to fill in", "drive." + name,
+         fmt::format("{}: it swings freely, damping {:.4g} Nm/(rad/s){}{}; as comments in robot.toml: {}",
+                     robot_.no_drive, j.damping, j.friction > 0 ? fmt::format(", friction {:.4g} Nm", j.friction) : "",
+                     j.stiffness > 0 ? fmt::format(", stiffness {:.4g} Nm/rad", j.stiffness) : "",
+                     comments.empty() ? "no more" : comments));
   }
 
   void add_contacts() {

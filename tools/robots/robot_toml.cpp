@@ -81,13 +81,13 @@ std::string drive_toml(const landing::Joint& joint, const SpatialJoint& from, co
   out += "# kind = \"geared\"\n# k_p = ?   # Nm/rad\n# k_d = ?   # Nm/(rad/s)\n";
   out += fmt::format("# i_motor = {}   # kg m^2 at the joint, armature\n", known(above_zero(from.armature)));
   out += fmt::format("# tau_max = {}   # Nm\n# speed_max = {}   # rad/s\n", known(from.effort), known(from.speed));
-  if (from.friction > 0)
-    out += fmt::format("# friction = {}   # Nm; a passive joint has none\n", shortest(from.friction));
+  if (from.friction > 0) out += fmt::format("# friction = {}   # Nm\n", shortest(from.friction));
   if (from.damping > 0) out += fmt::format("# viscous_friction = {}   # Nm/(rad/s)\n", shortest(from.damping));
   out += fmt::format("[drive.{}]\nkind = \"passive\"\n", joint.name);
   if (joint.stiffness > 0)
     out += fmt::format("stiffness = {}   # Nm/rad\nrest_deg = {}\n", shortest(joint.stiffness),
                        shortest(joint.rest * kDegrees));
+  if (joint.sea.friction > 0) out += fmt::format("friction = {}   # Nm\n", shortest(joint.sea.friction));
   return out + fmt::format("damping = {}   # Nm/(rad/s)\n", shortest(joint.damping));
 }
 

@@ -34,6 +34,7 @@ constexpr const char *kElastic[] = {"k_sea",           "c_sea",          "k_sea_
                      *kLimited[] = {"tau_max"}, *kLate[] = {"control_delay", "velocity_filter"};
 constexpr Kind kPassive[] = {{"stiffness", "Nm/rad", "stiffness of the joint", 0, kInfinity, 1},
                              {"damping", "Nm/(rad/s)", "damping of the joint", 0, kInfinity, 0.01},
+                             {"friction", "Nm", "dry friction of the joint", 0, kInfinity, 0.1},
                              {"rest_deg", "deg", "where its spring rests", -180, 180, 5, 10}};
 constexpr Kind kBesideDrive[] = {
     {"parallel_stiffness", "Nm/rad", "stiffness of a spring beside the drive", 0, kInfinity, 0.1}};
