@@ -184,6 +184,11 @@ TEST_CASE("trade --pareto shows what one load costs in another") {
   const Json points = summary(f, "front")["points"];
   REQUIRE(points.size() == 3);
   CHECK(points[0]["planned"].get<double>() >= points[2]["planned"].get<double>());
+  const Arguments base = {"trade", "scene.toml", "--pareto", "peak,knee:3", "--evaluations", "400"};
+  for (const std::string k : {"1", "2"}) done(f, base + Arguments{"--shard", k + "/2", "-o", "s" + k});
+  done(f, base + Arguments{"--merge", "s1", "s2", "-o", "all"});
+  CHECK(summary(f, "all")["points"].size() == 3);
+  CHECK(summary(f, "all")["plans"].get<int>() < summary(f, "s1")["plans"].get<int>());  // the ends are known
   const Interrupted early =
       interrupted_after(0.2, {"trade", "scene.toml", "--pareto", "peak,knee", "-o", "early"}, f.at(""));
   CHECK(early.code == 130);
