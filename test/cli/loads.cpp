@@ -1,4 +1,5 @@
 // Loads of a robot of links as a user meets them: what is refused, told, planned, and kept.
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "test/cli/refused.hpp"
@@ -143,14 +144,34 @@ TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadli
   CHECK(summary(f, "quick")["value"].get<double>() <= s["hold"]["value"].get<double>());  // on a busy machine too
   done(f, {"optimize", "scene.toml", "--deadline", "2", "-o", "quick"});
   CHECK(summary(f, "quick")["value"].get<double>() < s["hold"]["value"].get<double>());
-  const Result robust =
-      done(f, {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter", "height=0.02", "--samples",
-               "16", "--evaluations", "2000", "-o", "robust", "--no-report"});
+  const Result robust = done(f, {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter",
+                                 "height=0.02", "--samples", "16", "--evaluations", "2000", "-o", "robust"});
   CHECK_THAT(robust.out, Contains("limits hold in") && Contains("foot: beyond"));
   CHECK(summary(f, "robust")["robust"]["share"] == 0.9);
+  const double kept = summary(f, "robust")["robust"]["share_kept"];
+  CHECK(kept == 1 - summary(f, "robust")["scatter"]["broken"].get<double>() / 2048);
+  const std::string words = fmt::format("limits hold in {:.2f} % of 2048 fresh drops; asked 90 %", 100 * kept);
+  CHECK_THAT(robust.out, Contains(words));
+  CHECK_THAT(read(f.at("robust/report.html")), Contains(words) && Contains("keeps its limits under scatter"));
   CHECK(summary(f, "robust")["scatter"]["loads"].contains("hull"));
   done(f, {"risk", "scene.toml", "--motion", "out/motion.toml", "--samples", "128", "-o", "risk", "--no-report"});
   CHECK(summary(f, "risk")["ratings"].contains("load_foot"));
+}
+
+TEST_CASE("a share that is asked for by a deadline is judged on fresh drops in a part of it, or said not to be") {
+  const Folder f;
+  write_scene(f, kFoot + kNoTouch);
+  const Arguments plan = {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter", "height=0.02"};
+  done(f, plan + Arguments{"--deadline", "4", "-o", "out"});
+  const Json s = summary(f);
+  REQUIRE(s["robust"]["share_kept"].is_number());
+  CHECK(s["scatter"]["planned"]["samples"].get<int>() >= 128);
+  CHECK_THAT(read(f.at("out/report.html")), Contains("limits hold in"));
+  const std::string words = "not judged on fresh drops: the deadline left no time; asked 90 %";
+  const Result quick = done(f, plan + Arguments{"--deadline", "0.02", "-o", "quick"});
+  CHECK_THAT(quick.out, Contains(words));
+  CHECK(summary(f, "quick")["robust"]["share_kept"].is_null());
+  CHECK_THAT(read(f.at("quick/report.html")), Contains(words));
 }
 
 TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
@@ -161,10 +182,10 @@ TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
                           "--forbid",      "hip",
                           "--scatter",     "height=0.02",
                           "--samples",     "16",
-                          "--evaluations", "3000",
-                          "--no-report"};
+                          "--evaluations", "3000"};
   const Result r = done(f, plan + Arguments{"--share", "0.9", "-o", "out"});
   CHECK_THAT(r.out, Contains("limits hold in"));
+  CHECK_THAT(read(f.at("out/report.html")), Contains("limits hold in") && Contains("asked 90 %"));
   const Json s = summary(f);
   CHECK(s["robust"]["share"] == 0.9);
   CHECK(s["value"].get<double>() < s["hold"]["value"].get<double>());

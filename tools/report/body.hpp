@@ -1,6 +1,7 @@
 // Robots of any joints and their landings as a reader sees them: tables, the drawing, the animation, the figures.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,8 @@ Check within_ratings(const landing::BodyScene& scene, const landing::BodyMotion&
                      const landing::BodyLanding& landing);
 /// What is planned for: "tolerant peak", "largest value / rating, peak".
 std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanOptions& options);
+/// The share of fresh drops in which a plan breaks no limit; absent where none were played.
+std::optional<double> kept_share(const landing::BodyPlan& plan);
 /// Of what a plan of the scene makes small: "m/s^2", or of loads "of the rating".
 std::string unit_of(const landing::BodyScene& scene);
 /// What each load of the scene came to, for a summary; told to the terminal and a report where there is one, which
