@@ -1,6 +1,7 @@
 // Loads of a robot of links as a user meets them: what is refused, told, planned, and kept.
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <set>
 
 #include "test/cli/refused.hpp"
 
@@ -231,6 +232,60 @@ TEST_CASE("an atlas of a scene with loads holds the largest as a part of its rat
   done(f,
        {"simulate", "scene.toml", "--motion", "asked/motion.toml", "--height", "0.3", "-o", "played", "--no-report"});
   CHECK(summary(f, "played")["loads"][0]["ratio"].get<double>() == Approx(asked["goal"].get<double>()).epsilon(1e-4));
+}
+
+TEST_CASE("an atlas keeps forbidden contacts and ratings, of the paper's robot too, and its scene says them") {
+  const Folder f;
+  f.write("robot.toml", read(dataset("robots/hopper.toml")) + "speed_max = 2\nmotor_torque_max = 11\n");
+  f.write("scene.toml", replaced(read(dataset("scenes/hopper.toml")), "\"../robots/hopper.toml", "\"robot.toml") +
+                            "\n[joint.knee]\nphi_deg = [-150, -20]\n" + kKnee);
+  const Arguments links = {"atlas", "scene.toml", "--height", "0.2:0.3:2", "--evaluations", "400"},
+                  paper = {"atlas",         dataset("scenes/paper.toml"),
+                           "--actuator",    dataset("actuators/table2.toml"),
+                           "--height",      "0.2:0.3:2",
+                           "--speed",       "0:0.2:2",
+                           "--pitch-deg",   "16:18:2",
+                           "--evaluations", "400"};
+  for (const auto& [name, base, forbidden] : {std::tuple("links", links, "slider"), {"paper", paper, "hip"}}) {
+    INFO(name);
+    const std::string of = name;
+    const Arguments limits = {"--forbid", forbidden, "--respect-ratings"};
+    done(f, base + limits + Arguments{"--shard", "1/1", "-o", of + "1"});
+    done(f, {"atlas", "--merge", of + "1", "-o", of});
+    done(f, {"atlas", "--ask", of, "--height", "0.3", "-o", of + "_asked"});  // a drop of the grid
+    CHECK(summary(f, of + "_asked")["found"] == true);
+    done(f, {"simulate", of + "/scene.toml", "--height", "0.3", "--motion", of + "_asked/motion.toml", "-o", "played",
+             "--no-report"});
+    std::set<std::string> kept;
+    const Json loads = summary(f, "played")["loads"];
+    for (const Json& l : loads)
+      if (l["limit"]) {
+        INFO(l.dump());
+        CHECK(l["value"] <= l["rating"]);
+        kept.insert(l["load"].get<std::string>());
+      }
+    for (const std::string limit : {"knee.motor_speed", "knee.reference_rate", "knee.motor_torque"})
+      CHECK(kept.count(limit) == 1);
+    CHECK(kept.count(forbidden + std::string(".touch")) == 1);
+  }
+  // Without them the same table has a faster motion somewhere.
+  done(f, links + Arguments{"-o", "free"});
+  double fastest = 0;
+  for (const std::string height : {"0.2", "0.3"}) {
+    done(f, {"atlas", "--ask", "free", "--height", height, "-o", "free_asked"});
+    done(f, {"simulate", "links/scene.toml", "--height", height, "--motion", "free_asked/motion.toml", "-o", "played",
+             "--no-report"});
+    const Json loads = summary(f, "played")["loads"];
+    for (const Json& l : loads)
+      if (l["load"] == "knee.motor_speed") fastest = std::max(fastest, l["value"].get<double>());
+  }
+  CHECK(fastest > 2);
+  check_refused(f, {"atlas", "--ask", "links", "--forbid", "slider"}, {"--ask: ", "--forbid"});
+  check_refused(f, {"atlas", "--merge", "links1", "--respect-ratings"}, {"--merge: --respect-ratings has no say"});
+  check_refused(f, links + Arguments{"--forbid", "sldier"}, {"--forbid: ", "slider"});
+  f.write("named.toml", read(f.at("scene.toml")) + replaced(kKnee, "\"knee\"", "\"slider.touch\""));
+  check_refused(f, {"atlas", "named.toml", "--height", "0.2:0.3:2", "--forbid", "slider"},
+                {"--forbid", "'slider.touch': a load of the scene has this name"});
 }
 
 TEST_CASE("limits are loads, however they are said: of stops, ratings and contacts that must not touch") {

@@ -184,13 +184,13 @@ void apply_release(const FreedomArguments& a, BodyScene& scene) {
   scene.release->from = is->from;
   if (only) scene.release->joints[*only] = {is->phi, is->rate};
 }
-/// The limits of --respect-ratings; warns of drives without ratings.
+
+}  // namespace
+
 void keep_ratings(BodyScene& scene, Run& run) {
   for (const std::string& joint : respect_ratings(scene))
     run.warn(fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint));
 }
-
-}  // namespace
 
 void apply_freedom(const FreedomArguments& a, BodyScene& scene, Run& run) {
   apply(a, scene.freedom), apply_release(a, scene);
