@@ -44,7 +44,7 @@ struct Carry<BodyLanding>
 template <>
 struct Carry<Risk> : OnBase<Risk, PeakRisk, &Risk::worst> {};
 template <>
-struct Carry<BodyRisk> : OnBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed> {};
+struct Carry<BodyRisk> : OnBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed, &BodyRisk::broken> {};
 template <>
 struct Carry<landing::Survey>
     : OnBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};

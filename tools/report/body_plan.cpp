@@ -203,7 +203,9 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
                   .rated = rated(scene),
                   .point = contact_name(robot),
                   .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; },
-                  .load = {}};
+                  .load = {},
+                  .kept = {}};
+  if (scene.limited()) texts.kept = risk.kept();
   if (!scene.loads.empty()) texts.load = [&scene](int i) { return scene.loads[std::size_t(i)]; };
   return report(
       risk, texts, [] { return std::string(); }, run);

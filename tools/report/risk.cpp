@@ -255,6 +255,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
                   {"held_joint_lost", r.held_lost},
                   {"from_floor", r.from_floor},
                   {"motion", t.of_motion}};
+  if (t.kept) summary["share_kept"] = number(*t.kept);
   if (r.peaks.samples == 0) {
     run.warn("no drop could be followed to the floor: there is no distribution");
     return run.finish(summary, kNumbers);
@@ -266,6 +267,10 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   add_table(peaks, page, run);
   for (const std::string& sentence : {held_comparison(r, t.rated), index_words(r)})
     run.say(sentence), page.paragraph(sentence);
+  if (t.kept) {
+    const std::string sentence = fmt::format("All limits hold in {:.2f} % of the drops.", 100 * *t.kept);
+    run.say(sentence), page.paragraph(sentence);
+  }
   Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, t.held, r.held.samples, what);
   peak_figure.caption += " (histogram.csv)";
   page.figure(peak_figure);
