@@ -197,6 +197,29 @@ TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
   check_refused(f, plan + Arguments{"--share", "0.9", "--penalty", "500"} + kOut, {"--penalty", "--share"});
 }
 
+TEST_CASE("where no motion keeps the loads that are limits, the one that breaks them least is told") {
+  const Folder f;
+  write_scene(f, replaced(kKnee, "rating = 12", "rating = 0.5\nlimit = true"));
+  const Arguments plan = {"optimize", "scene.toml", "--evaluations", "300", "-o", "out"};
+  const Result r = run(plan, f.at(""));
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("breaks them least") && Contains("torque of knee is") && Contains("the 0.5 allowed"));
+  const Json s = summary(f), least = s["least_breaking"];
+  CHECK(s["motion"].is_null());
+  CHECK(least["load"] == "knee");
+  CHECK(least["limit"] == 0.5);
+  CHECK(least["demand"].get<double>() > 0.5);
+  CHECK(least["motion"].contains("hip"));
+  // Contacts that must not touch cannot be broken by degrees.
+  std::string touches;
+  for (const std::string contact : {"foot", "knee", "slider"})
+    touches += "[[load]]\nname = \"" + contact + "\"\nkind = \"touch\"\ncontact = \"" + contact + "\"\n";
+  write_scene(f, touches);
+  const Result touching = run(plan, f.at(""));
+  CHECK(touching.code == 1);
+  CHECK_FALSE(summary(f).contains("least_breaking"));
+}
+
 TEST_CASE("trade --pareto shows what one load costs in another") {
   const Folder f;
   write_scene(f, kKnee);

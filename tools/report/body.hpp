@@ -62,7 +62,7 @@ int report(const landing::CheckedBody& checked, const std::optional<landing::Bod
            Run& run);
 /// What a plan is told beside.
 struct PlanBeside {
-  std::optional<landing::BodyLeastBreaking> least = {};  ///< where no motion keeps the ratings
+  std::optional<landing::BodyLeastBreaking> least = {};  ///< where no motion keeps the limits
   std::vector<double> logged = {};                       ///< of each logged trial the largest acceleration [m/s^2]
 };
 /// `rate`: rows of motion.csv a second [Hz].

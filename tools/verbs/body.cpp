@@ -350,8 +350,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const BodyPlan best = plan(scene, options);
   options.deadline = a.deadline;
   std::optional<BodyLeastBreaking> least;
-  if (!best.found && !a.deadline && !interrupted() && a.ratings == OptimizeArguments::Ratings::kRespect)
-    least = least_breaking(scene, options);
+  if (!best.found && !a.deadline && !interrupted()) least = least_breaking(scene, options);
   return report(scene, best, options, rate, a.exports, run, {.least = least, .logged = logged});
 }
 
