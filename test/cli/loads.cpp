@@ -147,7 +147,8 @@ TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadli
   CHECK(summary(f, "quick")["value"].get<double>() < s["hold"]["value"].get<double>());
   const Result robust = done(f, {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter",
                                  "height=0.02", "--samples", "16", "--evaluations", "2000", "-o", "robust"});
-  CHECK_THAT(robust.out, Contains("limits hold in") && Contains("foot: beyond"));
+  CHECK_THAT(robust.out,
+             Contains("limits hold in") && Contains("foot: is beyond 150 N in ") && Contains("hull: touches in "));
   CHECK(summary(f, "robust")["robust"]["share"] == 0.9);
   const double kept = summary(f, "robust")["robust"]["share_kept"];
   CHECK(kept == 1 - summary(f, "robust")["scatter"]["broken"].get<double>() / 2048);
@@ -331,7 +332,10 @@ TEST_CASE("limits are loads, however they are said: of stops, ratings and contac
   CHECK(loads[4]["value"].get<double>() == Approx(summary(f)["joints"]["knee"]["peak_reference_rate"].get<double>()));
   // Without them the same scene has other plans; a limit that is broken is told by simulate.
   const Result r = done(f, {"simulate", "scene.toml", "--hold", "hip=35,knee=-15", "-o", "held"});
-  CHECK_THAT(r.err, Contains("the load knee.angle is beyond its limit"));
+  CHECK_THAT(r.err, Contains("the load knee.angle is beyond its limit: ") && Contains("rad outside of its range"));
+  write_scene(f, replaced(kNoTouch, "slider", "foot"));
+  CHECK_THAT(done(f, {"simulate", "scene.toml", "-o", "touches"}).err,
+             Contains("the load hull is beyond its limit: foot touches"));
 }
 
 TEST_CASE("map of a scene with loads shows the largest, and leaves out what breaks a limit") {

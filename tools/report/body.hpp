@@ -50,6 +50,8 @@ std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanO
 std::optional<double> kept_share(const landing::BodyPlan& plan);
 /// Of what a plan of the scene makes small: "m/s^2", or of loads "of the rating".
 std::string unit_of(const landing::BodyScene& scene);
+/// How a load is passed: "touches", "leaves its range", "is beyond 12 Nm".
+std::string beyond_words(const landing::Load& load);
 /// What each load of the scene came to, for a summary; told to the terminal and a report where there is one, which
 /// warns of limits that do not hold. `whose`: "", ", held".
 Json report_loads(const landing::BodyScene& scene, const landing::BodyLanding& landing, const std::string& whose,

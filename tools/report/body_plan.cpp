@@ -104,8 +104,8 @@ Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, Report& 
   for (std::size_t i = 0; i < u.exceeded.size(); ++i) {
     const Load& l = scene.loads[i];
     out[l.name] = {{"drops", u.exceeded[i]}, {"share", part(u.exceeded[i])}};
-    const std::string words = fmt::format("{}: beyond {:.4g} {} in {} of fresh drops", l.name, l.rating, unit(l.kind),
-                                          percent_words(part(u.exceeded[i])));
+    const std::string words =
+        fmt::format("{}: {} in {} of fresh drops", l.name, beyond_words(l), percent_words(part(u.exceeded[i])));
     run.say(words), report.paragraph(words + ".");
   }
   return out;

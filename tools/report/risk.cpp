@@ -8,6 +8,7 @@
 #include "landing/judge/answer.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/scatter/drop_file.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
@@ -52,8 +53,7 @@ Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
       return {"motor_torque_max" + key, fmt::format("{} pulls with more than {:.4g} Nm", motor, e.limit), e.drops, of};
     case Kind::kLoad: {
       const Load load = t.load(e.load);
-      return {"load_" + load.name, fmt::format("the load {} is beyond {:.4g} {}", load.name, e.limit, unit(load.kind)),
-              e.drops, of};
+      return {"load_" + load.name, fmt::format("the load {} {}", load.name, beyond_words(load)), e.drops, of};
     }
     case Kind::kStops:
       return {"joint" + key, fmt::format("the joint {}leaves its stops", joint.empty() ? "" : joint + " "), e.drops,

@@ -116,11 +116,11 @@ void add_actuators(CLI::App& verb, std::vector<std::string>& actuators) {
       ->allow_extra_args(false);
 }
 void add_set(CLI::App& verb, std::vector<std::string>& set) {
-  verb.add_option(
-          "--set", set,
-          "KEY=VALUE, of a robot of links: a number of its files, as of `trade --vary`; also "
-          "search.JOINT.phi_deg=LO:HI, search.JOINT.hold_deg, search.duration=LO:HI, joint.JOINT.phi_deg=LO:HI; "
-          "once for each")
+  verb.add_option("--set", set,
+                  "KEY=VALUE, of a robot of links: a number of its files, as of `trade --vary`; also "
+                  "search.JOINT.phi_deg=LO:HI, search.JOINT.hold_deg, search.duration=LO:HI, "
+                  "joint.JOINT.phi_deg=LO:HI, stop.JOINT.phi_deg=LO:HI; "
+                  "once for each")
       ->allow_extra_args(false);
 }
 void refuse_set(const std::vector<std::string>& set) {

@@ -27,7 +27,7 @@ constexpr int kCurve = 9, kMap = 5;  // designs along an axis, where nobody says
 /// KEY=LO:HI[:N].
 TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
   const std::string option = "--vary";
-  const Assignment a = assignment(option, text);
+  const Assignment a = assignment(option, text, "KEY=LO:HI[:N]");
   const bool counted = std::count(a.value.begin(), a.value.end(), ':') == 2;
   const NumberRange range = number_range(option, a.value, counted);
   const int n = counted ? range.count : usual;
