@@ -452,7 +452,7 @@ std::optional<BodyUnderScatter> over_fresh(const BodyScene& scene, const BodyPla
 }  // namespace
 
 BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
-  scene.validate(), options.validate();
+  scene.validate(), options.validate(), check_share(scene, options.share);
   const Stopwatch watch(Stopwatch::Time::kWall);
   const bool scatters = options.measure || options.scatter || scene.scatter;
   const bool told = options.fresh > 0 && (options.deadline ? options.share.has_value() : scatters);

@@ -131,7 +131,6 @@ void bind_body_optimize(py::module_& m) {
         BodyPlanOptions options =
             plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
         options.deadline = deadline, options.rate = checked_rate(rate), options.share = share;
-        if (share && !kept.limited()) throw InputError("share: the scene has no limit to keep");
         return planned(kept, options);
       },
       py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),

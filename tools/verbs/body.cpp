@@ -14,6 +14,7 @@
 #include "common/stopwatch.hpp"
 #include "landing/body/places.hpp"
 #include "landing/model/scatter_file.hpp"
+#include "landing/plan/body_goal.hpp"
 #include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
@@ -328,7 +329,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
   const double rate = rate_of(a.rate);
   BodyPlanOptions options = plan_options(a, common, scene, run);
-  if (a.share && !scene.limited()) throw InputError("--share: the scene has no limit to keep");
+  check_share(scene, a.share, "--share");
   options.deadline = a.deadline;
   options.validate();
   const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
