@@ -83,7 +83,8 @@ Json scatter_json(const BodyUnderScatter& u) {
 /// Whether the share of drops that was asked for keeps the limits, as fresh drops say.
 Check share_check(const BodyPlan& p, const BodyPlanOptions& options) {
   const double asked = *options.share;
-  Check out{Check::State::kUnknown, "keeps its limits under scatter", "not judged on fresh drops"};
+  Check out{Check::State::kUnknown, "keeps its limits under scatter",
+            "the share that keeps the limits is not judged on fresh drops"};
   if (options.deadline) out.words += ": the deadline left no time";
   if (const std::optional<double> kept = kept_share(p)) {
     const long drops = p.under->planned.samples;
