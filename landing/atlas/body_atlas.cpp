@@ -16,6 +16,9 @@ namespace ukemi::landing {
 
 namespace {
 
+class Listing;
+void list(const Load& l, Listing& add);
+
 /// Numbers and names one after the other, as text.
 class Listing {
  public:
@@ -24,6 +27,19 @@ class Listing {
   Listing& operator()(const std::string& name) { return text_ += name + ";", *this; }
   Listing& operator()(const Place& p) { return (*this)(p.along)(p.across); }
   Listing& operator()(const std::array<double, 2>& x) { return (*this)(x[0])(x[1]); }
+  /// Other listings in whatever order, each of one of `all`.
+  template <class T>
+  Listing& sorted(const std::vector<T>& all) {
+    std::vector<std::string> texts;
+    for (const T& x : all) {
+      Listing one(number_);
+      list(x, one);
+      texts.push_back(one.text());
+    }
+    std::sort(texts.begin(), texts.end());
+    for (const std::string& text : texts) text_ += text;
+    return *this;
+  }
   const std::string& text() const { return text_; }
 
  private:
@@ -44,6 +60,8 @@ void list(const ContactPoint& c, Listing& add) {
   for (const PadConstant& constant : kPadConstants) add(*c.pad.*constant.at);
 }
 
+void list(const Load& l, Listing& add) { add("load")(double(l.kind))(l.index)(l.at)(l.phi)(l.rating)(l.limit); }
+
 /// What the motions are planned on.
 void list_robot(const BodyScene& s, Listing& add) {
   const Robot& r = s.robot;
@@ -53,7 +71,7 @@ void list_robot(const BodyScene& s, Listing& add) {
   for (const Joint& j : r.joints) list(j, add);
   for (const ContactPoint& c : r.contacts) list(c, add);
   add(s.floor)(s.slope)(s.detection_delay)(s.execution.phi)(s.execution.duration);
-  for (const Load& l : s.loads) add("load")(double(l.kind))(l.index)(l.at)(l.phi)(l.rating)(l.limit);
+  add.sorted(s.loads);
 }
 
 /// What else a plan depends on.

@@ -115,6 +115,10 @@ BodyGoals plan_goals(const BodyScene& scene, const BodyPlanOptions& options, lon
   return out;
 }
 
+void check_share(const BodyScene& scene, const std::optional<double>& share, const std::string& option) {
+  if (share && !scene.limited()) throw InputError(option + ": the scene has no limit to keep");
+}
+
 long judging_drops(const BodyPlanOptions& options) {
   constexpr double kBroken = 10, kMost = 4096;  // drops that may break a limit; that are played
   if (!options.share) return options.judging;

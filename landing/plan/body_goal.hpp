@@ -60,6 +60,9 @@ BodyGoal own_drop(const BodyScene& scene);
 /// The execution box: the goal (`counts`), or what keeps the limits.
 BodyGoal execution_box(const BodyScene& scene, bool counts);
 
+/// Throws InputError where a share of drops is to keep limits, and the scene has none; `option`: as it is asked for.
+void check_share(const BodyScene& scene, const std::optional<double>& share, const std::string& option = "share");
+
 /// What a plan is searched by, and what its best few are judged by.
 struct BodyGoals {
   BodyGoal search, judge;

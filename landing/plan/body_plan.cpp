@@ -414,23 +414,53 @@ class BodySearch {
 
 }  // namespace
 
-BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
-  scene.validate(), options.validate();
-  BodyPlan out;
-  BodySearch(scene, options, out).run();
-  const bool scatters = options.measure || options.scatter || scene.scatter;
-  if (!scatters || !out.found || options.deadline || options.fresh == 0 || options.monitor.stopped()) return out;
-  BodyUnderScatter under{.scatter = scatter_for(options.scatter, scene), .assumed = !options.scatter && !scene.scatter};
-  const BodyDropModel model(scene, under.scatter,
+namespace {
+
+/// Of a deadline, for the fresh drops that tell the share of those that keep the limits.
+constexpr double kForFresh = 0.1;
+
+/// A plan and the held posture over drops that nothing was chosen by; with a deadline over as many of them as there is
+/// time for, absent where there is none.
+std::optional<BodyUnderScatter> over_fresh(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options,
+                                           const Stopwatch& watch) {
+  constexpr std::size_t kPiece = 128;  // drops between two looks at the clock
+  BodyUnderScatter out{.scatter = scatter_for(options.scatter, scene), .assumed = !options.scatter && !scene.scatter};
+  const BodyDropModel model(scene, out.scatter,
                             {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});
   const std::vector<BodyDrop> drops = model.independent(options.fresh, fresh_seed(options.seed));
-  const PeaksOver planned = peaks_over(drops, out.motion, kSearchAccuracy, options.threads),
-                  held = peaks_over(drops, out.hold, kSearchAccuracy, options.threads);
-  under.planned = distribution(planned.peaks), under.held = distribution(held.peaks), under.broken = planned.broken;
-  under.exceeded = planned.exceeded;
-  under.measured = estimated(options.measure.value_or(Measure{}), planned.peaks);
-  under.from_floor = std::count_if(drops.begin(), drops.end(), [](auto& d) { return d.from_floor; });
-  out.under = under;
+  const std::function<bool()> late = [&] { return options.deadline && watch.seconds() > *options.deadline; };
+  std::vector<double> planned, held;
+  const std::size_t piece = options.deadline ? kPiece : drops.size();
+  for (std::size_t first = 0; first < drops.size(); first += piece) {
+    const auto next = std::span(drops).subspan(first, std::min(piece, drops.size() - first));
+    const PeaksOver of_plan = peaks_over(next, plan.motion, kSearchAccuracy, options.threads, &late),
+                    of_held = peaks_over(next, plan.hold, kSearchAccuracy, options.threads, &late);
+    if (late()) break;
+    planned.insert(planned.end(), of_plan.peaks.begin(), of_plan.peaks.end());
+    held.insert(held.end(), of_held.peaks.begin(), of_held.peaks.end());
+    out.broken += of_plan.broken;
+    out.exceeded.resize(std::max(out.exceeded.size(), of_plan.exceeded.size()));
+    for (std::size_t i = 0; i < of_plan.exceeded.size(); ++i) out.exceeded[i] += of_plan.exceeded[i];
+    out.from_floor += std::count_if(next.begin(), next.end(), [](auto& d) { return d.from_floor; });
+  }
+  if (planned.empty()) return std::nullopt;
+  out.planned = distribution(planned), out.held = distribution(held);
+  out.measured = estimated(options.measure.value_or(Measure{}), planned);
+  return out;
+}
+
+}  // namespace
+
+BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
+  scene.validate(), options.validate(), check_share(scene, options.share);
+  const Stopwatch watch(Stopwatch::Time::kWall);
+  const bool scatters = options.measure || options.scatter || scene.scatter;
+  const bool told = options.fresh > 0 && (options.deadline ? options.share.has_value() : scatters);
+  BodyPlanOptions search = options;
+  if (told && search.deadline) *search.deadline *= 1 - kForFresh;
+  BodyPlan out;
+  BodySearch(scene, search, out).run();
+  if (told && out.found && !options.monitor.stopped()) out.under = over_fresh(scene, out, options, watch);
   return out;
 }
 

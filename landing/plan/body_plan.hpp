@@ -15,14 +15,14 @@
 namespace ukemi::landing {
 
 struct BodyPlanOptions {
-  Goal goal = Goal::kPeak;          ///< kTolerant: the worst of execution_drops; kRobust is told by `measure`
-  std::optional<Measure> measure;   ///< of the peaks over drops that scatter; with kTolerant each is played inexactly
-  std::optional<Scatter> scatter;   ///< see scatter_for
-  std::optional<double> share;      ///< with a measure: of the drops, that keep the limits; absent: Measure::share
-  double inflate = 1;               ///< see BodyDropModel::Options
-  long samples = 64;                ///< drops that are searched on, 1 to 4096; fewer by a short deadline
-  long judging = 256;               ///< others, that the best few are judged on; the same range
-  long fresh = 2048;                ///< others again, that the answer is told on, 0 to 1e6; with a deadline none
+  Goal goal = Goal::kPeak;         ///< kTolerant: the worst of execution_drops; kRobust is told by `measure`
+  std::optional<Measure> measure;  ///< of the peaks over drops that scatter; with kTolerant each is played inexactly
+  std::optional<Scatter> scatter;  ///< see scatter_for
+  std::optional<double> share;     ///< with a measure: of the drops, that keep the limits; absent: Measure::share
+  double inflate = 1;              ///< see BodyDropModel::Options
+  long samples = 64;               ///< drops that are searched on, 1 to 4096; fewer by a short deadline
+  long judging = 256;              ///< others, that the best few are judged on; the same range
+  long fresh = 2048;  ///< others again, that the answer is told on, 0 to 1e6; by a deadline for `share` alone
   std::optional<long> evaluations;  ///< motions, with a measure landings; absent: default_evaluations, or all in time
   std::optional<double> deadline;   ///< when the answer stands, from the call on [s], > 0
   double accuracy = 1e-9;           ///< at which the best are judged, see SimulateOptions
@@ -60,7 +60,7 @@ struct BodyPlan {
   double value = 0;     ///< the goal: the peak, the tolerant peak, the measure over the judging drops; NaN: none found
   double held_value = 0;                  ///< the same of the held posture, judged first
   bool held_keeps_limits = true;          ///< false: holding is no answer
-  std::optional<BodyUnderScatter> under;  ///< with a measure, or a scatter of the scene or of the options
+  std::optional<BodyUnderScatter> under;  ///< where drops scatter; by a deadline with a share and time for it
   std::vector<Variable> variables;
   Edges edges{};  ///< of the ranges that the motion lies on
   long evaluations = 0;

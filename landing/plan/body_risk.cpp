@@ -101,7 +101,13 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
                               [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
       const PeakContact c = peak_contact(l);
       census.contact(c.number, c.point);
-      for (RiskEvent& e : out.events) e.drops += passed(e, scene, l);
+      bool broken = false;
+      for (RiskEvent& e : out.events) {
+        const bool happens = passed(e, scene, l);
+        e.drops += happens;
+        broken = broken || (happens && e.load >= 0 && scene.loads[std::size_t(e.load)].limit);
+      }
+      out.broken += broken;
     }
     course.played(long(drops.size() + of_held.size()));
   }

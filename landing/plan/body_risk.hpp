@@ -21,6 +21,9 @@ struct BodyRiskOptions {
 struct BodyRisk : PeakRisk {
   Scatter scatter;
   bool assumed = false;  ///< nobody said what the scatter is
+  long broken = 0;       ///< of the drops that were followed, those in which a limit is broken
+  /// Of them the share that keeps every limit; NaN: none was followed.
+  double kept() const { return 1 - double(broken) / double(peaks.samples); }
 };
 
 /// Plays a motion, and the held posture, over the drops of a scene; for Sobol's indices about as many landings again.

@@ -58,6 +58,7 @@ class Trader {
   }
 
   void run() {
+    before_ = out_.plans;
     const std::size_t middle = std::clamp(out_.middle, first_, last_ - 1);
     plan_at(middle, 1);
     for (std::size_t k = middle + 1; k < last_; ++k) plan_at(k, 1);
@@ -111,7 +112,7 @@ class Trader {
     for (const std::size_t i : from) search.starts.push_back(out_.points[i].motion);
     const BodyPlan best = plan(scenes_[k], search);
     ++out_.plans;
-    options_.monitor.progress(out_.plans, std::max(long(TradePoint::kPlans * (last_ - first_)), out_.plans));
+    options_.monitor.progress(out_.plans, std::max(before_ + long(TradePoint::kPlans * (last_ - first_)), out_.plans));
     if (best.held_value > 0 && best.held_keeps_limits) point.held = best.held_value;
     if (best.found && best.value < point.planned) accept(k, best.motion, best.value, best.edges);
   }
@@ -147,6 +148,7 @@ class Trader {
 
   const TradeOptions& options_;
   Trade& out_;
+  long before_ = 0;  ///< plans that were made before the designs'
   std::vector<BodyScene> scenes_;
   std::size_t first_ = 0, last_ = 0;  ///< the designs of this part: from one to before the other
   std::vector<BodyGoal> judges_;      ///< of the designs that neighbours' motions were played on
@@ -209,16 +211,52 @@ void as_kept(BodyPlanOptions& search) {
 
 /// A limit is a cliff to a search. So for each value that a load may have, both loads are weighed against that value
 /// and what the other may come to there: the motion that makes the larger part small is near the front.
-BodyPlan weighed(BodyScene both, const std::string& cost, double may_cost, const std::string& limited, double may_have,
-                 const TradeOptions& options, const BodyPlanOptions& search) {
+BodyScene weighed(BodyScene both, const std::string& cost, double may_cost, const std::string& limited, double may_have,
+                  const std::function<void(BodyScene&)>& prepare) {
   for (Load& l : both.loads) {
     if (l.name == cost) l.rating = may_cost;
     if (l.name == limited) l.rating = may_have;
   }
   std::erase_if(both.loads, [&](const Load& l) { return l.name != cost && l.name != limited && !l.limit; });
-  if (options.prepare) options.prepare(both);
-  return plan(both, search);
+  if (prepare) prepare(both);
+  return both;
 }
+
+/// The motions that a front starts from, one for each of its designs: those of its ends, that make one load small
+/// alone, and what weighs both between them. Told and known as the designs are, behind them.
+class FrontStarts {
+ public:
+  FrontStarts(std::size_t count, const TradeOptions& options, long& plans)
+      : count_(count), options_(options), plans_(plans) {
+    if (!options.known.empty() && options.known.size() != 2 * count)
+      throw InputError(fmt::format("{} known points: {} are needed", options.known.size(), 2 * count));
+  }
+
+  /// The start of a design: as it is known, else as it is planned.
+  TradePoint start(std::size_t design, const std::function<BodyPlan()>& plan) {
+    const std::size_t index = count_ + design;
+    if (!options_.known.empty() && options_.known[index].plans > 0) return options_.known[index];
+    const BodyPlan best = plan();
+    const bool stopped = options_.monitor.stopped();
+    TradePoint out{.held = best.held_value, .planned = best.value};
+    if (best.found) out.motion = best.motion, out.edges = best.edges;
+    if (!best.found && (design == 0 || design + 1 == count_) && !stopped) throw InputError("front: " + best.message);
+    ++plans_;
+    options_.monitor.progress(plans_, long((1 + TradePoint::kPlans) * count_));
+    out.plans = stopped ? 0 : 1;
+    if (!stopped && options_.done) options_.done(index, out);
+    return out;
+  }
+  /// Of an end.
+  TradePoint end(std::size_t design, const BodyScene& scene, const BodyPlanOptions& search) {
+    return start(design, [&] { return plan(scene, search); });
+  }
+
+ private:
+  std::size_t count_;
+  const TradeOptions& options_;
+  long& plans_;
+};
 
 }  // namespace
 
@@ -235,17 +273,17 @@ Front pareto(const BodyScene& scene, const std::string& cost, const std::string&
   Front out{alone(both, cost), {}};
   BodyScene other = alone(both, limited);
   if (options.prepare) options.prepare(other), options.prepare(out.scene);
+  FrontStarts starts(count, options, out.trade.plans);
 
   BodyPlanOptions search = one_of_many(options);
-  const BodyPlan of_cost = plan(out.scene, search);
+  const TradePoint of_cost = starts.end(count - 1, out.scene, search);
   const BodyGoal by_cost = plan_goals(out.scene, search, 1, judging_drops(search)).judge;
   const auto cost_of = [&, as_planned = search](const BodyMotion& m) { return judged(by_cost, m, as_planned).value; };
   as_kept(search);
-  const BodyPlan of_other = plan(other, search);
+  const TradePoint of_other = starts.end(0, other, search);
   const bool stopped = options.monitor.stopped();
-  if (!stopped && (!of_cost.found || !of_other.found)) throw InputError("front: " + of_cost.message + of_other.message);
-  const double low = of_other.value;
-  const double dearest = stopped ? 0 : std::min(cost_of(of_other.motion), of_cost.held_value);
+  const double low = of_other.planned;
+  const double dearest = stopped ? 0 : std::min(cost_of(of_other.motion), of_cost.held);
   double high = low;  // where it was stopped: before its ends are known
   if (!stopped) high = judged(plan_goals(other, search, 1, judging_drops(search)).judge, of_cost.motion, search).value;
 
@@ -255,20 +293,24 @@ Front pareto(const BodyScene& scene, const std::string& cost, const std::string&
   TradeAxis axis{"load." + limited + ".rating", {low * (1 + kRoom)}};
   for (std::size_t i = 1; low < high && i < count; ++i)
     axis.values.push_back((low + (high - low) * double(i) / double(count - 1)) * (1 + kRoom));
+  const std::size_t designs = axis.values.size();
   TradeOptions along = options;
-  if (axis.values.size() < count) along.known.clear(), along.part = {};
+  if (!along.known.empty()) along.known.resize(designs);
+  if (designs < count) along.part = {};
   check({axis}, along);
   Trader trader(out.scene, {axis}, along, out.trade);
   if (stopped) return out;
   trader.know(0, of_other.motion, of_other.edges);
-  trader.know(axis.values.size() - 1, of_cost.motion, of_cost.edges);
-  for (std::size_t i = 1; low < high && dearest > 0 && i + 1 < axis.values.size(); ++i) {
-    const double part = double(i) / double(axis.values.size() - 1);
-    const double may_cost = dearest + part * (of_cost.value - dearest);
-    const BodyPlan between = weighed(both, cost, may_cost, limited, axis.values[i], options, search);
-    for (std::size_t k = 0; between.found && k < axis.values.size(); ++k) trader.know(k, between.motion, between.edges);
+  trader.know(designs - 1, of_cost.motion, of_cost.edges);
+  for (std::size_t i = 1; low < high && dearest > 0 && i + 1 < designs; ++i) {
+    const double may_cost = dearest + double(i) / double(designs - 1) * (of_cost.planned - dearest);
+    const TradePoint between = starts.start(
+        i, [&] { return plan(weighed(both, cost, may_cost, limited, axis.values[i], options.prepare), search); });
+    for (std::size_t k = 0; k < designs; ++k) trader.know(k, between.motion, between.edges);
   }
   trader.run();
+  for (std::size_t k = designs; options.done && k < count && !options.monitor.stopped(); ++k)
+    options.done(k, out.trade.points[0]);  // they all are the one
   return out;
 }
 

@@ -40,10 +40,11 @@ struct TradeOptions {
   /// Of each plan; without a deadline. `starts`, `rate`, `fresh` and `monitor` have no meaning.
   BodyPlanOptions search;
   std::function<void(BodyScene&)> prepare;  ///< last, of each design's scene, as respect_ratings
-  /// Points of an earlier call, empty or as many as there are designs: plans that were finished are not made again, and
-  /// the answer is the same.
+  /// Points of an earlier call, empty or as many as there are designs, of `pareto` twice as many: plans that were
+  /// finished are not made again, and the answer is the same.
   std::vector<TradePoint> known;
-  std::function<void(std::size_t, const TradePoint&)> done;  ///< index of a design, one of whose plans is finished
+  /// Index of a design, one of whose plans is finished; of `pareto` behind the designs what each starts from.
+  std::function<void(std::size_t, const TradePoint&)> done;
   TradePart part;
   Monitor monitor;  ///< plans done, of how many at least; stopped: what is planned so far
 };

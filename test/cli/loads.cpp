@@ -1,5 +1,7 @@
 // Loads of a robot of links as a user meets them: what is refused, told, planned, and kept.
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <set>
 
 #include "test/cli/refused.hpp"
 
@@ -143,14 +145,35 @@ TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadli
   CHECK(summary(f, "quick")["value"].get<double>() <= s["hold"]["value"].get<double>());  // on a busy machine too
   done(f, {"optimize", "scene.toml", "--deadline", "2", "-o", "quick"});
   CHECK(summary(f, "quick")["value"].get<double>() < s["hold"]["value"].get<double>());
-  const Result robust =
-      done(f, {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter", "height=0.02", "--samples",
-               "16", "--evaluations", "2000", "-o", "robust", "--no-report"});
-  CHECK_THAT(robust.out, Contains("limits hold in") && Contains("foot: beyond"));
+  const Result robust = done(f, {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter",
+                                 "height=0.02", "--samples", "16", "--evaluations", "2000", "-o", "robust"});
+  CHECK_THAT(robust.out,
+             Contains("limits hold in") && Contains("foot: is beyond 150 N in ") && Contains("hull: touches in "));
   CHECK(summary(f, "robust")["robust"]["share"] == 0.9);
+  const double kept = summary(f, "robust")["robust"]["share_kept"];
+  CHECK(kept == 1 - summary(f, "robust")["scatter"]["broken"].get<double>() / 2048);
+  const std::string words = fmt::format("limits hold in {:.2f} % of 2048 fresh drops; asked 90 %", 100 * kept);
+  CHECK_THAT(robust.out, Contains(words));
+  CHECK_THAT(read(f.at("robust/report.html")), Contains(words) && Contains("keeps its limits under scatter"));
   CHECK(summary(f, "robust")["scatter"]["loads"].contains("hull"));
   done(f, {"risk", "scene.toml", "--motion", "out/motion.toml", "--samples", "128", "-o", "risk", "--no-report"});
   CHECK(summary(f, "risk")["ratings"].contains("load_foot"));
+}
+
+TEST_CASE("a share that is asked for by a deadline is judged on fresh drops in a part of it, or said not to be") {
+  const Folder f;
+  write_scene(f, kFoot + kNoTouch);
+  const Arguments plan = {"optimize", "scene.toml", "--robust", "mean", "--share", "0.9", "--scatter", "height=0.02"};
+  done(f, plan + Arguments{"--deadline", "4", "-o", "out"});
+  const Json s = summary(f);
+  REQUIRE(s["robust"]["share_kept"].is_number());
+  CHECK(s["scatter"]["planned"]["samples"].get<int>() >= 128);
+  CHECK_THAT(read(f.at("out/report.html")), Contains("limits hold in"));
+  const std::string words = "not judged on fresh drops: the deadline left no time; asked 90 %";
+  const Result quick = done(f, plan + Arguments{"--deadline", "0.02", "-o", "quick"});
+  CHECK_THAT(quick.out, Contains(words));
+  CHECK(summary(f, "quick")["robust"]["share_kept"].is_null());
+  CHECK_THAT(read(f.at("quick/report.html")), Contains(words));
 }
 
 TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
@@ -161,10 +184,10 @@ TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
                           "--forbid",      "hip",
                           "--scatter",     "height=0.02",
                           "--samples",     "16",
-                          "--evaluations", "3000",
-                          "--no-report"};
+                          "--evaluations", "3000"};
   const Result r = done(f, plan + Arguments{"--share", "0.9", "-o", "out"});
   CHECK_THAT(r.out, Contains("limits hold in"));
+  CHECK_THAT(read(f.at("out/report.html")), Contains("limits hold in") && Contains("asked 90 %"));
   const Json s = summary(f);
   CHECK(s["robust"]["share"] == 0.9);
   CHECK(s["value"].get<double>() < s["hold"]["value"].get<double>());
@@ -173,6 +196,29 @@ TEST_CASE("limits of the paper's scene are kept in a share of its drops too") {
   CHECK(summary(f, "played")["peak_acceleration"].get<double>() ==
         Approx(s["peak_acceleration"].get<double>()).epsilon(1e-4));
   check_refused(f, plan + Arguments{"--share", "0.9", "--penalty", "500"} + kOut, {"--penalty", "--share"});
+}
+
+TEST_CASE("where no motion keeps the loads that are limits, the one that breaks them least is told") {
+  const Folder f;
+  write_scene(f, replaced(kKnee, "rating = 12", "rating = 0.5\nlimit = true"));
+  const Arguments plan = {"optimize", "scene.toml", "--evaluations", "300", "-o", "out"};
+  const Result r = run(plan, f.at(""));
+  CHECK(r.code == 1);
+  CHECK_THAT(r.err, Contains("breaks them least") && Contains("torque of knee is") && Contains("the 0.5 allowed"));
+  const Json s = summary(f), least = s["least_breaking"];
+  CHECK(s["motion"].is_null());
+  CHECK(least["load"] == "knee");
+  CHECK(least["limit"] == 0.5);
+  CHECK(least["demand"].get<double>() > 0.5);
+  CHECK(least["motion"].contains("hip"));
+  // Contacts that must not touch cannot be broken by degrees.
+  std::string touches;
+  for (const std::string contact : {"foot", "knee", "slider"})
+    touches += "[[load]]\nname = \"" + contact + "\"\nkind = \"touch\"\ncontact = \"" + contact + "\"\n";
+  write_scene(f, touches);
+  const Result touching = run(plan, f.at(""));
+  CHECK(touching.code == 1);
+  CHECK_FALSE(summary(f).contains("least_breaking"));
 }
 
 TEST_CASE("trade --pareto shows what one load costs in another") {
@@ -184,6 +230,11 @@ TEST_CASE("trade --pareto shows what one load costs in another") {
   const Json points = summary(f, "front")["points"];
   REQUIRE(points.size() == 3);
   CHECK(points[0]["planned"].get<double>() >= points[2]["planned"].get<double>());
+  const Arguments base = {"trade", "scene.toml", "--pareto", "peak,knee:3", "--evaluations", "400"};
+  for (const std::string k : {"1", "2"}) done(f, base + Arguments{"--shard", k + "/2", "-o", "s" + k});
+  done(f, base + Arguments{"--merge", "s1", "s2", "-o", "all"});
+  CHECK(summary(f, "all")["points"].size() == 3);
+  CHECK(summary(f, "all")["plans"].get<int>() < summary(f, "s1")["plans"].get<int>());  // the ends are known
   const Interrupted early =
       interrupted_after(0.2, {"trade", "scene.toml", "--pareto", "peak,knee", "-o", "early"}, f.at(""));
   CHECK(early.code == 130);
@@ -207,6 +258,60 @@ TEST_CASE("an atlas of a scene with loads holds the largest as a part of its rat
   CHECK(summary(f, "played")["loads"][0]["ratio"].get<double>() == Approx(asked["goal"].get<double>()).epsilon(1e-4));
 }
 
+TEST_CASE("an atlas keeps forbidden contacts and ratings, of the paper's robot too, and its scene says them") {
+  const Folder f;
+  f.write("robot.toml", read(dataset("robots/hopper.toml")) + "speed_max = 2\nmotor_torque_max = 11\n");
+  f.write("scene.toml", replaced(read(dataset("scenes/hopper.toml")), "\"../robots/hopper.toml", "\"robot.toml") +
+                            "\n[joint.knee]\nphi_deg = [-150, -20]\n" + kKnee);
+  const Arguments links = {"atlas", "scene.toml", "--height", "0.2:0.3:2", "--evaluations", "400"},
+                  paper = {"atlas",         dataset("scenes/paper.toml"),
+                           "--actuator",    dataset("actuators/table2.toml"),
+                           "--height",      "0.2:0.3:2",
+                           "--speed",       "0:0.2:2",
+                           "--pitch-deg",   "16:18:2",
+                           "--evaluations", "400"};
+  for (const auto& [name, base, forbidden] : {std::tuple("links", links, "slider"), {"paper", paper, "hip"}}) {
+    INFO(name);
+    const std::string of = name;
+    const Arguments limits = {"--forbid", forbidden, "--respect-ratings"};
+    done(f, base + limits + Arguments{"--shard", "1/1", "-o", of + "1"});
+    done(f, {"atlas", "--merge", of + "1", "-o", of});
+    done(f, {"atlas", "--ask", of, "--height", "0.3", "-o", of + "_asked"});  // a drop of the grid
+    CHECK(summary(f, of + "_asked")["found"] == true);
+    done(f, {"simulate", of + "/scene.toml", "--height", "0.3", "--motion", of + "_asked/motion.toml", "-o", "played",
+             "--no-report"});
+    std::set<std::string> kept;
+    const Json loads = summary(f, "played")["loads"];
+    for (const Json& l : loads)
+      if (l["limit"]) {
+        INFO(l.dump());
+        CHECK(l["value"] <= l["rating"]);
+        kept.insert(l["load"].get<std::string>());
+      }
+    for (const std::string limit : {"knee.motor_speed", "knee.reference_rate", "knee.motor_torque"})
+      CHECK(kept.count(limit) == 1);
+    CHECK(kept.count(forbidden + std::string(".touch")) == 1);
+  }
+  // Without them the same table has a faster motion somewhere.
+  done(f, links + Arguments{"-o", "free"});
+  double fastest = 0;
+  for (const std::string height : {"0.2", "0.3"}) {
+    done(f, {"atlas", "--ask", "free", "--height", height, "-o", "free_asked"});
+    done(f, {"simulate", "links/scene.toml", "--height", height, "--motion", "free_asked/motion.toml", "-o", "played",
+             "--no-report"});
+    const Json loads = summary(f, "played")["loads"];
+    for (const Json& l : loads)
+      if (l["load"] == "knee.motor_speed") fastest = std::max(fastest, l["value"].get<double>());
+  }
+  CHECK(fastest > 2);
+  check_refused(f, {"atlas", "--ask", "links", "--forbid", "slider"}, {"--ask: ", "--forbid"});
+  check_refused(f, {"atlas", "--merge", "links1", "--respect-ratings"}, {"--merge: --respect-ratings has no say"});
+  check_refused(f, links + Arguments{"--forbid", "sldier"}, {"--forbid: ", "slider"});
+  f.write("named.toml", read(f.at("scene.toml")) + replaced(kKnee, "\"knee\"", "\"slider.touch\""));
+  check_refused(f, {"atlas", "named.toml", "--height", "0.2:0.3:2", "--forbid", "slider"},
+                {"--forbid", "'slider.touch': a load of the scene has this name"});
+}
+
 TEST_CASE("limits are loads, however they are said: of stops, ratings and contacts that must not touch") {
   const Folder f;
   const std::string robot = read(dataset("robots/hopper.toml")) + "speed_max = 6\nmotor_torque_max = 11\n";
@@ -227,7 +332,10 @@ TEST_CASE("limits are loads, however they are said: of stops, ratings and contac
   CHECK(loads[4]["value"].get<double>() == Approx(summary(f)["joints"]["knee"]["peak_reference_rate"].get<double>()));
   // Without them the same scene has other plans; a limit that is broken is told by simulate.
   const Result r = done(f, {"simulate", "scene.toml", "--hold", "hip=35,knee=-15", "-o", "held"});
-  CHECK_THAT(r.err, Contains("the load knee.angle is beyond its limit"));
+  CHECK_THAT(r.err, Contains("the load knee.angle is beyond its limit: ") && Contains("rad outside of its range"));
+  write_scene(f, replaced(kNoTouch, "slider", "foot"));
+  CHECK_THAT(done(f, {"simulate", "scene.toml", "-o", "touches"}).err,
+             Contains("the load hull is beyond its limit: foot touches"));
 }
 
 TEST_CASE("map of a scene with loads shows the largest, and leaves out what breaks a limit") {

@@ -1,6 +1,7 @@
 // ukemi predict: its verdict, as a script reads it.
 #include <catch2/catch.hpp>
 
+#include "common/csv.hpp"
 #include "test/cli/refused.hpp"
 #include "test/cli/robot_log.hpp"
 
@@ -272,4 +273,60 @@ TEST_CASE("identify --robot: what is named twice, not read, or says nothing is t
   // One that is wrong and holds the constant where it says.
   CHECK_THAT(with_prior("70:1e-5"), Contains("standard deviations from its prior, 70 with 1e-05" + contradict));
   CHECK_THAT(with_prior("50:1e-5"), !Contains(contradict));
+}
+
+namespace {
+
+/// A log of a simulated drop, with the force of the foot under another name and scaled.
+void write_log(const Folder& f, const std::string& name, const std::string& force, double scale) {
+  const ukemi::CsvTable drop = ukemi::read_csv(f.at("drop/trajectory.csv"));
+  const auto at = [&](const char* column, std::size_t row) {
+    return drop.columns[std::size_t(drop.require(column))][row];
+  };
+  std::string out = "t,phi_hip,phi_knee,phi_ref_hip,phi_ref_knee," + force + "\n";
+  for (std::size_t k = 0; k < drop.rows(); k += 2)
+    if (k == 0 || at("t", k) > at("t", k - 2))
+      out += fmt::format("{},{},{},{},{},{}\n", at("t", k), at("phi_hip", k), at("phi_knee", k), at("phi_ref_hip", k),
+                         at("phi_ref_knee", k), scale * at("f_foot_y", k));
+  f.write(name, out);
+}
+
+}  // namespace
+
+TEST_CASE("predict --robot: forces of contacts that are misnamed, missing, turned or of another unit are told") {
+  const Folder f;
+  const std::string hopper = dataset("scenes/hopper.toml");
+  done(f, {"simulate", hopper, "--no-report", "-o", "drop"});
+  write_log(f, "good.csv", "f_foot_y", 1);
+  write_log(f, "kilo.csv", "f_foot_y_kN", 1e-3);
+  const auto told = [&](const Arguments& logs) {
+    return done(f, Arguments{"predict"} + logs +
+                       Arguments{"--robot", hopper, "--nuisance", "none", "--no-report", "-o", "out"})
+        .err;
+  };
+  for (const std::string right : {"good.csv", "kilo.csv"}) {
+    const std::string err = told({right});
+    for (const char* doubt : {"is not read", "0 in every row", "sign turned", "are they in N"})
+      CHECK_THAT(err, !Contains(doubt));
+  }
+  for (const std::string name : {"f_toe_y", "force_foot"}) {
+    write_log(f, "named.csv", name, 1);
+    CHECK_THAT(told({"named.csv"}),
+               Contains("column '" + name + "' is not read: the force on a contact is f_CONTACT_x"));
+  }
+  write_log(f, "near.csv", "f_fot_y", 1);
+  CHECK_THAT(told({"near.csv"}), Contains("column 'f_fot_y' is not read (did you mean \"f_foot_y\"?)") &&
+                                     !Contains("the force on a contact is"));
+  write_log(f, "zero.csv", "f_foot_y", 0);
+  CHECK_THAT(told({"zero.csv"}), Contains("column 'f_foot_y': the same in every row, it is left out"));
+  CHECK_THAT(told({"good.csv", "zero.csv"}), Contains("zero.csv: column 'f_foot_y': 0 in every row"));
+  write_log(f, "turned.csv", "f_foot_y", -1);
+  CHECK_THAT(told({"turned.csv"}),
+             Contains("column 'f_foot_y': down to -") && Contains("is its sign turned?") && !Contains("are they in N"));
+  for (const double scale : {1e-3, 1e3}) {
+    write_log(f, "scaled.csv", "f_foot_y", scale);
+    CHECK_THAT(told({"scaled.csv"}), Contains("the forces of contacts (f_foot_y) come to") &&
+                                         Contains("the robot weighs 22.3 N: are they in N?") &&
+                                         Contains("f_foot_y_kN"));
+  }
 }

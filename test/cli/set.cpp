@@ -40,11 +40,11 @@ TEST_CASE("set: --set gives what the edited file gives, bit for bit, and keeps a
                             "700\ndamping = 2\n";
   write_hopper(f, "scene", scene, robot);
   std::string edited_robot = replaced(replaced(robot, "k_p = 50", "k_p = 61.3"), "phi_deg = [-360, -12]",
-                                      "phi_deg = [-360, -31.7]"),
+                                      "phi_deg = [-350, -31.7]"),
               edited_scene = replaced(replaced(scene, "friction = 0.8", "friction = 0.37"), "hold_deg = -70 }",
                                       "hold_deg = -63.1 }");
   write_hopper(f, "edited", edited_scene, edited_robot);
-  const Arguments set = {"--set", "drive.hip.k_p=61.3",  "--set", "stop.knee.high_deg=-31.7",
+  const Arguments set = {"--set", "drive.hip.k_p=61.3",  "--set", "stop.knee.phi_deg=-350:-31.7",
                          "--set", "floor.friction=0.37", "--set", "search.knee.hold_deg=-63.1"};
   const auto same = [&](const Arguments& verb, const Arguments& more, const char* rows) {
     INFO(verb[0]);
@@ -56,6 +56,11 @@ TEST_CASE("set: --set gives what the edited file gives, bit for bit, and keeps a
     CHECK(numbers(f, "again") == numbers(f, "edited"));
   };
   same({"simulate"}, {}, "trajectory.csv");
+  const Arguments ends = {"--set", "drive.hip.k_p=61.3",        "--set", "stop.knee.low_deg=-350",
+                          "--set", "stop.knee.high_deg=-31.7",  "--set", "floor.friction=0.37",
+                          "--set", "search.knee.hold_deg=-63.1"};
+  done(f, Arguments{"simulate", "scene.toml"} + ends + Arguments{"--no-report", "-o", "ends"});
+  CHECK(numbers(f, "ends") == numbers(f, "edited"));
   same({"optimize"}, {"--evaluations", "200"}, "motion.csv");
   same({"risk"}, {"--hold", "hip=35,knee=-70", "--samples", "100"}, "histogram.csv");
   same({"map"}, {"--vary", "phi_f_knee:4"}, "map.csv");
@@ -118,13 +123,28 @@ TEST_CASE("set: what there is not, or cannot be, is refused in a line") {
   refused("stop.knee.high_deg=3", {"stop.knee.high_deg", "no number of this robot"});
   refused("drive.hip.k_p=-1", {"hopper.toml:", "k_p", "-1", "must be at least 0"});
   refused("drive.hip.k_p=stiff", {"drive.hip.k_p", "stiff"});
-  refused("drive.hip.k_p", {"drive.hip.k_p"});
+  refused("drive.hip.k_p", {"'drive.hip.k_p': KEY=VALUE is needed"});
+  refused("stop.knee.phi_deg=-90:-20", {"stop.knee.phi_deg: the robot's file has no [stop.knee]"});
   refused("search.hip.phi_deg=30", {"search.hip.phi_deg", "30"});
   refused("search.hip.phi_deg=30:10", {"search.hip.phi_deg", "30:10"});
   refused("search.elbow.phi_deg=1:2", {"search.elbow.phi_deg", "search.hip.phi_deg"});
   refused("robot.link.shank.length=-1", {"robot.link.shank.length", "above 0"});
   refused("joint.hip=1:2", {"joint.hip"});
   refused("robot.contact.foot.pad.stiffness=100", {"pad"});
+  // A drive in a file of its own: the line shows the way, which is one.
+  const std::string robot = read(dataset("robots/hopper.toml")), table2 = read(dataset("actuators/table2.toml"));
+  const std::size_t hip = robot.find("[drive.hip]"), knee = robot.find("[drive.knee]");
+  REQUIRE((hip != std::string::npos && hip < knee));
+  write_hopper(f, "scene", read(kHopper),
+               robot.substr(0, hip) + "[drive.hip]\nfile = \"hip.toml\"\n" + robot.substr(knee));
+  f.write("hip.toml", table2), f.write("copy.toml", replaced(table2, "k_p = ", "k_p = 1"));
+  check_refused(f, {"simulate", "scene.toml", "--set", "drive.hip.k_p=30", "-o", "out"},
+                {"--set: drive.hip.k_p: its drive stands in 'hip.toml'", "--actuator hip=COPY"});
+  const auto peak = [&](const Arguments& more) {
+    done(f, Arguments{"simulate", "scene.toml", "--no-report", "-o", "out"} + more);
+    return summary(f)["peak_acceleration"].get<double>();
+  };
+  CHECK(peak({"--actuator", "hip=copy.toml"}) != peak({}));
   check_refused(f,
                 {"simulate", dataset("scenes/paper.toml"), "--actuator", dataset("actuators/table2.toml"), "--hold",
                  "-45", "--set", "drop.height=1", "-o", "out"},

@@ -243,7 +243,10 @@ TEST_CASE("legs: limits hold in the share of fresh drops that was asked for, and
   REQUIRE(risk.events.size() == 1);
   CHECK(risk.events[0].kind == RiskEvent::Kind::kLoad);
   CHECK(risk.events[0].drops > 32);  // the held posture is beyond it in its own drop
+  CHECK(risk.broken == risk.events[0].drops);
   CHECK_THROWS_WITH(plan(scene, {.share = 0.9}), Catch::Matchers::Contains("share"));
+  scene.loads.clear();
+  CHECK_THROWS_WITH(plan(scene, {.measure = Measure{}, .share = 0.9}), Catch::Matchers::Contains("no limit to keep"));
 }
 
 TEST_CASE("legs: a limit that binds is kept in 0.99 of 10,000 fresh drops, on three scenes") {

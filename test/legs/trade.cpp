@@ -239,6 +239,43 @@ TEST_CASE("legs: a front falls, each of its motions keeps the limit, and its end
   CHECK_THROWS_WITH(pareto(scene, "nee", "peak", 4, options), Contains("did you mean \"knee\""));
 }
 
+TEST_CASE("legs: a front goes on from where it was stopped, and no plan is made twice, those of its ends neither") {
+  BodyScene scene = legs::shipped("hopper");
+  scene.loads = {{.name = "knee", .kind = Load::Kind::kTorque, .index = 1, .rating = 12}};
+  const test::Folder f;
+  const std::size_t count = 3;
+  TradeOptions options;
+  options.search.evaluations = 300;
+  std::set<std::size_t> told;
+  options.done = [&](std::size_t k, const TradePoint&) { told.insert(k); };
+  const Front whole = pareto(scene, "peak", "knee", count, options);
+  REQUIRE(whole.trade.points.size() == count);
+  CHECK(told == std::set<std::size_t>{0, 1, 2, 3, 4, 5});
+  for (const int stop : {1, 2, 3, 5}) {
+    INFO("stopped after " << stop);
+    const std::string path = f.at(std::to_string(stop));
+    std::vector<TradePoint> known(2 * count);
+    int done = 0;
+    {
+      TradeJournal journal(path, std::string(16, 'a'), 2, known);
+      TradeOptions first = options;
+      first.known = known;
+      first.done = [&](std::size_t k, const TradePoint& p) { journal.add(k, p), ++done; };
+      first.monitor.stop = [&] { return done >= stop; };
+      (void)pareto(scene, "peak", "knee", count, first);
+    }
+    TradeJournal journal(path, std::string(16, 'a'), 2, known);
+    TradeOptions second = options;
+    second.known = known;
+    const Front again = pareto(scene, "peak", "knee", count, second);
+    CHECK(again.trade.plans == whole.trade.plans - done);
+    for (std::size_t k = 0; k < count; ++k) CHECK(same(again.trade.points[k], whole.trade.points[k]));
+  }
+  TradeOptions bad = options;
+  bad.known.resize(count);
+  CHECK_THROWS_WITH(pareto(scene, "peak", "knee", count, bad), Contains("3 known points: 6 are needed"));
+}
+
 TEST_CASE("legs: a trade that is stopped tells nothing of designs that were not planned") {
   const BodyScene scene = legs::shipped("hopper");
   bool planned = false;

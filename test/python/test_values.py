@@ -91,6 +91,17 @@ def test_what_differs_is_not_equal(scene, actuator, hopper):
     assert len({ukemi.hold(-45), ukemi.hold(-45), ukemi.hold(-30)}) == 2
 
 
+def test_how_long_it_took_is_not_compared(scene, actuator, hopper):
+    for make in (lambda: ukemi.optimize(scene, actuator, evaluations=100), lambda: ukemi.optimize(hopper, evaluations=50),
+                 lambda: ukemi.map(scene, actuator, grid=[3, 3, 2], polish=1),
+                 lambda: ukemi.compare(hopper, hopper, evaluations=20)):
+        one, other = make(), make()
+        assert one == other and hash(one) == hash(other)
+    one, other = (ukemi.optimize(hopper, evaluations=50, seed=seed) for seed in (1, 2))
+    assert one != other
+    assert pickle.loads(pickle.dumps(one)).seconds == one.seconds  # it is kept
+
+
 def test_a_pickle_of_something_else_is_an_input_error(scene):
     version, state = scene.__getstate__()
     empty = ukemi.Scene.__new__(ukemi.Scene)

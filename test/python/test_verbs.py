@@ -156,6 +156,41 @@ def test_loads_and_designs(tmp_path):
             ukemi.trade(scene, **wrong)
 
 
+def test_limits_of_plans_and_risk(tmp_path):
+    text = pathlib.Path(ukemi.dataset("scenes/hopper.toml")).read_text()
+    path = tmp_path / "scene.toml"
+    path.write_text(text.replace("../robots", str(pathlib.Path(ukemi.dataset("scenes/hopper.toml")).parents[1] / "robots"))
+                    + '\n[[load]]\nname = "knee"\nkind = "torque"\njoint = "knee"\nrating = 8\n')
+    scene = ukemi.read_robot_scene(path)
+    asked = dict(robust="mean", scatter="height=0.02", samples=16, evaluations=1500, forbid=["slider"])
+    plan = ukemi.optimize(scene, share=0.9, **asked)
+    told = same(plan, tmp_path, "optimize", path, "--robust", "mean", "--scatter", "height=0.02", "--samples", 16,
+                "--evaluations", 1500, "--forbid", "slider", "--share", 0.9)
+    assert plan.share == told["robust"]["share_kept"] and 0.9 < plan.share <= 1
+    assert {name: load["value"] for name, load in plan.loads.items()} == {l["load"]: l["value"] for l in told["loads"]}
+    assert plan.loads["slider.touch"] == {**plan.loads["slider.touch"], "limit": True, "value": 0, "ratio": None}
+    assert ukemi.optimize(scene, evaluations=200, deadline=0.05).share is None
+    # Held so straight that the slider comes down in some of the drops.
+    held = ukemi.risk(scene, {}, scatter="height=0.2", samples=256, forbid=["slider", "foot"])
+    told = same(held, tmp_path, "risk", path, "--scatter", "height=0.2", "--samples", 256, "--forbid", "slider,foot")
+    assert held.touches == {"foot": told["forbidden"]["foot"]["share"], "slider": told["forbidden"]["slider"]["share"]}
+    assert held.touches["foot"] == 1 and held.share == told["share_kept"] == 0
+    knee = held.loads["knee"]
+    assert knee["drops"] == told["ratings"]["load_knee"]["drops"] and knee["share"] == knee["drops"] / 256
+    assert 0 < knee["share"] <= 1 and knee["rating"] == 8
+    assert ukemi.risk(scene, {}, scatter="height=0.02", samples=64, forbid=["slider"]).share == 1
+
+
+def test_atlas_of_limits(tmp_path):
+    hopper = ukemi.read_robot_scene(ukemi.dataset("scenes/hopper.toml"))
+    limits = dict(forbid=["slider"])
+    atlas = ukemi.atlas(hopper, height=(0.2, 0.3, 2), evaluations=200, **limits)
+    atlas.save(tmp_path / "atlas.bin")
+    assert ukemi.RobotAtlasReader(tmp_path / "atlas.bin", hopper, **limits).at(height=0.25)["found"]
+    with pytest.raises(ukemi.InputError):
+        ukemi.RobotAtlasReader(tmp_path / "atlas.bin", hopper)
+
+
 def test_atlas_and_its_reader(scene, actuator, tmp_path):
     grid = dict(height=(0.3, 0.5, 2), forward_speed=(0, 1, 2), pitch=(0, math.radians(20), 2))
     atlas = ukemi.atlas(scene, actuator, **grid, evaluations=300)

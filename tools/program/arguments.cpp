@@ -82,10 +82,10 @@ std::pair<std::uint64_t, std::uint64_t> part_of(const std::string& option, const
   return {to_seed(option, text.substr(0, slash)), to_seed(option, text.substr(slash + 1))};
 }
 
-Assignment assignment(const std::string& option, const std::string& item) {
+Assignment assignment(const std::string& option, const std::string& item, const char* form) {
   const std::size_t equals = item.rfind('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == item.size())
-    throw InputError(option + ": " + quoted(item) + ": NAME=VALUE is needed");
+    throw InputError(option + ": " + quoted(item) + ": " + form + " is needed");
   return {item.substr(0, equals), item.substr(equals + 1)};
 }
 

@@ -20,11 +20,11 @@ enum class Whole { kNo, kYes };
 std::string number_fault(const std::string& text, Whole whole);
 std::uint64_t to_seed(const std::string& option, const std::string& text);  ///< decimal digits, up to 64 bits
 
-/// NAME=VALUE, at the last '='.
+/// NAME=VALUE, at the last '='; `form`: as the option's help has it.
 struct Assignment {
   std::string name, value;
 };
-Assignment assignment(const std::string& option, const std::string& item);
+Assignment assignment(const std::string& option, const std::string& item, const char* form = "NAME=VALUE");
 
 /// Puts a number into a list of options by its name. Throws InputError where it is there: `given` was named twice.
 void set_once(const std::string& option, const std::string& given, const std::string& name, double value,

@@ -39,7 +39,7 @@ Json module_json(const std::string& file, const identify::HebiModule& m) {
 /// The rigs that some trials have of their own, by the trial's path or file name. Throws InputError.
 void give_rigs(std::vector<identify::Trial>& trials, const std::vector<std::string>& given, Run& run) {
   for (const std::string& item : given) {
-    const Assignment a = assignment("--trial-rig", item);
+    const Assignment a = assignment("--trial-rig", item, "FILE=RIG");
     bool found = false;
     for (identify::Trial& t : trials)
       if (t.file == a.name || std::filesystem::path(t.file).filename() == a.name) {

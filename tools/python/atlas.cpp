@@ -214,14 +214,16 @@ class PythonBodyReader {
 
 void bind_body_reader(py::module_& m) {
   py::class_<PythonBodyReader>(m, "RobotAtlasReader", "An atlas in the control program of a robot of links.")
-      .def(py::init([](const Path& path, const BodyScene& scene, const std::string& objective, double deadline) {
+      .def(py::init([](const Path& path, const BodyScene& scene, const std::string& objective, double deadline,
+                       const std::vector<std::string>& forbidden, bool ratings) {
              AtlasReader::Options options{.goal = goal_of(objective)};
              options.deadline = checked("deadline", deadline, Range::positive());
-             return std::make_unique<PythonBodyReader>(path, scene, options);
+             return std::make_unique<PythonBodyReader>(path, limited(scene, forbidden, ratings), options);
            }),
-           "path: atlas.bin; scene: that of the atlas; objective: peak or tolerant, by which motions are compared; "
-           "deadline for playing them [s].",
-           py::arg("path"), py::arg("scene"), py::arg("objective") = "tolerant", py::arg("deadline") = 0.03)
+           "path: atlas.bin; scene, forbid and respect_ratings: those of the atlas; objective: peak or tolerant, by "
+           "which motions are compared; deadline for playing them [s].",
+           py::arg("path"), py::arg("scene"), py::arg("objective") = "tolerant", py::arg("deadline") = 0.03,
+           py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false)
       .def(
           "at",
           [](PythonBodyReader& r, double height, double forward_speed, double pitch, double pitch_rate) {
@@ -318,7 +320,7 @@ void bind_atlas(py::module_& m) {
       [](const BodyScene& scene, const std::optional<Axis>& height, const std::optional<Axis>& forward_speed,
          const std::optional<Axis>& pitch, const std::string& objective, std::optional<long> evaluations,
          const std::optional<std::string>& robust, const std::optional<std::string>& scatter, double inflate,
-         long samples, std::uint64_t seed, int threads) {
+         long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden, bool ratings) {
         AtlasOptions options;
         const auto axis = [](const char* what, const std::optional<Axis>& given, double own) {
           return given ? axis_of(what, *given) : AtlasAxis{own, own, 1};
@@ -329,13 +331,15 @@ void bind_atlas(py::module_& m) {
         options.search.goal = goal_of(objective), options.search.evaluations = evaluations;
         options.search.seed = seed, options.search.threads = threads;
         options.robust = robust_of(robust, scatter, inflate, samples);
-        return planned(scene, options);
+        return planned(limited(scene, forbidden, ratings), options);
       },
       py::arg("scene"), py::arg("height") = py::none(), py::arg("forward_speed") = py::none(),
       py::arg("pitch") = py::none(), py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
       py::arg("robust") = py::none(), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
       py::arg("samples") = BodyPlanOptions().samples, py::arg("seed") = 1, py::arg("threads") = 0,
-      "The same of a robot of links; an axis that is not given stands where the scene does.");
+      py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
+      "The same of a robot of links; an axis that is not given stands where the scene does. forbid and "
+      "respect_ratings as of `optimize`; RobotAtlasReader is told them too.");
 }
 
 }  // namespace ukemi::python

@@ -69,6 +69,13 @@ void bind_body_optimum(py::module_& m) {
       .def_property_readonly(
           "held", [played](const BodyOptimum& o) { return played(o, o.plan.hold, o.plan.held); },
           "The landing of the held posture.")
+      .def_property_readonly(
+          "loads",
+          [](const BodyOptimum& o) { return o.plan.found ? loads_of_landing(o.scene, o.plan.landing) : py::dict(); },
+          "What the parts of the robot bear in the scene's own drop, as RobotLanding.loads; of limits too.")
+      .def_property_readonly(
+          "share", [](const BodyOptimum& o) { return tools::kept_share(o.plan); },
+          "The share of fresh drops in which the motions keep every limit [1]; None: no fresh drops were played.")
       .def("__repr__", [](const BodyOptimum& o) {
         if (!o.plan.found) return "<ukemi.RobotOptimum: " + o.plan.message + ">";
         return fmt::format("<ukemi.RobotOptimum: {}; {}>", tools::motion_words(o.scene.robot, o.plan.motion),
@@ -124,7 +131,6 @@ void bind_body_optimize(py::module_& m) {
         BodyPlanOptions options =
             plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
         options.deadline = deadline, options.rate = checked_rate(rate), options.share = share;
-        if (share && !kept.limited()) throw InputError("share: the scene has no limit to keep");
         return planned(kept, options);
       },
       py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
@@ -226,10 +232,37 @@ void bind_body_planner(py::module_& m) {
           "elapsed: the time since release [s], vertical_speed upwards [m/s].");
 }
 
+/// In how many drops each load is beyond its rating.
+py::dict loads_of_risk(const BodyRiskResult& r) {
+  py::dict out = loads_of_scene(r.scene);
+  for (const RiskEvent& e : r.risk.events) {
+    if (e.load < 0) continue;
+    py::object load = out[r.scene.loads[std::size_t(e.load)].name.c_str()];
+    load["drops"] = e.drops, load["share"] = double(e.drops) / double(r.risk.peaks.samples);
+  }
+  return out;
+}
+/// The same of the contacts that must not touch.
+std::map<std::string, double> touches_of(const BodyRiskResult& r) {
+  std::map<std::string, double> out;
+  for (const RiskEvent& e : r.risk.events)
+    if (e.kind == RiskEvent::Kind::kTouch)
+      out[r.scene.robot.contacts[std::size_t(e.point)].name] = double(e.drops) / double(r.risk.peaks.samples);
+  return out;
+}
+
 void bind_body_risk(py::module_& m) {
   py::class_<BodyRiskResult> c(m, "RobotRisk", "The peaks of a robot of links over drops that scatter.");
   bind_peak_risk(
       c, +[](const BodyRiskResult& r) -> const PeakRisk& { return r.risk; });
+  c.def_property_readonly("loads", loads_of_risk,
+                          "The loads and limits as RobotScene.loads, each with the drops in which it is beyond its "
+                          "rating and their share [1].")
+      .def_property_readonly("touches", touches_of,
+                             "Of the contacts that must not touch, by name: the share of drops in which one does [1].")
+      .def_property_readonly(
+          "share", [](const BodyRiskResult& r) { return r.risk.kept(); },
+          "The share of drops in which the motions keep every limit [1].");
   c.def("__repr__", [](const BodyRiskResult& r) {
     return "<ukemi.RobotRisk: " + tools::distribution_words(r.risk.peaks) + " m/s^2>";
   });

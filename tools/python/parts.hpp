@@ -6,6 +6,7 @@
 #include "landing/judge/answer.hpp"
 #include "landing/judge/survey.hpp"
 #include "landing/plan/body_map.hpp"
+#include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "tools/python/archive.hpp"
@@ -28,6 +29,29 @@ struct OnBase {
     (carry(a, x.*kFields), ...);
   }
 };
+/// All fields; those that say how long something took are not compared.
+template <class T, auto... kTimes>
+struct ButTimes {
+  template <class A, class X>
+  static void go(A& a, X& x) {
+    for_each_field(x, [&](auto& field) {
+      const auto is = [&field](const double& time) { return static_cast<const void*>(&time) == &field; };
+      if (!a.compares() || !(is(x.*kTimes) || ...)) carry(a, field);
+    });
+  }
+};
+template <>
+struct Carry<landing::Progress> : ButTimes<landing::Progress, &landing::Progress::seconds> {};
+template <>
+struct Carry<landing::Optimum> : ButTimes<landing::Optimum, &landing::Optimum::seconds> {};
+template <>
+struct Carry<landing::Answer> : ButTimes<landing::Answer, &landing::Answer::evidence_seconds> {};
+template <>
+struct Carry<landing::BodyProgress> : ButTimes<landing::BodyProgress, &landing::BodyProgress::seconds> {};
+template <>
+struct Carry<landing::BodyPlan> : ButTimes<landing::BodyPlan, &landing::BodyPlan::seconds> {};
+template <>
+struct Carry<landing::MappedPeaks> : ButTimes<landing::MappedPeaks, &landing::MappedPeaks::map_seconds> {};
 using landing::BodyLanding, landing::BodyRisk, landing::Landing, landing::LandingPeak, landing::PeakRisk, landing::Risk,
     landing::RunEnd;
 template <>
@@ -44,7 +68,7 @@ struct Carry<BodyLanding>
 template <>
 struct Carry<Risk> : OnBase<Risk, PeakRisk, &Risk::worst> {};
 template <>
-struct Carry<BodyRisk> : OnBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed> {};
+struct Carry<BodyRisk> : OnBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed, &BodyRisk::broken> {};
 template <>
 struct Carry<landing::Survey>
     : OnBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};

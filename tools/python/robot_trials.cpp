@@ -199,7 +199,8 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
                            const Bounds& errors = {}, const std::vector<std::string>& per_run = {}) {
   if (given.empty()) throw InputError("trials: at least one is needed");
   std::vector<RobotTrial> trials = controlled(given, controller);
-  const std::vector<std::string> warnings = tools::leave_out_still(robot.scene.robot, trials);
+  std::vector<std::string> warnings = tools::force_doubts(robot, trials);
+  for (std::string& still : tools::leave_out_still(robot.scene.robot, trials)) warnings.push_back(std::move(still));
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
   o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = own_names(o.terms, profile);

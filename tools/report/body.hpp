@@ -1,6 +1,7 @@
 // Robots of any joints and their landings as a reader sees them: tables, the drawing, the animation, the figures.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,12 @@ Check within_ratings(const landing::BodyScene& scene, const landing::BodyMotion&
                      const landing::BodyLanding& landing);
 /// What is planned for: "tolerant peak", "largest value / rating, peak".
 std::string goal_words(const landing::BodyScene& scene, const landing::BodyPlanOptions& options);
+/// The share of fresh drops in which a plan breaks no limit; absent where none were played.
+std::optional<double> kept_share(const landing::BodyPlan& plan);
 /// Of what a plan of the scene makes small: "m/s^2", or of loads "of the rating".
 std::string unit_of(const landing::BodyScene& scene);
+/// How a load is passed: "touches", "leaves its range", "is beyond 12 Nm".
+std::string beyond_words(const landing::Load& load);
 /// What each load of the scene came to, for a summary; told to the terminal and a report where there is one, which
 /// warns of limits that do not hold. `whose`: "", ", held".
 Json report_loads(const landing::BodyScene& scene, const landing::BodyLanding& landing, const std::string& whose,
@@ -59,7 +64,7 @@ int report(const landing::CheckedBody& checked, const std::optional<landing::Bod
            Run& run);
 /// What a plan is told beside.
 struct PlanBeside {
-  std::optional<landing::BodyLeastBreaking> least = {};  ///< where no motion keeps the ratings
+  std::optional<landing::BodyLeastBreaking> least = {};  ///< where no motion keeps the limits
   std::vector<double> logged = {};                       ///< of each logged trial the largest acceleration [m/s^2]
 };
 /// `rate`: rows of motion.csv a second [Hz].

@@ -36,7 +36,21 @@ const Quantities<LoadRow> kLoadQuantities = {
      }},
 };
 
+/// How far a load is beyond its limit.
+std::string broken_words(const Load& l, double value, const Robot& robot) {
+  if (l.kind == Load::Kind::kTouch) return place_of(l, robot) + " touches";
+  const std::string amount = fmt::format("{:.4g} {}", value, unit(l.kind));
+  if (l.kind == Load::Kind::kAngle && l.rating == 0) return amount + " outside of its range";
+  return fmt::format("{}, rated {:.4g}", amount, l.rating);
+}
+
 }  // namespace
+
+std::string beyond_words(const Load& l) {
+  if (l.kind == Load::Kind::kTouch) return "touches";
+  if (l.kind == Load::Kind::kAngle && l.rating == 0) return "leaves its range";
+  return fmt::format("is beyond {:.4g} {}", l.rating, unit(l.kind));
+}
 
 Json report_loads(const BodyScene& scene, const BodyLanding& landing, const std::string& whose, Report* report,
                   Run& run) {
@@ -46,8 +60,8 @@ Json report_loads(const BodyScene& scene, const BodyLanding& landing, const std:
   for (std::size_t i = 0; i < scene.loads.size(); ++i) {
     rows.push_back({&scene.robot, scene.loads[i], peaks[i], int(i) == binds});
     if (report && scene.loads[i].limit && peaks[i].value > scene.loads[i].rating)
-      run.warn(fmt::format("the load {} is beyond its limit: {:.4g} {}, rated {:.4g}", scene.loads[i].name,
-                           peaks[i].value, unit(scene.loads[i].kind), scene.loads[i].rating));
+      run.warn(fmt::format("the load {} is beyond its limit: {}", scene.loads[i].name,
+                           broken_words(scene.loads[i], peaks[i].value, scene.robot)));
   }
   const Table table(kLoadQuantities, rows);
   if (report) {

@@ -80,19 +80,35 @@ Json scatter_json(const BodyUnderScatter& u) {
           {"broken", u.broken}};
 }
 
-/// In how many fresh drops each load is beyond its rating, and whether a share that was asked for is kept.
-Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, const std::optional<double>& share, Run& run) {
+/// Whether the share of drops that was asked for keeps the limits, as fresh drops say.
+Check share_check(const BodyPlan& p, const BodyPlanOptions& options) {
+  const double asked = *options.share;
+  Check out{Check::State::kUnknown, "keeps its limits under scatter",
+            "the share that keeps the limits is not judged on fresh drops"};
+  if (options.deadline) out.words += ": the deadline left no time";
+  if (const std::optional<double> kept = kept_share(p)) {
+    const long drops = p.under->planned.samples;
+    const double doubt = 3 * std::sqrt(asked * (1 - asked) / double(drops));
+    out.state = *kept >= asked           ? Check::State::kGood
+                : *kept >= asked - doubt ? Check::State::kCaution
+                                         : Check::State::kBad;
+    out.words = fmt::format("limits hold in {:.2f} % of {} fresh drops", 100 * *kept, drops);
+  }
+  out.words += fmt::format("; asked {:g} %", 100 * asked);
+  return out;
+}
+
+/// In how many fresh drops each load is beyond its rating.
+Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, Report& report, Run& run) {
   Json out = Json::object();
   const auto part = [&](long drops) { return double(drops) / double(u.planned.samples); };
   for (std::size_t i = 0; i < u.exceeded.size(); ++i) {
     const Load& l = scene.loads[i];
     out[l.name] = {{"drops", u.exceeded[i]}, {"share", part(u.exceeded[i])}};
-    run.say(fmt::format("{}: beyond {:.4g} {} in {} of fresh drops", l.name, l.rating, unit(l.kind),
-                        percent_words(part(u.exceeded[i]))));
+    const std::string words =
+        fmt::format("{}: {} in {} of fresh drops", l.name, beyond_words(l), percent_words(part(u.exceeded[i])));
+    run.say(words), report.paragraph(words + ".");
   }
-  if (share)
-    run.say(
-        fmt::format("limits hold in {:.2f} % of fresh drops; asked {:g} %", 100 * (1 - part(u.broken)), 100 * *share));
   return out;
 }
 
@@ -123,6 +139,7 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const BodyPl
     if (options.measure) out.sentence += promised_words(options.measure->name(), p.value);
     out.checks.push_back({Check::State::kUnknown, "holds under scatter", "not played"});
   }
+  if (options.share) out.checks.push_back(share_check(p, options));
   out.next = "`ukemi risk` with --motion motion.toml plays it over many drops.";
   return out;
 }
@@ -164,6 +181,10 @@ void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std
 std::string goal_words(const BodyScene& scene, const BodyPlanOptions& options) {
   return (rated(scene) ? "largest value / rating, " : "") + goal_words(options.goal, options.measure);
 }
+std::optional<double> kept_share(const BodyPlan& plan) {
+  if (!plan.under) return std::nullopt;
+  return 1 - double(plan.under->broken) / double(plan.under->planned.samples);
+}
 std::string unit_of(const BodyScene& scene) { return worth_unit(rated(scene)); }
 
 int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
@@ -183,7 +204,9 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
                   .rated = rated(scene),
                   .point = contact_name(robot),
                   .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; },
-                  .load = {}};
+                  .load = {},
+                  .kept = {}};
+  if (scene.limited()) texts.kept = risk.kept();
   if (!scene.loads.empty()) texts.load = [&scene](int i) { return scene.loads[std::size_t(i)]; };
   return report(
       risk, texts, [] { return std::string(); }, run);
@@ -249,9 +272,9 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     if (plan.under) {
       summary["scatter"] = scatter_json(*plan.under);
       report_scatter(plan, options, held_words(robot, plan.hold), rated(scene), report, run);
-      if (!scene.loads.empty() || options.share)
-        summary["scatter"]["loads"] = report_exceeded(scene, *plan.under, options.share, run);
+      if (!scene.loads.empty()) summary["scatter"]["loads"] = report_exceeded(scene, *plan.under, report, run);
     }
+    if (options.share) run.say(share_check(plan, options).words);
     report.distrust(run.warnings());
     report.answer(first_screen(scene, plan, options, beside.logged), run.warnings());
     report.folded("All numbers", table.turned());
@@ -275,7 +298,10 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
   if (options.measure)
     summary["robust"] = {
         {"measure", options.measure->name()}, {"promised", number(plan.value)}, {"samples", options.samples}};
-  if (options.share) summary["robust"]["share"] = *options.share;
+  if (options.share) {
+    const std::optional<double> kept = kept_share(plan);
+    summary["robust"]["share"] = *options.share, summary["robust"]["share_kept"] = kept ? Json(*kept) : Json();
+  }
   return run.finish(summary, plan.found ? kDone : kNumbers);
 }
 

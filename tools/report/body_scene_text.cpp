@@ -13,6 +13,7 @@
 #include "common/toml_edit.hpp"
 #include "common/uncertainty_file.hpp"
 #include "landing/body/floor_constants.hpp"
+#include "landing/body/load.hpp"
 
 namespace ukemi::tools {
 
@@ -128,6 +129,21 @@ std::string drive_tables(const BodyScene& scene, const std::vector<GivenDrive>& 
 
 namespace {
 
+/// Limits that are no loads of the file, nor stops of its joints.
+std::string limits_beside(const BodyScene& scene, const TomlEdit& file) {
+  std::vector<std::string> there;
+  for (std::string name; !(name = file.text_at({"load", std::to_string(there.size())}, "name")).empty();)
+    there.push_back(name);
+  std::string out;
+  for (const Load& l : scene.loads) {
+    if (l.kind == Load::Kind::kAngle || std::find(there.begin(), there.end(), l.name) != there.end()) continue;
+    const char* const on = l.kind == Load::Kind::kTouch ? "contact" : "joint";
+    out += fmt::format("\n[[load]]\nname = \"{}\"\nkind = \"{}\"\n{} = \"{}\"\nrating = {}\nlimit = true\n",
+                       toml_text(l.name), name(l.kind), on, toml_text(place_of(l, scene.robot)), shortest(l.rating));
+  }
+  return out;
+}
+
 std::string tables_behind(const BodyScene& scene) {
   std::string out;
   if (scene.uncertainty) {
@@ -170,7 +186,7 @@ std::map<std::string, std::string> scene_files(const std::string& path, const Bo
   } else {
     file.set({}, "robot", from_folder(scene.robot_file, folder));
   }
-  file.append(given + tables_behind(scene));
+  file.append(given + limits_beside(scene, file) + tables_behind(scene));
   out["scene.toml"] = head.text() + file.text();
   return out;
 }

@@ -23,7 +23,8 @@ std::string drive_tables(const landing::BodyScene& scene, const std::vector<land
                          const TomlEdit& file, const TomlEdit& robot, const std::string& folder);
 
 /// The files scene.toml and, where contacts that stand in the robot's own file change, robot.toml, for `folder`. `path`
-/// is the scene's file; `scene` was read from it, and has other contact laws, pads, pitch, uncertainty or verdicts.
+/// is the scene's file; `scene` was read from it, and has other contact laws, pads, pitch, uncertainty or verdicts, or
+/// limits of joints and contacts beside those of the file.
 /// What stands in the file and is as before is left as it is written, paths are made relative to the folder;
 /// `comments` go in front. `drives`: those that the scene was read with beside its own. Throws InputError where the
 /// file is written in a way that cannot be followed, and for a drive of a joint that has one in the files.

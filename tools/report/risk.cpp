@@ -8,6 +8,7 @@
 #include "landing/judge/answer.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/scatter/drop_file.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
@@ -52,8 +53,7 @@ Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
       return {"motor_torque_max" + key, fmt::format("{} pulls with more than {:.4g} Nm", motor, e.limit), e.drops, of};
     case Kind::kLoad: {
       const Load load = t.load(e.load);
-      return {"load_" + load.name, fmt::format("the load {} is beyond {:.4g} {}", load.name, e.limit, unit(load.kind)),
-              e.drops, of};
+      return {"load_" + load.name, fmt::format("the load {} {}", load.name, beyond_words(load)), e.drops, of};
     }
     case Kind::kStops:
       return {"joint" + key, fmt::format("the joint {}leaves its stops", joint.empty() ? "" : joint + " "), e.drops,
@@ -255,6 +255,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
                   {"held_joint_lost", r.held_lost},
                   {"from_floor", r.from_floor},
                   {"motion", t.of_motion}};
+  if (t.kept) summary["share_kept"] = number(*t.kept);
   if (r.peaks.samples == 0) {
     run.warn("no drop could be followed to the floor: there is no distribution");
     return run.finish(summary, kNumbers);
@@ -266,6 +267,10 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   add_table(peaks, page, run);
   for (const std::string& sentence : {held_comparison(r, t.rated), index_words(r)})
     run.say(sentence), page.paragraph(sentence);
+  if (t.kept) {
+    const std::string sentence = fmt::format("All limits hold in {:.2f} % of the drops.", 100 * *t.kept);
+    run.say(sentence), page.paragraph(sentence);
+  }
   Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, t.held, r.held.samples, what);
   peak_figure.caption += " (histogram.csv)";
   page.figure(peak_figure);

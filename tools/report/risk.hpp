@@ -34,6 +34,7 @@ struct RiskTexts {
   PointName point = point_name;
   std::function<std::string(int)> joint = {};   ///< names of a robot of links
   std::function<landing::Load(int)> load = {};  ///< of one
+  std::optional<double> kept = {};              ///< of a scene with limits: the share of drops that keeps them all
 };
 /// The sentence of the drops: standard deviations, and whose constants scatter how.
 std::string drops_words(const landing::Scatter& scatter, bool assumed, const std::string& whose, bool uncertain,

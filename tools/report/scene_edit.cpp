@@ -41,7 +41,7 @@ SceneEdit::SceneEdit(const std::string& path, const BodyScene& scene) : scene_(s
 }
 
 void SceneEdit::set(const std::string& text) {
-  const Assignment a = assignment("--set", text);
+  const Assignment a = assignment("--set", text, "KEY=VALUE");
   if (!set_.insert(a.name).second) throw InputError(fmt::format("--set: {}: given twice", a.name));
   if (a.name == "search.duration") {
     const std::string range = range_text(a.name, a.value);
@@ -50,6 +50,7 @@ void SceneEdit::set(const std::string& text) {
   }
   if (a.name.starts_with("search.") || (a.name.starts_with("joint.") && a.name.ends_with(".phi_deg")))
     return set_of_joint(a.name, a.value);
+  if (a.name.starts_with("stop.") && a.name.ends_with(".phi_deg")) return set_stop(a.name, a.value);
   const double value = to_number(a.name, a.value);
   const bool length = a.name.starts_with("robot.link.") && a.name.ends_with(".length");
   if (length && !(value > 0)) throw InputError(fmt::format("{}: {:g}: above 0 is needed", a.name, value));
@@ -83,6 +84,19 @@ void SceneEdit::set_of_joint(const std::string& name, const std::string& value) 
   file_.remove(table, hold ? "hold" : "phi"), file_.set_raw(table, parts[2], text);
 }
 
+/// stop.JOINT.phi_deg.
+void SceneEdit::set_stop(const std::string& name, const std::string& value) {
+  const NumberRange range = number_range(name, value, false);
+  const std::string stop = name.substr(0, name.rfind('.'));
+  const std::vector<std::string> known = design_names(scene_);
+  if (std::find(known.begin(), known.end(), stop + ".low_deg") == known.end())
+    throw InputError(fmt::format("{}: the robot's file has no [{}] with a stiffness", name, stop));
+  for (const auto& [key, degrees] : {std::pair(".low_deg", range.lower), {".high_deg", range.upper}}) {
+    design_setter(scene_, stop + key)(scene_, degrees);
+    set_number(stop + key, degrees);
+  }
+}
+
 void SceneEdit::set_number(const std::string& name, double value) {
   const std::vector<std::string> parts = parts_of(name);
   const Path table(parts.begin(), parts.end() - 1);
@@ -108,6 +122,10 @@ void SceneEdit::set_number(const std::string& name, double value) {
     const bool there = robot_file().has({"drive"}, parts[1]);
     if (!there && !file_.has({"drive"}, parts[1]))
       throw InputError(name + ": its drive comes from --actuator: it is changed in that file");
+    if (const std::string own = (there ? robot_file() : file_).text_at({"drive", parts[1]}, "file"); !own.empty())
+      throw InputError(
+          fmt::format("{}: its drive stands in {}: change a copy of that, and give it by --actuator {}=COPY", name,
+                      quoted(own), parts[1]));
     return tools::set_number(there ? robot_file() : file_, name, value);
   }
   if (of_robot || parts[0] == "stop") return tools::set_number(robot_file(), name, value);

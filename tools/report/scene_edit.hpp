@@ -21,8 +21,9 @@ class SceneEdit {
   SceneEdit(const std::string& path, const landing::BodyScene& scene);
 
   /// KEY=VALUE: a number of landing::design_names, in the unit of the files; or search.JOINT.hold_deg, and ranges
-  /// LO:HI of search.JOINT.phi_deg, joint.JOINT.phi_deg and search.duration. Throws InputError where there is no such
-  /// number, or the file is written in a way that cannot be followed; its range is that of who reads the texts.
+  /// LO:HI of search.JOINT.phi_deg, joint.JOINT.phi_deg, stop.JOINT.phi_deg and search.duration. Throws InputError
+  /// where there is no such number, or the file is written in a way that cannot be followed; its range is that of who
+  /// reads the texts.
   void set(const std::string& assignment);
 
   landing::Texts texts() const;
@@ -37,6 +38,7 @@ class SceneEdit {
   void set_number(const std::string& name, double value);
   void write_lengths(const landing::BodyScene& was);
   void set_of_joint(const std::string& name, const std::string& value);
+  void set_stop(const std::string& name, const std::string& value);
   TomlEdit& robot_file() { return apart_ ? *apart_ : file_; }
   const TomlEdit& robot_file() const { return apart_ ? *apart_ : file_; }
 

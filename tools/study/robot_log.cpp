@@ -1,5 +1,6 @@
 // Logs of driven robots, read.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -208,7 +209,60 @@ void note_unread_places(const CsvTable& table, const Robot& robot, std::vector<s
     }
 }
 
+/// Columns that are named like forces and are none of a contact of the robot.
+void note_unread_forces(const CsvTable& table, const ColumnMap& map, std::vector<std::string>& notes) {
+  const auto told = [&](const std::string& name) {
+    return std::any_of(notes.begin(), notes.end(),
+                       [&](const std::string& note) { return note.find(quoted(name)) != std::string::npos; });
+  };
+  for (const std::string& name : table.header)
+    if ((name.starts_with("f_") || name.starts_with("force")) && !map.wants(name) && !told(name))
+      notes.push_back("column " + quoted(name) +
+                      " is not read: the force on a contact is f_CONTACT_x, f_CONTACT_y, by the contact's name");
+}
+
 }  // namespace
+
+std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vector<RobotTrial>& trials) {
+  constexpr double kSmall = 0.2, kLarge = 1e3;  // of the weight, what the largest forces add up to
+  constexpr double kTurned = 0.05;              // of what it pulls, what a force pushes
+  const Robot& body = robot.scene.robot;
+  std::vector<std::string> out, upright;
+  double total = 0;
+  const std::vector<DropChannel> channels = sensed_channels(body);
+  for (std::size_t o = 0; o < channels.size(); ++o) {
+    const std::string& name = channels[o].name;
+    if (channels[o].unit != "N") continue;
+    const Sensor sensor = robot.sensors.of(name);
+    std::map<std::string, double> size;  // of each log, the largest amount
+    double lowest = 0, largest = 0, whole = 0;
+    for (const RobotTrial& t : trials)
+      for (const double x : t.log.output[o]) {
+        if (!std::isfinite(x)) continue;
+        double& of_log = size[t.run];
+        of_log = std::max(of_log, std::abs(x)), whole = std::max(whole, of_log);
+        lowest = std::min(lowest, sensor.actual(x)), largest = std::max(largest, sensor.actual(x));
+      }
+    for (const auto& [run, amount] : size)
+      if (amount == 0 && whole > 0) out.push_back(fmt::format("{}: column {}: 0 in every row", run, quoted(name)));
+    if (whole == 0 || !name.ends_with(kForceNames[1])) continue;
+    if (largest < kTurned * -lowest) {
+      out.push_back(
+          fmt::format("column {}: down to {:.3g} N and hardly above 0, where the floor pushes upwards: is its "
+                      "sign turned?",
+                      quoted(name), lowest));
+    } else {
+      upright.push_back(name), total += largest;
+    }
+  }
+  const double weight = body.base == Base::kPinned ? 0 : body.mass() * body.gravity;
+  if (weight > 0 && total > 0 && (total < kSmall * weight || total > kLarge * weight))
+    out.push_back(
+        fmt::format("the forces of contacts ({}) come to {:.3g} N at most, and the robot weighs {:.3g} N: are "
+                    "they in N? Another unit is said by the name, as {}_kN",
+                    fmt::join(upright, ", "), total, weight, upright.front()));
+  return out;
+}
 
 std::vector<std::string> leave_out_still(const Robot& robot, std::vector<RobotTrial>& trials) {
   std::vector<std::string> out;
@@ -270,6 +324,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
         {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", at.size()));
   std::vector<std::string> notes = near_misses(log.table(), map);
   note_gaps(commands->t, notes), note_unread_places(log.table(), robot, notes);
+  note_unread_forces(log.table(), map, notes);
   std::vector<RobotTrial> out;
   for (std::size_t p = 0; p + 1 < at.size(); ++p) {
     const std::size_t from = at[p], to = at[p + 1];

@@ -76,6 +76,10 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const landing
 /// sensor that is not there, or a contact that never touches. A warning of each.
 std::vector<std::string> leave_out_still(const landing::Robot& robot, std::vector<RobotTrial>& trials);
 
+/// What looks wrong with the forces of contacts, before still columns are taken away: a log in which one is 0
+/// throughout where others have it, a sign, a unit. A warning of each.
+std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vector<RobotTrial>& trials);
+
 /// What can be fitted of a robot on such trials: drive.JOINT.KEY, robot.link.LINK.KEY (link.LINK.KEY for short),
 /// robot.gravity, command.delay, command.JOINT.KEY, sensor.COLUMN.gain and sensor.COLUMN.bias of what is logged,
 /// sensor.time_shift and sensor.push_smooth of pushes; then, a trial each, start.JOINT.phi, start.JOINT.dphi and

@@ -45,6 +45,9 @@ struct AtlasArguments {
   std::optional<std::string> robust;  ///< a measure
   ScatterArguments scatter;
   std::optional<long> samples;
+  std::vector<std::string> forbid;
+  bool ratings = false;  ///< are respected
+  bool limited() const { return !forbid.empty() || ratings; }
 };
 
 AtlasAxis axis_of(const std::string& option, const std::string& text, double unit) {
@@ -97,13 +100,25 @@ Subject two_link_of(const AtlasArguments& a, Run& run) {
   return out;
 }
 
+/// What no landing may do, as loads, which the scene beside the atlas says.
+void keep_limits(BodyScene& scene, const AtlasArguments& a, Run& run) {
+  const std::vector<Load> before = scene.loads;
+  forbid(scene, a.forbid, "--forbid");
+  if (a.ratings) keep_ratings(scene, run);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (scene.loads[i].rating != before[i].rating || scene.loads[i].kind != before[i].kind)
+      throw InputError("--forbid, --respect-ratings: " + ukemi::quoted(before[i].name) +
+                       ": a load of the scene has this name");
+}
+
 Subject body_subject(const AtlasArguments& a, Run& run) {
   const FreedomArguments& f = a.freedom;
   if (f.bumps || f.gains || f.release_phi || f.release_rate || f.from)
     throw InputError(
-        "--bumps, --landing-gains, --release-...: of a robot of links [motion] and [release] of its scene, "
-        "which lies beside its atlas, say it");
-  const BodyScene scene = body_of(a.scene, a.actuators, run);
+        "--bumps, --landing-gains, --release-...: of a robot of links, and with limits, [motion] and [release] of its "
+        "scene, which lies beside its atlas, say it");
+  BodyScene scene = body_of(a.scene, a.actuators, run);
+  keep_limits(scene, a, run);
   Subject out{.name = scene.name,
               .robust = robust_of(a, BodyPlanOptions().samples),
               .axes = axes_of(scene.robot),
@@ -120,7 +135,7 @@ Subject body_subject(const AtlasArguments& a, Run& run) {
 
 Subject subject_of(const AtlasArguments& a, Run& run) {
   if (a.scene.empty()) throw InputError(kNeeded);
-  return is_of_links(a.scene) ? body_subject(a, run) : two_link_of(a, run);
+  return is_of_links(a.scene) || a.limited() ? body_subject(a, run) : two_link_of(a, run);
 }
 
 /// What the options say; an axis that the base has not stands where the scene does.
@@ -241,6 +256,8 @@ int run_merge(const AtlasArguments& a, const CommonOptions& common) {
   for (const auto& [option, text] : {std::pair{"SCENE", a.scene},
                                      {"--actuator", a.actuators.empty() ? "" : a.actuators[0]},
                                      {"--shard", a.shard},
+                                     {"--forbid", a.forbid.empty() ? "" : a.forbid[0]},
+                                     {"--respect-ratings", a.ratings ? "given" : ""},
                                      {"--height", a.height},
                                      {"--speed", a.speed},
                                      {"--pitch-deg", a.pitch}})
@@ -276,8 +293,11 @@ double asked_of(const char* option, const std::string& text, double unit, double
 }
 
 int run_ask(const AtlasArguments& a, const CommonOptions& common) {
-  if (!a.merge.empty() || !a.scene.empty() || !a.actuators.empty() || !a.shard.empty() || a.robust || a.evaluations)
-    throw InputError("--ask: SCENE, --actuator, --merge, --shard, --robust, --evaluations have no say: the atlas has");
+  if (!a.merge.empty() || !a.scene.empty() || !a.actuators.empty() || !a.shard.empty() || a.robust || a.evaluations ||
+      a.limited())
+    throw InputError(
+        "--ask: SCENE, --actuator, --merge, --shard, --robust, --evaluations, --forbid, --respect-ratings have no say: "
+        "the atlas has");
   Run run(kAtlasOutputs, common);
   return ask_atlas(
       a.ask, a.goal,
@@ -311,6 +331,11 @@ void add_atlas(CLI::App* verb, Action& chosen) {
                    "plan for drops that scatter about each of the grid: mean, cvar, quantile:Q or worst");
   add_scatter(*verb, args->scatter);
   add_samples(*verb, args->samples);
+  verb->add_option("--forbid", args->forbid,
+                   "contacts that must never touch; the paper's robot is then one of links, as with [[load]]")
+      ->delimiter(',');
+  verb->add_flag("--respect-ratings", args->ratings,
+                 "keep the references' rates, the motors' speeds and torques within the drives' ratings; likewise");
   verb->add_option("--shard", args->shard, "K/N: only part K of N of the grid's blocks");
   verb->add_option("--merge", args->merge, "folders of all shards of an atlas: puts them together");
   verb->add_option("--ask", args->ask,

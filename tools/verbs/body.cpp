@@ -14,6 +14,7 @@
 #include "common/stopwatch.hpp"
 #include "landing/body/places.hpp"
 #include "landing/model/scatter_file.hpp"
+#include "landing/plan/body_goal.hpp"
 #include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
@@ -116,11 +117,11 @@ void add_actuators(CLI::App& verb, std::vector<std::string>& actuators) {
       ->allow_extra_args(false);
 }
 void add_set(CLI::App& verb, std::vector<std::string>& set) {
-  verb.add_option(
-          "--set", set,
-          "KEY=VALUE, of a robot of links: a number of its files, as of `trade --vary`; also "
-          "search.JOINT.phi_deg=LO:HI, search.JOINT.hold_deg, search.duration=LO:HI, joint.JOINT.phi_deg=LO:HI; "
-          "once for each")
+  verb.add_option("--set", set,
+                  "KEY=VALUE, of a robot of links: a number of its files, as of `trade --vary`; also "
+                  "search.JOINT.phi_deg=LO:HI, search.JOINT.hold_deg, search.duration=LO:HI, "
+                  "joint.JOINT.phi_deg=LO:HI, stop.JOINT.phi_deg=LO:HI; "
+                  "once for each")
       ->allow_extra_args(false);
 }
 void refuse_set(const std::vector<std::string>& set) {
@@ -184,13 +185,13 @@ void apply_release(const FreedomArguments& a, BodyScene& scene) {
   scene.release->from = is->from;
   if (only) scene.release->joints[*only] = {is->phi, is->rate};
 }
-/// The limits of --respect-ratings; warns of drives without ratings.
+
+}  // namespace
+
 void keep_ratings(BodyScene& scene, Run& run) {
   for (const std::string& joint : respect_ratings(scene))
     run.warn(fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint));
 }
-
-}  // namespace
 
 void apply_freedom(const FreedomArguments& a, BodyScene& scene, Run& run) {
   apply(a, scene.freedom), apply_release(a, scene);
@@ -328,7 +329,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
   const double rate = rate_of(a.rate);
   BodyPlanOptions options = plan_options(a, common, scene, run);
-  if (a.share && !scene.limited()) throw InputError("--share: the scene has no limit to keep");
+  check_share(scene, a.share, "--share");
   options.deadline = a.deadline;
   options.validate();
   const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
@@ -350,8 +351,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   const BodyPlan best = plan(scene, options);
   options.deadline = a.deadline;
   std::optional<BodyLeastBreaking> least;
-  if (!best.found && !a.deadline && !interrupted() && a.ratings == OptimizeArguments::Ratings::kRespect)
-    least = least_breaking(scene, options);
+  if (!best.found && !a.deadline && !interrupted()) least = least_breaking(scene, options);
   return report(scene, best, options, rate, a.exports, run, {.least = least, .logged = logged});
 }
 

@@ -46,6 +46,8 @@ void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& 
 /// What optimize and trade plan: the scene with its drives, what a motion may be, what must not touch. Throws
 /// InputError for options that robots of links do not have.
 landing::BodyScene scene_to_plan(const OptimizeArguments& arguments, Run& run);
+/// The limits of --respect-ratings; warns of drives without ratings.
+void keep_ratings(landing::BodyScene& scene, Run& run);
 /// How: goal, effort and scatter, seed and threads; without deadline, rate and monitor.
 landing::BodyPlanOptions plan_options(const OptimizeArguments& arguments, const CommonOptions& common,
                                       const landing::BodyScene& scene, Run& run);

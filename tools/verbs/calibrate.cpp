@@ -84,7 +84,7 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
     o.terms.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});
   }
   for (const std::string& item : split(a.errors)) {
-    const auto [name, value] = assignment("--errors", item);
+    const auto [name, value] = assignment("--errors", item, "NAME=SD");
     const Named n = named(*o.terms.table, "--errors", name, {kConstant});
     o.errors.emplace_back(n.term, to_number("--errors", value) * n.unit);
   }

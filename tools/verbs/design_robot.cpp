@@ -30,7 +30,7 @@ int design_robot(const DesignArguments& a, const CommonOptions& common) {
 
   RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
   for (const std::string& item : split(a.noise)) {
-    const Assignment one = assignment("--noise", item);
+    const Assignment one = assignment("--noise", item, "CHANNEL=STD");
     set_once("--noise", one.name, one.name, to_number("--noise", one.value), options.noise);
   }
   options.fit.terms = design_terms(robot, in_hand, next, options.noise);

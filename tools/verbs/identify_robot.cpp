@@ -127,6 +127,7 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
       if (out[i].run != out[j].run && same_content(out[i], out[j]))
         run.warn(fmt::format("{} and {} have the same content: they count twice, and errors come out too small",
                              ukemi::quoted(out[j].log.file), ukemi::quoted(out[i].log.file)));
+  for (const std::string& doubt : force_doubts(robot, out)) run.warn(doubt);
   if (reading.measured == RobotLogOptions::Measured::kAngles)
     for (const std::string& still : leave_out_still(robot.scene.robot, out)) run.warn(still);
   return out;

@@ -27,7 +27,7 @@ constexpr int kCurve = 9, kMap = 5;  // designs along an axis, where nobody says
 /// KEY=LO:HI[:N].
 TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
   const std::string option = "--vary";
-  const Assignment a = assignment(option, text);
+  const Assignment a = assignment(option, text, "KEY=LO:HI[:N]");
   const bool counted = std::count(a.value.begin(), a.value.end(), ':') == 2;
   const NumberRange range = number_range(option, a.value, counted);
   const int n = counted ? range.count : usual;
@@ -97,21 +97,20 @@ std::string identity_of(const TradeArguments& a, const BodyPlanOptions& search, 
   return checksum(fmt::format("{}", fmt::join(parts, "\n")));
 }
 
-/// What the folders of --merge hold.
-std::vector<TradePoint> merged(const std::vector<std::string>& folders, const std::string& identity,
-                               std::size_t designs, const Robot& robot) {
-  std::vector<TradePoint> out(designs);
+/// What the folders of --merge hold into `out`, of which the first are the designs.
+void merge(const std::vector<std::string>& folders, const std::string& identity, std::size_t designs,
+           const Robot& robot, std::vector<TradePoint>& out) {
   for (const std::string& folder : folders) {
     if (std::error_code ec; !std::filesystem::exists(in(folder, kTradeJournal), ec))
       throw InputError({in(folder, kTradeJournal)},
                        "there is none: a folder of a trade that ran with --shard is needed");
     (void)TradeJournal(in(folder, kTradeJournal), identity, robot.joints.size(), out);
   }
-  const auto open = std::count_if(out.begin(), out.end(), [](auto& p) { return p.plans < TradePoint::kPlans; });
+  const auto open = std::count_if(out.begin(), out.begin() + std::ptrdiff_t(designs),
+                                  [](auto& p) { return p.plans < TradePoint::kPlans; });
   if (open > 0)
     throw InputError(
         fmt::format("--merge: {} of {} designs are in none of the folders: a shard is missing", open, designs));
-  return out;
 }
 
 }  // namespace
@@ -135,13 +134,13 @@ int run_trade(const TradeArguments& a, const CommonOptions& common) {
 
   TradeResult out{.scene = scene, .search = options.search, .shard = a.shard};
   const std::string identity = identity_of(a, options.search, run);
-  options.known = std::vector<TradePoint>(designs);
+  options.known = std::vector<TradePoint>(front ? 2 * designs : designs);
   std::optional<TradeJournal> journal;
   if (a.merge.empty()) {
     journal.emplace(in(run.folder(), kTradeJournal), identity, scene.robot.joints.size(), options.known);
     options.done = [&](std::size_t design, const TradePoint& point) { journal->add(design, point); };
   } else {
-    options.known = merged(a.merge, identity, designs, scene.robot);
+    merge(a.merge, identity, designs, scene.robot, options.known);
   }
   if (front) {
     Front f = pareto(scene, front->cost, front->limited, front->count, options);
