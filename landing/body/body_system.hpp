@@ -134,7 +134,6 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
 
   int links = 0;                         ///< of the robot; locked ones share a body
   bool rubs = false, rail_rubs = false;  ///< dry friction acts somewhere; along the rail
-  T rail_smooth{0};                      ///< its sign in a run that smooths it, which holds nothing
   Body<T, kSize> body;
   std::array<T, 2> gravity{};  ///< in the floor's frame
   T rail_viscous{0}, rail_friction{0}, rail_load_friction{0};
@@ -185,19 +184,10 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   T torque(int i, const Time& t, const State& y, T* motor = nullptr, State* dy = nullptr) const {
     const JointConstants<T>& d = drive[i];
     const SeaState<T> s = joint_state(i, y);
-    const T out = joint_torque(
-        i, s, motor,
-        [&]() UKEMI_INLINE_LAMBDA {
-          if (d.kind == DriveKind::kGeared)
-            return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
-          return elastic_motor_torque(i, t, y, s, dy);
-        },
-        [&](Side side, const T& tau) UKEMI_INLINE_LAMBDA {
-          return coulomb_torque(d.sea, mean_friction(i, side, tau), asymmetry(i, side),
-                                direction_of<T>(joint[i].slip[side]), side == kMotorSide ? s.dphi_m : s.dphi);
-        });
-    if (motor && d.rubs[kMotorSide]) *motor = masked(!stuck(i, kMotorSide), *motor);
-    return out;
+    return joint_torque(i, s, motor, [&]() UKEMI_INLINE_LAMBDA {
+      if (d.kind == DriveKind::kGeared) return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+      return elastic_motor_torque(i, t, y, s, dy);
+    });
   }
   /// Of all joints, what holds them at rest taken from it [Nm].
   template <class Time>
@@ -240,9 +230,9 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
         y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(asked_of(i, t, s), s);
       }
   }
-  /// The same of a motor whose torque is asked() [Nm], where coulomb(side, tau) rubs on a side that carries tau.
-  template <class Asked, class Coulomb>
-  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked, Coulomb&& coulomb) const {
+  /// The same of a motor whose torque is asked() [Nm].
+  template <class Asked>
+  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked) const {
     const JointConstants<T>& d = drive[i];
     T out = -d.parallel_stiffness * (s.phi - d.parallel_rest), tau(0);
     if (d.kind == DriveKind::kElastic) {
@@ -250,7 +240,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       if (d.extended) {
         out += output_torque<kSea>(d.sea, s.dphi, tau);
         if (motor) *motor = torque_on_motor<kSea>(d.sea, s.dphi_m, asked(), tau);
-        if (motor && d.rubs[kMotorSide]) *motor -= coulomb(kMotorSide, tau);
+        if (motor && d.rubs[kMotorSide])
+          *motor = masked(!stuck(i, kMotorSide), T(*motor - coulomb(i, kMotorSide, s.dphi_m, tau)));
       } else {
         out += tau;
         if (motor) *motor = torque_on_motor<kPlainSea>(d.sea, s.dphi_m, asked(), tau);
@@ -263,7 +254,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     } else {
       out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
     }
-    if (d.rubs[kOutputSide]) out -= coulomb(kOutputSide, tau);
+    if (d.rubs[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
     return out;
   }
   template <class Time>
@@ -402,7 +393,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0), holds);
     along_rail = -rail_viscous * y[kVx];
     if (!rail_rubs) return solve(body, p, load, gravity, along_rail, holds);
-    const T sign = direction_of<T>(rail_slip) + rail_smooth;
+    const T sign = direction_of<T>(rail_slip);
     along_rail -= rail_friction * sign;
     const Accelerations without = solve(body, p, load, gravity, along_rail, holds);
     if (!any(present(rail_load_friction))) return without;
@@ -555,6 +546,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     const bool output = side == kOutputSide && drive[i].kind == DriveKind::kElastic;
     return output ? drive[i].sea.output_friction_asymmetry : drive[i].sea.friction_asymmetry;
   }
+  /// What slips at the rate v is slowed by [Nm].
+  T coulomb(int i, Side side, const T& v, const T& tau) const {
+    return coulomb_torque(drive[i].sea, mean_friction(i, side, tau), asymmetry(i, side),
+                          direction_of<T>(joint[i].slip[side]), v);
+  }
   auto& slip_of(int place) { return place == kRailPlace ? rail_slip : joint[place / kSides].slip[place % kSides]; }
   const auto& slip_of(int place) const {
     return place == kRailPlace ? rail_slip : joint[place / kSides].slip[place % kSides];
@@ -581,27 +577,33 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// What moves each place that is stuck, and what holds it.
   template <class Time>
   std::array<Hold<T>, kPlaces> holds(const Time& t, const State& y) const {
+    return holds_under(
+        y, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor); },
+        [&](int i, const SeaState<T>& s) {
+          if (drive[i].kind == DriveKind::kElastic) return elastic_motor_torque(i, t, y, s);
+          return limited_torque<kSea>(drive[i].sea, geared_torque(i, t, s), joint[i].saturation);
+        });
+  }
+  /// The same under joints' torques and pushes as of derivative_under, where the motor of joint i is driven by
+  /// driving(i, state) [Nm].
+  template <class Torque, class Driving, class Push = NoPush>
+  std::array<Hold<T>, kPlaces> holds_under(const State& y, Torque&& torque_of, Driving&& driving,
+                                           Push&& push = {}) const {
     State dy;
-    if constexpr (kSize.late) dy.template segment<kLags * kJ>(kLag).setConstant(T(0));
     Holds<T, kSize> held_still = held();
-    derivative_under(
-        y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor, &dy); }, {}, &held_still);
+    derivative_under(y, dy, torque_of, push, &held_still);
     std::array<Hold<T>, kPlaces> out;
     for (int i = 0; i < body.joints; ++i) {
       const JointConstants<T>& d = drive[i];
       const SeaState<T> s = joint_state(i, y);
       const bool elastic = d.kind == DriveKind::kElastic;
-      T tau(0);
-      if (elastic)
-        tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
-      else if (d.kind == DriveKind::kGeared)
-        tau = limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+      const T driven = d.kind == DriveKind::kPassive ? T(0) : T(driving(i, s));
+      const T tau = elastic ? limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation) : driven;
       const auto hold = [&](Side side, const T& moved_by) {
         out[kSides * i + side] = Hold<T>(d.sea, mean_friction(i, side, tau), asymmetry(i, side), moved_by);
       };
       if (d.rubs[kOutputSide]) hold(kOutputSide, held_still.needed[i]);
-      if (d.rubs[kMotorSide])
-        hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, elastic_motor_torque(i, t, y, s), tau));
+      if (d.rubs[kMotorSide]) hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, driven, tau));
     }
     Hold<T>& rail = out[kRailPlace];
     rail.torque = held_still.needed[Holds<T, kSize>::kRail];
@@ -615,10 +617,18 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   [[gnu::noinline]] void friction_guards(const Time& t, const State& y, const State& dy,
                                          integrate::Guards<kGuards, G>& out) const {
     std::array<Hold<T>, kPlaces> now, next;
+    if (any(some_stuck())) now = holds(t, y), next = holds(Time(t + Time(kApart)), soon(y, dy));
+    guard_places(y, dy, now, next, out);
+  }
+  Lane some_stuck() const {
     Lane some(false);
     for (int k = 0; k < kPlaces; ++k)
       if (rubs_at(k)) some = some | is_stuck(slip_of(k));
-    if (any(some)) now = holds(t, y), next = holds(Time(t + Time(kApart)), soon(y, dy));
+    return some;
+  }
+  template <class G>
+  void guard_places(const State& y, const State& dy, const std::array<Hold<T>, kPlaces>& now,
+                    const std::array<Hold<T>, kPlaces>& next, integrate::Guards<kGuards, G>& out) const {
     for (int k = 0; k < kPlaces; ++k)
       if (rubs_at(k))
         guard_friction(slip_of(k), now[k], next[k], rate_of(k, y), rate_of(k, dy),
@@ -633,22 +643,30 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       if (rubs_at(k)) slip_of(k) = 0;
     hold_or_slip(t, y);
   }
-  /// A landing starts: what moves slips.
-  template <class Time>
-  void settle(const Time& t, State& y) {
+  /// A run starts: what moves slips; holds_of(y) as `holds`.
+  template <class HoldsOf>
+  void settle_by(HoldsOf&& holds_of, State& y) {
     for (int k = 0; k < kPlaces; ++k) {
       if (!rubs_at(k)) continue;
       const double v = value_of(rate_of(k, y));
       slip_of(k) = v > 0 ? 1 : v < 0 ? -1 : 0;
     }
-    hold_or_slip(t, y);
+    hold_or_slip_by(holds_of, y);
   }
-  /// What is stuck and what friction cannot hold slips, the farthest beyond its hold first. The rest has a rate of 0.
+  template <class Time>
+  void settle(const Time& t, State& y) {
+    settle_by([&](const State& at) { return holds(t, at); }, y);
+  }
   template <class Time>
   void hold_or_slip(const Time& t, State& y) {
+    hold_or_slip_by([&](const State& at) { return holds(t, at); }, y);
+  }
+  /// What is stuck and what friction cannot hold slips, the farthest beyond its hold first. The rest has a rate of 0.
+  template <class HoldsOf>
+  void hold_or_slip_by(HoldsOf&& holds_of, State& y) {
     if (!rubs) return;
-    for (int n = 0; n < kPlaces; ++n) {
-      const std::array<Hold<T>, kPlaces> hold = holds(t, y);
+    for (int n = 0; n < kPlaces && any(some_stuck()); ++n) {
+      const std::array<Hold<T>, kPlaces> hold = holds_of(y);
       int worst = -1;
       double most = 0;
       for (int k = 0; k < kPlaces; ++k) {

@@ -13,12 +13,6 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Below these speeds dry friction is smooth here, where steps are of one length and do not end at its turns: rates of
-/// joints and motors [rad/s], of a rail [m/s].
-constexpr double kFrictionSpeed = 0.005, kRailSpeed = 0.005;
-/// sgn(v) so smoothed.
-double smooth_sign(double v, double below) { return v / std::sqrt(v * v + below * below); }
-
 constexpr double kFarthest = 1e4;  ///< of any state in SI units: beyond it a run is lost
 
 template <Capacity kSize>
@@ -34,7 +28,6 @@ class DrivenRun {
         peak_axis_(shifted(system_.body, Arms<double, System::kB>{}, robot.peak_link, Place{1, 0})),
         now_(std::size_t(system_.body.joints)) {
     if (robot.base == Base::kPinned) system_.base[1] = robot.pin_height;
-    system_.rubs = false;  // nothing is held here
     const std::vector<MeasuredColumn> columns = push_columns(robot);
     for (std::size_t i = 0; i < commands.push.size(); ++i) {
       const PushPoint& p = robot.pushes[i];
@@ -81,25 +74,35 @@ class DrivenRun {
     push_by(pushes_ = until(push_edges_, t - time_shift_));
     read_row(row_ > 0 ? row_ - 1 : 0);
     settle_lags();
+    system_.settle_by([this](const State& y) { return holds(t_, y); }, y_);
   }
-  /// To `until`, in coarse steps where they follow. What a controller was told and what touched could not be taken
-  /// back.
+  /// To `until`, in steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
   bool advance(double until, const DrivenOptions& options, DrivenRollout& out) {
-    const auto [fine, coarse] = options.steps;
-    if (options.coarse) {
-      out.coarse.push_back((*options.coarse)[out.coarse.size()]);
-      return walk(until, out.coarse.back() ? coarse : fine, Pace::kAny, options, out);
+    const long n = long(std::ceil((until - t_) / options.step - 1e-9));
+    while (true) {
+      constexpr double kNever = std::numeric_limits<double>::infinity();
+      const auto time_of = [](const std::vector<double>& t, std::size_t row) {
+        return row < t.size() ? t[row] : kNever;
+      };
+      const double edge = time_of(commands_.t, row_) + path_.delay;
+      const double asks = commands_.controller ? time_of(commands_.t, asked_) : kNever;
+      const double forces = time_of(push_edges_, pushes_) + time_shift_;
+      const double to = std::min({until, edge, asks, forces});
+      if (const double length = to - t_; length > 0) {
+        if ((out.steps += n) > options.most) return false;
+        steps(length / double(n), n, out);
+        t_ = to;
+      }
+      if (to >= until) break;
+      if (forces <= to)
+        push_by(++pushes_);
+      else if (asks <= to)
+        ask(asked_++);
+      else
+        read_row(row_++);
+      hold_or_slip();
     }
-    const bool may = coarse > fine && !commands_.controller && !pushes();
-    out.coarse.push_back(may && moves_on(y_, y_));
-    if (out.coarse.back()) {
-      const auto [y, t, row, pushes] = std::tuple(y_, t_, row_, pushes_);
-      if (walk(until, coarse, Pace::kMovingOn, options, out)) return true;
-      out.coarse.back() = false;
-      y_ = y, t_ = t, row_ = row, pushes_ = pushes;
-      push_by(pushes_), read_row(row_ > 0 ? row_ - 1 : 0);
-    }
-    return walk(until, fine, Pace::kAny, options, out);
+    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
   }
   void sample(DrivenRollout& out) const {
     for (int i = 0; i < system_.body.joints; ++i) {
@@ -127,16 +130,18 @@ class DrivenRun {
       for (int q : {0, 1}) out.force[std::size_t(i)][std::size_t(q)].push_back(f[q]);
     }
   }
-  /// See stable_steps.
-  DrivenSteps stable() const {
-    double at_rest = 1, moving = 1, lag = 0;  // the fastest [1/s]
+  /// See stable_step.
+  double stable() const {
+    double fastest = 1, falls = 0, lag = 0;  // [1/s]
     for (int i = 0; i < system_.body.joints; ++i) {
       const JointConstants<double>& d = system_.drive[i];
       State still = State::Zero(), dy;
       for (int j = 0; j < system_.body.bodies; ++j) still[System::kTheta + j] = y_[System::kTheta + j];
       std::array<double, 2> acc{};
       for (const double torque : {0.0, 1.0}) {
-        system_.derivative_under(still, dy, [&](int k, double*) { return k == i ? torque : 0.0; });
+        Holds<double, kSize> none;
+        system_.derivative_under(
+            still, dy, [&](int k, double*) { return k == i ? torque : 0.0; }, {}, &none);
         const JointPlace& at = system_.body.joint[i];
         acc[torque > 0] = dy[System::kOmega + at.child] - (at.parent < 0 ? 0 : dy[System::kOmega + at.parent]);
       }
@@ -152,68 +157,17 @@ class DrivenRun {
         return columns[what].empty() ? otherwise : *std::max_element(columns[what].begin(), columns[what].end());
       };
       viscous += of(i).torque_gain * most(kKd, d.sea.k_d), stiff += of(i).torque_gain * most(kKp, d.sea.k_p);
-      const double damping = viscous + dry * (1 + d.sea.breakaway) / kFrictionSpeed;
-      moving = std::max({moving, inverse * viscous, std::sqrt(inverse * stiff)});
-      at_rest = std::max({at_rest, moving, inverse * damping});
+      fastest = std::max({fastest, inverse * viscous, std::sqrt(inverse * stiff)});
+      if (d.sea.breakaway > 0) falls = std::max(falls, inverse * dry * d.sea.breakaway / d.sea.stribeck_speed);
     }
-    if (system_.body.base == Base::kRail) {  // of the whole mass, pressed by its weight
-      const double rubs = system_.rail_friction / system_.body.mass +
-                          system_.rail_load_friction * std::hypot(system_.gravity[0], system_.gravity[1]);
-      const double viscous = system_.rail_viscous / system_.body.mass;
-      moving = std::max(moving, viscous), at_rest = std::max({at_rest, moving, viscous + rubs / kRailSpeed});
-    }
+    if (system_.body.base == Base::kRail) fastest = std::max(fastest, system_.rail_viscous / system_.body.mass);
     // Of a decay: the method holds up to 2.78, and is exact enough up to kExact; [s].
     constexpr double kHolds = 2, kExact = 0.2, kLongest = 1e-3, kInContact = 2e-4;
-    const double longest = std::min(pushes() ? kInContact : kLongest, lag > 0 ? kHolds / lag : kLongest),
-                 fine = std::min(kHolds / at_rest, longest);
-    return {fine, std::max(fine, std::min(kExact / moving, longest))};
+    const double longest = pushes() ? kInContact : kLongest;
+    return std::min({longest, kExact / fastest, kHolds / std::max(lag, falls)});
   }
 
  private:
-  /// Whether a way ends unfinished where something that rubs comes near rest.
-  enum class Pace { kAny, kMovingOn };
-  /// In steps that end at the commands' edges; their number is that of the whole way, wherever it is cut.
-  bool walk(double until, double step, Pace pace, const DrivenOptions& options, DrivenRollout& out) {
-    const long n = long(std::ceil((until - t_) / step - 1e-9));
-    while (true) {
-      constexpr double kNever = std::numeric_limits<double>::infinity();
-      const auto time_of = [](const std::vector<double>& t, std::size_t row) {
-        return row < t.size() ? t[row] : kNever;
-      };
-      const double edge = time_of(commands_.t, row_) + path_.delay;
-      const double asks = commands_.controller ? time_of(commands_.t, asked_) : kNever;
-      const double forces = time_of(push_edges_, pushes_) + time_shift_;
-      const double to = std::min({until, edge, asks, forces});
-      if (const double length = to - t_; length > 0) {
-        if ((out.steps += n) > options.most) return false;
-        if (!steps(length / double(n), n, pace, out)) return false;
-        t_ = to;
-      }
-      if (to >= until) break;
-      if (forces <= to)
-        push_by(++pushes_);
-      else if (asks <= to)
-        ask(asked_++);
-      else
-        read_row(row_++);
-    }
-    return y_.array().isFinite().all() && y_.cwiseAbs().maxCoeff() < kFarthest;
-  }
-  /// Whether all that rubs dry turns on from y to z, far from where friction turns.
-  bool moves_on(const State& y, const State& z) const {
-    constexpr double kFar = 20;  // of the speed below which friction is smooth
-    const auto on = [](double v, double w, double smooth) { return v * w > 0 && std::abs(w) > kFar * smooth; };
-    for (int i = 0; i < system_.body.joints; ++i) {
-      const JointConstants<double>& d = system_.drive[i];
-      const SeaState<double> a = system_.joint_state(i, y), b = system_.joint_state(i, z);
-      const bool elastic = d.kind == DriveKind::kElastic;
-      const bool rubs = d.sea.friction > 0 || d.sea.spring_loss > 0;
-      if (rubs && !on(elastic ? a.dphi_m : a.dphi, elastic ? b.dphi_m : b.dphi, kFrictionSpeed)) return false;
-      if (elastic && d.sea.output_friction > 0 && !on(a.dphi, b.dphi, kFrictionSpeed)) return false;
-    }
-    const bool rail = system_.rail_friction > 0 || system_.rail_load_friction > 0;
-    return !(system_.body.base == Base::kRail && rail) || on(y[System::kVx], z[System::kVx], kRailSpeed);
-  }
   double gap(int i) const { return system_.point_at(i, system_.pose(y_)).y - system_.point[i].thickness; }
   bool pushes() const { return system_.body.contacts > 0 || system_.has_stops(); }
   int lowest_contact() const {
@@ -319,32 +273,37 @@ class DrivenRun {
             DriveLag<double>(system_.drive[i].sea).steady(asked(i, s), s);
       }
   }
-  State derivative(double t, const State& y) {
-    State dy;
-    if constexpr (kSize.late) dy.template segment<System::kWork - System::kLag>(System::kLag).setZero();
-    const auto torque_of = [&](int i, double* motor) {
+  /// What turns joint i in the state y; in `dy` the rates of what is on its way.
+  auto torque_of(const State& y, State* dy) {
+    return [this, &y, dy](int i, double* motor) {
       const SeaState<double> s = system_.joint_state(i, y);
       if (system_.drive[i].kind == DriveKind::kElastic) {
         const auto& sea = system_.drive[i].sea;
         const double spring = spring_torque<System::kSea>(sea, s);
         system_.joint[i].saturation = spring > sea.tau_max ? 1 : spring < -sea.tau_max ? -1 : 0;
       }
-      const auto rubs = [&](Side side, double tau) {
-        const double v = side == kMotorSide ? s.dphi_m : s.dphi, direction = smooth_sign(v, kFrictionSpeed);
-        return coulomb_torque(system_.drive[i].sea, system_.mean_friction(i, side, tau), system_.asymmetry(i, side),
-                              direction, v);
-      };
-      return system_.joint_torque(
-          i, s, motor, [&] { return of(i).torque_gain * given(i, s, y, &dy); }, rubs);
+      return system_.joint_torque(i, s, motor, [&] { return of(i).torque_gain * given(i, s, y, dy); });
     };
-    if (system_.rail_rubs) system_.rail_smooth = smooth_sign(y[System::kVx], kRailSpeed);
-    system_.derivative_under(y, dy, torque_of, [&](auto& load, const auto& pose) {
-      for (const Pushed& p : pushed_) {
-        const double after = t - pushed_from_;
+  }
+  auto push(double t) const {
+    return [this, after = t - pushed_from_](auto& load, const auto& pose) {
+      for (const Pushed& p : pushed_)
         load.add(p.at, pose, system_.body.bodies, value(p.force[0], after), value(p.force[1], after));
-      }
-    });
+    };
+  }
+  State derivative(double t, const State& y) {
+    State dy;
+    if constexpr (kSize.late) dy.template segment<System::kWork - System::kLag>(System::kLag).setZero();
+    system_.derivative_under(y, dy, torque_of(y, &dy), push(t));
     return dy;
+  }
+  auto holds(double t, const State& y) {
+    const auto driving = [&](int i, const SeaState<double>& s) { return of(i).torque_gain * given(i, s, y); };
+    return system_.holds_under(y, torque_of(y, nullptr), driving, push(t));
+  }
+  /// What friction no longer holds slips.
+  void hold_or_slip() {
+    system_.hold_or_slip_by([this](const State& y) { return holds(t_, y); }, y_);
   }
   /// y after h, from y_ with its derivative there.
   State after(const State& dy, double h) {
@@ -365,30 +324,30 @@ class DrivenRun {
     const auto pose = system_.pose(y);
     const auto acc = system_.accelerations_of(out.dy);
     system_.contact_guards(pose, acc, y, out.dy, out.guard);
+    if (!system_.rubs) return out;
+    std::array<Hold<double>, System::kPlaces> hold;
+    if (system_.some_stuck()) hold = holds(t, y);
+    system_.guard_places(y, out.dy, hold, hold, out.guard);
     return out;
   }
-  /// n steps; where a contact's mode ends within one, it goes on from there in the next mode.
-  bool steps(double h, long n, Pace pace, DrivenRollout& out) {
-    if (!pushes()) {
-      for (long k = 0; k < n; ++k) {
-        const State to = after(derivative(t_, y_), h);
-        if (pace == Pace::kMovingOn && !moves_on(y_, to)) return false;
-        y_ = to, t_ += h;
-      }
-      return true;
+  /// n steps; where the mode of a contact or of dry friction ends within one, it goes on from there in the next mode.
+  void steps(double h, long n, DrivenRollout& out) {
+    if (!pushes() && !system_.rubs) {
+      for (long k = 0; k < n; ++k) y_ = after(derivative(t_, y_), h), t_ += h;
+      return;
     }
     Here from = here(t_, y_);
     for (long k = 0; k < n; ++k) step(h, from, out);
-    return true;
   }
   void step(double h, Here& from, DrivenRollout& out) {
-    constexpr int kMostParts = 24;  // beyond: contacts chatter, and keep their mode to the step's end
+    constexpr int kMostParts = 24;  // beyond: what chatters keeps its mode to the step's end
+    const int guards = system_.guards_used();
     for (int part = 0;; ++part) {
       const State end = after(from.dy, h);
       Here there = here(t_ + h, end);
       int first = -1;
       double at = 1;
-      for (int g = 0; g < System::kJointGuards && part < kMostParts; ++g) {
+      for (int g = 0; g < guards && part < kMostParts; ++g) {
         const auto value = [&](const Here& of) { return of.guard.value[std::size_t(g)]; };
         if (value(there) >= 0) continue;
         const auto within = [&](double x) { return value(here(t_ + x * h, after(from.dy, x * h))); };
@@ -397,7 +356,7 @@ class DrivenRun {
       }
       if (first < 0) return y_ = end, t_ += h, void(from = std::move(there));
       y_ = after(from.dy, at * h), t_ += at * h, h *= 1 - at;
-      cross(first, &out);
+      cross(first, &out), hold_or_slip();
       from = here(t_, y_);
       if (h <= 0) return;
     }
@@ -405,6 +364,7 @@ class DrivenRun {
   /// Beyond guard g, into the next mode.
   void cross(int g, DrivenRollout* out) {
     (void)system_.cross(g, y_);
+    if (g >= System::kJointGuards) return;
     const int contact = g / System::kOfContact;
     if (out && g % System::kOfContact == System::kSurface && !system_.is_stop(contact))
       out->changes.push_back({t_, contact, system_.contact[std::size_t(contact)].touching});
@@ -433,8 +393,8 @@ class DrivenRun {
 }  // namespace
 
 template <Capacity kSize>
-DrivenSteps stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
-                             const DrivenStart& start) {
+double stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
+                        const DrivenStart& start) {
   DrivenRun<kSize> run(robot, path, commands);
   run.start(start, commands.t.front());
   return run.stable();
@@ -457,8 +417,7 @@ DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const 
   return out;
 }
 
-template DrivenSteps stable_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&,
-                                                    const DrivenStart&);
+template double stable_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&, const DrivenStart&);
 template DrivenRollout roll_in_kernel<UKEMI_KERNEL>(const Robot&, const CommandPath&, const Commands&,
                                                     const DrivenStart&, const std::vector<double>&,
                                                     const DrivenOptions&);

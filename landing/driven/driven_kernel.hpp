@@ -6,11 +6,11 @@
 
 namespace ukemi::landing {
 
-/// See stable_steps.
+/// See stable_step.
 template <Capacity kSize>
-DrivenSteps stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
-                             const DrivenStart& start);
-/// See roll_driven; the options name steps.
+double stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
+                        const DrivenStart& start);
+/// See roll_driven; the options name the step.
 template <Capacity kSize>
 DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
                              const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options);

@@ -49,8 +49,7 @@ std::vector<double> extensions(const Robot& robot, const std::vector<std::vector
   return out;
 }
 
-DrivenSteps stable_steps(const Robot& robot, const CommandPath& path, const Commands& commands,
-                         const DrivenStart& start) {
+double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start) {
   check(commands, robot);
   return in_its_kernel(robot, [&]<Capacity kSize>() { return stable_in_kernel<kSize>(robot, path, commands, start); });
 }
@@ -61,7 +60,7 @@ DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Com
   if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
   check(commands, robot);
   DrivenOptions with = options;
-  if (with.steps.fine <= 0) with.steps = stable_steps(robot, path, commands, start);
+  if (with.step <= 0) with.step = stable_step(robot, path, commands, start);
   return in_its_kernel(
       robot, [&]<Capacity kSize>() { return roll_in_kernel<kSize>(robot, path, commands, start, times, with); });
 }

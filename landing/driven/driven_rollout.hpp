@@ -1,10 +1,9 @@
 // A robot that is driven by a log's commands: angles, rates and reported torques of its joints, at given times.
 //
 // Fixed steps of the classical Runge-Kutta method, as many to each command between two of the times, so that what comes
-// out depends smoothly on every number of the robot: differences are derivatives. They are longer while everything that
-// rubs moves fast; a run beside another takes its steps. A contact's touchdown, lift-off,
-// sticking and sliding are found within their step, which is parted there. Dry friction is smooth
-// below 5 mrad/s, of a rail 5 mm/s, where that of a landing sticks. Ours. Tests: test/legs/driven.cpp.
+// out depends smoothly on every number of the robot: differences are derivatives. Touchdowns and lift-offs, and the
+// sticking and sliding of contacts, joints, motors and rail, are found within their step, which is parted there.
+// Ours. Tests: test/legs/driven.cpp.
 #pragma once
 
 #include "landing/body/command_path.hpp"
@@ -13,28 +12,18 @@
 
 namespace ukemi::landing {
 
-/// Longest steps [s].
-struct DrivenSteps {
-  double fine = 0;
-  /// While all that rubs dry moves at 20 times that speed or faster, one way, where there is no contact, no stop
-  /// and no controller; at least `fine`.
-  double coarse = 0;
-};
-
 struct DrivenOptions {
-  DrivenSteps steps;      ///< > 0; 0: those of stable_steps
-  long most = 2'000'000;  ///< steps of one run
-  bool loads = false;     ///< accelerations and forces are sampled too, at a derivative a time
-  /// DrivenRollout::coarse of another run at the same times, whose steps are taken; none: as the robot moves.
-  const std::vector<bool>* coarse = nullptr;
+  double step = 0;                   ///< the longest, > 0; 0: stable_step [s]
+  long most = 2'000'000;             ///< steps of one run
+  bool loads = false;                ///< accelerations and forces are sampled too, at a derivative a time
   const Sensors* sensors = nullptr;  ///< of the pushes; what is sampled is what is, not what they say; none: exact
 };
 
-/// Steps over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
-/// that a torque on each joint alone gives, its damping, that of dry friction near rest (not of coarse ones), and its
-/// stiffness; of a robot with contacts at most 0.2 ms [s]. Runs whose difference is a derivative need the same.
-[[nodiscard]] DrivenSteps stable_steps(const Robot& robot, const CommandPath& path, const Commands& commands,
-                                       const DrivenStart& start);
+/// A step over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
+/// that a torque on each joint alone gives, its damping, the fall of its friction with speed, and its stiffness; of a
+/// robot with contacts at most 0.2 ms [s]. Runs whose difference is a derivative need the same.
+[[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
+                                 const DrivenStart& start);
 
 struct DrivenRollout {
   /// Of Robot::joints, then by Sensed: one a time.
@@ -43,8 +32,7 @@ struct DrivenRollout {
   std::array<std::vector<double>, kBodySensed> acceleration;  ///< likewise [m/s^2]; empty: not sampled
   std::vector<std::array<std::vector<double>, 2>> force;      ///< of Robot::contacts, on the robot [N]; likewise
   std::vector<ContactChange> changes;                         ///< in their order; those that touch at the start first
-  std::vector<bool> coarse;  ///< of each time, whether the way there from the one before took coarse steps
-  bool complete = false;     ///< every time has its values: no state left the range of numbers or of the joints
+  bool complete = false;  ///< every time has its values: no state left the range of numbers or of the joints
   long steps = 0;
 };
 

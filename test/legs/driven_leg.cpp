@@ -83,7 +83,7 @@ struct Leg {
       force += mi * j.transpose() * turning;
     }
     const auto rate = angles(s.v), drive = asked(s, ref);
-    const auto smooth = [](double v) { return v / std::hypot(v, 0.005); };
+    const auto smooth = [](double v) { return v / std::hypot(v, 2e-4); };
     for (int i = 0; i < kLinks; ++i) {
       const std::size_t n = std::size_t(i);
       const double tau = drive[n] - dry[n] * smooth(rate[n]) - viscous[n] * rate[n];

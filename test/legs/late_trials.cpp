@@ -32,8 +32,8 @@ TEST_CASE("a robot whose drive is late moves as the simulator that keeps its his
     const auto apart = [&](double step) {
       double out = 0;
       for (const RobotTrial& t : hits.trials) {
-        const DrivenRollout r = roll_driven(hits.robot.scene.robot, hits.robot.path, *t.commands, {{{0, 0, 0}}},
-                                            t.log.t, {.steps = {step, step}});
+        const DrivenRollout r =
+            roll_driven(hits.robot.scene.robot, hits.robot.path, *t.commands, {{{0, 0, 0}}}, t.log.t, {.step = step});
         REQUIRE(r.complete);
         for (std::size_t i = 0; i < t.log.t.size(); ++i)
           out = std::max(out, std::abs(r.joint[0][kAngle][i] - t.log.output[kAngle][i]));

@@ -39,7 +39,7 @@ struct Pendulum {
     const double gravity2 = m2 * g * r2 * std::sin(y[0] + y[1]), gravity1 = (m1 * r1 + m2 * l1) * g * std::sin(y[0]);
     double tau[2];
     for (int j = 0; j < 2; ++j) {
-      const double v = y[std::size_t(2 + j)], smooth = std::sqrt(v * v + 0.005 * 0.005);
+      const double v = y[std::size_t(2 + j)], smooth = std::hypot(v, 5e-4);
       tau[j] = gain[j] * asked[j] - dry[j] * v / smooth - viscous[j] * v;
     }
     const double a = tau[0] + h * (2 * y[2] * y[3] + y[3] * y[3]) - gravity1 - gravity2,

@@ -45,7 +45,7 @@ TEST_CASE("a robot that is hit smoothly moves as the simulator that has the forc
     double out = 0;
     for (const RobotTrial& t : hits.trials) {
       const DrivenRollout r = roll_driven(hits.robot.scene.robot, hits.robot.path, *t.commands, {{{0, 0, 0}}}, t.log.t,
-                                          {.steps = {5e-5, 5e-5}, .sensors = &sensors});
+                                          {.step = 5e-5, .sensors = &sensors});
       REQUIRE(r.complete);
       for (std::size_t i = 0; i < t.log.t.size(); ++i)
         out = std::max(out, std::abs(r.joint[0][kAngle][i] - t.log.output[kAngle][i]));

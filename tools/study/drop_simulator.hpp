@@ -27,7 +27,6 @@ struct FollowedDrop {
   std::vector<Eigen::MatrixXd> slope;
   std::vector<double> jumps;                    ///< touchdowns and lift-offs, from release [s], in order
   std::vector<landing::ContactChange> changes;  ///< of a robot that is driven by its log, from its first row [s]
-  std::vector<bool> coarse;                     ///< of such a robot, see landing::DrivenRollout
   bool complete = false;                        ///< every time has its values
   long steps = 0;                               ///< integrated, taken or rejected
 };

@@ -309,14 +309,13 @@ FollowedDrop RobotTrials::roll(std::size_t m, const Posed& posed, const std::vec
   std::vector<double> clock = times;
   for (double& t : clock) t += trials_[m].origin;
   DrivenOptions options = options_.roll;
-  if (asked.coarse) options.steps = asked.steps, options.coarse = asked.coarse;
+  if (asked.step > 0) options.step = asked.step;
   const auto& measured = trials_[m].log.output;
   const auto loads = measured.begin() + long(acceleration_channel(robot));
   options.loads = asked.loads || std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
   options.sensors = &posed.robot.sensors;
   DrivenRollout rolled = roll_driven(robot, posed.robot.path, *trials_[m].commands, posed.start, clock, options);
   out.complete = rolled.complete, out.steps = rolled.steps, out.changes = std::move(rolled.changes);
-  out.coarse = std::move(rolled.coarse);
   for (ContactChange& c : out.changes) c.t -= trials_[m].origin, out.jumps.push_back(c.t);
   for (auto& joint : rolled.joint)
     for (auto& values : joint) out.value.push_back(std::move(values));
@@ -354,9 +353,9 @@ FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const 
   return posed ? logged(roll(m, *posed, times), posed->robot.sensors) : FollowedDrop{};
 }
 
-DrivenSteps RobotTrials::steps_of(std::size_t m, const Posed& posed) const {
-  if (options_.roll.steps.fine > 0) return options_.roll.steps;
-  return stable_steps(posed.robot.scene.robot, posed.robot.path, *trials_[m].commands, posed.start);
+double RobotTrials::step_of(std::size_t m, const Posed& posed) const {
+  if (options_.roll.step > 0) return options_.roll.step;
+  return stable_step(posed.robot.scene.robot, posed.robot.path, *trials_[m].commands, posed.start);
 }
 
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
@@ -365,8 +364,7 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
   constexpr double kOfContacts = 10;     // touchdowns make a rollout's smallest differences rough
   const std::optional<Posed> here = pose(m, settings);
   if (!here) return false;
-  const DrivenSteps steps = steps_of(m, *here);
-  const std::vector<bool> coarse = followed.coarse;
+  const double step = step_of(m, *here);
   const double difference = options_.difference * (here->robot.scene.robot.contacts.empty() ? 1 : kOfContacts);
   return differentiate_by_differences(
       settings, difference, options_.threads,
@@ -381,14 +379,14 @@ bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const s
           for (double& x : out.value[*c]) x = after.logged(before.actual(x));
           return out;
         }
-        const auto followed_by = [&](const Posed& posed, const DrivenSteps& its) {
-          return logged(roll(m, posed, times, {.steps = its, .coarse = &coarse}), posed.robot.sensors);
+        const auto followed_by = [&](const Posed& posed, double its) {
+          return logged(roll(m, posed, times, {.step = its}), posed.robot.sensors);
         };
-        if (lags(there->robot.scene.robot) == lags(here->robot.scene.robot)) return followed_by(*there, steps);
+        if (lags(there->robot.scene.robot) == lags(here->robot.scene.robot)) return followed_by(*there, step);
         Settings hardly_late = beside;  // with states and steps of its own, whose own difference counts
         for (Setting& s : hardly_late)
           if (s.term == &term) s.value = kHardlyLate;
-        const DrivenSteps its = steps_of(m, *there);
+        const double its = step_of(m, *there);
         return moved(followed, followed_by(*pose(m, hardly_late), its), followed_by(*there, its));
       },
       followed);

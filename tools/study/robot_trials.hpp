@@ -139,7 +139,7 @@ class RobotTrials : public DropSimulator {
   /// As it is; `logged`: as the sensors say.
   FollowedDrop roll(std::size_t m, const Posed& posed, const std::vector<double>& times,
                     const landing::DrivenOptions& asked = {}) const;
-  landing::DrivenSteps steps_of(std::size_t m, const Posed& posed) const;
+  double step_of(std::size_t m, const Posed& posed) const;
   FollowedDrop logged(FollowedDrop actual, const landing::Sensors& sensors) const;
   /// Of its name, if it is one; and whose sensor a term is.
   std::optional<std::size_t> channel(const std::string& name) const;
