@@ -36,7 +36,6 @@ struct PeakMap {
   Place cells;                      ///< points along each
   MotionValues slice;               ///< values of the variables with one point
   std::vector<Cell> grid;           ///< the first variable slowest, the last fastest
-
   std::size_t index(const Place& at) const;
   Place place(std::size_t index) const;
   /// The value of a variable at its i-th point.

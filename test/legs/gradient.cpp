@@ -118,6 +118,7 @@ TEST_CASE("legs: gradients where joints stick and slip") {
     for (int n = 0; n < 2; ++n) {
       Case c{.scene = legs::shipped(name), .motion = {}};
       legs::rub(c.scene, r);
+      c.scene.drop.pitch += 0.03;  // a foot that touches with heel and toe at once has two slopes
       c.motion = held_posture(c.scene);
       for (std::size_t i = 0; i < c.motion.size(); ++i)
         if (c.scene.robot.joints[i].driven())
