@@ -18,6 +18,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
   using Single = LandingSystem<kTerms, false, double>;
   using Base = Lockstep<BatchEngine, System, W>;
   friend Base;
+  static constexpr bool kMayRub = kTerms.sea.extended;  ///< there may be dry friction
   using Base::abandon_square_, Base::active_, Base::stale_, Base::accepted_, Base::kStates;
   using Base::system_, Base::step_, Base::h_next_, Base::stop_, Base::peak_, Base::steps_;
   using typename Base::M, typename Base::State, typename Base::T;

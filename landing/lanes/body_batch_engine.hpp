@@ -19,6 +19,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   using Course = BodyCourse<kSize, false>;  ///< of one lane, in doubles
   using Engine = Lockstep<BodyBatchEngine, System, W>;
   friend Engine;
+  static constexpr bool kMayRub = true;  ///< there may be dry friction
   using Engine::abandon_square_, Engine::active_, Engine::stale_, Engine::kStates;
   using Engine::system_, Engine::step_, Engine::h_next_, Engine::stop_, Engine::peak_, Engine::steps_,
       Engine::accepted_, Engine::shift_;

@@ -105,7 +105,7 @@ class Lockstep {
   /// The earliest zero of a guard's cubic in the lane's step.
   Zero first_zero(int i) const {
     Zero first;
-    for (int g = 0; g < guards_; ++g) {
+    for (int g = 0; g < guard_count(); ++g) {
       if (!near_[g][i] || rises(g, i)) continue;
       const Node a = integrate::start_node(start_.value[g][i], start_.rate[g][i] * step_.h[i]),
                  b{1, end_.value[g][i], end_.rate[g][i] * step_.h[i]};
@@ -171,7 +171,7 @@ class Lockstep {
       guards(step_.t, step_.y, dy, g);
       M violated(false);
       for (int k = 0; k < kStates; ++k) assign(step_.slope[k], stale_, dy[k]);
-      for (int k = 0; k < guards_; ++k) {
+      for (int k = 0; k < guard_count(); ++k) {
         assign(start_.value[k], stale_, g.value[k]), assign(start_.rate[k], stale_, g.rate[k]);
         violated |= stale_ & (g.value[k] <= T(0.0)) & (g.rate[k] < T(0.0));
       }
@@ -187,7 +187,7 @@ class Lockstep {
   [[gnu::noinline]] void take_immediate(int i) {
     if (step_.t[i] != t_event_[i]) t_event_[i] = step_.t[i], immediate_[i] = 0;
     if (++immediate_[i] > integrate::kMostImmediate) return landing().finish(i, End::kFailed);
-    for (int k = 0; k < guards_; ++k)
+    for (int k = 0; k < guard_count(); ++k)
       if (start_.value[k][i] <= 0 && start_.rate[k][i] < 0) {
         if (!landing().cross(i, k)) landing().finish(i, End::kBroken);
         return;
@@ -228,7 +228,7 @@ class Lockstep {
 
     guards(step_.t + step_.h, step_.y_end, step_.slope_end, end_);
     M near = cut_;
-    for (int k = 0; k < guards_; ++k) {
+    for (int k = 0; k < guard_count(); ++k) {
       const T third(1.0 / 3), a = start_.value[k], b = end_.value[k];
       const T inner = min(a + step_.h * third * start_.rate[k], b - step_.h * third * end_.rate[k]);
       near |= near_[k] = (b <= T(0.0)) | (inner <= T(0.0));
@@ -301,7 +301,7 @@ class Lockstep {
       assign(step_.y[k], accepted_, step_.y_end[k] + shift_ * step_.slope_end[k]);
       assign(step_.slope[k], accepted_, step_.slope_end[k]);
     }
-    for (int k = 0; k < guards_; ++k)
+    for (int k = 0; k < guard_count(); ++k)
       assign(start_.value[k], accepted_, end_.value[k]), assign(start_.rate[k], accepted_, end_.rate[k]);
 
     const M plain = accepted_ & !event_, at_deadline = plain & last_;
@@ -345,11 +345,18 @@ class Lockstep {
   std::array<T, kStates> unit_;
   std::array<M, kGuards> near_;  ///< guards that may have a zero in the attempted step
   std::array<int, W> target_{}, immediate_{}, cuts_{};
-  int guards_ = 0;                   ///< the first so many are in use in some lane
+  int guards_ = 0;                   ///< see guard_count
   std::array<double, W> t_event_{};  ///< the instant that immediate_ counts at
 
  private:
   Landing& landing() { return static_cast<Landing&>(*this); }
+  /// The first so many are in use in some lane; known to the compiler where nothing can rub.
+  UKEMI_INLINE int guard_count() const {
+    if constexpr (Landing::kMayRub)
+      return guards_;
+    else
+      return kGuards;
+  }
 
   const double accuracy_;
   const long max_steps_;
