@@ -200,7 +200,7 @@ class Integrator {
 
   /// A guard that is at or below zero and falling where the step starts; -1 if none.
   int violated() const {
-    for (int i = 0; i < used(); ++i)
+    for (int i = 0, guards = used(); i < guards; ++i)
       if (start_.value[i] <= 0 && start_.rate[i] < 0) return i;
     return -1;
   }
@@ -269,6 +269,7 @@ class Integrator {
   /// Looks for the event on the dense output, in four parts, for guards that come near zero or leave it.
   void search_inside(const std::bitset<kGuards>& near, Crossing& first) {
     constexpr int kParts = 4;
+    const int guards = used();
     Guards<kGuards> left = start_, right;
     for (int q = 1; q <= kParts; ++q) {
       const double sa = (q - 1.0) / kParts, sb = double(q) / kParts;
@@ -282,7 +283,7 @@ class Integrator {
         field()(t, y, dy);
         system_.guards(t, y, dy, right);
       }
-      for (int i = 0; i < used(); ++i)
+      for (int i = 0; i < guards; ++i)
         if (near[std::size_t(i)]) {
           const Node a = q == 1 ? start_of(i) : Node{sa, left.value[i], left.rate[i] * step_.h},
                      b{sb, right.value[i], right.rate[i] * step_.h};

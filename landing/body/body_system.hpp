@@ -5,10 +5,10 @@
 #pragma once
 
 #include "common/integrate/guards.hpp"
+#include "landing/body/body_friction.hpp"
 #include "landing/body/contact.hpp"
 #include "landing/body/equations.hpp"
 #include "landing/body/joint.hpp"
-#include "landing/model/dry_friction.hpp"
 #include "landing/model/motion.hpp"
 #include "landing/model/two_link.hpp"
 
@@ -28,7 +28,8 @@ struct BodyModeOf {
 };
 
 template <Capacity kSize, bool kAccounts = false, Scalar T = double>
-class BodySystem : public BodyModeOf<kSize, T>::type {
+class BodySystem : public BodyModeOf<kSize, T>::type,
+                   public BodyFriction<BodySystem<kSize, kAccounts, T>, kSize.joints, T> {
  public:
   static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
   /// The state; kPositions of them are positions, as many rates follow, then the slips.
@@ -36,21 +37,18 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kLag = kSlip + kC };
   static constexpr int kLags = DriveLag<T>::kStates, kWork = kLag + (kSize.late ? kLags * kJ : 0);
   static constexpr int kStates = kWork + kAccounts;
-  /// Guards: of each contact, then of each joint; where there is dry friction (`guards_used`) of each of its places: a
-  /// slip's end, or forward and back out of a hold.
+  /// Guards: of each contact, then of each joint; where there is dry friction (`guards_used`) of each of its places.
   enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kOfContact };
   enum { kUpper, kLower, kOfJoint };
-  static constexpr int kOfPlace = 2;
-  /// Where dry friction acts: on the output of each joint, on its motor, and along the rail.
-  static constexpr int kRailPlace = kSides * kJ, kPlaces = kRailPlace + 1;
+  using Friction = BodyFriction<BodySystem, kJ, T>;
   static constexpr int kJointGuards = kOfContact * kC, kFrictionGuards = kJointGuards + kOfJoint * kJ,
-                       kGuards = kFrictionGuards + kOfPlace * kPlaces, kControlled = kWork;
+                       kGuards = kFrictionGuards + Friction::kOfPlace * Friction::kPlaces, kControlled = kWork;
   using State = Eigen::Matrix<T, kStates, 1>;
   using Pose = TreePose<T, kB>;
   using Accelerations = TreeAccelerations<T, kB>;
   using Mode = typename BodyModeOf<kSize, T>::type;
   using Mode::contact, Mode::joint, Mode::rail_slip;
-  using Lane = typename MaskOf<T>::type;
+  using typename Friction::Lane, typename Friction::PlaceHolds;
   using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
   using GuardValues = integrate::Guards<kGuards, Value>;
   static constexpr SeaTerms kSea{true, true}, kPlainSea{true, false};
@@ -194,8 +192,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   std::array<T, kJ> torques(const Time& t, const State& y) const {
     std::array<T, kJ> out{};
     for (int i = 0; i < body.joints; ++i) out[i] = torque(i, t, y);
-    if (!rubs) return out;
-    const std::array<Hold<T>, kPlaces> hold = holds(t, y);
+    if (!rubs || !any(this->some_stuck())) return out;
+    const PlaceHolds hold = holds(t, y);
     for (int i = 0; i < body.joints; ++i) out[i] -= masked(stuck(i, kOutputSide), hold[kSides * i].torque);
     return out;
   }
@@ -327,11 +325,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     if constexpr (kSize.late) dy.template segment<kLags * kJ>(kLag).setConstant(T(0));
     derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor, &dy); });
   }
-  /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links. Where
-  /// `holds` is given it holds what it says, else what the mode does.
+  /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links. What
+  /// `still` says is held, where it is given; else what the mode says.
   template <class Torque, class Push = NoPush>
   UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of, Push&& push = {},
-                                     Holds<T, kSize>* holds = nullptr) const {
+                                     HeldStill<T, kSize>* still = nullptr) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power(0);  // on the links
@@ -360,7 +358,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     }
     T along_rail(0);
     const Accelerations acc =
-        rubs && !holds ? held_accelerations(p, load, y, along_rail) : accelerations(p, load, y, along_rail, holds);
+        rubs && !still ? held_accelerations(p, load, y, along_rail) : accelerations(p, load, y, along_rail, still);
     if constexpr (kAccounts) power += along_rail * y[kVx];
     dy[kX] = y[kVx], dy[kY] = y[kVy];
     if (body.base == Base::kFree)
@@ -381,30 +379,28 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// In the mode, where there is dry friction.
   [[gnu::noinline]] Accelerations held_accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y,
                                                      T& along_rail) const {
-    Holds<T, kSize> holds = held();
-    Lane some = holds.held[Holds<T, kSize>::kRail];
-    for (int i = 0; i < body.joints; ++i) some = some | holds.held[i];
-    return accelerations(p, load, y, along_rail, any(some) ? &holds : nullptr);
+    HeldStill<T, kSize> still = held_still();
+    return accelerations(p, load, y, along_rail, any(still.some()) ? &still : nullptr);
   }
   /// `along_rail`: becomes the rail's force in its direction [N]: viscous, and where it slips dry friction
   /// F = -(F_c + mu |N|) sgn v. N is the force across the rail, on which F acts in turn: both are solved for.
   Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail,
-                              Holds<T, kSize>* holds = nullptr) const {
-    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0), holds);
+                              HeldStill<T, kSize>* still = nullptr) const {
+    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0), still);
     along_rail = -rail_viscous * y[kVx];
-    if (!rail_rubs) return solve(body, p, load, gravity, along_rail, holds);
+    if (!rail_rubs) return solve(body, p, load, gravity, along_rail, still);
     const T sign = direction_of<T>(rail_slip);
     along_rail -= rail_friction * sign;
-    const Accelerations without = solve(body, p, load, gravity, along_rail, holds);
+    const Accelerations without = solve(body, p, load, gravity, along_rail, still);
     if (!any(present(rail_load_friction))) return without;
     const T n = across_rail(p, load, without),
-            per_force = across_rail(p, load, solve(body, p, load, gravity, T(along_rail + T(1)), holds)) - n;
+            per_force = across_rail(p, load, solve(body, p, load, gravity, T(along_rail + T(1)), still)) - n;
     const T mu = rail_load_friction * sign, up = select(n < T(0), T(-n), n),
             turned = select(n < T(0), T(-per_force), per_force), resists = T(1) + mu * turned;
     constexpr double kJammed = 0.1;  // of `resists`: a rail that jams is not modelled
     along_rail -= mu * up / select(resists > T(kJammed), resists, T(kJammed));
-    if (holds) holds->across_rail = n;  // of what is held, on which no friction acts
-    return solve(body, p, load, gravity, along_rail, holds);
+    if (still) still->across_rail = n;  // of what is held, on which no friction acts
+    return solve(body, p, load, gravity, along_rail, still);
   }
   /// The rail's force across its direction, on the robot, left of it [N].
   T across_rail(const Pose& p, const TreeLoads<T, kB>& load, const Accelerations& acc) const {
@@ -446,7 +442,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     contact_guards(p, acc, y, dy, out);
     for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
     if (rubs) [[unlikely]]
-      friction_guards(t, y, dy, out);
+      this->friction_guards(kFrictionGuards, t, y, dy, out);
   }
   int guards_used() const { return rubs ? kGuards : kFrictionGuards; }
   template <class G>
@@ -551,32 +547,17 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
     return coulomb_torque(drive[i].sea, mean_friction(i, side, tau), asymmetry(i, side),
                           direction_of<T>(joint[i].slip[side]), v);
   }
-  auto& slip_of(int place) { return place == kRailPlace ? rail_slip : joint[place / kSides].slip[place % kSides]; }
-  const auto& slip_of(int place) const {
-    return place == kRailPlace ? rail_slip : joint[place / kSides].slip[place % kSides];
-  }
-  bool rubs_at(int place) const {
-    return place == kRailPlace ? rail_rubs : place / kSides < body.joints && drive[place / kSides].rubs[place % kSides];
-  }
-  auto stuck(int i, Side side) const { return Lane(drive[i].rubs[side]) & is_stuck(joint[i].slip[side]); }
-  /// The rate of a place, or its acceleration where y is dy.
-  T rate_of(int place, const State& y) const {
-    if (place == kRailPlace) return y[kVx];
-    const int i = place / kSides;
-    if (place % kSides == kMotorSide) return y[kOmegaM + i];
-    const JointPlace& at = body.joint[i];
-    return at.parent < 0 ? y[kOmega + at.child] : T(y[kOmega + at.child] - y[kOmega + at.parent]);
-  }
+  Lane stuck(int i, Side side) const { return Friction::stuck(kSides * i + side); }
   /// What is stuck of joints and rail.
-  Holds<T, kSize> held() const {
-    Holds<T, kSize> out;
+  HeldStill<T, kSize> held_still() const {
+    HeldStill<T, kSize> out;
     for (int i = 0; i < body.joints; ++i) out.held[i] = stuck(i, kOutputSide);
-    out.held[Holds<T, kSize>::kRail] = Lane(rail_rubs) & is_stuck(rail_slip);
+    out.held[HeldStill<T, kSize>::kRail] = Friction::stuck(Friction::kRailPlace);
     return out;
   }
   /// What moves each place that is stuck, and what holds it.
   template <class Time>
-  std::array<Hold<T>, kPlaces> holds(const Time& t, const State& y) const {
+  PlaceHolds holds(const Time& t, const State& y) const {
     return holds_under(
         y, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor); },
         [&](int i, const SeaState<T>& s) {
@@ -587,12 +568,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
   /// The same under joints' torques and pushes as of derivative_under, where the motor of joint i is driven by
   /// driving(i, state) [Nm].
   template <class Torque, class Driving, class Push = NoPush>
-  std::array<Hold<T>, kPlaces> holds_under(const State& y, Torque&& torque_of, Driving&& driving,
-                                           Push&& push = {}) const {
+  PlaceHolds holds_under(const State& y, Torque&& torque_of, Driving&& driving, Push&& push = {}) const {
     State dy;
-    Holds<T, kSize> held_still = held();
-    derivative_under(y, dy, torque_of, push, &held_still);
-    std::array<Hold<T>, kPlaces> out;
+    HeldStill<T, kSize> still = held_still();
+    derivative_under(y, dy, torque_of, push, &still);
+    PlaceHolds out;
     for (int i = 0; i < body.joints; ++i) {
       const JointConstants<T>& d = drive[i];
       const SeaState<T> s = joint_state(i, y);
@@ -602,100 +582,19 @@ class BodySystem : public BodyModeOf<kSize, T>::type {
       const auto hold = [&](Side side, const T& moved_by) {
         out[kSides * i + side] = Hold<T>(d.sea, mean_friction(i, side, tau), asymmetry(i, side), moved_by);
       };
-      if (d.rubs[kOutputSide]) hold(kOutputSide, held_still.needed[i]);
+      if (d.rubs[kOutputSide]) hold(kOutputSide, still.needed[i]);
       if (d.rubs[kMotorSide]) hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, driven, tau));
     }
-    Hold<T>& rail = out[kRailPlace];
-    rail.torque = held_still.needed[Holds<T, kSize>::kRail];
-    rail.up = rail.down =
-        rail_friction +
-        rail_load_friction * select(held_still.across_rail < T(0), T(-held_still.across_rail), held_still.across_rail);
+    Hold<T>& rail = out[Friction::kRailPlace];
+    rail.torque = still.needed[HeldStill<T, kSize>::kRail];
+    const T& across = still.across_rail;
+    rail.up = rail.down = rail_friction + rail_load_friction * select(across < T(0), T(-across), across);
     return out;
   }
-  /// Of each place: what a hold has left, forward and back, or the rate of a slip.
-  template <class Time, class G>
-  [[gnu::noinline]] void friction_guards(const Time& t, const State& y, const State& dy,
-                                         integrate::Guards<kGuards, G>& out) const {
-    std::array<Hold<T>, kPlaces> now, next;
-    if (any(some_stuck())) now = holds(t, y), next = holds(Time(t + Time(kApart)), soon(y, dy));
-    guard_places(y, dy, now, next, out);
-  }
-  Lane some_stuck() const {
-    Lane some(false);
-    for (int k = 0; k < kPlaces; ++k)
-      if (rubs_at(k)) some = some | is_stuck(slip_of(k));
-    return some;
-  }
-  template <class G>
-  void guard_places(const State& y, const State& dy, const std::array<Hold<T>, kPlaces>& now,
-                    const std::array<Hold<T>, kPlaces>& next, integrate::Guards<kGuards, G>& out) const {
-    for (int k = 0; k < kPlaces; ++k)
-      if (rubs_at(k))
-        guard_friction(slip_of(k), now[k], next[k], rate_of(k, y), rate_of(k, dy),
-                       [&](int of, const T& value, const T& rate, const Lane& active) {
-                         out.set(kFrictionGuards + kOfPlace * k + of, narrowed<G>(value), narrowed<G>(rate), active);
-                       });
-  }
-  /// What may be stuck is so, where friction holds it.
-  template <class Time>
-  void stand_still(const Time& t, State& y) {
-    for (int k = 0; k < kPlaces; ++k)
-      if (rubs_at(k)) slip_of(k) = 0;
-    hold_or_slip(t, y);
-  }
-  /// A run starts: what moves slips; holds_of(y) as `holds`.
-  template <class HoldsOf>
-  void settle_by(HoldsOf&& holds_of, State& y) {
-    for (int k = 0; k < kPlaces; ++k) {
-      if (!rubs_at(k)) continue;
-      const double v = value_of(rate_of(k, y));
-      slip_of(k) = v > 0 ? 1 : v < 0 ? -1 : 0;
-    }
-    hold_or_slip_by(holds_of, y);
-  }
-  template <class Time>
-  void settle(const Time& t, State& y) {
-    settle_by([&](const State& at) { return holds(t, at); }, y);
-  }
-  template <class Time>
-  void hold_or_slip(const Time& t, State& y) {
-    hold_or_slip_by([&](const State& at) { return holds(t, at); }, y);
-  }
-  /// What is stuck and what friction cannot hold slips, the farthest beyond its hold first. The rest has a rate of 0.
-  template <class HoldsOf>
-  void hold_or_slip_by(HoldsOf&& holds_of, State& y) {
-    if (!rubs) return;
-    for (int n = 0; n < kPlaces && any(some_stuck()); ++n) {
-      const std::array<Hold<T>, kPlaces> hold = holds_of(y);
-      int worst = -1;
-      double most = 0;
-      for (int k = 0; k < kPlaces; ++k) {
-        if (!rubs_at(k) || slip_of(k) != 0) continue;
-        const double left = std::min(value_of(hold[k].left_up()), value_of(hold[k].left_down()));
-        if (left < most) most = left, worst = k;
-      }
-      if (worst < 0) break;
-      slip_of(worst) = breaks_loose(value_of(hold[worst].left_up()), value_of(hold[worst].left_down()));
-    }
-    for (int k = 0; k < kPlaces; ++k)
-      if (rubs_at(k) && slip_of(k) == 0) rest(k, y);
-  }
-  void rest(int place, State& y) const {
-    if (place == kRailPlace) return void(y[kVx] = T(0));
-    const JointPlace& at = body.joint[place / kSides];
-    if (place % kSides == kMotorSide)
-      y[kOmegaM + place / kSides] = T(0);
-    else
-      y[kOmega + at.child] = at.parent < 0 ? T(0) : y[kOmega + at.parent];
-  }
-
   /// Into the mode beyond the zero of a guard. Returns the contact that touches the floor there, or -1.
   int cross(int guard, State& y) {
     if (guard >= kFrictionGuards) {
-      const int place = (guard - kFrictionGuards) / kOfPlace;
-      int& slip = slip_of(place);
-      slip = slip != 0 ? 0 : (guard - kFrictionGuards) % kOfPlace == 0 ? 1 : -1;
-      if (slip == 0) rest(place, y);
+      this->cross_friction(guard - kFrictionGuards, y);
       return -1;
     }
     if (guard >= kJointGuards) {

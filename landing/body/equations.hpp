@@ -298,11 +298,17 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
 /// What dry friction holds still: joints, and behind them the way along the rail; and what each needs to stay so, taken
 /// from the torques and the force along the rail [Nm], [N].
 template <class T, Capacity kSize>
-struct Holds {
+struct HeldStill {
   static constexpr int kRail = kSize.joints, kMost = kRail + 1;
   std::array<typename MaskOf<T>::type, kMost> held{};
   std::array<T, kMost> needed{};
   T across_rail{0};  ///< the rail's force across itself, where its friction follows that [N]
+
+  auto some() const {
+    auto out = held[0];
+    for (int i = 1; i < kMost; ++i) out = out | held[i];
+    return out;
+  }
 
   /// Solves for them, of the accelerations x without them, and takes them: with J the rates of what is held by those of
   /// the state, J (x - M^-1 J' needed) = 0.
@@ -347,12 +353,12 @@ struct Holds {
   }
 };
 
-/// Eq. 1 for a tree: the accelerations under loads (torques of joints within) and gravity (gx, gy); what `holds` holds
+/// Eq. 1 for a tree: the accelerations under loads (torques of joints within) and gravity (gx, gy); what `still` holds
 /// keeps its rate.
 template <class T, Capacity kSize>
 TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p,
                                          const TreeLoads<T, kSize.bodies>& load, const std::array<T, 2>& gravity,
-                                         const T& along_rail, Holds<T, kSize>* holds = nullptr) {
+                                         const T& along_rail, HeldStill<T, kSize>* still = nullptr) {
   const T &gx = gravity[0], &gy = gravity[1];
   std::array<T, MassMatrix<T, kSize>::kMost> right{};
   const int bodies = b.bodies;
@@ -367,8 +373,8 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
     mass.factor(bodies + 1), mass.solve(bodies + 1, right);
   else
     mass.factor(bodies), mass.solve(bodies, right);
-  if (holds) [[unlikely]]
-    holds->take(b, mass, b.base == Base::kRail ? bodies + 1 : bodies, right);
+  if (still) [[unlikely]]
+    still->take(b, mass, b.base == Base::kRail ? bodies + 1 : bodies, right);
   TreeAccelerations<T, kSize.bodies> out;
   for (int j = 0; j < bodies; ++j) out.alpha[j] = right[j];
   if (b.base == Base::kFree)

@@ -139,7 +139,7 @@ class DrivenRun {
       for (int j = 0; j < system_.body.bodies; ++j) still[System::kTheta + j] = y_[System::kTheta + j];
       std::array<double, 2> acc{};
       for (const double torque : {0.0, 1.0}) {
-        Holds<double, kSize> none;
+        HeldStill<double, kSize> none;
         system_.derivative_under(
             still, dy, [&](int k, double*) { return k == i ? torque : 0.0; }, {}, &none);
         const JointPlace& at = system_.body.joint[i];
@@ -325,9 +325,9 @@ class DrivenRun {
     const auto acc = system_.accelerations_of(out.dy);
     system_.contact_guards(pose, acc, y, out.dy, out.guard);
     if (!system_.rubs) return out;
-    std::array<Hold<double>, System::kPlaces> hold;
+    typename System::PlaceHolds hold;
     if (system_.some_stuck()) hold = holds(t, y);
-    system_.guard_places(y, out.dy, hold, hold, out.guard);
+    system_.guard_places(System::kFrictionGuards, y, out.dy, hold, hold, out.guard);
     return out;
   }
   /// n steps; where the mode of a contact or of dry friction ends within one, it goes on from there in the next mode.

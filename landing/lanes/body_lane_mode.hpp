@@ -21,8 +21,8 @@ const Mask<W>& slides_back(const LanePoint<W>& m) {
 
 template <int W>
 struct LaneJoint {
-  LaneSaturation<W> saturation;
-  std::array<LaneSlip<W>, kSides> slip;
+  LaneSign<W> saturation;
+  std::array<LaneSign<W>, kSides> slip;
   LanePhase<W> phase;
 };
 
@@ -30,7 +30,7 @@ template <Capacity kSize, int W>
 struct BodyLaneMode {
   std::array<LanePoint<W>, kSize.contacts> contact{};
   std::array<LaneJoint<W>, kSize.joints> joint{};
-  LaneSlip<W> rail_slip{};
+  LaneSign<W> rail_slip{};
 
   void set_lane(int i, const BodyMode<kSize>& m) {
     for (std::size_t k = 0; k < contact.size(); ++k) {
@@ -42,7 +42,7 @@ struct BodyLaneMode {
     for (std::size_t k = 0; k < joint.size(); ++k) {
       LaneJoint<W>& j = joint[k];
       const JointMode& from = m.joint[k];
-      j.saturation.upper.set(i, at_upper(from.saturation)), j.saturation.lower.set(i, at_lower(from.saturation));
+      j.saturation.set(i, from.saturation);
       for (std::size_t side = 0; side < kSides; ++side) j.slip[side].set(i, from.slip[side]);
       j.phase.moving.set(i, moving(from.phase)), j.phase.after.set(i, after(from.phase));
     }

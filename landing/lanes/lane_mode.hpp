@@ -6,36 +6,33 @@
 
 namespace ukemi {
 
+/// A sign of every lane: on which side a torque is limited, in which direction a place with dry friction slips.
 template <int W>
-struct LaneSaturation {
-  Mask<W> upper, lower;
+struct LaneSign {
+  Mask<W> positive, negative;
+  int operator[](int i) const { return int(positive[i]) - int(negative[i]); }
+  void set(int i, int sign) { positive.set(i, sign > 0), negative.set(i, sign < 0); }
 };
 template <int W>
-const Mask<W>& at_upper(const LaneSaturation<W>& s) {
-  return s.upper;
+const Mask<W>& at_upper(const LaneSign<W>& saturation) {
+  return saturation.positive;
 }
 template <int W>
-const Mask<W>& at_lower(const LaneSaturation<W>& s) {
-  return s.lower;
+const Mask<W>& at_lower(const LaneSign<W>& saturation) {
+  return saturation.negative;
+}
+template <int W>
+const Mask<W>& slips_forward(const LaneSign<W>& slip) {
+  return slip.positive;
+}
+template <int W>
+const Mask<W>& slips_back(const LaneSign<W>& slip) {
+  return slip.negative;
 }
 
 }  // namespace ukemi
 
 namespace ukemi::landing {
-
-template <int W>
-struct LaneSlip {
-  Mask<W> forward, back;
-  void set(int i, int slip) { forward.set(i, slip > 0), back.set(i, slip < 0); }
-};
-template <int W>
-const Mask<W>& slips_forward(const LaneSlip<W>& s) {
-  return s.forward;
-}
-template <int W>
-const Mask<W>& slips_back(const LaneSlip<W>& s) {
-  return s.back;
-}
 
 template <int W>
 struct LaneContact {
@@ -66,8 +63,8 @@ const Mask<W>& after(const LanePhase<W>& p) {
 template <int W>
 struct LaneMode {
   std::array<LaneContact<W>, kPoints> contact{};
-  LaneSaturation<W> saturation{};
-  std::array<LaneSlip<W>, kSides> slip{};
+  LaneSign<W> saturation{};
+  std::array<LaneSign<W>, kSides> slip{};
   LanePhase<W> phase{};
 
   /// One lane of it as a mode, and back.
@@ -77,15 +74,15 @@ struct LaneMode {
       m.contact[j] = !contact[j].below[i]    ? Contact::kClear
                      : contact[j].pressed[i] ? Contact::kPressed
                                              : Contact::kLoose;
-    m.saturation = int(saturation.upper[i]) - int(saturation.lower[i]);
-    for (std::size_t j = 0; j < kSides; ++j) m.slip[j] = int(slip[j].forward[i]) - int(slip[j].back[i]);
+    m.saturation = saturation[i];
+    for (std::size_t j = 0; j < kSides; ++j) m.slip[j] = slip[j][i];
     m.phase = phase.moving[i] ? Phase::kMoving : phase.after[i] ? Phase::kAfter : Phase::kBefore;
     return m;
   }
   void set_lane(int i, const Mode& m) {
     for (std::size_t j = 0; j < kPoints; ++j)
       contact[j].below.set(i, below(m.contact[j])), contact[j].pressed.set(i, pressed(m.contact[j]));
-    saturation.upper.set(i, at_upper(m.saturation)), saturation.lower.set(i, at_lower(m.saturation));
+    saturation.set(i, m.saturation);
     for (std::size_t j = 0; j < kSides; ++j) slip[j].set(i, m.slip[j]);
     phase.moving.set(i, moving(m.phase)), phase.after.set(i, after(m.phase));
   }

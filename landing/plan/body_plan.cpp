@@ -412,10 +412,6 @@ class BodySearch {
   long spent_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 /// Of a deadline, for the fresh drops that tell the share of those that keep the limits.
 constexpr double kForFresh = 0.1;
 

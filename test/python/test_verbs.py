@@ -130,11 +130,16 @@ def test_trade(hopper, tmp_path):
             ukemi.trade(hopper, wrong)
 
 
+def hopper_with_a_rated_knee(folder, rating):
+    hopper = pathlib.Path(HOPPER)
+    path = folder / "scene.toml"
+    path.write_text(hopper.read_text().replace("../robots", str(hopper.parents[1] / "robots"))
+                    + f'\n[[load]]\nname = "knee"\nkind = "torque"\njoint = "knee"\nrating = {rating}\n')
+    return path
+
+
 def test_loads_and_designs(tmp_path):
-    text = pathlib.Path(ukemi.dataset("scenes/hopper.toml")).read_text()
-    path = tmp_path / "scene.toml"
-    path.write_text(text.replace("../robots", str(pathlib.Path(ukemi.dataset("scenes/hopper.toml")).parents[1] / "robots"))
-                    + '\n[[load]]\nname = "knee"\nkind = "torque"\njoint = "knee"\nrating = 12\n')
+    path = hopper_with_a_rated_knee(tmp_path, 12)
     scene = ukemi.read_robot_scene(path)
     assert scene.loads == {"knee": {"kind": "torque", "of": "knee", "rating": 12, "unit": "Nm", "limit": False}}
     landing = ukemi.simulate(scene, scene.held())
@@ -157,10 +162,7 @@ def test_loads_and_designs(tmp_path):
 
 
 def test_limits_of_plans_and_risk(tmp_path):
-    text = pathlib.Path(ukemi.dataset("scenes/hopper.toml")).read_text()
-    path = tmp_path / "scene.toml"
-    path.write_text(text.replace("../robots", str(pathlib.Path(ukemi.dataset("scenes/hopper.toml")).parents[1] / "robots"))
-                    + '\n[[load]]\nname = "knee"\nkind = "torque"\njoint = "knee"\nrating = 8\n')
+    path = hopper_with_a_rated_knee(tmp_path, 8)
     scene = ukemi.read_robot_scene(path)
     asked = dict(robust="mean", scatter="height=0.02", samples=16, evaluations=1500, forbid=["slider"])
     plan = ukemi.optimize(scene, share=0.9, **asked)
