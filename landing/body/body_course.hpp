@@ -51,6 +51,7 @@ class BodyCourse {
   bool driven(int i) const { return joint_of(i).driven(); }
   bool touched() const { return first_touchdown_ < kNever; }
   double first_touchdown() const { return first_touchdown_; }
+  int first_contact() const { return first_contact_; }
   /// The landing motions still wait for their start.
   bool waits() const { return detected_ < kNever; }
   /// Where the run ends at the latest [s], and whether that moves with the first touchdown.
@@ -149,7 +150,7 @@ class BodyCourse {
     out.surface = event < System::kJointGuards && event % System::kOfContact == System::kSurface &&
                   !system.is_stop(event / System::kOfContact);
     if (out.touched < 0 || touched()) return out;
-    first_touchdown_ = value_of(t);
+    first_touchdown_ = value_of(t), first_contact_ = out.touched;
     if (!scene_.t_end) limit_ = first_touchdown_ + Scene::kFollow;
     detected_ = first_touchdown_ + scene_.detection_delay;
     out.lands = scene_.detection_delay == 0;
@@ -245,6 +246,7 @@ class BodyCourse {
   const BodyScene& scene_;
   std::array<double, kSize.joints> air_{}, end_{};
   double limit_ = kNever, first_touchdown_ = kNever, detected_ = kNever, longest_ = kNever;
+  int first_contact_ = -1;
 };
 
 }  // namespace ukemi::landing

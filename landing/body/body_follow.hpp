@@ -46,7 +46,7 @@ class BodyFollower {
     for (long n = 0; !end; ++n) end = advance(driver, n);
     out_.end = *end, out_.t_end = t_, out_.work = driver.counters();
     out_.peak = std::sqrt(peak_.square), out_.t_peak = peak_.t;
-    out_.first_touchdown = course_.first_touchdown();
+    out_.first_touchdown = course_.first_touchdown(), out_.first_contact = course_.first_contact();
     const State& last = driver.state();
     const bool free = scene_.robot.base == Base::kFree;
     out_.base = {last[System::kX], free ? last[System::kY] : 0},

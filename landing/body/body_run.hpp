@@ -39,13 +39,13 @@ struct LoadPeak {
   double value = 0, t = 0;  ///< of a load, the largest of a run, and when [s]
 };
 
-/// A landing, with everything that a report needs. What only the long form has is empty where peak_acceleration made
-/// it: touches, peaks, demands, trajectory, energy_residual.
+/// A landing. Empty where peak_acceleration made it: touches, peaks, demands, trajectory, energy_residual.
 struct BodyLanding : RunEnd {
   double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
-  BrokenLimit broken;                                                ///< which limit, if any
-  std::vector<LoadPeak> loads;                                       ///< of BodyScene::loads
-  std::vector<Touch> touches;                                        ///< in their order
+  int first_contact = -1;                 ///< of Robot::contacts, which touches then; -1: none
+  BrokenLimit broken;                     ///< which limit, if any
+  std::vector<LoadPeak> loads;            ///< of BodyScene::loads
+  std::vector<Touch> touches;             ///< in their order
   std::vector<Peak> peaks;                ///< between touchdowns, chatter left out; point: of Robot::contacts
   std::vector<JointDemands> demands;      ///< of Robot::joints
   std::vector<BodySample> trajectory;     ///< empty unless a rate was given

@@ -92,7 +92,8 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       BodyLanding& out = out_[i];
       if (end == End::kFailed) out.failure = Failure::kSteps;
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(peak_.square[i]), out.t_peak = peak_.t[i];
-      out.first_touchdown = course_[i]->first_touchdown(), out.work.steps = long(steps_[i]);
+      out.first_touchdown = course_[i]->first_touchdown(), out.first_contact = course_[i]->first_contact();
+      out.work.steps = long(steps_[i]);
       const Values y = values(i);
       const bool free = case_[i].scene->robot.base == Base::kFree;
       out.base = {y[System::kX], free ? y[System::kY] : 0}, out.speed = {y[System::kVx], free ? y[System::kVy] : 0};

@@ -28,6 +28,7 @@ bool Valuation::next(BodyBatchCase& c) {
 
 void Valuation::done(const BodyLanding& l) {
   const bool counts = drop_ < goal_->counted, last = drop_ + 1 == goal_->drops.size();
+  if (drop_ == 0) first_contact_ = l.first_contact;
   ++played_, ++drop_;
   if (no_landing(l.end) || (l.broken && ++broken_ > goal_->may_break())) return settle(kNoMotion);
   if (counts) {

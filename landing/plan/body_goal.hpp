@@ -38,6 +38,8 @@ class Valuation {
   void done(const BodyLanding& landing);
   double value() const { return value_; }
   long played() const { return played_; }
+  /// Which contact touches first, in the first drop; -1: none, or it was not played.
+  int first_contact() const { return first_contact_; }
 
  private:
   void settle(double value) { value_ = value, over_ = true; }
@@ -48,6 +50,7 @@ class Valuation {
   std::vector<double> peaks_;
   std::size_t drop_ = 0;
   long played_ = 0, broken_ = 0;
+  int first_contact_ = -1;
   bool over_ = false;
 };
 /// Plays them, side by side in lanes and threads (0: all cores); the results do not depend on how many there are. What

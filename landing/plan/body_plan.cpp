@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "common/checks.hpp"
@@ -45,6 +46,55 @@ void BodyPlanOptions::validate() const {
 
 namespace {
 
+/// The best few of every contact that may touch first, apart from one another. A landing on the foot and one on the
+/// knee are far apart, and what lies between them is worse than both: each is searched for itself, or the wider one
+/// hides the other.
+class ByFirstContact {
+ public:
+  ByFirstContact(std::size_t most, double apart) : most_(most), apart_(apart) {}
+  void clear() { of_contact_.clear(); }
+  bool empty() const { return of_contact_.empty(); }
+  void add(const Candidate& p) {
+    const auto same = [&](const Archive& a) { return a[0].first_contact == p.first_contact; };
+    auto at = std::find_if(of_contact_.begin(), of_contact_.end(), same);
+    if (at == of_contact_.end()) at = of_contact_.insert(at, Archive(most_, apart_));
+    at->add(p);
+    for (; at != of_contact_.begin() && at->lowest() < (at - 1)->lowest(); --at) std::swap(*at, *(at - 1));
+  }
+  /// One of the best of a contact that has good ones: of the best contact as often as of all others.
+  const Candidate& draw(Random& r, std::size_t most = Archive::kMost) const {
+    const int n = int(good());
+    const Archive& of = of_contact_[n == 1 || r.uniform() < 0.5 ? 0 : std::size_t(random_index(r, n))];
+    return of[low_index(r, std::min(most, of.size()))];
+  }
+  /// What is no better is neither taken of a contact that has good ones, nor a good one of another.
+  double bound() const {
+    double out = 0;
+    for (std::size_t i = 0; i < good(); ++i) out = std::max(out, of_contact_[i].bound());
+    return empty() ? kNoMotion : std::min(out, kGood * of_contact_[0].lowest());
+  }
+  /// So many of each contact that has good ones, the best of all first.
+  std::vector<Candidate> best(std::size_t most = Archive::kMost) const {
+    std::vector<Candidate> out;
+    for (std::size_t i = 0; i < good(); ++i)
+      out.insert(out.end(), of_contact_[i].begin(), of_contact_[i].begin() + std::min(most, of_contact_[i].size()));
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+ private:
+  static constexpr double kGood = 2;  ///< times the best value
+  /// The first so many contacts have good ones.
+  std::size_t good() const {
+    const auto bad = [&](const Archive& a) { return a.lowest() > kGood * of_contact_[0].lowest(); };
+    return std::size_t(std::find_if(of_contact_.begin(), of_contact_.end(), bad) - of_contact_.begin());
+  }
+
+  std::size_t most_;
+  double apart_;
+  std::vector<Archive> of_contact_;  ///< the one with the best first
+};
+
 /// The search's state: what was spent, the best few so far.
 class BodySearch {
  public:
@@ -67,8 +117,8 @@ class BodySearch {
         evaluate(std::span(&start, 1));
         if (start.value < kNoMotion && !over()) close_in(start, kNarrow, kRough);
       }
-      const Archive first = starts_;
-      for (std::size_t i = 0; i < std::min(kRuns, first.size()) && !over(); ++i) close_in(first[i], kNarrow, kRough);
+      for (const Candidate& start : starts_.best(kRuns))
+        if (!over()) close_in(start, kNarrow, kRough);
     }
     const double known = goal_ == &final_ && !final_.single() ? 0.7 : 0.35;  // how often beside what is known
     while (!over()) {
@@ -93,7 +143,7 @@ class BodySearch {
     if (options_.measure)  // the mean of a few: the deepest place of one drop is often a cliff
       first_look = {{}, {final_.drops.begin(), final_.drops.begin() + long(std::min(kFewDrops, final_.drops.size()))}};
     if (final_.counted > 1) {
-      goal_ = &first_look, best_.clear();
+      goal_ = &first_look, best_.clear(), lowest_.clear();
       descend();
       judge_anew();
     }
@@ -103,17 +153,17 @@ class BodySearch {
   }
 
  private:
-  static constexpr std::size_t kContenders = 16;         // of the best that lie apart, so many are remembered
-  static constexpr double kApart = 0.03;                 // in parts of the box
-  static constexpr double kNarrow = 0.05;                // a distribution's first width beside a good place
-  static constexpr double kReserve = 4;                  // accurate landings that a deadline keeps back
-  static constexpr double kMostReserved = 0.4;           // of the deadline, for judging
-  static constexpr double kSlower = 2;                   // at most, than the held posture, is a motion judged
-  static constexpr double kFirstLook = 0.35;             // of the budget: on the scene's own drop
-  static constexpr std::size_t kFewDrops = 8;            // of the first look under scatter
-  static constexpr std::size_t kJudged = 5;              // of the best, where many drops judge
-  static constexpr std::size_t kStarts = 12, kRuns = 3;  // places that scouts keep; that are searched from at first
-  static constexpr std::size_t kBasins = 8;
+  static constexpr std::size_t kContenders = 16;  // of the best that lie apart, so many are remembered
+  static constexpr double kApart = 0.03;          // in parts of the box
+  static constexpr double kNarrow = 0.05;         // a distribution's first width beside a good place
+  static constexpr double kReserve = 4;           // accurate landings that a deadline keeps back
+  static constexpr double kMostReserved = 0.4;    // of the deadline, for judging
+  static constexpr double kSlower = 2;            // at most, than the held posture, is a motion judged
+  static constexpr double kFirstLook = 0.35;      // of the budget: on the scene's own drop
+  static constexpr std::size_t kFewDrops = 8;     // of the first look under scatter
+  static constexpr std::size_t kJudged = 5;       // of the best, where many drops judge
+  // Of each contact that touches first: places that scouts keep; that are searched from at first; where runs end.
+  static constexpr std::size_t kStarts = 12, kRuns = 3, kBasins = 8;
   static constexpr double kStartsApart = 0.1, kBasinsApart = 0.2;
   static constexpr double kPlain = 0.5;                                // of the scouts, without shape terms and gains
   static constexpr long kFirst = 96, kMostScouts = 1'500, kRace = 64;  // motions of the scouts
@@ -221,7 +271,8 @@ class BodySearch {
     for (Candidate& p : points) p.value = kNoMotion;
     std::vector<Valuation> motions = valuations(*goal_, points.first(allowed));
     play(motions, scene_.robot, kSearchAccuracy, options_.threads, &stop);
-    for (std::size_t i = 0; i < allowed; ++i) points[i].value = motions[i].value();
+    for (std::size_t i = 0; i < allowed; ++i)
+      points[i].value = motions[i].value(), points[i].first_contact = motions[i].first_contact();
     if (goal_->single() && !judge_.single() && scene_.limited()) check_limits(points.first(allowed), stop);
     for (std::size_t i = 0; i < allowed; ++i) {
       spent_ += options_.measure ? motions[i].played() : 1;
@@ -251,6 +302,13 @@ class BodySearch {
     if (goal_ == &final_ && (best_.empty() || p.value < best_[0].value))
       out_.progress.push_back({spent_, watch_.seconds(), p.value});
     best_.add(p);
+    double& lowest = lowest_.try_emplace(p.first_contact, kNoMotion).first->second;
+    lowest = std::min(lowest, p.value);
+  }
+  /// The lowest value of what touches first with the same contact.
+  double lowest_like(const Candidate& p) const {
+    const auto at = lowest_.find(p.first_contact);
+    return at == lowest_.end() ? kNoMotion : at->second;
   }
 
   /// Motions from anywhere, and beside the best of those before; each followed only while it may be a start.
@@ -262,8 +320,7 @@ class BodySearch {
       for (Candidate& p : batch) {
         p = starts_.empty() || random_.uniform() < anywhere
                 ? point_of(random_, space_.variables(), kPlain)
-                : beside(starts_[low_index(random_, starts_.size())], std::pow(10.0, -random_.uniform(0.5, 1.5)),
-                         random_);
+                : beside(starts_.draw(random_), std::pow(10.0, -random_.uniform(0.5, 1.5)), random_);
         p.bound = bound;
       }
       evaluate(batch);
@@ -273,7 +330,7 @@ class BodySearch {
   }
   /// A distribution that finds its way down from a place, until it has gathered, stands still or falls behind.
   void close_in(const Candidate& start, double size, const Enough& enough) {
-    constexpr double kBound = 1.3, kBehind = 1.6, kForgives = 0.97;
+    constexpr double kBound = 1.3, kBehind = 0.6, kForgives = 0.97;
     constexpr int kFree = 8, kPoints = 14;
     const int patience = 10 + 2 * space_.dimension();
     CovarianceAdaptation distribution;
@@ -293,9 +350,7 @@ class BodySearch {
       distribution.learn(points);
       still = best.value < milestone * (1 - enough.better) ? 0 : still + 1;
       if (still == 0) milestone = best.value;
-      if (n > kFree && !best_.empty() &&
-          best.value > best_[0].value * (1 + (kBehind - 1) * std::pow(kForgives, n - kFree)))
-        break;
+      if (n > kFree && best.value > lowest_like(best) * (1 + kBehind * std::pow(kForgives, n - kFree))) break;
     }
     basins_.add(best);
   }
@@ -318,20 +373,20 @@ class BodySearch {
   long cost_of_gradient() const { return 10 * ((space_.dimension() + 7) / 8); }
   void start_beside_a_basin() {
     const double size = std::pow(10.0, -random_.uniform(0.7, 2));
-    close_in(beside(basins_[low_index(random_, basins_.size())], size, random_), size, kRough);
+    close_in(beside(basins_.draw(random_), size, random_), size, kRough);
   }
   void start_anywhere() {
     scout(kRace, 1);
-    if (!starts_.empty())
-      close_in(Candidate(starts_[low_index(random_, std::min(kRuns, starts_.size()))]), kNarrow, kRough);
+    if (!starts_.empty()) close_in(Candidate(starts_.draw(random_, kRuns)), kNarrow, kRough);
   }
 
   /// What the first look found, by the goal.
   void judge_anew() {
     std::vector<Candidate> known(best_.begin(), best_.end());
     if (!known.empty()) first_look_ = known[0];
-    known.insert(known.end(), basins_.begin(), basins_.end());
-    best_.clear(), basins_.clear(), starts_.clear();
+    const std::vector<Candidate> basins = basins_.best();
+    known.insert(known.end(), basins.begin(), basins.end());
+    best_.clear(), lowest_.clear(), basins_.clear(), starts_.clear();
     goal_ = &final_;
     for (Candidate& p : known) p.bound = kNoMotion;
     const auto batch = std::size_t(kBatch);
@@ -402,7 +457,9 @@ class BodySearch {
   BodyGoal final_, judge_;          ///< what is searched for; what the best few are judged by
   const BodyGoal* goal_ = &final_;  ///< what motions are tried by now
   Random random_;
-  Archive best_{kContenders, kApart}, starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
+  Archive best_{kContenders, kApart};
+  ByFirstContact starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
+  std::map<int, double> lowest_;  ///< see lowest_like
   Stopwatch watch_{Stopwatch::Time::kWall};
   Coordinates refined_;                  ///< the last place that gradients were followed from
   std::optional<Candidate> first_look_;  ///< what it found, by its own goal

@@ -41,6 +41,7 @@ struct Candidate {
   std::array<double, kScatteredStages> early{};
   int worst = -1;  ///< which point of the execution box gave the value, and is tried first next time; -1: not known
   int played = 0, broken = 0;  ///< under scatter: the drops of the value, and those of them that broke a limit
+  int first_contact = -1;      ///< of a robot of links: which contact touches first in its first drop
   bool operator<(const Candidate& o) const { return value < o.value; }
 };
 

@@ -49,6 +49,7 @@ Played in_lanes(const BodyScene& scene, const std::vector<BodyMotion>& motions, 
     const BodyLanding& l = out.landings[k];
     CHECK(l.end == one.end);
     CHECK(l.first_touchdown == Approx(one.first_touchdown).epsilon(1e-6));
+    CHECK(l.first_contact == one.first_contact);
     out.off += !(std::abs(l.peak / one.peak - 1) < 1e-3);
   }
   return out;

@@ -119,11 +119,10 @@ TEST_CASE("sticking: what is held needs the torques that would hold it: random t
     robot.rail_friction = base == Base::kRail ? 1 : 0;
     System s(robot, 0);
     State y = random_state(r, robot);
-    for (int k = 0; k < System::kPlaces; ++k)
-      if (s.rubs_at(k) && r.uniform() < 0.6)
-        s.rest(k, y);
-      else
-        s.slip_of(k) = 1;
+    for (int k = 0; k < System::kPlaces; ++k) {
+      s.slip_of(k) = 1;
+      if (s.rubs_at(k) && r.uniform() < 0.6) s.cross_friction(System::kOfPlace * k, y);
+    }
     INFO("draw " << i);
     const auto hold = s.holds(0.0, y);
     const State held = s.derivative(0, y);

@@ -62,9 +62,9 @@ struct Carry<Landing> : OnBase<Landing, LandingPeak, &Landing::touches, &Landing
                                &Landing::demands, &Landing::energy_residual> {};
 template <>
 struct Carry<BodyLanding>
-    : OnBase<BodyLanding, RunEnd, &BodyLanding::first_touchdown, &BodyLanding::broken, &BodyLanding::loads,
-             &BodyLanding::touches, &BodyLanding::peaks, &BodyLanding::demands, &BodyLanding::trajectory,
-             &BodyLanding::energy_residual, &BodyLanding::base, &BodyLanding::speed> {};
+    : OnBase<BodyLanding, RunEnd, &BodyLanding::first_touchdown, &BodyLanding::first_contact, &BodyLanding::broken,
+             &BodyLanding::loads, &BodyLanding::touches, &BodyLanding::peaks, &BodyLanding::demands,
+             &BodyLanding::trajectory, &BodyLanding::energy_residual, &BodyLanding::base, &BodyLanding::speed> {};
 template <>
 struct Carry<Risk> : OnBase<Risk, PeakRisk, &Risk::worst> {};
 template <>
