@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 
 #include "common/checks.hpp"
@@ -55,11 +54,16 @@ class ByFirstContact {
   void clear() { of_contact_.clear(); }
   bool empty() const { return of_contact_.empty(); }
   void add(const Candidate& p) {
-    const auto same = [&](const Archive& a) { return a[0].first_contact == p.first_contact; };
-    auto at = std::find_if(of_contact_.begin(), of_contact_.end(), same);
-    if (at == of_contact_.end()) at = of_contact_.insert(at, Archive(most_, apart_));
-    at->add(p);
-    for (; at != of_contact_.begin() && at->lowest() < (at - 1)->lowest(); --at) std::swap(*at, *(at - 1));
+    std::size_t at = place(p);
+    if (at == of_contact_.size()) of_contact_.emplace_back(most_, apart_);
+    of_contact_[at].add(p);
+    for (; at > 0 && of_contact_[at].lowest() < of_contact_[at - 1].lowest(); --at)
+      std::swap(of_contact_[at], of_contact_[at - 1]);
+  }
+  /// The lowest value of the contact that touches first as in p; kNoMotion where there is none.
+  double lowest(const Candidate& p) const {
+    const std::size_t at = place(p);
+    return at < of_contact_.size() ? of_contact_[at].lowest() : kNoMotion;
   }
   /// One of the best of a contact that has good ones: of the best contact as often as of all others.
   const Candidate& draw(Random& r, std::size_t most = Archive::kMost) const {
@@ -84,6 +88,11 @@ class ByFirstContact {
 
  private:
   static constexpr double kGood = 2;  ///< times the best value
+  /// Of the contact that touches first as in p; the size where it is not known.
+  std::size_t place(const Candidate& p) const {
+    const auto same = [&](const Archive& a) { return a[0].first_contact == p.first_contact; };
+    return std::size_t(std::find_if(of_contact_.begin(), of_contact_.end(), same) - of_contact_.begin());
+  }
   /// The first so many contacts have good ones.
   std::size_t good() const {
     const auto bad = [&](const Archive& a) { return a.lowest() > kGood * of_contact_[0].lowest(); };
@@ -242,6 +251,7 @@ class BodySearch {
     Random random(options_.seed);
     const BodyGoal own = own_drop(scene_);
     const Archive known = best_;
+    const ByFirstContact known_lowest = lowest_;
     Archive best(kBest, kApart);
     std::vector<Candidate> postures(many ? kMany : kFew);
     goal_ = &own;
@@ -258,7 +268,7 @@ class BodySearch {
     std::vector<Candidate> judged(best.begin(), best.end());
     for (Candidate& p : judged) p.bound = kNoMotion;
     evaluate(judged);
-    best_ = known;  // no run is given up for being worse than a posture
+    best_ = known, lowest_ = known_lowest;  // no run is given up for being worse than a posture
     const auto lowest = std::min_element(judged.begin(), judged.end());
     if (lowest != judged.end() && lowest->value < kNoMotion && !late()) offer(*lowest);
   }
@@ -301,14 +311,7 @@ class BodySearch {
   void keep(const Candidate& p) {
     if (goal_ == &final_ && (best_.empty() || p.value < best_[0].value))
       out_.progress.push_back({spent_, watch_.seconds(), p.value});
-    best_.add(p);
-    double& lowest = lowest_.try_emplace(p.first_contact, kNoMotion).first->second;
-    lowest = std::min(lowest, p.value);
-  }
-  /// The lowest value of what touches first with the same contact.
-  double lowest_like(const Candidate& p) const {
-    const auto at = lowest_.find(p.first_contact);
-    return at == lowest_.end() ? kNoMotion : at->second;
+    best_.add(p), lowest_.add(p);
   }
 
   /// Motions from anywhere, and beside the best of those before; each followed only while it may be a start.
@@ -350,7 +353,7 @@ class BodySearch {
       distribution.learn(points);
       still = best.value < milestone * (1 - enough.better) ? 0 : still + 1;
       if (still == 0) milestone = best.value;
-      if (n > kFree && best.value > lowest_like(best) * (1 + kBehind * std::pow(kForgives, n - kFree))) break;
+      if (n > kFree && best.value > lowest_.lowest(best) * (1 + kBehind * std::pow(kForgives, n - kFree))) break;
     }
     basins_.add(best);
   }
@@ -458,8 +461,7 @@ class BodySearch {
   const BodyGoal* goal_ = &final_;  ///< what motions are tried by now
   Random random_;
   Archive best_{kContenders, kApart};
-  ByFirstContact starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart};
-  std::map<int, double> lowest_;  ///< see lowest_like
+  ByFirstContact starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart}, lowest_{1, 0};
   Stopwatch watch_{Stopwatch::Time::kWall};
   Coordinates refined_;                  ///< the last place that gradients were followed from
   std::optional<Candidate> first_look_;  ///< what it found, by its own goal

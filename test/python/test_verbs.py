@@ -130,11 +130,15 @@ def test_trade(hopper, tmp_path):
             ukemi.trade(hopper, wrong)
 
 
-def hopper_with_a_rated_knee(folder, rating):
+def hopper_text():
+    """The scene, to be written anywhere."""
     hopper = pathlib.Path(HOPPER)
+    return hopper.read_text().replace("../robots", str(hopper.parents[1] / "robots"))
+
+
+def hopper_with_a_rated_knee(folder, rating):
     path = folder / "scene.toml"
-    path.write_text(hopper.read_text().replace("../robots", str(hopper.parents[1] / "robots"))
-                    + f'\n[[load]]\nname = "knee"\nkind = "torque"\njoint = "knee"\nrating = {rating}\n')
+    path.write_text(hopper_text() + f'\n[[load]]\nname = "knee"\nkind = "torque"\njoint = "knee"\nrating = {rating}\n')
     return path
 
 
@@ -336,7 +340,7 @@ def test_compare_of_links(tmp_path):
             assert m["peaks"][name] == pytest.approx(ukemi.simulate(scene, m["motions"]).peak, rel=1e-9)
     assert [p["value"] for p in found.plans] == [p["promised"] for p in told["plans"]] and len(found.plans) == 3
     assert found.plans[2]["truth"].mean.value == told["plans"][2]["truth"]["mean"]
-    text = pathlib.Path(HOPPER).read_text().replace("../robots", str(pathlib.Path(HOPPER).parent.parent / "robots"))
+    text = hopper_text()
     narrow = tmp_path / "narrow.toml"
     narrow.write_text(text.replace("-150", "-120"))
     assert narrow.read_text() != text
